@@ -10,18 +10,20 @@
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
+#include <memory>
 
 #include "base/errors.hpp"
 #include "base/units/quantity.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "results/text/columns.hpp"
-#include "session/common_options.hpp"
 #include "session/diagnostics.hpp"
 #include "session/model.hpp"
 
 namespace straytrace {
 namespace {
 
-struct AperturesRequest {
+struct AperturesOptions : SceneOptions {
   std::string profile, distance;
   std::size_t show = 12, points = 41;
 };
@@ -117,7 +119,7 @@ double distance_of(std::string const& text) {
 }
 
 // The Fresnel integral is done for round beams and rims across them.
-double checked_distance(Named const& n, AperturesRequest const& wanted) {
+double checked_distance(Named const& n, AperturesOptions const& wanted) {
   double const z = distance_of(wanted.distance);
   BeamAperture const& a = n.aperture;
   if (!a.across)
@@ -136,7 +138,7 @@ double paraxial_beyond(BeamAperture const& a) {
 }
 
 // Intensity across the beam behind the rim, and the same without it, over that on the axis in the plane of the rim.
-void print_profile(Named const& n, AperturesRequest const& wanted, bool json) {
+void print_profile(Named const& n, AperturesOptions const& wanted, bool json) {
   double const z = checked_distance(n, wanted);
   BeamInPlane const& beam = n.aperture.at;
   double const size = 1 / std::abs(free_field(beam, z, 0, 0));  // w there over w at the rim
@@ -173,12 +175,12 @@ void print_profile(Named const& n, AperturesRequest const& wanted, bool json) {
     std::cout << fmt::format("{:.6e} {:.9e} {:.9e}\n", x[i], with[i], without[i]);
 }
 
-int apertures(Options const& options, AperturesRequest const& wanted) {
+int apertures(AperturesOptions const& options) {
   Model const model = read_model(options.input, options.overrides);
   print_warnings(model.scene, options);
   std::vector<Named> const all = named_apertures(model);
-  if (!wanted.profile.empty()) {
-    print_profile(chosen(all, wanted.profile), wanted, options.json());
+  if (!options.profile.empty()) {
+    print_profile(chosen(all, options.profile), options, options.json());
   } else if (options.json()) {
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
     for (Named const& n : all) out.push_back(json_of(n));
@@ -186,32 +188,32 @@ int apertures(Options const& options, AperturesRequest const& wanted) {
   } else if (all.empty()) {
     std::cout << "No Gaussian beam of the scene passes a rim.\n";
   } else {
-    print_table(all, wanted.show);
+    print_table(all, options.show);
   }
   return done;
 }
 
 }  // namespace
 
-void add_apertures(CLI::App& app, Options& options, int& exit_code) {
+void add_apertures(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<AperturesOptions>();
+  AperturesOptions& o = *options;
   auto* const command =
       app.add_subcommand("apertures", "Show what the clear apertures along the beams clip, and the light behind them.");
-  static AperturesRequest wanted;
-  add_scene_options(*command, options);
-  command->add_option("--show", wanted.show, "rows")->check(whole_between(1, 1e6, "20"));
+  add_scene_options(*command, o);
+  command->add_option("--show", o.show, "rows")->check(whole_between(1, 1e6, "20"));
   auto* const profile =
-      command->add_option("--profile", wanted.profile, "intensity across the beam behind a rim of this entry");
-  command->add_option("--distance", wanted.distance, "of --profile, behind the rim, for example \"10 m\"")
-      ->needs(profile);
-  command->add_option("--points", wanted.points, "of --profile")->check(CLI::Range(3, 100001));
+      command->add_option("--profile", o.profile, "intensity across the beam behind a rim of this entry");
+  command->add_option("--distance", o.distance, "of --profile, behind the rim, for example \"10 m\"")->needs(profile);
+  command->add_option("--points", o.points, "of --profile")->check(CLI::Range(3, 100001));
   command->footer(
       "Examples:\n"
       "  straytrace apertures examples/virgo_arm.yaml\n"
       "  straytrace apertures examples/virgo_arm.yaml --profile ETM --distance \"500 m\"");
-  command->callback([&] {
-    if (!wanted.profile.empty() && wanted.distance.empty())
+  command->callback([options, &exit_code] {
+    if (!options->profile.empty() && options->distance.empty())
       throw InputError("--profile needs a distance behind the rim", "add for example --distance \"10 m\"");
-    exit_code = apertures(options, wanted);
+    exit_code = apertures(*options);
   });
 }
 

@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <memory>
 
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "scene/diagnostics.hpp"
-#include "session/common_options.hpp"
 #include "session/light/lit_table.hpp"
 #include "session/model.hpp"
 #include "session/open_run.hpp"
@@ -18,7 +20,11 @@ namespace {
 
 constexpr int newest_format = 1;
 
-int check_motion(Scene const& scene, Options const& options) {
+struct CheckOptions : SceneOptions {
+  bool resolved = false, migrate = false, strict = false;
+};
+
+int check_motion(Scene const& scene, CheckOptions const& options) {
   for (auto const& [name, node] : scene.table("bodies").items())
     if (node.kind() == Node::Kind::table) node.has("pivot");
   std::vector<std::string> const names = bodies_and_modes(scene.table("bodies"));
@@ -36,14 +42,14 @@ int check_motion(Scene const& scene, Options const& options) {
 }
 
 // Format 1 is the first, and read_scene() has refused any other.
-int migrate(Options const& options) {
+int migrate(CheckOptions const& options) {
   read_scene(options.input, options.overrides).throw_if_problems();
   std::cout << fmt::format("{}: format {}, the newest that this program knows: nothing to rewrite\n", options.input,
                            newest_format);
   return done;
 }
 
-int check(Options const& options) {
+int check(CheckOptions const& options) {
   if (Scene const scene = read_scene(options.input, options.overrides); only_motion(scene))
     return check_motion(scene, options);
   Model const model = read_model(options.input, options.overrides);
@@ -74,19 +80,20 @@ int check(Options const& options) {
 
 }  // namespace
 
-void add_check(CLI::App& app, Options& options, int& exit_code) {
+void add_check(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<CheckOptions>();
+  CheckOptions& o = *options;
   auto* const command = app.add_subcommand("check", "Find every error in a scene that can be found without tracing.");
-  add_scene_options(*command, options);
-  command->add_flag("--resolved", options.resolved,
+  add_scene_options(*command, o);
+  command->add_flag("--resolved", o.resolved,
                     "print the model with every default, in SI: the same as straytrace print");
-  static bool migrates = false;
-  command->add_flag("--migrate", migrates, "rewrite a scene of an older format; there is none yet");
-  command->add_flag("--strict", options.strict, "warnings count as errors");
+  command->add_flag("--migrate", o.migrate, "rewrite a scene of an older format; there is none yet");
+  command->add_flag("--strict", o.strict, "warnings count as errors");
   command->footer(
       "Examples:\n"
       "  straytrace check examples/virgo_arm.yaml\n"
       "  straytrace check examples/virgo_arm.yaml -p rim=48cm --format json");
-  command->callback([&] { exit_code = migrates ? migrate(options) : check(options); });
+  command->callback([options, &exit_code] { exit_code = options->migrate ? migrate(*options) : check(*options); });
 }
 
 }  // namespace straytrace

@@ -13,8 +13,9 @@
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "results/text/picture.hpp"
-#include "session/common_options.hpp"
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
 #include "session/light/ghost_noise.hpp"
@@ -24,20 +25,22 @@
 namespace straytrace {
 namespace {
 
-struct GhostsRequest {
+struct GhostsOptions : SceneOptions {
   std::optional<double> floor;
   std::optional<std::uint32_t> order;
-  std::string by = "power", beam;
+  std::string by = "power", beam, out;
+  std::size_t show = 20;
+  bool csv = false;
 };
 
-constexpr std::size_t rows_shown = 20, objects_shown = 12;
+constexpr std::size_t objects_shown = 12;
 
 GhostRank rank_of(std::string const& by) {
   return by == "strain" ? GhostRank::strain : by == "recoupled" ? GhostRank::recoupled : GhostRank::power;
 }
 
 // The scene with what the noise needs, as far as it is there.
-Model read_for_ghosts(Options const& options) {
+Model read_for_ghosts(SceneOptions const& options) {
   Scene scene = read_scene(options.input, options.overrides);
   if (scene.root().has("interferometer")) return read_model(options.input, options.overrides);
   Model model;
@@ -89,7 +92,7 @@ nlohmann::json outlines(World const& world, GhostReport const& report) {
 }
 
 // The scene's own table, unless the command line says otherwise.
-GhostSettings settings_of(Model const& model, GhostsRequest const& wanted) {
+GhostSettings settings_of(Model const& model, GhostsOptions const& wanted) {
   GhostSettings settings = read_ghosts(model.scene).value_or(GhostSettings{});
   model.scene.throw_if_problems();
   settings.floor = wanted.floor.value_or(settings.floor);
@@ -100,7 +103,7 @@ GhostSettings settings_of(Model const& model, GhostsRequest const& wanted) {
 // Where the answers go, beam by beam.
 class Answers {
  public:
-  Answers(Options const& options, World const& world) : options_(options), world_(world) {
+  Answers(GhostsOptions const& options, World const& world) : options_(options), world_(world) {
     bool const watts = world.beam_power > 0;
     if (options.csv) std::cout << ghost_csv_header(watts);
     if (options.out.empty()) return;
@@ -147,7 +150,7 @@ class Answers {
 
  private:
   std::string in_folder(char const* name) const { return (std::filesystem::path(options_.out) / name).string(); }
-  Options const& options_;
+  GhostsOptions const& options_;
   World const& world_;
   std::optional<OutputFolder> folder_;
   std::unique_ptr<AtomicFile> csv_;
@@ -155,13 +158,12 @@ class Answers {
   nlohmann::json all_ = nlohmann::json::array();
 };
 
-int ghosts(Options const& options, GhostsRequest const& wanted) {
-  refuse_two_formats(options);
+int ghosts(GhostsOptions const& options) {
+  refuse_two_formats(options.csv, options);
   Model const model = read_for_ghosts(options);
   print_warnings(model.scene, options);
-  GhostSearch search{
-      model, settings_of(model, wanted), rank_of(wanted.by), options.show ? options.show : rows_shown, nullptr, {}};
-  std::vector<BeamLaunch> const beams = choose_beams(model, wanted.beam);
+  GhostSearch search{model, settings_of(model, options), rank_of(options.by), options.show, nullptr, {}};
+  std::vector<BeamLaunch> const beams = choose_beams(model, options.beam);
   if (search.rank == GhostRank::strain) require_strain(search, beams);
   Answers answers(options, model.world);
   ProgressLine progress(options.quiet);
@@ -197,28 +199,29 @@ CLI::Validator number_above_zero() {
 
 }  // namespace
 
-void add_ghosts(CLI::App& app, Options& options, int& exit_code) {
+void add_ghosts(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<GhostsOptions>();
+  GhostsOptions& o = *options;
   auto* const command = app.add_subcommand(
       "ghosts", "List every ghost beam: its order, its power, where it ends and how much of it comes back.");
-  static GhostsRequest wanted;
-  add_scene_options(*command, options);
+  add_scene_options(*command, o);
   command
-      ->add_option("--floor", wanted.floor,
+      ->add_option("--floor", o.floor,
                    "least power that is followed, over what is launched or leaves the cavity; default 1e-15")
       ->check(number_above_zero());
-  command->add_option("--order", wanted.order, "departures from the main beam, at most; default: no limit")
+  command->add_option("--order", o.order, "departures from the main beam, at most; default: no limit")
       ->check(whole_between(0, 1e6, "2"));
-  command->add_option("--by", wanted.by, "rank by power (default), strain or recoupled")
+  command->add_option("--by", o.by, "rank by power (default), strain or recoupled")
       ->check(CLI::IsMember({"power", "strain", "recoupled"}));
-  command->add_option("--beam", wanted.beam, "only this beam; of a cavity: the mirror that it leaves through");
-  command->add_option("--show", options.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
-  command->add_flag("--csv", options.csv, "all ghosts, all digits, in the order in which they are found");
-  command->add_option("-o,--out", options.out, "folder for ghosts.csv, ghosts.txt, ghosts.json and ghosts.png");
+  command->add_option("--beam", o.beam, "only this beam; of a cavity: the mirror that it leaves through");
+  command->add_option("--show", o.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
+  command->add_flag("--csv", o.csv, "all ghosts, all digits, in the order in which they are found");
+  command->add_option("-o,--out", o.out, "folder for ghosts.csv, ghosts.txt, ghosts.json and ghosts.png");
   command->footer(
       "Examples:\n"
       "  straytrace ghosts examples/bench.yaml --order 2\n"
       "  straytrace ghosts examples/bench.yaml --floor 1e-12 --by recoupled --show 50");
-  command->callback([&] { exit_code = ghosts(options, wanted); });
+  command->callback([options, &exit_code] { exit_code = ghosts(*options); });
 }
 
 }  // namespace straytrace

@@ -5,12 +5,14 @@
 #include <memory>
 #include <sstream>
 
+#include "cli/commands.hpp"
+
 namespace straytrace {
 namespace {
 
 struct Task {
   char const* name;
-  std::vector<void (*)(CLI::App&, Options&, int&)> commands;
+  std::vector<void (*)(CLI::App&, int&)> commands;
 };
 
 std::vector<Task> const& tasks() {
@@ -123,10 +125,10 @@ void lay_out(CLI::App& app, std::shared_ptr<Layout> const& layout) {
 
 }  // namespace
 
-void add_commands(CLI::App& app, Options& options, int& exit_code) {
+void add_commands(CLI::App& app, int& exit_code) {
   for (Task const& task : tasks())
     for (auto* const add : task.commands) {
-      add(app, options, exit_code);
+      add(app, exit_code);
       app.get_subcommands(nullptr).back()->group(task.name);
     }
 }

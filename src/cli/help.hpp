@@ -7,12 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "session/options.hpp"
-
 namespace straytrace {
 
 // Adds every command, under the task it serves.
-void add_commands(CLI::App&, Options&, int& exit_code);
+void add_commands(CLI::App&, int& exit_code);
 
 // Gives the program and each of its commands the layout, and each option its group: the one named where the option is
 // declared, otherwise that of its name. Call it when all commands have been added.

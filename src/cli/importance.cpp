@@ -8,11 +8,13 @@
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
 #include <optional>
 
 #include "base/errors.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "results/text/columns.hpp"
-#include "session/common_options.hpp"
 #include "session/diagnostics.hpp"
 #include "session/importance_map.hpp"
 
@@ -36,7 +38,12 @@ std::vector<ImportanceRow> rows_of(ImportanceMap const& map, std::vector<std::st
 }
 
 // Kept in a run file, or made from a scene.
-std::vector<ImportanceRow> find_rows(Options const& options) {
+struct ImportanceOptions : SceneOptions {
+  std::size_t show = 20;
+  bool csv = false;
+};
+
+std::vector<ImportanceRow> find_rows(ImportanceOptions const& options) {
   std::optional<RunFile> file;
   std::vector<std::string> overrides = options.overrides;
   if (options.input.ends_with(".h5")) {
@@ -82,8 +89,8 @@ void print(std::vector<ImportanceRow> rows, std::size_t show) {
       << aligned(table) << (left ? fmt::format("and {} more; --csv has all\n", left) : "");
 }
 
-int importance(Options const& options) {
-  refuse_two_formats(options);
+int importance(ImportanceOptions const& options) {
+  refuse_two_formats(options.csv, options);
   std::vector<ImportanceRow> const rows = find_rows(options);
   if (options.csv) {
     std::cout << "surface,z_from_m,z_to_m,area_m2,adjoint_front,adjoint_back\n";
@@ -101,25 +108,27 @@ int importance(Options const& options) {
                      {"adjoint_back", r.back}});
     std::cout << out.dump() << '\n';
   } else {
-    print(rows, options.show ? options.show : 20);
+    print(rows, options.show);
   }
   return done;
 }
 
 }  // namespace
 
-void add_importance(CLI::App& app, Options& options, int& exit_code) {
+void add_importance(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<ImportanceOptions>();
+  ImportanceOptions& o = *options;
   auto* const command =
       app.add_subcommand("importance", "Show where light must not go: the adjoint of each part of each surface.");
-  add_scene_options(*command, options, "scene (YAML), or run file (HDF5) whose own map is shown");
-  command->add_option("--show", options.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
-  command->add_flag("--csv", options.csv, "all rows, all digits, in the order of the scene");
+  add_scene_options(*command, o, "scene (YAML), or run file (HDF5) whose own map is shown");
+  command->add_option("--show", o.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
+  command->add_flag("--csv", o.csv, "all rows, all digits, in the order of the scene");
   command->footer(
       "Examples:\n"
       "  straytrace importance examples/virgo_arm.yaml\n"
       "  straytrace importance examples/virgo_arm.yaml --csv > importance.csv\n"
       "  straytrace importance out/run.h5");
-  command->callback([&] { exit_code = importance(options); });
+  command->callback([options, &exit_code] { exit_code = importance(*options); });
 }
 
 }  // namespace straytrace

@@ -9,20 +9,23 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 
 #include "base/files/embedded.hpp"
 #include "base/input/document.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
 #include "scene/library.hpp"
-#include "session/common_options.hpp"
 #include "world/build/read_media.hpp"
 
 namespace straytrace {
 namespace {
 
-struct LibraryRequest {
+struct LibraryOptions : PrintOptions {
   std::string name, kind, copy;
+  bool force = false;
 };
 
 nlohmann::ordered_json json_of(LibraryEntry const& e) {
@@ -79,7 +82,7 @@ LibraryEntry const& find(std::vector<LibraryEntry> const& all, std::string const
 }
 
 // All files or none: a file that is there is not touched without --force.
-void copy(LibraryRequest const& wanted, std::vector<LibraryEntry> const& all, bool force) {
+void copy(LibraryOptions const& wanted, std::vector<LibraryEntry> const& all, bool force) {
   namespace fs = std::filesystem;
   std::string const only = wanted.name.empty() ? "" : find(all, wanted.name).file;
   if (!wanted.name.empty() && only.empty())
@@ -98,13 +101,13 @@ void copy(LibraryRequest const& wanted, std::vector<LibraryEntry> const& all, bo
   }
 }
 
-int library(Options const& options, LibraryRequest const& wanted) {
+int library(LibraryOptions const& options) {
   std::vector<LibraryEntry> all = library_entries();
-  if (!wanted.kind.empty()) std::erase_if(all, [&](LibraryEntry const& e) { return e.kind != wanted.kind; });
-  if (!wanted.copy.empty()) {
-    copy(wanted, all, options.force);
-  } else if (!wanted.name.empty()) {
-    LibraryEntry const& e = find(all, wanted.name);
+  if (!options.kind.empty()) std::erase_if(all, [&](LibraryEntry const& e) { return e.kind != options.kind; });
+  if (!options.copy.empty()) {
+    copy(options, all, options.force);
+  } else if (!options.name.empty()) {
+    LibraryEntry const& e = find(all, options.name);
     if (options.json())
       std::cout << json_of(e).dump() << '\n';
     else
@@ -121,21 +124,22 @@ int library(Options const& options, LibraryRequest const& wanted) {
 
 }  // namespace
 
-void add_library(CLI::App& app, Options& options, int& exit_code) {
+void add_library(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<LibraryOptions>();
+  LibraryOptions& o = *options;
   auto* const command =
       app.add_subcommand("library", "List or print the materials, parts and detectors that come with the program.");
-  static LibraryRequest wanted;
-  command->add_option("NAME", wanted.name, "print this one as it is written");
-  command->add_option("--kind", wanted.kind, "list these alone: detector, arm, material, medium, part")
+  command->add_option("NAME", o.name, "print this one as it is written");
+  command->add_option("--kind", o.kind, "list these alone: detector, arm, material, medium, part")
       ->check(CLI::IsMember({"detector", "arm", "material", "medium", "part"}));
-  command->add_option("--copy", wanted.copy, "write the files below this folder, to change them there");
-  add_force_option(*command, options);
-  add_format_option(*command, options);
+  command->add_option("--copy", o.copy, "write the files below this folder, to change them there");
+  add_force_option(*command, o.force);
+  add_format_option(*command, o);
   command->footer(
       "Examples:\n"
       "  straytrace library --kind material\n"
       "  straytrace library oxidised_steel");
-  command->callback([&] { exit_code = library(options, wanted); });
+  command->callback([options, &exit_code] { exit_code = library(*options); });
 }
 
 namespace {

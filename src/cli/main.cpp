@@ -11,12 +11,12 @@
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "cli/help.hpp"
+#include "cli/options.hpp"
 #include "results/results.hpp"
 #include "scene/scene_document.hpp"
 #include "session/backend/device.hpp"
 #include "session/backend/mpi.hpp"
 #include "session/build_info.hpp"
-#include "session/common_options.hpp"
 #include "session/events.hpp"
 #include "session/options.hpp"
 
@@ -88,10 +88,9 @@ int answer(int argc, char** argv) {
       "with\n"
       "a valid file that can be continued.");
   add_program_options(app);
-  Options options;
   bool const json = asks_for_json(argc, argv);
   int exit_code = done;
-  add_commands(app, options, exit_code);
+  add_commands(app, exit_code);
   lay_out_help(app);
   try {
     app.parse(argc, argv);

@@ -5,18 +5,24 @@
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
 
 #include "base/errors.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/text/picture.hpp"
-#include "session/common_options.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 
 namespace straytrace {
 namespace {
 
-int maps(Options const& options) {
+struct MapsOptions {
+  std::string input, out;
+};
+
+int maps(MapsOptions const& options) {
   RunFile const file = read_run_file(options.input);
   RunContent const content = file.content();
   if (content.receivers.empty())
@@ -42,19 +48,21 @@ int maps(Options const& options) {
 
 }  // namespace
 
-void add_maps(CLI::App& app, Options& options, int& exit_code) {
+void add_maps(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<MapsOptions>();
+  MapsOptions& o = *options;
   auto* const command =
       app.add_subcommand("maps", "Write irradiance, angles, fields and quadrants of receivers as CSV, NPY and PNG.");
-  command->add_option("run", options.input, "run file (HDF5)")->required();
-  command->add_option("-o,--out", options.out, "folder for the maps")->required();
+  command->add_option("run", o.input, "run file (HDF5)")->required();
+  command->add_option("-o,--out", o.out, "folder for the maps")->required();
   command->footer(
       "Examples:\n"
       "  straytrace maps out/run.h5 -o out/maps\n"
       "  straytrace maps bench.h5 -o maps/\n"
       "Row 0 is the lowest, column 0 the leftmost, seen from the front of the receiver.");
-  command->callback([&] {
-    while (options.out.size() > 1 && options.out.ends_with('/')) options.out.pop_back();
-    exit_code = maps(options);
+  command->callback([options, &exit_code] {
+    drop_slashes(options->out);
+    exit_code = maps(*options);
   });
 }
 

@@ -3,16 +3,18 @@
 #include <CLI/CLI.hpp>
 
 #include <iostream>
+#include <memory>
 
 #include "base/errors.hpp"
-#include "session/common_options.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "session/diagnostics.hpp"
 #include "session/model.hpp"
 #include "session/open_run.hpp"
 
 namespace straytrace {
 
-int print_resolved(Scene const& scene, Options const& options) {
+int print_resolved(Scene const& scene, PrintOptions const& options) {
   if (options.json())
     std::cout << model_as_json(scene).dump(1) << '\n';
   else
@@ -20,19 +22,29 @@ int print_resolved(Scene const& scene, Options const& options) {
   return done;
 }
 
-void add_print(CLI::App& app, Options& options, int& exit_code) {
+namespace {
+
+struct PrintCommandOptions : SceneOptions {
+  bool resolved = false;
+};
+
+}  // namespace
+
+void add_print(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<PrintCommandOptions>();
+  PrintCommandOptions& o = *options;
   auto* const command = app.add_subcommand("print", "Print the model as it was understood, every value in SI.");
-  add_scene_options(*command, options, "scene, or file of motion");
-  command->add_flag("--resolved", options.resolved,
+  add_scene_options(*command, o, "scene, or file of motion");
+  command->add_flag("--resolved", o.resolved,
                     "with every default and with the line that each value comes from; so it is without the flag too");
   command->footer(
       "Examples:\n"
       "  straytrace print --resolved examples/virgo_arm.yaml\n"
       "  straytrace print examples/virgo_arm.yaml -p rim=48cm --format json");
-  command->callback([&] {
-    Scene const scene = read_by_all(options.input, options.overrides);
-    print_warnings(scene, options);
-    exit_code = print_resolved(scene, options);
+  command->callback([options, &exit_code] {
+    Scene const scene = read_by_all(options->input, options->overrides);
+    print_warnings(scene, *options);
+    exit_code = print_resolved(scene, *options);
   });
 }
 

@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <memory>
 
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "results/curves/band.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/route_table/merit.hpp"
-#include "session/common_options.hpp"
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
 #include "session/open_run.hpp"
@@ -29,8 +31,12 @@ std::string write_with_page(std::string const& folder, RunContent const& content
   return undrawn;
 }
 
+struct RunOptions : TraceOptions {
+  std::string out;
+};
+
 // Who asks it to stop while it still reads, or already writes, gets a run file as well.
-int run(Options const& options) {
+int run(RunOptions const& options) {
   InterruptGuard const guard;
   RunInput const earlier(options.input);  // a run file is made again from its own content
   if (!earlier.slice().whole())
@@ -84,11 +90,13 @@ int run(Options const& options) {
 
 }  // namespace
 
-void add_run(CLI::App& app, Options& options, int& exit_code) {
+void add_run(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<RunOptions>();
+  RunOptions& o = *options;
   auto* const command = app.add_subcommand("run", "Check, trace, project the noise and write the report in one go.");
-  add_scene_options(*command, options, "scene file (YAML), or run file (HDF5) to make again");
-  add_trace_options(*command, options);
-  command->add_option("-o,--out", options.out, "folder for the results; a name that ends with .h5: the run file alone")
+  add_scene_options(*command, o, "scene file (YAML), or run file (HDF5) to make again");
+  add_trace_options(*command, o);
+  command->add_option("-o,--out", o.out, "folder for the results; a name that ends with .h5: the run file alone")
       ->required();
   command->footer(
       "Examples:\n"
@@ -97,9 +105,9 @@ void add_run(CLI::App& app, Options& options, int& exit_code) {
       "  straytrace run out/run.h5 -o again/\n"
       "A run file is made again from its own content, with the same numbers.\n"
       "Interrupted with Ctrl-C it leaves a valid result and exits with 85; the same command goes on from there.");
-  command->callback([&] {
-    while (options.out.size() > 1 && options.out.ends_with('/')) options.out.pop_back();
-    exit_code = run(options);
+  command->callback([options, &exit_code] {
+    drop_slashes(options->out);
+    exit_code = run(*options);
   });
 }
 

@@ -6,10 +6,12 @@
 
 #include <filesystem>
 #include <iostream>
+#include <memory>
 
 #include "base/errors.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "results/text/picture.hpp"
-#include "session/common_options.hpp"
 #include "session/interrupt.hpp"
 #include "session/scan/invert.hpp"
 #include "session/scan/scan_points.hpp"
@@ -19,7 +21,7 @@
 namespace straytrace {
 namespace {
 
-struct ScanOrder {
+struct ScanCommandOptions : ScanOptions {
   std::vector<std::string> axes;
   std::string csv, margin, points;
   unsigned jobs = 1;
@@ -37,8 +39,8 @@ double fraction(std::string const& text) {
   throw InputError(fmt::format("'{}' is not a margin", text), "write for example --margin 1/10 or --margin 0.1");
 }
 
-void save(ScanTable const& table, Options const& options, ScanOrder const& order, bool last) {
-  if (!order.csv.empty()) write_file(order.csv, scan_csv(table));
+void save(ScanTable const& table, ScanCommandOptions const& options, bool last) {
+  if (!options.csv.empty()) write_file(options.csv, scan_csv(table));
   if (options.out.empty()) return;
   std::string const json = options.out + "/scan.json";
   write_files({{options.out + "/scan.csv", scan_csv(table)},
@@ -49,7 +51,7 @@ void save(ScanTable const& table, Options const& options, ScanOrder const& order
     std::cerr << "warning: scan.png was not drawn: " << message << '\n';
 }
 
-ScanList points_of(ScanOrder const& order) {
+ScanList points_of(ScanCommandOptions const& order) {
   if (!order.points.empty() && !order.axes.empty())
     throw InputError("--points and values of parameters both say what to scan", "keep one of them");
   if (!order.points.empty()) return read_points(order.points);
@@ -62,11 +64,11 @@ ScanList points_of(ScanOrder const& order) {
   return list;
 }
 
-int scan(Options const& options, ScanOrder const& order) {
-  ScanList const list = points_of(order);
+int scan(ScanCommandOptions const& options) {
+  ScanList const list = points_of(options);
   auto const& all = list.points;
   ScanTable table{std::filesystem::path(options.input).filename().string(), "", list.axes, {}, all.size()};
-  if (order.jobs > 1 && options.out.empty())
+  if (options.jobs > 1 && options.out.empty())
     throw InputError("--jobs hands the traces over in a folder", "name one with -o");
   std::optional<OutputFolder> folder;
   std::optional<FolderLock> lock;
@@ -75,15 +77,15 @@ int scan(Options const& options, ScanOrder const& order) {
     lock.emplace(options.out);
   }
   InterruptGuard const guard;
-  Scanner scanner(options, order.requirement, options.out);
-  if (order.jobs > 1) scanner.made(trace_together(all, options, order.requirement, order.jobs, guard.stop()));
+  Scanner scanner(options, options.requirement, options.out);
+  if (options.jobs > 1) scanner.made(trace_together(all, options, options.requirement, options.jobs, guard.stop()));
   for (auto const& settings : all) {
     if (guard.stop()) break;
     if (!options.quiet)
       std::cerr << fmt::format("scan  {} of {}: {}\n", table.points.size() + 1, all.size(), fmt::join(settings, ", "));
     table.points.push_back(scanner.at(settings));
     table.line = scanner.line();
-    save(table, options, order, guard.stop() || !table.points.back().complete || table.points.size() == all.size());
+    save(table, options, guard.stop() || !table.points.back().complete || table.points.size() == all.size());
     if (!table.points.back().complete) break;
   }
   std::cout << (options.json() ? scan_json(table) : scan_text(table));
@@ -92,54 +94,54 @@ int scan(Options const& options, ScanOrder const& order) {
   return whole ? done : checkpointed;
 }
 
-int start(Options const& options, ScanOrder order) {
-  if (!order.margin.empty()) order.requirement.margin = fraction(order.margin);
-  if (order.invert.what.empty()) return scan(options, order);
-  return invert(options, order.requirement, order.invert, parse_axes(order.axes, true));
+int start(ScanCommandOptions options) {
+  if (!options.margin.empty()) options.requirement.margin = fraction(options.margin);
+  if (options.invert.what.empty()) return scan(options);
+  return invert(options, options.requirement, options.invert, parse_axes(options.axes, true));
 }
 
-void add_invert_options(CLI::App& command, ScanOrder& order) {
-  command.add_option("--invert", order.invert.what,
+void add_invert_options(CLI::App& command, ScanCommandOptions& o) {
+  command.add_option("--invert", o.invert.what,
                      "brdf(MATERIAL), motion(BODY) or param(NAME) with NAME=lo..hi: the largest that keeps the total "
                      "under the line");
-  command.add_option("--margin", order.margin, "of the design curve, for example 1/10; default: that of the model");
-  command.add_option("--against", order.requirement.against,
+  command.add_option("--margin", o.margin, "of the design curve, for example 1/10; default: that of the model");
+  command.add_option("--against", o.requirement.against,
                      "design curve by name or file; default: the first of the model's 'compare'");
-  command.add_flag("--per-frequency", order.invert.per_frequency, "the requirement of each frequency alone as well");
-  command
-      .add_option("--tolerance", order.invert.tolerance, "of param: width of the answer over the range; default 0.01")
+  command.add_flag("--per-frequency", o.invert.per_frequency, "the requirement of each frequency alone as well");
+  command.add_option("--tolerance", o.invert.tolerance, "of param: width of the answer over the range; default 0.01")
       ->check(CLI::Range(1e-6, 0.5));
 }
 
 }  // namespace
 
-void add_scan(CLI::App& app, Options& options, int& exit_code) {
+void add_scan(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<ScanCommandOptions>();
+  ScanCommandOptions& o = *options;
   auto* const command =
       app.add_subcommand("scan", "Run a model over its parameters, or find the requirement that a design curve sets.");
-  static ScanOrder order;
-  add_scene_options(*command, options, "scene file (YAML); with --invert also a run file (HDF5)");
-  command->add_option("axes", order.axes, "NAME=lo..hi:n, NAME=lo..hi:n:log or NAME=a,b,c; all combinations");
-  add_trace_options(*command, options);
-  command->add_option("-o,--out", options.out,
+  add_scene_options(*command, o, "scene file (YAML); with --invert also a run file (HDF5)");
+  command->add_option("axes", o.axes, "NAME=lo..hi:n, NAME=lo..hi:n:log or NAME=a,b,c; all combinations");
+  add_trace_options(*command, o);
+  command->add_option("-o,--out", o.out,
                       "folder for scan.csv, scan.json, scan.txt, scan.png and the runs; finished points are not traced "
                       "again");
-  command->add_option("--csv", order.csv, "file for the table, all digits");
+  command->add_option("--csv", o.csv, "file for the table, all digits");
   command
-      ->add_option("--points", order.points,
+      ->add_option("--points", o.points,
                    "CSV of points instead of values: a header such as 'rim [cm], baffles', a row for each point")
       ->group("Model");
-  command->add_option("--jobs", order.jobs, "points traced at the same time, with -o; the results are the same bits")
+  command->add_option("--jobs", o.jobs, "points traced at the same time, with -o; the results are the same bits")
       ->check(whole_between(1, 1024, "4"));
-  add_invert_options(*command, order);
+  add_invert_options(*command, o);
   command->footer(
       "Examples:\n"
       "  straytrace scan examples/et_hf_arm.yaml rim=40cm,42cm --histories 200000\n"
       "  straytrace scan examples/et_hf_arm.yaml --invert \"brdf(baffle)\" --margin 1/10 --histories 200000\n"
       "Where --invert brdf(MATERIAL) answers with an upper bound, its quoted error may be up to twice too large.\n"
       "Interrupted with Ctrl-C it leaves the finished points and exits with 85; with -o the same command goes on.");
-  command->callback([&] {
-    while (options.out.size() > 1 && options.out.ends_with('/')) options.out.pop_back();
-    exit_code = start(options, order);
+  command->callback([options, &exit_code] {
+    drop_slashes(options->out);
+    exit_code = start(*options);
   });
 }
 

@@ -5,12 +5,14 @@
 
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <regex>
 
 #include "base/text/bounded_regex.hpp"
 #include "base/text/words.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "results/run_file/run_part.hpp"
-#include "session/common_options.hpp"
 #include "session/diagnostics.hpp"
 #include "session/jobs/job_files.hpp"
 #include "session/open_run.hpp"
@@ -25,7 +27,8 @@ namespace fs = std::filesystem;
 constexpr double most_jobs = 50000;          // names of all parts fit into one command line of 2 MB
 constexpr std::uint64_t usual_array = 1000;  // MaxArraySize of Slurm, unless it is configured
 
-struct SubmitOptions {
+struct SubmitOptions : TraceOptions {
+  std::string out;
   std::uint64_t jobs = 0;
   std::string accounting;
   double seconds = 3600;
@@ -84,19 +87,19 @@ void write_input(std::string const& file, RunInput const& earlier, Model const& 
   write_run(file, earlier.completed(content_of(model, nothing, nullptr)));
 }
 
-int submit(Options const& options, SubmitOptions const& wanted) {
-  check_accounting(wanted.accounting);
+int submit(SubmitOptions const& options) {
+  check_accounting(options.accounting);
   RunInput const earlier(options.input);
   Model model = earlier.read_to_the_end(options.overrides);
   apply(options, model);
-  refuse_what_has_no_slices(model, wanted.jobs);
+  refuse_what_has_no_slices(model, options.jobs);
   print_warnings(model, options);
   Jobs jobs;
-  jobs.slices = wanted.jobs;
+  jobs.slices = options.jobs;
   jobs.program = fs::read_symlink("/proc/self/exe").string();
   jobs.scene = options.input;
-  jobs.accounting = wanted.accounting;
-  jobs.seconds = wanted.seconds;
+  jobs.accounting = options.accounting;
+  jobs.seconds = options.seconds;
   jobs.threads = std::max(1u, options.threads);
   jobs.noise = model.detector != nullptr;
   NamedTexts files = options.backend == "slurm" ? slurm_files(jobs) : condor_files(jobs);
@@ -104,7 +107,7 @@ int submit(Options const& options, SubmitOptions const& wanted) {
   for (auto const& [name, text] : files) names.push_back(name);
   OutputFolder const folder(options.out, names);
   earlier_run(folder.path("input.h5"), model.hash(), model.seed, options.force);
-  check_parts(options.out, model, wanted.jobs);
+  check_parts(options.out, model, options.jobs);
   write_input(folder.path("input.h5"), earlier, model);
   for (auto& [name, text] : files) name = folder.path(name);
   write_files(files);
@@ -126,34 +129,33 @@ int submit(Options const& options, SubmitOptions const& wanted) {
 
 }  // namespace
 
-void add_submit(CLI::App& app, Options& options, int& exit_code) {
-  static SubmitOptions wanted;
+void add_submit(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<SubmitOptions>();
+  SubmitOptions& o = *options;
   auto* const command =
       app.add_subcommand("submit", "Write the files with which Slurm or HTCondor traces a scene in slices.");
-  add_scene_options(*command, options, "scene file (YAML), or run file (HDF5)");
-  command->add_option("--backend", options.backend, "slurm or condor")
-      ->required()
-      ->check(CLI::IsMember({"slurm", "condor"}));
-  command->add_option("--jobs", wanted.jobs, "how many slices, one job each")
+  add_scene_options(*command, o, "scene file (YAML), or run file (HDF5)");
+  command->add_option("--backend", o.backend, "slurm or condor")->required()->check(CLI::IsMember({"slurm", "condor"}));
+  command->add_option("--jobs", o.jobs, "how many slices, one job each")
       ->required()
       ->check(whole_between(1, most_jobs, "200"));
-  command->add_option("-o,--out", options.out, "folder for the files and the results")->required();
-  add_history_options(*command, options);
+  command->add_option("-o,--out", o.out, "folder for the files and the results")->required();
+  add_history_options(*command, o);
   command->add_option_function<std::string>(
-      "--time", [&](std::string const& text) { wanted.seconds = job_time(text); },
+      "--time", [options](std::string const& text) { options->seconds = job_time(text); },
       "that a job may take, for example 50min; it goes on in another one; default 1h");
-  command->add_option("--threads", options.threads, "of a job; default 1")->check(whole_between(1, 1024, "4"));
-  command->add_option("--accounting", wanted.accounting, "account or accounting group");
-  add_force_option(*command, options);
+  command->add_option("--threads", o.threads, "of a job; default 1")->check(whole_between(1, 1024, "4"));
+  command->add_option("--accounting", o.accounting, "account or accounting group");
+  add_force_option(*command, o.force);
   command->footer(
       "Examples:\n"
       "  straytrace submit examples/virgo_arm.yaml --backend slurm --jobs 200 --histories 1e10 -o jobs/\n"
       "  straytrace submit examples/virgo_arm.yaml --backend condor --jobs 200 --histories 1e10 -o jobs/ "
       "--accounting virgo.prod.o4\n"
       "Nothing is submitted: the files are there to be read and edited, and the command to start them is printed.");
-  command->callback([&] {
-    while (options.out.size() > 1 && options.out.ends_with('/')) options.out.pop_back();
-    exit_code = submit(options, wanted);
+  command->callback([options, &exit_code] {
+    drop_slashes(options->out);
+    exit_code = submit(*options);
   });
 }
 

@@ -5,14 +5,17 @@
 
 #include <cmath>
 #include <iostream>
+#include <memory>
+#include <optional>
 #include <regex>
 
 #include "base/text/bounded_regex.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "report/html/page_json.hpp"
 #include "report/ray_paths.hpp"
 #include "results/text/columns.hpp"
 #include "session/backend/mpi.hpp"
-#include "session/common_options.hpp"
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
 #include "session/open_run.hpp"
@@ -23,8 +26,13 @@
 namespace straytrace {
 namespace {
 
+struct TraceCommandOptions : TraceOptions {
+  std::string out;
+  std::optional<std::uint64_t> history;  // --history: follow this one alone
+};
+
 // Looks of a stop rule are at all histories so far, and a slice has only its own.
-void refuse_stop_rule(Options const& options, Model const& model) {
+void refuse_stop_rule(TraceOptions const& options, Model const& model) {
   if (options.slices == 1 || !model.until.by_error()) return;
   throw InputError(fmt::format("--slice {}/{}: the stop rule '{}' needs the histories of all slices together",
                                options.slice, options.slices, model.until.error_rule),
@@ -33,7 +41,7 @@ void refuse_stop_rule(Options const& options, Model const& model) {
 
 // A run file is continued in place, unless another file is named. Who asks it to stop while it still reads, or
 // already writes, gets a run file as well.
-int trace_only(Options options, Transport* transport) {
+int trace_only(TraceCommandOptions options, Transport* transport) {
   InterruptGuard const guard;
   RunInput const earlier(options.input);
   Model model = earlier.read_to_the_end(options.overrides);
@@ -44,20 +52,20 @@ int trace_only(Options options, Transport* transport) {
   apply(options, model);
   refuse_stop_rule(options, model);
   if (transport && transport->rank() > 0) {
-    work_for_rank_0(model, options, *transport);
+    work_for_rank_0(model, options.threads, *transport);
     return done;
   }
   print_warnings(model, options);
   TraceResult const traced = trace_model(model, options, options.out, transport);
   RunContent const content = earlier.completed(content_of(model, traced, nullptr));
   write_run(options.out, content);
-  print_traced(content, model, options);
+  print_traced(content, model, options.out, options);
   if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
   return traced.checkpointed() ? checkpointed : done;
 }
 
 // All processes of the job run this; rank 0 speaks and writes.
-int trace_by_mpi(Options const& options) {
+int trace_by_mpi(TraceCommandOptions const& options) {
   Transport& transport = open_mpi();
   bool const leads = transport.rank() == 0;
   try {
@@ -73,7 +81,7 @@ int trace_by_mpi(Options const& options) {
 }
 
 // One history, event by event: of a scene as it would be traced, or of a run as it was.
-int print_history(Options const& options, std::uint64_t number) {
+int print_history(TraceOptions const& options, std::uint64_t number) {
   RunInput const earlier(options.input);
   Model model = earlier.read(options.overrides);
   if (options.seed) model.seed = *options.seed;
@@ -103,7 +111,7 @@ int print_history(Options const& options, std::uint64_t number) {
 namespace {
 
 // "7/200"
-void read_slice(std::string const& text, Options& options) {
+void read_slice(std::string const& text, TraceOptions& options) {
   static std::regex const form(R"(\s*([0-9]{1,7})\s*/\s*([0-9]{1,7})\s*)");
   std::smatch m;
   if (bounded_regex_match(text, m, form)) {
@@ -117,19 +125,19 @@ void read_slice(std::string const& text, Options& options) {
 
 }  // namespace
 
-void add_trace(CLI::App& app, Options& options, int& exit_code) {
+void add_trace(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<TraceCommandOptions>();
+  TraceCommandOptions& o = *options;
   auto* const command = app.add_subcommand("trace", "Trace light into a coupling table, without motion or noise.");
-  add_scene_options(*command, options);
-  add_trace_options(*command, options);
-  auto* const out =
-      command->add_option("-o,--out", options.out, "run file to write (HDF5); default: the one to resume");
+  add_scene_options(*command, o);
+  add_trace_options(*command, o);
+  auto* const out = command->add_option("-o,--out", o.out, "run file to write (HDF5); default: the one to resume");
   command
       ->add_option_function<std::string>(
-          "--slice", [&](std::string const& text) { read_slice(text, options); },
+          "--slice", [options](std::string const& text) { read_slice(text, *options); },
           "trace this part of the histories alone, for example 7/200; straytrace merge makes one run of all")
       ->type_name("N/OF");
-  static std::optional<std::uint64_t> history;
-  command->add_option("--history", history, "follow this history alone and print its events; also of a run file")
+  command->add_option("--history", o.history, "follow this history alone and print its events; also of a run file")
       ->check(whole_between(0, 9e15, "1234"));
   command->footer(
       "Examples:\n"
@@ -140,14 +148,15 @@ void add_trace(CLI::App& app, Options& options, int& exit_code) {
       "  mpirun straytrace trace examples/virgo_arm.yaml -o virgo.h5 --histories 1e9 --backend mpi\n"
       "  straytrace trace virgo.h5 --history 1234\n"
       "A run file is continued to the number of histories asked for.");
-  command->callback([&, out] {
-    if (history) {
-      exit_code = print_history(options, *history);
+  command->callback([options, &exit_code, out] {
+    TraceCommandOptions& wanted = *options;
+    if (wanted.history) {
+      exit_code = print_history(wanted, *wanted.history);
       return;
     }
-    if (out->count() == 0 && !options.input.ends_with(".h5")) throw CLI::RequiredError("--out");
-    if (out->count() == 0) options.out = options.input;
-    exit_code = options.backend == "mpi" ? trace_by_mpi(options) : trace_only(options, nullptr);
+    if (out->count() == 0 && !wanted.input.ends_with(".h5")) throw CLI::RequiredError("--out");
+    if (out->count() == 0) wanted.out = wanted.input;
+    exit_code = wanted.backend == "mpi" ? trace_by_mpi(wanted) : trace_only(wanted, nullptr);
   });
 }
 

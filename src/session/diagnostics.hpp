@@ -9,8 +9,8 @@
 
 namespace straytrace {
 
-void print_warnings(Model const&, Options const&);
-void print_warnings(Scene const&, Options const&);
-void print_warning(std::string const& sentence, Options const&);  // without a place in a file
+void print_warnings(Model const&, PrintOptions const&);
+void print_warnings(Scene const&, PrintOptions const&);
+void print_warning(std::string const& sentence, PrintOptions const&);  // without a place in a file
 
 }  // namespace straytrace

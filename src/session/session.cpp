@@ -73,7 +73,7 @@ std::string progress_line(TraceProgress const& p, StopRule const& rule) {
 
 // The blocks already traced for this model and seed. Few histories are traced in smaller blocks, which a longer run
 // cannot take over.
-void resume_earlier(Model& model, Options const& options, std::string const& run_file, TraceSettings& settings) {
+void resume_earlier(Model& model, TraceOptions const& options, std::string const& run_file, TraceSettings& settings) {
   auto const found = earlier_run(run_file, model.hash(), model.seed, options.force);
   if (!found) return;
   RunFile const& earlier = *found;
@@ -129,7 +129,7 @@ struct DeterministicLight {
 };
 
 // A full disk is no reason to stop: the file that stood there still does.
-void save(std::string const& run_file, RunContent const& content, Options const& options) {
+void save(std::string const& run_file, RunContent const& content, PrintOptions const& options) {
   try {
     write_run(run_file, content);
   } catch (InputError const& e) {
@@ -183,7 +183,7 @@ std::optional<RunFile> earlier_run(std::string const& run_file, std::string cons
   return earlier;
 }
 
-void apply(Options const& options, Model& model) {
+void apply(TraceOptions const& options, Model& model) {
   if (options.seed) model.seed = *options.seed;
   if (!options.until.empty()) {
     model.until = parse_stop_rule(options.until);
@@ -206,7 +206,7 @@ void require_this_program(Provenance const& about, std::string const& file, std:
                    remedy);
 }
 
-TraceResult trace_model(Model& model, Options const& options, std::string const& run_file, Transport* transport) {
+TraceResult trace_model(Model& model, TraceOptions const& options, std::string const& run_file, Transport* transport) {
   InterruptGuard const guard;
   if (model.histories < fewest_histories)
     print_warning(
@@ -247,23 +247,23 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   return result;
 }
 
-TraceResult result_of(Model& model, SumTree tree, Options const& options) {
+TraceResult result_of(Model& model, SumTree tree, PrintOptions const& options) {
   DeterministicLight const beside(model);
   TraceSettings settings;
   settings.seed = model.seed;
   settings.beside = beside.classes;
-  steer(model.world, options.threads);
+  steer(model.world);
   TraceResult result = beside.completed(result_of(model.world, settings, std::move(tree)));
   for (std::string const& warning : result.warnings) print_warning(warning, options);
   return result;
 }
 
-void work_for_rank_0(Model& model, Options const& options, Transport& transport) {
+void work_for_rank_0(Model& model, unsigned threads, Transport& transport) {
   InterruptGuard const guard;
-  steer(model.world, options.threads);
+  steer(model.world, threads);
   TraceSettings settings;
   settings.seed = model.seed;
-  settings.threads = options.threads;
+  settings.threads = threads;
   settings.stop = &guard.stop();
   work_for_rank_0(model.world, settings, *make_backend("cpu"),
                   {transport, identity_of(model), nodes_image, nodes_of_image});
@@ -309,7 +309,8 @@ std::string write_results(std::string const& folder, RunContent const& content, 
   return draw_picture(folder + "/run.h5", folder + "/report.png", message) ? "" : message;
 }
 
-void print_traced(RunContent const& content, Model const& model, Options const& options) {
+void print_traced(RunContent const& content, Model const& model, std::string const& run_file,
+                  PrintOptions const& options) {
   PathTable const paths = table_for(content.trace->coupling, nullptr, model);
   if (options.json()) {
     std::cout << path_json(paths, content) << '\n';
@@ -321,14 +322,12 @@ void print_traced(RunContent const& content, Model const& model, Options const& 
   if (options.quiet) return;
   std::cerr << merit_text(merits(content), merits_shown);
   if (model.detector)
-    std::cerr << fmt::format("coupling table in {}; project motion with: straytrace noise {}\n", options.out,
-                             options.out);
+    std::cerr << fmt::format("coupling table in {}; project motion with: straytrace noise {}\n", run_file, run_file);
   else
-    std::cerr << fmt::format("light on receivers in {}; more with: straytrace paths {} --census\n", options.out,
-                             options.out);
+    std::cerr << fmt::format("light on receivers in {}; more with: straytrace paths {} --census\n", run_file, run_file);
 }
 
-void print_warnings(NoiseBudget const& budget, Options const& options, std::string const& where) {
+void print_warnings(NoiseBudget const& budget, PrintOptions const& options, std::string const& where) {
   for (std::string const& warning : budget.warnings)
     print_warning(fmt::format("{}{}{}", where, where.empty() ? "" : ": ", warning), options);
 }

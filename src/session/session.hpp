@@ -18,18 +18,18 @@ namespace straytrace {
 class Transport;
 
 // Lets the command line overrule the scene: seed, histories, stop rule.
-void apply(Options const&, Model&);
+void apply(TraceOptions const&, Model&);
 
 // Traces, or resumes the run file at `run_file` when it is of the same model and seed. Progress on stderr, Ctrl-C
 // finishes the blocks under way. From time to time `run_file` is written with what there is, unless it is empty. Throws
 // InputError when another model's run would be overwritten without --force. `transport`: this is rank 0 of several.
-TraceResult trace_model(Model&, Options const&, std::string const& run_file, Transport* transport = nullptr);
+TraceResult trace_model(Model&, TraceOptions const&, std::string const& run_file, Transport* transport = nullptr);
 
 // The result that these sums make; nothing is traced.
-TraceResult result_of(Model&, SumTree, Options const&);
+TraceResult result_of(Model&, SumTree, PrintOptions const&);
 
 // This process is rank 1 or higher: works for rank 0 until it is sent home.
-void work_for_rank_0(Model&, Options const&, Transport&);
+void work_for_rank_0(Model&, unsigned threads, Transport&);
 
 // Throws InputError when this program would not trace the same bits as the one that wrote `about`.
 void require_this_program(Provenance const& about, std::string const& file, std::string const& remedy);
@@ -60,7 +60,7 @@ RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);
 std::string write_results(std::string const& folder, RunContent const&, PathTable const&, Model const&);
 
 // What a trace has found: coupling table, receivers, energy balance on stdout; merits, and what to do next, on stderr.
-void print_traced(RunContent const&, Model const&, Options const&);
+void print_traced(RunContent const&, Model const&, std::string const& run_file, PrintOptions const&);
 
 // The line that matters: total strain at 10, 30, 100 Hz with errors, and the ratio to the first design curve.
 std::string headline(NoiseBudget const&, PathTable const&);
@@ -68,7 +68,7 @@ std::string headline(NoiseBudget const&, PathTable const&);
 PathTable table_for(CouplingTable const&, NoiseBudget const*, Model const&);
 
 // What a reader of the noise must know, to stderr unless that is to be quiet. `where`: a point of a scan, or empty.
-void print_warnings(NoiseBudget const&, Options const&, std::string const& where = {});
+void print_warnings(NoiseBudget const&, PrintOptions const&, std::string const& where = {});
 
 // A folder for results that is there before anything is computed, and gone again when nothing came of it.
 

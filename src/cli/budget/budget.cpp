@@ -5,25 +5,28 @@
 #include <nlohmann/json.hpp>
 
 #include <iostream>
+#include <memory>
 #include <optional>
 
 #include "base/errors.hpp"
 #include "cli/budget/budget_inputs.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"
-#include "session/common_options.hpp"
 #include "session/session.hpp"
 
 namespace straytrace {
 namespace {
 
-struct BudgetOptions {
+struct BudgetOptions : PrintOptions {
+  std::string out;
   BudgetRequest request;
   std::string export_as;
 };
 
 // On stderr: for people, or as the list of problems that scripts read.
-void warn(std::vector<std::string> const& warnings, Options const& options) {
+void warn(std::vector<std::string> const& warnings, PrintOptions const& options) {
   if (options.json() && !warnings.empty()) {
     std::vector<Problem> all;
     for (std::string const& warning : warnings) all.push_back({{}, warning, "", Severity::warning});
@@ -44,14 +47,14 @@ std::string write_budget(BudgetView const& view, OutputFolder const& folder, boo
   return draw_budget_picture(json, folder.path("budget.png"), message) ? "" : message;
 }
 
-int budget(BudgetOptions const& asked, Options const& options) {
-  bool const pygwinc = !asked.export_as.empty();
+int budget(BudgetOptions const& options) {
+  bool const pygwinc = !options.export_as.empty();
   if (pygwinc && options.out.empty())
     throw InputError("--export writes a file, and there is no folder for it", "add -o DIR");
   std::optional<OutputFolder> folder;
   if (!options.out.empty())
     folder.emplace(options.out, std::vector<std::string>{"budget.txt", "budget.json", "budget.png", "budget.hdf5"});
-  BudgetView const view = gather_budget(asked.request);
+  BudgetView const view = gather_budget(options.request);
   std::string const undrawn = folder ? write_budget(view, *folder, pygwinc) : "";
   if (options.json())
     std::cout << budget_json(view).dump(1) << '\n';
@@ -65,11 +68,12 @@ int budget(BudgetOptions const& asked, Options const& options) {
 
 }  // namespace
 
-void add_budget(CLI::App& app, Options& options, int& exit_code) {
+void add_budget(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<BudgetOptions>();
+  BudgetOptions& o = *options;
   auto* const command = app.add_subcommand(
       "budget", "Print the noise budget of a detector: fundamental noises, stray light and design curves.");
-  static BudgetOptions asked;
-  BudgetRequest& r = asked.request;
+  BudgetRequest& r = o.request;
   command
       ->add_option("input", r.inputs,
                    "detector (preset or pygwinc ifo.yaml), run files, pygwinc budgets (HDF5), in any order")
@@ -87,16 +91,16 @@ void add_budget(CLI::App& app, Options& options, int& exit_code) {
   command->add_option("--margin", r.margin, "what is small enough beside the first of them (default 1/10)");
   command->add_option("-p,--param", r.overrides, "change the detector, in SI: -p Laser.Power=25")
       ->allow_extra_args(false);
-  command->add_option("--export", asked.export_as, "pygwinc: also budget.hdf5 that pygwinc reads")
+  command->add_option("--export", o.export_as, "pygwinc: also budget.hdf5 that pygwinc reads")
       ->check(CLI::IsMember({"pygwinc"}));
-  command->add_option("-o,--out", options.out, "folder for budget.txt, budget.json, budget.png");
-  command->add_flag("--quiet", options.quiet, "results only");
-  add_format_option(*command, options);
+  command->add_option("-o,--out", o.out, "folder for budget.txt, budget.json, budget.png");
+  command->add_flag("--quiet", o.quiet, "results only");
+  add_format_option(*command, o);
   command->footer(
       "Examples:\n"
       "  straytrace budget aligo --at \"10 Hz, 100 Hz\"\n"
       "  straytrace budget adv demo/run.h5 --export pygwinc -o budget/");
-  command->callback([&] { exit_code = budget(asked, options); });
+  command->callback([options, &exit_code] { exit_code = budget(*options); });
 }
 
 }  // namespace straytrace

@@ -2,12 +2,13 @@
 // straytrace couple: from injections to coupling functions.
 #include <CLI/CLI.hpp>
 
+#include "cli/commands.hpp"
 #include "cli/couple/couple_data.hpp"
 #include "session/options.hpp"
 
 namespace straytrace {
 
-void add_couple(CLI::App& app, Options&, int& exit_code) {
+void add_couple(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand(
       "couple", "Measure coupling functions from injections, taps and shakers, or predict them from a run.");
   command->require_subcommand(1);

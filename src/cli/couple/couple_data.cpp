@@ -10,9 +10,9 @@
 
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
+#include "cli/options.hpp"
 #include "results/results.hpp"
 #include "session/build_info.hpp"
-#include "session/common_options.hpp"
 #include "spectra/files/gps.hpp"
 #include "spectra/files/series_file.hpp"
 #include "spectra/integration.hpp"

@@ -11,8 +11,8 @@
 
 #include "base/errors.hpp"
 #include "cli/couple/couple_data.hpp"
+#include "cli/options.hpp"
 #include "results/text/columns.hpp"
-#include "session/common_options.hpp"
 #include "spectra/welch.hpp"
 
 namespace straytrace {

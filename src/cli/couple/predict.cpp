@@ -12,10 +12,10 @@
 #include "base/text/words.hpp"
 #include "cli/couple/couple_data.hpp"
 #include "cli/couple/overlay.hpp"
+#include "cli/options.hpp"
 #include "noise/project/predicted_coupling.hpp"
 #include "results/text/columns.hpp"
 #include "scene/expression.hpp"
-#include "session/common_options.hpp"
 #include "session/open_run.hpp"
 
 namespace straytrace {

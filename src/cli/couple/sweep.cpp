@@ -11,8 +11,8 @@
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "cli/couple/couple_data.hpp"
+#include "cli/options.hpp"
 #include "results/text/columns.hpp"
-#include "session/common_options.hpp"
 
 namespace straytrace {
 namespace {

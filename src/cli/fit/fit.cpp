@@ -5,10 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include <iostream>
+#include <memory>
 
+#include "cli/commands.hpp"
 #include "cli/fit/fit_report.hpp"
+#include "cli/options.hpp"
 #include "results/results.hpp"
-#include "session/common_options.hpp"
 
 namespace straytrace {
 namespace {
@@ -73,10 +75,11 @@ int fit(FitOptions const& o) {
 
 }  // namespace
 
-void add_fit(CLI::App& app, Options&, int& exit_code) {
+void add_fit(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand(
       "fit", "Fit fringe noise in a measured h(t): recoupled fraction, phase, effective motion and residual.");
-  static FitOptions o;
+  auto const options = std::make_shared<FitOptions>();
+  FitOptions& o = *options;
   command->add_option("run", o.run, "run file whose routes are fitted and compared; none: the data alone");
   add_record_options(*command, o);
   command->add_option("--path", o.rows, "rows of the path table of the run, 1 unless given; may be repeated")
@@ -111,15 +114,15 @@ void add_fit(CLI::App& app, Options&, int& exit_code) {
                    "chance of noise alone up to which a fringe is significant, in the search and in the rest")
       ->default_str(o.false_alarm);
   command->add_option("--subtract", o.subtract, "file for target less fitted noise (gwpy HDF5), in the band");
-  add_fit_edge(*command, o, exit_code);
+  add_fit_edge(*command, exit_code);
   command->footer(
       "Examples:\n"
       "  straytrace fit --target examples/data/swinging_baffle.hdf5::h --witness examples/data/swinging_baffle.hdf5::x "
       "--band \"20 Hz..85 Hz\"\n"
       "  straytrace fit --target examples/data/swinging_baffle.hdf5::h --witness examples/data/swinging_baffle.hdf5::x "
       "--band \"20 Hz..85 Hz\" --multiplicity 1..2 --gain-per-field 1.1e-16 --subtract residual.hdf5 -o fit.html");
-  command->callback([command, &exit_code] {
-    if (command->get_subcommands().empty()) exit_code = fit(o);
+  command->callback([options, command, &exit_code] {
+    if (command->get_subcommands().empty()) exit_code = fit(*options);
   });
 }
 

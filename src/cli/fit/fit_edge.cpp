@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <memory>
 
 #include "analysis/fringes/shelf_edge.hpp"
 #include "base/errors.hpp"
@@ -110,25 +111,25 @@ int edge(FitOptions const& o) {
 
 }  // namespace
 
-void add_fit_edge(CLI::App& fit, FitOptions&, int& exit_code) {
+void add_fit_edge(CLI::App& fit, int& exit_code) {
   auto* const command =
       fit.add_subcommand("edge", "Find the effective motion from where the shelf ends, stride by stride.");
-  static FitOptions own;
-  add_record_options(*command, own);
-  command->add_option("--stride", own.stride, "length of each stretch that gives one edge")->default_str(own.stride);
-  command->add_option("--segment", own.segment, "of the spectra inside a stride; their resolution is 1/segment")
-      ->default_str(own.segment);
+  auto const options = std::make_shared<FitOptions>();
+  FitOptions& o = *options;
+  add_record_options(*command, o);
+  command->add_option("--stride", o.stride, "length of each stretch that gives one edge")->default_str(o.stride);
+  command->add_option("--segment", o.segment, "of the spectra inside a stride; their resolution is 1/segment")
+      ->default_str(o.segment);
   command
-      ->add_option("--factor", own.factor,
-                   "range of the effective motion over that of the witness; of an angle a length")
-      ->default_str(own.factor);
+      ->add_option("--factor", o.factor, "range of the effective motion over that of the witness; of an angle a length")
+      ->default_str(o.factor);
   command->footer(
       "Examples:\n"
       "  straytrace fit edge --target examples/data/swinging_baffle.hdf5::h --witness "
       "examples/data/swinging_baffle.hdf5::x --band \"12 Hz..90 Hz\"\n"
       "  straytrace fit edge --target examples/data/swinging_baffle.hdf5::h --witness "
       "examples/data/swinging_baffle.hdf5::x --band \"12 Hz..90 Hz\" --stride \"5 s\" --factor 0.5..2");
-  command->callback([&exit_code] { exit_code = edge(own); });
+  command->callback([options, &exit_code] { exit_code = edge(*options); });
 }
 
 }  // namespace straytrace

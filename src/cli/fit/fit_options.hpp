@@ -58,6 +58,6 @@ FitGround ground_of(FitOptions const&, FringeRecords const&);
 FringeFitSettings settings_of(FitOptions const&, FringeRecords const&, std::vector<RoutePrediction> const&);
 
 void add_record_options(CLI::App&, FitOptions&);  // --target ... --gps, --wavelength, --ratio
-void add_fit_edge(CLI::App& fit, FitOptions&, int& exit_code);
+void add_fit_edge(CLI::App& fit, int& exit_code);
 
 }  // namespace straytrace

@@ -7,19 +7,21 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <optional>
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
+#include "cli/commands.hpp"
 #include "cli/inspect/inspect_geometry.hpp"
 #include "cli/inspect/inspect_motion.hpp"
 #include "cli/inspect/inspect_scatter.hpp"
 #include "cli/library.hpp"
+#include "cli/options.hpp"
 #include "io/hdf5/reader.hpp"
 #include "report/html/material_json.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"
-#include "session/common_options.hpp"
 #include "session/diagnostics.hpp"
 #include "session/open_run.hpp"
 #include "world/build/read_materials.hpp"
@@ -30,9 +32,8 @@
 namespace straytrace {
 namespace {
 
-struct Inspected {
+struct InspectOptions : ScatterRequest {
   std::string scene, units;
-  ScatterRequest what;
 };
 
 bool is_list(std::string const& name) { return name.ends_with(".mtl"); }
@@ -148,12 +149,12 @@ int print_list(std::string const& file, bool json) {
 }
 
 // The scene that is asked for; nothing where it is a file of measured scatter.
-std::optional<Scene> scene_asked(Inspected const& i, Options const& options, FileTexts& texts) {
-  std::string const& name = i.what.file;
+std::optional<Scene> scene_asked(InspectOptions const& i, FileTexts& texts) {
+  std::string const& name = i.file;
   bool const whole = is_scene(name), own = !i.scene.empty();
   if (whole && own)
     throw InputError("two scenes", "write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
-  if (own || whole) return read_scene(own ? i.scene : name, options.overrides);
+  if (own || whole) return read_scene(own ? i.scene : name, i.overrides);
   if (is_preset(name)) return scene_of_preset(name, texts);
   if (std::filesystem::is_regular_file(name)) return {};
   refuse_name(name);
@@ -168,8 +169,8 @@ bool is_run(std::string const& file) {
   }
 }
 
-int inspect(Inspected const& i, Options const& options) {
-  std::string const& name = i.what.file;
+int inspect(InspectOptions const& i) {
+  std::string const& name = i.file;
   if (is_run_file(name) && !is_run(name))
     throw InputError(fmt::format("'{}' is HDF5 and no run file", name),
                      fmt::format("of recorded data, see straytrace signal psd {}, which names its channels", name));
@@ -178,76 +179,76 @@ int inspect(Inspected const& i, Options const& options) {
         fmt::format("'{}' is a run file", name),
         fmt::format("see straytrace paths {0}, straytrace noise {0}, or straytrace run {0} -o FOLDER to make it again",
                     name));
-  if (is_geometry(name) && i.scene.empty()) return inspect_geometry(name, i.units, i.what.plot, options);
-  if (is_list(i.what.file) && i.scene.empty()) return print_list(i.what.file, options.json());
+  if (is_geometry(name) && i.scene.empty()) return inspect_geometry(name, i.units, i.plot, i);
+  if (is_list(i.file) && i.scene.empty()) return print_list(i.file, i.json());
   FileTexts texts;
-  std::optional<Scene> const asked = scene_asked(i, options, texts);
-  if (!asked) return inspect_scatter(i.what, options);
-  if (!i.what.write.empty())
+  std::optional<Scene> const asked = scene_asked(i, texts);
+  if (!asked) return inspect_scatter(i);
+  if (!i.write.empty())
     throw InputError("--write converts files of measured scatter", "name such a file, or leave --write out");
   Scene const& scene = *asked;
   bool const own = !i.scene.empty();
-  if (is_scene(i.what.file) && shows_motion(scene)) return inspect_motion(scene, i.what.plot, options);
+  if (is_scene(i.file) && shows_motion(scene)) return inspect_motion(scene, i.plot, i);
   World world;
   Registry names;
   read_media(scene, world, names);
   read_materials(scene, world, names);
   scene.throw_if_problems();
-  print_warnings(scene, options);
+  print_warnings(scene, i);
   bool found = false;
   std::vector<std::string> known;
   for (MaterialInfo const& info : world.materials) {
     known.push_back(info.name);
-    if (own && info.name != i.what.file) continue;
+    if (own && info.name != i.file) continue;
     std::vector<std::string> notes;
     for (std::string const& note : world.notes)
       if (note.starts_with("material " + info.name + ":")) notes.push_back(note.substr(11 + info.name.size()));
-    if (found && !options.json()) std::cout << '\n';
+    if (found && !i.json()) std::cout << '\n';
     found = true;
     nlohmann::json const data = material_json(world.view(), info, notes);
-    if (options.json())
+    if (i.json())
       std::cout << data.dump() << '\n';
     else
       print(world.view(), info, notes);
-    if (!i.what.plot.empty()) plot(data, i.what.plot);
-    if (!i.what.plot.empty()) break;
+    if (!i.plot.empty()) plot(data, i.plot);
+    if (!i.plot.empty()) break;
   }
   if (found) return done;
-  std::string const near = nearest_word(i.what.file, known);
-  throw InputError(fmt::format("'{}' has no material '{}'", own ? i.scene : i.what.file, i.what.file),
+  std::string const near = nearest_word(i.file, known);
+  throw InputError(fmt::format("'{}' has no material '{}'", own ? i.scene : i.file, i.file),
                    !near.empty() ? fmt::format("did you mean '{}'?", near)
                                  : fmt::format("its materials: {}", fmt::join(known, ", ")));
 }
 
 }  // namespace
 
-void add_inspect(CLI::App& app, Options& options, int& exit_code) {
+void add_inspect(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<InspectOptions>();
+  InspectOptions& o = *options;
   auto* const command = app.add_subcommand(
       "inspect", "Show what a material, a preset, or a file of CAD, meshes, measured scatter or motion contains.");
-  static Inspected what;
   command
       ->add_option(
-          "what", what.what.file,
+          "what", o.file,
           "material of a scene, preset, CAD or mesh file, file of measured scatter, list of materials (newmtl, .mtl), "
           "scene, or motion file")
       ->required();
-  command->add_option("scene", what.scene, "scene that holds the material");
-  command->add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
-      ->allow_extra_args(false);
+  command->add_option("scene", o.scene, "scene that holds the material");
+  command->add_option("-p,--param", o.overrides, "set a parameter, for example -p rim=48cm")->allow_extra_args(false);
   command->add_option(
-      "--plot", what.what.plot,
+      "--plot", o.plot,
       "draw the parts, BSDF against |beta - beta0| and TIS against angle, measured scatter with fits and residuals, or "
       "the ASDs of motion, into this PNG file");
-  command->add_option("--units", what.units, "of a CAD or mesh file: unit of its numbers, for example mm");
-  command->add_option("--write", what.what.write, "convert a file of measured scatter into this SSDD file");
-  command->add_option("--beyond", what.what.beyond, "of measured scatter: constant, power or zero")
+  command->add_option("--units", o.units, "of a CAD or mesh file: unit of its numbers, for example mm");
+  command->add_option("--write", o.write, "convert a file of measured scatter into this SSDD file");
+  command->add_option("--beyond", o.beyond, "of measured scatter: constant, power or zero")
       ->check(CLI::IsMember({"constant", "power", "zero"}));
-  command->add_option("--angles", what.what.angles, "of a CSV that does not say it: from_normal or from_specular")
+  command->add_option("--angles", o.angles, "of a CSV that does not say it: from_normal or from_specular")
       ->check(CLI::IsMember({"from_normal", "from_specular"}));
-  command->add_option("--wavelength", what.what.wavelength, "of a file that does not say it, for example \"633 nm\"");
-  command->add_option("--entry", what.what.entry, "of an ABg catalogue: the name of the entry");
-  command->add_flag("--quiet", options.quiet, "no warnings");
-  add_format_option(*command, options);
+  command->add_option("--wavelength", o.wavelength, "of a file that does not say it, for example \"633 nm\"");
+  command->add_option("--entry", o.entry, "of an ABg catalogue: the name of the entry");
+  command->add_flag("--quiet", o.quiet, "no warnings");
+  add_format_option(*command, o);
   command->footer(
       "Examples:\n"
       "  straytrace inspect oxidised_steel\n"
@@ -255,7 +256,7 @@ void add_inspect(CLI::App& app, Options& options, int& exit_code) {
       "  straytrace inspect examples/data/steel_bsdf.csv --plot steel.png\n"
       "  straytrace inspect examples/data/cad_bench.step --plot bench.png\n"
       "  straytrace inspect examples/data/iris.mtl > materials.yaml");
-  command->callback([&] { exit_code = inspect(what, options); });
+  command->callback([options, &exit_code] { exit_code = inspect(*options); });
 }
 
 }  // namespace straytrace

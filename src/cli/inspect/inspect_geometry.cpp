@@ -110,12 +110,12 @@ void print_json(std::string const& file, GeometryFile const& g, std::string cons
 }
 
 // From above and in front, z up as CAD programs have it.
-void draw(GeometryFile const& g, std::string const& plot, Options const& options) {
+void draw(GeometryFile const& g, std::string const& plot, PrintOptions const& options) {
   constexpr double field = pi / 6;
   Vec3 const middle = 0.5 * (g.box.lower + g.box.upper);
   double const reach = 0.5 * length(g.box.upper - g.box.lower) / std::sin(field / 2);
   Camera const camera = looking_at(middle + reach * unit({0.5, -0.8, 0.6}), middle, {0, 0, 1}, field, 1000, 750);
-  LookSettings settings{{}, looks_of(g.world.view()), options.threads};
+  LookSettings settings{{}, looks_of(g.world.view()), 0};
   std::fill(settings.looks.begin(), settings.looks.end(), Look::solid);
   Drawn const drawn = draw_shaded(g.world, camera, settings);
   write_png(plot, {camera.columns, camera.rows, drawn.rgb});
@@ -133,7 +133,7 @@ bool is_geometry(std::string const& file) {
 }
 
 int inspect_geometry(std::string const& file, std::string const& units, std::string const& plot,
-                     Options const& options) {
+                     PrintOptions const& options) {
   GeometryFile const g = read_geometry(file, units == "from_file" ? "" : units);
   std::string const name = std::filesystem::path(file).filename().string();
   if (options.json())

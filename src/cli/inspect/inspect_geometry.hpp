@@ -15,7 +15,7 @@ namespace straytrace {
 bool is_geometry(std::string const& file);  // by its ending
 // Prints parts, colours, faces, areas, size, findings and an entry for a scene. `units`: of the numbers in the file, in
 // place of what it says; empty: as it says. `plot`: a PNG file, none when empty.
-int inspect_geometry(std::string const& file, std::string const& units, std::string const& plot, Options const&);
+int inspect_geometry(std::string const& file, std::string const& units, std::string const& plot, PrintOptions const&);
 
 // A CAD or mesh file as a list of parts, and as a world to draw.
 

@@ -119,7 +119,7 @@ CurveSheet sheet_of(std::vector<MotionRow> const& rows, std::vector<MotionClass>
 
 bool shows_motion(Scene const& scene) { return scene.table("bodies") && !scene.root().has("materials"); }
 
-int inspect_motion(Scene const& scene, std::string const& plot, Options const& options) {
+int inspect_motion(Scene const& scene, std::string const& plot, PrintOptions const& options) {
   MotionSet const motion = read_motion_file(scene);
   print_warnings(scene, options);
   std::vector<MotionClass> const classes = group_by_shape(motion);

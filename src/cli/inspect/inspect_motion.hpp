@@ -12,6 +12,6 @@ namespace straytrace {
 // Whether a scene moves bodies and has no materials to show.
 bool shows_motion(Scene const&);
 // Prints rms per body and coordinate; `plot`: a file of results/curves/curve_file.hpp with the ASDs, none when empty.
-int inspect_motion(Scene const&, std::string const& plot, Options const&);
+int inspect_motion(Scene const&, std::string const& plot, PrintOptions const&);
 
 }  // namespace straytrace

@@ -148,7 +148,7 @@ void draw(nlohmann::json const& data, std::string const& png) {
 
 }  // namespace
 
-int inspect_scatter(ScatterRequest const& r, Options const& options) {
+int inspect_scatter(ScatterRequest const& r) {
   ScatterFile const file = read(r);
   std::string const name = std::filesystem::path(r.file).filename().string();
   ScatterAudit const audit = audit_scatter(file, r.beyond);
@@ -163,7 +163,7 @@ int inspect_scatter(ScatterRequest const& r, Options const& options) {
   nlohmann::json const data = as_json(name, file, audit, fits);
   if (!r.plot.empty()) draw(data, r.plot);
   if (!r.write.empty()) write_file(r.write, ssdd);
-  if (options.json()) {
+  if (r.json()) {
     std::cout << data.dump() << '\n';
     return done;
   }

@@ -11,12 +11,13 @@
 
 namespace straytrace {
 
-struct ScatterRequest {
+struct ScatterRequest : PrintOptions {
   std::string file, beyond = "constant", angles, wavelength,
-                    entry;  // as the keys of the law `table`; empty: the file says
-  std::string plot, write;  // PNG and SSDD to write; empty: none
+                    entry;             // as the keys of the law `table`; empty: the file says
+  std::string plot, write;             // PNG and SSDD to write; empty: none
+  std::vector<std::string> overrides;  // of the scene that holds the material
 };
-int inspect_scatter(ScatterRequest const&, Options const&);
+int inspect_scatter(ScatterRequest const&);
 
 // Audit and fits of measured scatter as text.
 

@@ -10,19 +10,23 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <memory>
 
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "cli/render/render_paint.hpp"
 #include "results/text/png.hpp"
-#include "session/common_options.hpp"
 #include "world/model/degree.hpp"
 
 namespace straytrace {
 namespace {
 
-struct RenderRequest {
+struct RenderOptions : SceneOptions {
+  std::string out;
+  unsigned threads = 0;
   std::string mode = "shaded", eye, look, up, field, pixels = "800x600", from, at;
   std::vector<std::string> cuts;
   std::string lamp = "5 mm";
@@ -136,7 +140,7 @@ Stand stand_on(World const& world, std::string const& name) {
   return {middle.point, open_front ? -normal : normal, {on, middle.piece}};
 }
 
-Framing choose_view(World const& world, RenderRequest const& w) {
+Framing choose_view(World const& world, RenderOptions const& w) {
   std::uint32_t columns = 0, rows = 0;
   read_pixels(w.pixels, columns, rows);
   std::string const angle = "write for example --fov 30deg, between 0 and 180 degrees (360 with --from)";
@@ -168,7 +172,7 @@ Framing choose_view(World const& world, RenderRequest const& w) {
   return {looking_at(eye, look, up, field, columns, rows), {}};
 }
 
-void print(Options const& options, Camera const& c, Drawn const& drawn) {
+void print(RenderOptions const& options, Camera const& c, Drawn const& drawn) {
   if (options.json()) {
     nlohmann::json legend = nlohmann::json::array();
     for (LegendEntry const& e : drawn.legend)
@@ -212,7 +216,7 @@ void check_picture_name(std::string const& file) {
                    fmt::format("write -o {}", path.replace_extension(".png").string()));
 }
 
-Flash flash_of(RenderRequest const& w, Camera const& camera) {
+Flash flash_of(RenderOptions const& w, Camera const& camera) {
   std::string const instead = "write for example --lamp 5mm";
   Flash const flash{.radius = number_in("lamp", w.lamp, dim::length, instead)};
   if (!(flash.radius > 0)) refuse_option("lamp", w.lamp, instead);
@@ -223,23 +227,23 @@ Flash flash_of(RenderRequest const& w, Camera const& camera) {
 }
 
 // The scene itself, or that of a run.
-Scene read_either(Options const& options, std::optional<RunFile> const& run) {
+Scene read_either(SceneOptions const& options, std::optional<RunFile> const& run) {
   if (!run) return read_scene(options.input, options.overrides);
   std::vector<std::string> all = run->about.overrides;
   all.insert(all.end(), options.overrides.begin(), options.overrides.end());
   return read_scene(run->about.main_file, all, &run->about.files);
 }
 
-int render(Options const& options, RenderRequest const& w) {
-  check_picture_name(options.out);
+int render(RenderOptions const& w) {
+  check_picture_name(w.out);
   std::optional<RunFile> file;
-  if (options.input.ends_with(".h5")) file = read_run(options.input);
-  Scene const scene = read_either(options, file);
+  if (w.input.ends_with(".h5")) file = read_run(w.input);
+  Scene const scene = read_either(w, file);
   World world = build_world(scene);
   scene.throw_if_problems();
-  bool const kept = file && options.overrides.empty() && !file->about.importance.strips.empty();
+  bool const kept = file && w.overrides.empty() && !file->about.importance.strips.empty();
   Framing const view = choose_view(world, w);
-  LookSettings settings{view.cuts, looks_of(world.view()), options.threads};
+  LookSettings settings{view.cuts, looks_of(world.view()), w.threads};
   if (w.whole) std::replace(settings.looks.begin(), settings.looks.end(), Look::open, Look::solid);
   for (std::string const& cut : w.cuts) settings.cuts.push_back(read_cut(cut, view.camera.eye));
   Drawn const drawn = w.flash              ? draw_flash(world, view.camera, settings, flash_of(w, view.camera))
@@ -251,44 +255,42 @@ int render(Options const& options, RenderRequest const& w) {
                           : draw_shaded(world, view.camera, settings);
   Image image{view.camera.columns, view.camera.rows, drawn.rgb};
   if (drawn.bar) add_colour_bar(image, *drawn.bar);
-  write_png(options.out, image);
-  print(options, view.camera, drawn);
+  write_png(w.out, image);
+  print(w, view.camera, drawn);
   return done;
 }
 
 }  // namespace
 
-void add_render(CLI::App& app, Options& options, int& exit_code) {
+void add_render(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<RenderOptions>();
+  RenderOptions& o = *options;
   auto* const command = app.add_subcommand("render", "Draw a scene by rays from a camera, to see whether it is right.");
-  static RenderRequest wanted;
-  add_scene_options(*command, options, "scene (YAML), or run file (HDF5)");
-  command->add_option("-o,--out", options.out, "picture to write (PNG)")->required();
-  command->add_option("--mode", wanted.mode, "shaded, id, normal, depth or importance")
+  add_scene_options(*command, o, "scene (YAML), or run file (HDF5)");
+  command->add_option("-o,--out", o.out, "picture to write (PNG)")->required();
+  command->add_option("--mode", o.mode, "shaded, id, normal, depth or importance")
       ->check(CLI::IsMember({"shaded", "id", "normal", "depth", "importance"}));
-  command->add_option("--eye", wanted.eye, "where the camera stands, for example 0,20cm,-1.5m");
-  command->add_option("--look", wanted.look, "point in the middle of the picture; default: middle of the scene");
-  command->add_option("--up", wanted.up, "direction that is up in the picture; default: 0,1,0");
-  command->add_option("--fov", wanted.field,
-                      "angle from the lower to the upper edge; default: 30deg, from a spot 170deg");
-  command->add_option("--pixels", wanted.pixels, "width x height; default: 800x600");
-  command->add_option("--from", wanted.from,
-                      "stand on this port, beam, receiver or surface, looking against its light");
-  command->add_option("--at", wanted.at, "frame this object instead of the whole scene")->group("Camera");
-  command->add_option("--cut", wanted.cuts, "leave out one side of a plane: x=0 (the side of the eye), \"y>5cm\"")
+  command->add_option("--eye", o.eye, "where the camera stands, for example 0,20cm,-1.5m");
+  command->add_option("--look", o.look, "point in the middle of the picture; default: middle of the scene");
+  command->add_option("--up", o.up, "direction that is up in the picture; default: 0,1,0");
+  command->add_option("--fov", o.field, "angle from the lower to the upper edge; default: 30deg, from a spot 170deg");
+  command->add_option("--pixels", o.pixels, "width x height; default: 800x600");
+  command->add_option("--from", o.from, "stand on this port, beam, receiver or surface, looking against its light");
+  command->add_option("--at", o.at, "frame this object instead of the whole scene")->group("Camera");
+  command->add_option("--cut", o.cuts, "leave out one side of a plane: x=0 (the side of the eye), \"y>5cm\"")
       ->allow_extra_args(false);
-  command->add_flag("--flash", wanted.flash,
-                    "by the light of the camera's own flash: what scatters it back, and glints");
-  command->add_option("--lamp", wanted.lamp, "radius of the flash around the eye; default: 5 mm");
-  command->add_flag("--section", wanted.section, "half beyond the axis, each side of the picture with its own scale");
-  command->add_flag("--whole", wanted.whole, "draw walls from behind too, where they carry no material");
-  command->add_option("--threads", options.threads, "default: all cores; does not change the picture");
+  command->add_flag("--flash", o.flash, "by the light of the camera's own flash: what scatters it back, and glints");
+  command->add_option("--lamp", o.lamp, "radius of the flash around the eye; default: 5 mm");
+  command->add_flag("--section", o.section, "half beyond the axis, each side of the picture with its own scale");
+  command->add_flag("--whole", o.whole, "draw walls from behind too, where they carry no material");
+  command->add_option("--threads", o.threads, "default: all cores; does not change the picture");
   command->footer(
       "Examples:\n"
       "  straytrace render examples/bench.yaml -o bench.png\n"
       "  straytrace render examples/virgo_arm.yaml -o view.png --from ITM --fov 2deg\n"
       "  straytrace render examples/virgo_arm.yaml -o flash.png --from ITM --fov 2deg --flash\n"
       "  straytrace render out/run.h5 -o where_not.png --mode importance");
-  command->callback([&] { exit_code = render(options, wanted); });
+  command->callback([options, &exit_code] { exit_code = render(*options); });
 }
 
 // Picture by the camera's own flash, and what shines back, by object.

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <memory>
 
 #include "base/errors.hpp"
-#include "session/common_options.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "session/compare/model_diff.hpp"
 #include "session/compare/run_diff.hpp"
 #include "session/open_run.hpp"
@@ -25,6 +27,10 @@ nlohmann::ordered_json as_json(std::vector<Difference> const& all) {
                    {"instances", d.instances}});
   return out;
 }
+
+struct DiffOptions : SceneOptions {
+  std::vector<std::string> files;
+};
 
 struct Side {
   std::optional<RunFile> run;
@@ -45,7 +51,8 @@ Side read_side(std::string const& file, std::vector<std::string> const& override
   return side;
 }
 
-int diff(std::vector<std::string> const& files, Options const& options) {
+int diff(DiffOptions const& options) {
+  std::vector<std::string> const& files = options.files;
   Side const before = read_side(files[0], options.overrides), after = read_side(files[1], options.overrides);
   std::vector<Difference> const models = differences(before.scene, after.scene);
   bool const runs = before.run && after.run;
@@ -72,18 +79,19 @@ int diff(std::vector<std::string> const& files, Options const& options) {
 
 }  // namespace
 
-void add_diff(CLI::App& app, Options& options, int& exit_code) {
-  static std::vector<std::string> files;
+void add_diff(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<DiffOptions>();
+  DiffOptions& o = *options;
   auto* const command = app.add_subcommand("diff", "Show the physical differences between two models or two runs.");
-  command->add_option("files", files, "two scenes, or two run files (HDF5); or one of each")->required()->expected(2);
-  command->add_option("-p,--param", options.overrides, "set a parameter of both scenes, for example -p rim=48cm")
+  command->add_option("files", o.files, "two scenes, or two run files (HDF5); or one of each")->required()->expected(2);
+  command->add_option("-p,--param", o.overrides, "set a parameter of both scenes, for example -p rim=48cm")
       ->allow_extra_args(false);
-  add_format_option(*command, options);
+  add_format_option(*command, o);
   command->footer(
       "Examples:\n"
       "  straytrace diff arm.yaml arm_with_baffles.yaml\n"
       "  straytrace diff before/run.h5 after/run.h5 --format json");
-  command->callback([&] { exit_code = diff(files, options); });
+  command->callback([options, &exit_code] { exit_code = diff(*options); });
 }
 
 }  // namespace straytrace

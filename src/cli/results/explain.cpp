@@ -10,15 +10,17 @@
 #include <cctype>
 #include <cmath>
 #include <iostream>
+#include <memory>
 #include <set>
 
 #include "base/errors.hpp"
 #include "base/files/embedded.hpp"
 #include "base/input/table.hpp"
 #include "base/units/quantity.hpp"
+#include "cli/commands.hpp"
 #include "cli/library.hpp"
+#include "cli/options.hpp"
 #include "results/route_table/route_columns.hpp"
-#include "session/common_options.hpp"
 #include "session/language.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
@@ -26,7 +28,7 @@
 namespace straytrace {
 namespace {
 
-struct ExplainOptions {
+struct ExplainOptions : PrintOptions {
   std::vector<std::string> words;
   std::size_t path = 1;
   double hz = 30;
@@ -66,20 +68,20 @@ Explanation answer_to(ExplainOptions const& asked) {
 
 }  // namespace
 
-void add_explain(CLI::App& app, Options& options, int& exit_code) {
-  static ExplainOptions asked;
+void add_explain(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<ExplainOptions>();
+  ExplainOptions& o = *options;
   auto* const command = app.add_subcommand(
       "explain", "Explain a key of the language, a part, a column, a unit, a message, or the factors of a path.");
   command
-      ->add_option("what", asked.words,
+      ->add_option("what", o.words,
                    "TABLE.KEY, TABLE, KEY, a thing of the library, a column of the path table, 'unit U', the text of a "
                    "message, or 'h RUN'")
       ->required();
-  command->add_option("--path", asked.path, "of 'explain h': rank in the path table; 1 unless given")
+  command->add_option("--path", o.path, "of 'explain h': rank in the path table; 1 unless given")
       ->check(whole_between(1, 1e6, "3"));
-  command->add_option("--at", asked.hz, "of 'explain h': frequency in Hz; 30 unless given")
-      ->check(CLI::Range(1e-9, 1e9));
-  add_format_option(*command, options);
+  command->add_option("--at", o.hz, "of 'explain h': frequency in Hz; 30 unless given")->check(CLI::Range(1e-9, 1e9));
+  add_format_option(*command, o);
   command->footer(
       "Examples:\n"
       "  straytrace explain cone.half_angle\n"
@@ -87,14 +89,14 @@ void add_explain(CLI::App& app, Options& options, int& exit_code) {
       "  straytrace explain unit 'm/sqrt(Hz)'\n"
       "  straytrace explain \"does not say which amplitude it is\"\n"
       "  straytrace explain h out/run.h5 --path 2 --at 10");
-  command->callback([&] {
-    Explanation const answer = answer_to(asked);
-    std::cout << (options.json() ? answer.json.dump(1) + "\n" : answer.text);
+  command->callback([options, &exit_code] {
+    Explanation const answer = answer_to(*options);
+    std::cout << (options->json() ? answer.json.dump(1) + "\n" : answer.text);
     exit_code = done;
   });
 }
 
-void add_schema(CLI::App& app, Options&, int& exit_code) {
+void add_schema(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand("schema", "Print the JSON Schema of scenes and motion files, for editors.");
   command->footer(
       "Examples:\n"

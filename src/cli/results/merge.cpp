@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
 
 #include "base/text/words.hpp"
-#include "session/common_options.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "session/diagnostics.hpp"
 #include "session/jobs/merge_parts.hpp"
 #include "session/open_run.hpp"
@@ -16,7 +18,13 @@
 namespace straytrace {
 namespace {
 
-void report_other_texts(RunParts const& parts, Options const& options) {
+struct MergeOptions : PrintOptions {
+  std::vector<std::string> files;
+  std::string out;
+  bool partial = false, force = false;
+};
+
+void report_other_texts(RunParts const& parts, MergeOptions const& options) {
   auto const differs = [&](PartHead const& head) { return head.texts_hash != parts.heads.front().texts_hash; };
   auto const other = std::find_if(parts.heads.begin(), parts.heads.end(), differs);
   if (other == parts.heads.end()) return;
@@ -34,7 +42,7 @@ void refuse_gaps(RunParts const& parts) {
 }
 
 // A run that is there already may hold histories that no part does.
-void refuse_loss(RunParts const& parts, Options const& options) {
+void refuse_loss(RunParts const& parts, MergeOptions const& options) {
   if (!earlier_run(options.out, parts.heads.front().model_hash, parts.heads.front().seed, options.force)) return;
   std::uint64_t blocks = 0;
   for (BlockRange const& range : lost_with(read_part_head(options.out), parts)) blocks += range.size();
@@ -44,7 +52,7 @@ void refuse_loss(RunParts const& parts, Options const& options) {
                      "choose another place with -o, or overwrite it with --force");
 }
 
-TraceResult merged(RunParts const& parts, Model& model, Options const& options) {
+TraceResult merged(RunParts const& parts, Model& model, MergeOptions const& options) {
   TraceResult result = result_of(model, merged_sums(parts), options);
   result.all_blocks = parts.all_blocks;
   result.stopped = parts.missing.empty() ? Stopped::by_histories : Stopped::by_gaps;
@@ -52,9 +60,10 @@ TraceResult merged(RunParts const& parts, Model& model, Options const& options) 
   return result;
 }
 
-int merge(std::vector<std::string> const& files, bool partial, Options const& options) {
+int merge(MergeOptions const& options) {
+  std::vector<std::string> const& files = options.files;
   RunParts const parts = read_parts(files);
-  if (!parts.missing.empty() && !partial) refuse_gaps(parts);
+  if (!parts.missing.empty() && !options.partial) refuse_gaps(parts);
   if (std::find(files.begin(), files.end(), options.out) == files.end()) refuse_loss(parts, options);
   report_other_texts(parts, options);
   RunInput const first(parts.heads.front().file);
@@ -63,7 +72,7 @@ int merge(std::vector<std::string> const& files, bool partial, Options const& op
   TraceResult const result = merged(parts, model, options);
   RunContent const content = first.completed(content_of(model, result, nullptr));
   write_run(options.out, content);
-  print_traced(content, model, options);
+  print_traced(content, model, options.out, options);
   if (!parts.missing.empty()) print_warning(missing_text(parts), options);
   if (!options.quiet)
     std::cerr << fmt::format("{}, {:.6g} histories in {}; data {}\n", counted(files.size(), "part"),
@@ -73,17 +82,17 @@ int merge(std::vector<std::string> const& files, bool partial, Options const& op
 
 }  // namespace
 
-void add_merge(CLI::App& app, Options& options, int& exit_code) {
-  static std::vector<std::string> files;
-  static bool partial = false;
+void add_merge(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<MergeOptions>();
+  MergeOptions& o = *options;
   auto* const command = app.add_subcommand(
       "merge", "Merge the slices of a run into one run with the same bits as if it had never been cut.");
-  command->add_option("parts", files, "run files of trace --slice")->required();
-  command->add_option("-o,--out", options.out, "run file to write (HDF5)")->required();
-  command->add_flag("--partial", partial, "when parts are missing: a smaller run of what is there");
-  command->add_flag("--quiet", options.quiet, "no warnings");
-  add_force_option(*command, options);
-  add_format_option(*command, options);
+  command->add_option("parts", o.files, "run files of trace --slice")->required();
+  command->add_option("-o,--out", o.out, "run file to write (HDF5)")->required();
+  command->add_flag("--partial", o.partial, "when parts are missing: a smaller run of what is there");
+  command->add_flag("--quiet", o.quiet, "no warnings");
+  add_force_option(*command, o.force);
+  add_format_option(*command, o);
   command->footer(
       "Examples:\n"
       "  straytrace merge part*.h5 -o run.h5\n"
@@ -91,7 +100,7 @@ void add_merge(CLI::App& app, Options& options, int& exit_code) {
       "What is missing is listed with the commands that trace it. straytrace trace run.h5 fills the gaps of a run "
       "that\n"
       "was merged with --partial.");
-  command->callback([&] { exit_code = merge(files, partial, options); });
+  command->callback([options, &exit_code] { exit_code = merge(*options); });
 }
 
 }  // namespace straytrace

@@ -6,9 +6,11 @@
 #include <chrono>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "results/curves/band.hpp"
-#include "session/common_options.hpp"
 #include "session/diagnostics.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
@@ -16,10 +18,16 @@
 namespace straytrace {
 namespace {
 
+struct NoiseOptions : PrintOptions {
+  std::string input, out, motion, response;
+  std::size_t show = 0;  // rows; 0: as the scene says
+  bool force = false;
+};
+
 std::string name_of(std::string const& path) { return std::filesystem::path(path).filename().string(); }
 
 // Into the folder of the run itself, whose own motion or responses are then replaced.
-void warn_of_own_folder(Options const& options) {
+void warn_of_own_folder(NoiseOptions const& options) {
   std::error_code none;
   bool const own = std::filesystem::equivalent(std::filesystem::path(options.out) / "run.h5", options.input, none);
   if (own && !(options.motion.empty() && options.response.empty()))
@@ -29,7 +37,7 @@ void warn_of_own_folder(Options const& options) {
         options.out, name_of(options.motion.empty() ? options.response : options.motion));
 }
 
-int noise(Options const& options) {
+int noise(NoiseOptions const& options) {
   auto const start = std::chrono::steady_clock::now();
   FileTexts files;
   OpenRun run(options.input, options.motion, &files);
@@ -78,25 +86,27 @@ int noise(Options const& options) {
 
 }  // namespace
 
-void add_noise(CLI::App& app, Options& options, int& exit_code) {
+void add_noise(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<NoiseOptions>();
+  NoiseOptions& o = *options;
   auto* const command = app.add_subcommand("noise", "Project motion through a traced run: h(f) in about a second.");
-  command->add_option("run", options.input, "run file (HDF5)")->required();
-  command->add_option("--motion", options.motion,
+  command->add_option("run", o.input, "run file (HDF5)")->required();
+  command->add_option("--motion", o.motion,
                       "YAML file with 'straytrace: 1' and 'bodies' (also 'noise', 'interferometer') to use instead");
   command->add_option(
-      "--response", options.response,
+      "--response", o.response,
       "YAML file with 'straytrace: 1' and 'interferometer: {responses: ...}', of ports that get others");
-  command->add_option("-o,--out", options.out,
+  command->add_option("-o,--out", o.out,
                       "folder for curves, tables and picture; a name that ends with .h5: the run file alone");
-  add_force_option(*command, options);
-  command->add_option("--show", options.show, "rows of the path table")->check(whole_between(1, 1e6, "20"));
-  command->add_flag("--quiet", options.quiet, "results only");
-  add_format_option(*command, options);
+  add_force_option(*command, o.force);
+  command->add_option("--show", o.show, "rows of the path table")->check(whole_between(1, 1e6, "20"));
+  command->add_flag("--quiet", o.quiet, "results only");
+  add_format_option(*command, o);
   command->footer(
       "Examples:\n"
       "  straytrace noise out/run.h5\n"
       "  straytrace noise out/run.h5 --motion examples/storm.yaml -o storm/");
-  command->callback([&] { exit_code = noise(options); });
+  command->callback([options, &exit_code] { exit_code = noise(*options); });
 }
 
 }  // namespace straytrace

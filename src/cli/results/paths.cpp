@@ -15,10 +15,11 @@
 #include <set>
 
 #include "base/errors.hpp"
+#include "cli/commands.hpp"
 #include "cli/data_options.hpp"
+#include "cli/options.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/route_table/route_filter.hpp"
-#include "session/common_options.hpp"
 #include "session/light/first_order.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
@@ -27,7 +28,12 @@
 namespace straytrace {
 namespace {
 
-void print_receivers(Options const& options, RunContent const& content, std::size_t show) {
+struct PathsOptions : FirstOrderOptions {
+  bool first_order = false, census = false;
+  PathsChoice choice;
+};
+
+void print_receivers(PathsOptions const& options, RunContent const& content, std::size_t show) {
   ReceiverTable const table = receiver_table(content);
   if (options.by == "source" && !options.json())
     std::cout << (options.csv ? source_csv(table) : source_text(table));
@@ -39,8 +45,8 @@ void print_receivers(Options const& options, RunContent const& content, std::siz
     std::cout << (options.census ? census_text(table, show) : receiver_text(table, show)) << '\n';
 }
 
-void print_ports(Options const& options, PathsChoice const& choice, RunContent const& content, PathTable const& table,
-                 std::size_t show) {
+void print_ports(PathsOptions const& options, RunContent const& content, PathTable const& table, std::size_t show) {
+  PathsChoice const& choice = options.choice;
   ChosenPaths const chosen = choose_paths(choice, table, content.trace->coupling, content.noise);
   std::string const said = choice_text(choice, chosen);
   if (options.json()) {
@@ -57,8 +63,9 @@ void print_ports(Options const& options, PathsChoice const& choice, RunContent c
   }
 }
 
-int paths(Options const& options, PathsChoice const& choice) {
-  refuse_two_formats(options);
+int paths(PathsOptions const& options) {
+  PathsChoice const& choice = options.choice;
+  refuse_two_formats(options.csv, options);
   if (choice.any() && (options.first_order || options.census || options.by == "receiver" || options.by == "source"))
     throw InputError("--where, --without, --sort and --band are about routes to ports",
                      "leave out --by, --census and --first-order, or leave these out");
@@ -85,39 +92,41 @@ int paths(Options const& options, PathsChoice const& choice) {
     std::erase_if(settings.frequencies, [&](double f) { return f < band.low || f > band.high; });
     if (settings.frequencies.empty()) settings.frequencies = {std::sqrt(band.low * band.high)};
   }
-  print_ports(options, choice, content,
-              path_table(file.trace.coupling, budget, budget ? &model.motion : nullptr, settings), show);
+  print_ports(options, content, path_table(file.trace.coupling, budget, budget ? &model.motion : nullptr, settings),
+              show);
   return done;
 }
 
 }  // namespace
 
-void add_paths(CLI::App& app, Options& options, int& exit_code) {
+void add_paths(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<PathsOptions>();
+  PathsOptions& o = *options;
   auto* const command =
       app.add_subcommand("paths", "Rank the routes by which light rejoins the mode or reaches receivers.");
-  command->add_option("run", options.input, "run file (HDF5); with --first-order also a scene")->required();
-  command->add_option("--by", options.by, "port or receiver; source: what lights which receiver")
+  command->add_option("run", o.input, "run file (HDF5); with --first-order also a scene")->required();
+  command->add_option("--by", o.by, "port or receiver; source: what lights which receiver")
       ->check(CLI::IsMember({"port", "receiver", "source"}));
-  auto const choice = std::make_shared<PathsChoice>();
-  command->add_option("--where", choice->where,
+  command->add_option("--where", o.choice.where,
                       "only routes of which this is true: 'via(\"baffle*\") and scatters == 2'");
-  command->add_option("--band", choice->band, "of shares and ranks: \"10 Hz..100 Hz\"; all frequencies unless given");
-  command->add_option("--sort", choice->sort, "by this name of --where, largest first: opl, 'h(30 Hz)'");
+  command->add_option("--band", o.choice.band, "of shares and ranks: \"10 Hz..100 Hz\"; all frequencies unless given");
+  command->add_option("--sort", o.choice.sort, "by this name of --where, largest first: opl, 'h(30 Hz)'");
   command
-      ->add_option("--without", choice->without, "sums the noise again without routes that pass this object, * for any")
+      ->add_option("--without", o.choice.without,
+                   "sums the noise again without routes that pass this object, * for any")
       ->allow_extra_args(false);
-  command->add_option("--show", options.show, "rows")->check(whole_between(1, 1e6, "20"));
-  command->add_flag("--census", options.census, "objects that the light of each receiver has met, by watts");
-  command->add_flag("--first-order", options.first_order, "what is lit, what is seen, and both; of a scene or a run");
+  command->add_option("--show", o.show, "rows")->check(whole_between(1, 1e6, "20"));
+  command->add_flag("--census", o.census, "objects that the light of each receiver has met, by watts");
+  command->add_flag("--first-order", o.first_order, "what is lit, what is seen, and both; of a scene or a run");
   command
       ->add_option_function<double>(
-          "--histories", [&](double n) { options.histories = std::uint64_t(n); },
+          "--histories", [options](double n) { options->histories = std::uint64_t(n); },
           "of --first-order, forward and backward from each end; 131072 unless given")
       ->check(CLI::Range(1.0, 1e12));
-  command->add_option("-p,--param", options.overrides, "set a parameter of the scene, for example -p rim=48cm")
+  command->add_option("-p,--param", o.overrides, "set a parameter of the scene, for example -p rim=48cm")
       ->allow_extra_args(false);
-  command->add_flag("--csv", options.csv, "all rows, all columns, all digits");
-  add_format_option(*command, options);
+  command->add_flag("--csv", o.csv, "all rows, all columns, all digits");
+  add_format_option(*command, o);
   command->footer(
       "Examples:\n"
       "  straytrace paths out/run.h5 --show 20\n"
@@ -126,7 +135,7 @@ void add_paths(CLI::App& app, Options& options, int& exit_code) {
       "  straytrace paths out/run.h5 --by receiver\n"
       "  straytrace paths examples/virgo_arm.yaml --first-order\n"
       "  straytrace paths out/run.h5 --census --csv > census.csv");
-  command->callback([&, choice] { exit_code = paths(options, *choice); });
+  command->callback([options, &exit_code] { exit_code = paths(*options); });
 }
 
 namespace {

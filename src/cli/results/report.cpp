@@ -5,11 +5,13 @@
 
 #include <filesystem>
 #include <iostream>
+#include <memory>
 
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
 #include "report/exports.hpp"
 #include "report/scene_drawing.hpp"
 #include "results/text/picture.hpp"
-#include "session/common_options.hpp"
 #include "session/diagnostics.hpp"
 #include "session/open_run.hpp"
 #include "session/report_page.hpp"
@@ -51,7 +53,14 @@ bool is_picture(std::string const& file) {
   return file.ends_with(".pdf") || file.ends_with(".png") || file.ends_with(".svg");
 }
 
-int report(Options const& options, ReportWanted wanted, std::string const& csv) {
+struct ReportOptions {
+  ReportWanted wanted;
+  std::string input, out, csv;
+  bool quiet = false;
+};
+
+int report(ReportOptions const& options) {
+  ReportWanted wanted = options.wanted;
   if (names_scene(options.input))
     throw InputError(fmt::format("'{}' is a scene, and a report is about a run", options.input),
                      fmt::format("trace it first: straytrace run {} -o out/", options.input));
@@ -64,7 +73,7 @@ int report(Options const& options, ReportWanted wanted, std::string const& csv) 
   }
   Opened const run(options.input);
   if (wanted.pictures.empty()) wanted.pictures = read_pictures(run.model.scene.table("report"));
-  if (!csv.empty()) write_curves(csv, run.content, run.table);
+  if (!options.csv.empty()) write_curves(options.csv, run.content, run.table);
   Picture const svg = wanted.has("budget") ? budget_svg(options.input, message) : Picture{};
   if (!message.empty() && !options.quiet)
     std::cerr << "warning: without scripts the report has no picture: " << message << '\n';
@@ -74,33 +83,34 @@ int report(Options const& options, ReportWanted wanted, std::string const& csv) 
   return done;
 }
 
-struct Exports {
-  std::string vtk, glb;
+struct ViewOptions : SceneOptions {
+  ViewWanted wanted;
+  std::string out, vtk, glb;
 };
 
 // A page, unless only other files are asked for.
-void write_view(Options const& options, Model const& model, RunContent const* run, PathTable const* table,
-                ViewWanted const& wanted, Exports const& exports) {
+void write_view(ViewOptions const& options, Model const& model, RunContent const* run, PathTable const* table) {
+  ViewWanted const& wanted = options.wanted;
   auto const tell = [&](char const* what, std::string const& file) {
     if (!options.quiet) std::cerr << fmt::format("{}: {}\n", what, file);
   };
-  if (!exports.vtk.empty() || !exports.glb.empty()) {
+  if (!options.vtk.empty() || !options.glb.empty()) {
     SceneDrawing const scene = scene_drawing(model.world, ~std::size_t{0});  // every triangle
     std::vector<DrawnPath> paths;
     if (run)
       paths = paths_of_rows(run->trace->coupling, *table, model.world, ghosts_for_page(model, ghosts_shown),
                             wanted.rows, wanted.paths);
-    if (!exports.vtk.empty()) {
-      OutputFolder const parts((std::filesystem::path(exports.vtk) / "parts").string());
+    if (!options.vtk.empty()) {
+      OutputFolder const parts((std::filesystem::path(options.vtk) / "parts").string());
       NamedTexts files;
       for (auto& [name, text] : vtk_files(model.world, scene, paths, table))
-        files.emplace_back((std::filesystem::path(exports.vtk) / name).string(), std::move(text));
+        files.emplace_back((std::filesystem::path(options.vtk) / name).string(), std::move(text));
       write_files(files);
-      tell("VTK", (std::filesystem::path(exports.vtk) / "straytrace.vtm").string());
+      tell("VTK", (std::filesystem::path(options.vtk) / "straytrace.vtm").string());
     }
-    if (!exports.glb.empty()) {
-      write_file(exports.glb, glb_bytes(scene, paths, table));
-      tell("GLB", exports.glb);
+    if (!options.glb.empty()) {
+      write_file(options.glb, glb_bytes(scene, paths, table));
+      tell("GLB", options.glb);
     }
     if (options.out.empty()) return;
   }
@@ -109,74 +119,75 @@ void write_view(Options const& options, Model const& model, RunContent const* ru
   tell("view", out);
 }
 
-int view(Options const& options, ViewWanted const& wanted, Exports const& exports) {
+int view(ViewOptions const& options) {
   if (names_scene(options.input)) {
     Model model = read_model(options.input, options.overrides);
     print_warnings(model, options);
     steer(model.world);
-    write_view(options, model, nullptr, nullptr, wanted, exports);
+    write_view(options, model, nullptr, nullptr);
   } else {
     if (!options.overrides.empty())
       throw InputError("a run holds its parameters", "leave out -p, or view the scene file");
     Opened const run(options.input);
-    write_view(options, run.model, &run.content, &run.table, wanted, exports);
+    write_view(options, run.model, &run.content, &run.table);
   }
   return done;
 }
 
 }  // namespace
 
-void add_report(CLI::App& app, Options& options, int& exit_code) {
+void add_report(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<ReportOptions>();
+  ReportOptions& o = *options;
   auto* const command =
       app.add_subcommand("report", "Write one HTML file about a run, for a logbook, that opens anywhere offline.");
-  static ReportWanted wanted;
-  command->add_option("run", options.input, "run file (HDF5)")->required();
-  command->add_option("-o,--out", options.out,
+  command->add_option("run", o.input, "run file (HDF5)")->required();
+  command->add_option("-o,--out", o.out,
                       "HTML file; default: report.html beside the run; .pdf, .png, .svg: the picture of the run alone");
-  command->add_option("--paths", wanted.rows, "rows of the path table whose paths are drawn; 50 unless given")
+  command->add_option("--paths", o.wanted.rows, "rows of the path table whose paths are drawn; 50 unless given")
       ->check(whole_between(0, 1e5, "20"));
-  command->add_option("--show", wanted.paths, "paths drawn of each of them; 12 unless given")
+  command->add_option("--show", o.wanted.paths, "paths drawn of each of them; 12 unless given")
       ->check(whole_between(1, 512, "30"));
   command
       ->add_option(
-          "--pictures", wanted.pictures,
+          "--pictures", o.wanted.pictures,
           "of budget, scene, maps, ghosts, materials, convergence; default: those of 'report' in the scene, or all")
       ->delimiter(',')
       ->check(CLI::IsMember(report_pictures()));
-  command->add_option("--title", wanted.title, "instead of that of the scene");
-  static std::string csv;
-  command->add_option("--csv", csv, "folder for budget.csv, routes.csv and paths.csv too");
-  command->add_flag("--quiet", options.quiet, "no messages");
+  command->add_option("--title", o.wanted.title, "instead of that of the scene");
+  command->add_option("--csv", o.csv, "folder for budget.csv, routes.csv and paths.csv too");
+  command->add_flag("--quiet", o.quiet, "no messages");
   command->footer(
       "Examples:\n"
       "  straytrace report out/run.h5\n"
       "  straytrace report out/run.h5 -o arm.html --title \"Arm, first look\" --pictures budget,scene\n"
       "  straytrace report out/run.h5 -o arm.pdf");
-  command->callback([&] { exit_code = report(options, wanted, csv); });
+  command->callback([options, &exit_code] { exit_code = report(*options); });
 }
 
-void add_view(CLI::App& app, Options& options, int& exit_code) {
+void add_view(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<ViewOptions>();
+  ViewOptions& o = *options;
   auto* const command = app.add_subcommand(
       "view", "Show a scene in three dimensions with beams, ghosts and sample rays, and the paths of a run.");
-  static ViewWanted wanted;
-  command->add_option("scene", options.input, "scene file (YAML), or run file (HDF5)")->required();
-  command->add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
-      ->allow_extra_args(false);
-  command->add_option("-o,--out", options.out, "HTML file; default: view.html, or none with --vtk or --glb");
-  static Exports exports;
-  command->add_option("--vtk", exports.vtk, "folder for straytrace.vtm, for ParaView: parts, paths, names");
-  command->add_option("--glb", exports.glb, "binary glTF file, for slides: parts and paths");
-  command->add_option("--rays", wanted.rays, "sample histories; 200 unless given")->check(whole_between(0, 1e5, "500"));
-  command->add_option("--show", wanted.rows, "of a run: rows of the path table whose paths are drawn; 12 unless given")
+  command->add_option("scene", o.input, "scene file (YAML), or run file (HDF5)")->required();
+  command->add_option("-p,--param", o.overrides, "set a parameter, for example -p rim=48cm")->allow_extra_args(false);
+  command->add_option("-o,--out", o.out, "HTML file; default: view.html, or none with --vtk or --glb");
+  command->add_option("--vtk", o.vtk, "folder for straytrace.vtm, for ParaView: parts, paths, names");
+  command->add_option("--glb", o.glb, "binary glTF file, for slides: parts and paths");
+  command->add_option("--rays", o.wanted.rays, "sample histories; 200 unless given")
+      ->check(whole_between(0, 1e5, "500"));
+  command
+      ->add_option("--show", o.wanted.rows, "of a run: rows of the path table whose paths are drawn; 12 unless given")
       ->check(whole_between(0, 1e4, "30"));
-  command->add_option("--title", wanted.title, "instead of that of the scene");
-  command->add_flag("--quiet", options.quiet, "no messages");
+  command->add_option("--title", o.wanted.title, "instead of that of the scene");
+  command->add_flag("--quiet", o.quiet, "no messages");
   command->footer(
       "Examples:\n"
       "  straytrace view examples/bench.yaml -o bench.html\n"
       "  straytrace view out/run.h5 --show 12 -o paths.html\n"
       "  straytrace view out/run.h5 --vtk paraview/ --glb scene.glb");
-  command->callback([&] { exit_code = view(options, wanted, exports); });
+  command->callback([options, &exit_code] { exit_code = view(*options); });
 }
 
 }  // namespace straytrace

@@ -10,6 +10,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "cli/commands.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
 #include "session/options.hpp"
@@ -63,7 +64,7 @@ std::string some_rows(CurveSheet const& sheet, std::size_t count) {
   return aligned(table);
 }
 
-void add_signal(CLI::App& app, Options&, int& exit_code) {
+void add_signal(CLI::App& app, int& exit_code) {
   auto* const signal =
       app.add_subcommand("signal", "Analyse recorded data: spectra, transfer functions, displacement, maps.");
   signal->require_subcommand(1);

@@ -6,11 +6,12 @@
 #include <cmath>
 #include <iostream>
 
+#include "cli/commands.hpp"
 #include "cli/data_options.hpp"
+#include "cli/options.hpp"
 #include "cli/time/time_results.hpp"
 #include "noise/time_domain/fringe_rate.hpp"
 #include "results/text/columns.hpp"
-#include "session/common_options.hpp"
 #include "spectra/files/gps.hpp"
 
 namespace straytrace {
@@ -185,7 +186,7 @@ int fringes(FringesOptions const& o) {
 
 }  // namespace
 
-void add_fringes(CLI::App& app, Options&, int& exit_code) {
+void add_fringes(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<FringesOptions>();
   FringesOptions& o = *options;
   auto* const command =

@@ -7,11 +7,12 @@
 #include <cmath>
 #include <iostream>
 
+#include "cli/commands.hpp"
 #include "cli/data_options.hpp"
+#include "cli/options.hpp"
 #include "cli/time/project_coupling.hpp"
 #include "cli/time/time_results.hpp"
 #include "session/backend/device.hpp"
-#include "session/common_options.hpp"
 #include "session/interrupt.hpp"
 
 namespace straytrace {
@@ -126,7 +127,7 @@ int project(ProjectOptions const& o) {
 
 }  // namespace
 
-void add_project(CLI::App& app, Options&, int& exit_code) {
+void add_project(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<ProjectOptions>();
   ProjectOptions& o = *options;
   auto* const command = app.add_subcommand(

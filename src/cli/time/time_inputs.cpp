@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "cli/data_options.hpp"
+#include "cli/options.hpp"
 #include "motion/axis_motion.hpp"
-#include "session/common_options.hpp"
 #include "session/session.hpp"
 #include "spectra/integration.hpp"
 

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <map>
 
+#include "base/errors.hpp"
 #include "base/text/words.hpp"
-#include "session/common_options.hpp"
 #include "session/jobs/job_files.hpp"
 #include "session/session.hpp"
 

@@ -118,13 +118,12 @@ void print_json(Model const& model, std::vector<FirstOrderList> const& lists) {
 
 }  // namespace
 
-int print_first_order(Options const& options) {
+int print_first_order(FirstOrderOptions const& options) {
   RunInput const input(options.input);
   Model const model = input.read(options.overrides);
   FirstOrderSettings settings;
-  settings.seed = options.seed.value_or(model.seed);
+  settings.seed = model.seed;
   settings.histories = options.histories.value_or(settings.histories);
-  settings.threads = options.threads;
   std::vector<FirstOrderList> lists = first_order(model.world, settings);
   if (!options.by.empty()) {
     std::erase_if(lists, [&](FirstOrderList const& list) { return list.ending.port != (options.by == "port"); });

@@ -6,8 +6,15 @@
 
 namespace straytrace {
 
+struct FirstOrderOptions : SceneOptions {
+  std::optional<std::uint64_t> histories;
+  std::string by;  // "port", "receiver"; empty: both
+  bool csv = false;
+  std::size_t show = 0;  // rows; 0: as the scene says
+};
+
 // straytrace paths FILE --first-order: what is lit, what is seen, and both. Returns the exit code.
-int print_first_order(Options const&);
+int print_first_order(FirstOrderOptions const&);
 
 // Of an entry of these lists, whose histories are batches: with fewer the spread says nothing about the error.
 constexpr std::uint64_t least_batches = 4;

@@ -34,7 +34,7 @@ struct Traced {
 };
 
 // Refuses before anything is traced.
-void ask(Requirement const& requirement, Model& model, Options const& options) {
+void ask(Requirement const& requirement, Model& model, ScanOptions const& options) {
   apply(requirement, model);
   print_warnings(model, options);
   if (!model.detector)
@@ -43,7 +43,7 @@ void ask(Requirement const& requirement, Model& model, Options const& options) {
     throw InputError("there is no line to stay under", "name a design curve, for example --against adv-lal");
 }
 
-Traced traced(Options const& options, Requirement const& requirement) {
+Traced traced(ScanOptions const& options, Requirement const& requirement) {
   Traced t;
   if (options.input.ends_with(".h5")) {
     t.file = std::make_unique<RunFile>(read_run(options.input));
@@ -72,7 +72,7 @@ Traced traced(Options const& options, Requirement const& requirement) {
       near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
-Answer scatter_answer(Traced const& t, std::string const& name, Options const& options) {
+Answer scatter_answer(Traced const& t, std::string const& name, ScanOptions const& options) {
   std::vector<std::string> names;
   for (MaterialSpread const& m : material_spreads(t.model.world)) names.push_back(m.name);
   for (MaterialSpread const& m : material_spreads(t.model.world)) {
@@ -88,7 +88,7 @@ Answer scatter_answer(Traced const& t, std::string const& name, Options const& o
   refuse_name(name, "material that scatters", names);
 }
 
-Answer motion_answer(Traced const& t, std::string const& name, Options const& options) {
+Answer motion_answer(Traced const& t, std::string const& name, ScanOptions const& options) {
   std::vector<std::string> const& bodies = t.model.motion.bodies;
   auto const hit = std::find(bodies.begin(), bodies.end(), name);
   if (hit == bodies.end()) refuse_name(name, "body", bodies);
@@ -105,13 +105,13 @@ Answer motion_answer(Traced const& t, std::string const& name, Options const& op
   return a;
 }
 
-void print(Answer const& a, Options const& options, bool per_frequency) {
+void print(Answer const& a, ScanOptions const& options, bool per_frequency) {
   std::cout << (options.json() ? answer_json(a) : answer_text(a, per_frequency));
 }
 
 }  // namespace
 
-int invert(Options const& options, Requirement const& requirement, InvertOrder const& order,
+int invert(ScanOptions const& options, Requirement const& requirement, InvertOrder const& order,
            std::vector<ScanAxis> const& axes) {
   static std::regex const form(R"(\s*(brdf|motion|param)\s*\(\s*(.+?)\s*\)\s*)");
   std::smatch m;
@@ -237,14 +237,14 @@ nlohmann::ordered_json json_of(Bracket const& b, ScanAxis const& axis) {
           {"unit", axis.unit},  {"complete", !b.stopped},  {"limited_by_errors", !b.doubt.empty()}};
 }
 
-int stopped_early(Options const& options) {
+int stopped_early(ScanOptions const& options) {
   if (!options.quiet) std::cerr << (options.out.empty() ? no_way_to_go_on : how_to_go_on);
   return checkpointed;
 }
 
 }  // namespace
 
-int invert_parameter(Options const& options, Requirement const& requirement, InvertOrder const& order,
+int invert_parameter(ScanOptions const& options, Requirement const& requirement, InvertOrder const& order,
                      std::string const& name, std::vector<ScanAxis> const& axes) {
   if (axes.size() != 1 || axes.front().name != name || !axes.front().range)
     throw InputError(fmt::format("--invert \"param({})\" needs one range to look in", name),

@@ -20,10 +20,10 @@ struct InvertOrder {
 };
 
 // Prints the answer; returns the exit code. `axes`: for param, the one range to look in.
-int invert(Options const&, Requirement const&, InvertOrder const&, std::vector<ScanAxis> const& axes);
+int invert(ScanOptions const&, Requirement const&, InvertOrder const&, std::vector<ScanAxis> const& axes);
 
 // The case of a parameter: traces at both ends of the range and between them.
-int invert_parameter(Options const&, Requirement const&, InvertOrder const&, std::string const& name,
+int invert_parameter(ScanOptions const&, Requirement const&, InvertOrder const&, std::string const& name,
                      std::vector<ScanAxis> const& axes);
 
 // The answer of an inversion in words and as JSON.

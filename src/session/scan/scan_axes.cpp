@@ -9,9 +9,9 @@
 #include <regex>
 #include <set>
 
+#include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/text/bounded_regex.hpp"
-#include "session/common_options.hpp"
 
 namespace straytrace {
 namespace {

@@ -23,7 +23,6 @@
 #include "noise/fundamental/design.hpp"
 #include "results/curves/band.hpp"
 #include "results/results.hpp"
-#include "session/common_options.hpp"
 #include "session/compare/other_detector.hpp"
 #include "session/diagnostics.hpp"
 #include "session/scan/scan_axes.hpp"
@@ -95,7 +94,7 @@ std::string run_name(std::string const& model_hash, std::uint64_t seed) {
   return fmt::format("{}-{}", model_hash.substr(0, 16), seed);
 }
 
-Scanner::Scanner(Options options, Requirement requirement, std::string folder)
+Scanner::Scanner(ScanOptions options, Requirement requirement, std::string folder)
     : options_(std::move(options)), requirement_(std::move(requirement)), folder_(std::move(folder)) {}
 
 std::shared_ptr<CouplingTable const> Scanner::trace_of(Model& model, ScanPoint& point) {
@@ -157,7 +156,7 @@ struct Job {
 };
 
 // One point for each model; points that cannot be read are left out.
-std::vector<Job> different_models(std::vector<Settings> const& points, Options const& options) {
+std::vector<Job> different_models(std::vector<Settings> const& points, ScanOptions const& options) {
   std::vector<Job> jobs;
   std::set<std::string> known;
   for (Settings const& point : points) try {
@@ -173,7 +172,7 @@ std::vector<Job> different_models(std::vector<Settings> const& points, Options c
 }
 
 // A child; it ends its blocks and writes when the scan is killed.
-[[noreturn]] void work(Job const& job, Options options, Requirement const& requirement, unsigned jobs) {
+[[noreturn]] void work(Job const& job, ScanOptions options, Requirement const& requirement, unsigned jobs) {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   options.quiet = true;
   if (options.threads == 0) options.threads = std::max(1u, thread_count(0) / jobs);
@@ -193,7 +192,7 @@ std::filesystem::file_time_type age(std::string const& folder, std::string const
 
 }  // namespace
 
-std::set<std::string> trace_together(std::vector<Settings> const& points, Options const& options,
+std::set<std::string> trace_together(std::vector<Settings> const& points, ScanOptions const& options,
                                      Requirement const& requirement, unsigned jobs, std::atomic<bool> const& stop) {
   std::vector<Job> const all = different_models(points, options);
   std::map<std::string, std::filesystem::file_time_type> before;

@@ -24,6 +24,10 @@ struct ScanPoint {
   std::vector<std::string> warnings;    // of its noise
 };
 
+struct ScanOptions : TraceOptions {
+  std::string out;  // folder; empty: only print
+};
+
 // The line that a total is compared with.
 struct Requirement {
   std::optional<double> margin;  // of the model where not given
@@ -42,7 +46,7 @@ class Scanner {
   static constexpr double frequencies[] = {10, 30, 100};  // Hz
 
   // `folder`: where runs are kept, by hash; empty: nowhere.
-  Scanner(Options options, Requirement requirement, std::string folder);
+  Scanner(ScanOptions options, Requirement requirement, std::string folder);
   // Throws InputError for a model that cannot be read, with the settings of the point in front.
   ScanPoint at(std::vector<std::string> const& settings);
   // Runs that this scan has made already, by name: they count as traced, not as stored.
@@ -52,7 +56,7 @@ class Scanner {
  private:
   std::shared_ptr<CouplingTable const> trace_of(Model& model, ScanPoint& point);
 
-  Options options_;
+  ScanOptions options_;
   Requirement requirement_;
   std::string folder_, line_, told_;  // the warnings of the last point
   std::set<std::string> made_;
@@ -64,7 +68,7 @@ class Scanner {
 
 // Fills `runs/` of the folder with the traces that the points need, at most `jobs` at a time, each model once. The
 // names of the run files that were made or continued. Complaints about a point are left to the scan that follows.
-std::set<std::string> trace_together(std::vector<std::vector<std::string>> const& points, Options const&,
+std::set<std::string> trace_together(std::vector<std::vector<std::string>> const& points, ScanOptions const&,
                                      Requirement const&, unsigned jobs, std::atomic<bool> const& stop);
 
 }  // namespace straytrace

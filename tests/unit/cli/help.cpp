@@ -42,11 +42,10 @@ struct Parsed {};  // thrown between the parse and the command
 
 struct Program {
   CLI::App app{"Test the commands.", "straytrace"};
-  Options options;
   int exit_code = 0;
 
   Program() {
-    add_commands(app, options, exit_code);
+    add_commands(app, exit_code);
     lay_out_help(app);
     app.parse_complete_callback([] { throw Parsed(); });
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "session/common_options.hpp"
+#include "cli/options.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -39,24 +39,32 @@ CLI::Validator whole_between(double low, double high, std::string const& example
           ""};
 }
 
-void add_format_option(CLI::App& command, Options& options) {
+void add_format_option(CLI::App& command, PrintOptions& options) {
   command.add_option("--format", options.format, "text or json")->check(CLI::IsMember({"text", "json"}));
 }
 
-void refuse_two_formats(Options const& options) {
-  if (options.csv && options.json())
+void drop_slashes(std::string& folder) {
+  while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
+}
+
+void refuse_two_formats(bool csv, PrintOptions const& options) {
+  if (csv && options.json())
     throw InputError("--csv and --format json are two forms of one answer", "choose one of them");
 }
 
-void add_scene_options(CLI::App& command, Options& options, char const* input) {
-  command.add_option("scene", options.input, input)->required();
+void add_param_option(CLI::App& command, SceneOptions& options) {
   command.add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
       ->allow_extra_args(false);
+}
+
+void add_scene_options(CLI::App& command, SceneOptions& options, char const* input) {
+  command.add_option("scene", options.input, input)->required();
+  add_param_option(command, options);
   command.add_flag("--quiet", options.quiet, "no progress, no warnings");
   add_format_option(command, options);
 }
 
-void add_history_options(CLI::App& command, Options& options) {
+void add_history_options(CLI::App& command, TraceOptions& options) {
   command
       .add_option_function<double>(
           "--histories", [&](double n) { options.histories = std::uint64_t(n); },
@@ -66,7 +74,7 @@ void add_history_options(CLI::App& command, Options& options) {
       ->check(whole_between(0, 9e15, "7"));
 }
 
-void add_trace_options(CLI::App& command, Options& options) {
+void add_trace_options(CLI::App& command, TraceOptions& options) {
   add_history_options(command, options);
   command
       .add_option("--until", options.until,
@@ -85,11 +93,11 @@ void add_trace_options(CLI::App& command, Options& options) {
       "--checkpoint",
       [&](std::string const& text) { options.checkpoint_seconds = text == "off" ? infinity : parse_duration(text); },
       "write the run file while it is traced, so that a kill loses no more than this time; default 20min; or off");
-  add_force_option(command, options);
+  add_force_option(command, options.force);
 }
 
-void add_force_option(CLI::App& command, Options& options) {
-  command.add_flag("--force", options.force, "overwrite the results of another model");
+void add_force_option(CLI::App& command, bool& force) {
+  command.add_flag("--force", force, "overwrite the results of another model");
 }
 
 namespace {

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Declares the options that several commands have in common.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+#include "base/errors.hpp"
+#include "session/options.hpp"
+
+namespace straytrace {
+
+void add_scene_options(CLI::App&, SceneOptions&,
+                       char const* input = "scene file (YAML)");  // SCENE, -p, --quiet, --format
+void add_history_options(CLI::App&, TraceOptions&);               // --histories, --seed
+void add_trace_options(CLI::App&, TraceOptions&);  // these, --until, --threads, --max-time, --checkpoint, --force
+void add_force_option(CLI::App&, bool& force);
+void add_param_option(CLI::App&, SceneOptions&);  // -p, --param
+void add_format_option(CLI::App&, PrintOptions&);
+void refuse_two_formats(bool csv, PrintOptions const&);  // InputError for --csv with --format json
+
+void drop_slashes(std::string& folder);  // at its end
+
+// "'x' is not a whole number from 1 to 1e6; write for example 20"
+CLI::Validator whole_between(double low, double high, std::string const& example);
+
+// What is wrong with a command line and what to write instead. `named`: the commands so far, each with a space behind.
+InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const&, std::string const& named);
+
+}  // namespace straytrace
