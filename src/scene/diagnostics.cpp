@@ -38,7 +38,7 @@ std::string printable_text(std::string_view text) {
   return out;
 }
 
-// Its line ends stay, and further lines stand below the first.
+// Keeps line ends; further lines are aligned below the first.
 std::string printable_lines(std::string_view text) {
   std::string out;
   for (std::size_t end; (end = text.find('\n')) != text.npos; text.remove_prefix(end + 1))
@@ -111,7 +111,7 @@ std::string warnings_as_json(Scene const& scene) {
   return warnings.empty() ? "" : problems_as_json(InputError(std::move(warnings), "", document->source_names()));
 }
 
-// Warnings go with the errors to those who read them one by one; the text for people holds the errors alone.
+// The list holds errors and warnings; the text for people holds the errors alone.
 void throw_errors(SceneDocument const& document) {
   if (document.healthy()) return;
   auto all = document.problems(Severity::error), warnings = document.problems(Severity::warning);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Problems as people read them (docs/reference/scene.md).
+// Problems as text for people (docs/reference/scene.md).
 #pragma once
 
 #include <string>

@@ -3,10 +3,8 @@
 // (docs/reference/scene.md).
 #pragma once
 
-#include <array>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,24 +34,5 @@ std::optional<Value> evaluate_expression(std::string_view text, ParameterLookup 
 // A name that cannot be a parameter because the language uses it: a unit, a function, peak, pp, rms, dB.
 bool is_reserved_word(std::string_view);
 bool is_parameter_name(std::string_view);
-
-// Dimension-checked arithmetic of expressions. Every function throws ExpressionProblem for what it refuses.
-
-// A value and the bytes of the text it came from.
-struct Operand {
-  Value value;
-  std::size_t begin = 0, end = 0;
-  bool literal = false;  // a number as written, with or without a unit
-};
-
-Operand add(Operand const&, Operand const&, int sign, std::string_view text);
-Operand multiply(Operand const&, Operand const&, std::string_view text);
-Operand divide(Operand const&, Operand const&, std::string_view text);
-Operand raise(Operand const&, Operand const& exponent, std::string_view text);
-
-inline constexpr std::array<std::string_view, 11> function_names{"sqrt", "abs",   "min", "max", "sin",      "cos",
-                                                                 "tan",  "atan2", "exp", "log", "curvature"};
-// `curvature(R)` is 1/R, and 0 for R = 0, which means flat. [begin, end) are the bytes of the whole call.
-Operand call(std::string_view name, std::span<Operand const> arguments, std::size_t begin, std::size_t end);
 
 }  // namespace straytrace

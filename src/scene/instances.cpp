@@ -8,282 +8,30 @@
 #include <cmath>
 
 #include "io/delimited_text.hpp"
-#include "scene/axes.hpp"
 #include "scene/merge.hpp"
-#include "scene/part_document.hpp"
 #include "scene/parts.hpp"
 #include "scene/scope.hpp"
 
 namespace straytrace {
 namespace {
 
-bool holds_position(Node const& n) {
-  bool const at = n.has("at"), facing = n.has("facing"), rotate = n.has("rotate");
-  return at || facing || rotate;
-}
+// `repeat`: positions of the instances of an entry and the parameters of each (docs/reference/scene.md).
 
-// What the instances of one entry share while its parts are unfolded.
-struct Unfolding {
-  std::string group, name;   // so far: "bench/dump" and "bench[2]/dump"
-  Node placement;            // where body, material, side and medium are looked up
-  Node usual_medium;         // of the part whose faces are unfolded
-  std::vector<Node> frames;  // outermost first
-  double offset = 0;
-  int axis = -1;
-  bool refused = false;
+// A column of a table besides the position: sets the parameter of that name.
+struct RepeatColumn {
+  std::string name;
+  Dimension dimension;
+  std::uint32_t line = 0, column = 0;  // of its header
 };
 
-class Expander {
- public:
-  Expander(SceneDocument& document, Node root) : document_(document), root_(std::move(root)), faces_(root_["parts"]) {}
-
-  std::vector<Scene::Instance> run() {
-    check_parts(document_, root_["parts"]);
-    for (Node const& entry : root_.list("scene")) {
-      if (entry.kind() == Node::Kind::table)
-        expand_entry(entry);
-      else if (entry)
-        entry.problem("an entry of 'scene' is a table of keys", "write '- {name: ITM, use: mirror, ...}'");
-    }
-    return std::move(out_);
-  }
-
- private:
-  void expand_entry(Node const& entry) {
-    std::string const name = entry.word("name");
-    ProblemRedirect const here(document_, blame_at(entry, name));
-    bool const split = entry.flag("split", false);
-    bool const sound = check_what(entry, name.empty() ? "an entry" : fmt::format("entry '{}'", shortened(name)));
-    Repeat const repeat = read_repeat(entry);
-    if (!entry["name"] || !name_allowed(entry["name"], name) || !register_name(entry, name) || !sound) return;
-    Node const part = entry.has("use") ? find_part(entry["use"]) : Node();
-    if (entry.has("use") && !part) return emit({name, name, entry, {}, {}, 0, -1, true}, entry);
-    std::size_t const faces = part ? faces_.count(entry["use"], most_instances) : 1;
-    if (faces == 0) return;
-    if (faces * repeat.offsets.size() > most_instances - out_.size()) return refuse_total(entry);
-    GivenParameters given = given_by(entry, part);
-    if (!check_columns(entry, part, repeat)) return;
-    std::shared_ptr<Scope const> scope = part ? part_scope(part, given) : nullptr;
-    bool sizes = !part || !repeat.columns.empty() || within_limits(entry, name, part, scope);
-    for (std::size_t i = 0; i < repeat.offsets.size(); ++i) {
-      std::string const instance = repeat.axis < 0 ? name : fmt::format("{}[{}]", name, i);
-      Unfolding u{split ? instance : name, instance, entry, {}, {}, repeat.offsets[i], repeat.axis};
-      if (holds_position(entry)) u.frames.push_back(entry);
-      if (!part) {
-        emit(u, entry);
-        continue;
-      }
-      if (!repeat.columns.empty()) {
-        for (std::size_t c = 0; c < repeat.columns.size(); ++c)
-          given[repeat.columns[c].name] = {repeat.rows[i][c], nullptr};
-        scope = part_scope(part, given);
-        sizes = within_limits(entry, instance, part, scope);
-      }
-      u.refused = !sizes;
-      unfold(part, scope, u);
-      if (!sizes) return;  // the others are refused alike
-    }
-  }
-
-  // An entry or a face says exactly one of use, shape, file.
-  bool check_what(Node const& n, std::string const& called) {
-    int const kinds = n.has("use") + n.has("shape") + n.has("file");
-    if (kinds == 1) return true;
-    n.problem(kinds == 0 ? fmt::format("{} says neither 'use' nor 'shape' nor 'file'", called)
-                         : fmt::format("{} says more than one of 'use', 'shape', 'file'", called),
-              kinds == 0 ? "add 'use: part' or 'shape: {disk: {outer_radius: 10 cm}}'" : "keep one of them");
-    return false;
-  }
-
-  bool register_name(Node const& entry, std::string const& name) {
-    auto const [hit, fresh] = lines_.emplace(name, entry["name"].place());
-    if (fresh) return true;
-    Place const first = hit->second;
-    std::string const file = first.file == entry.place().file ? "" : " of " + document_.source(first.file).name;
-    entry["name"].problem(fmt::format("name '{}' is used twice in 'scene'", shortened(name)),
-                          fmt::format("choose another name; the first is in line {}{}", first.line, file));
-    return false;
-  }
-
-  void refuse_total(Node const& entry) {
-    entry.problem(fmt::format("the scene has more than {} instances", most_instances),
-                  "repeat less, or describe the row by one larger shape");
-  }
-
-  Node find_part(Node const& use) {
-    std::string const name = use.as_word();
-    Node const parts = root_["parts"], part = parts[name];
-    if (part.kind() == Node::Kind::table) return part;
-    if (use.kind() != Node::Kind::scalar || part.data()) return {};  // reported already
-    std::vector<std::string> names;
-    for (auto const& [known, data] : parts.items()) names.push_back(known);
-    std::string const near = nearest_word(name, names);
-    std::string all;
-    for (std::string const& n : names) all += (all.empty() ? "" : ", ") + n;
-    use.problem(
-        fmt::format("part '{}' is not defined", shortened(name)),
-        near.empty()
-            ? fmt::format("define it under 'parts', add 'include: [library/parts.yaml]' where it is of the library, or "
-                          "use one of: {}",
-                          shortened(all))
-            : fmt::format("did you mean '{}'?", near));
-    return {};
-  }
-
-  // Parameters of the part that the entry sets; evaluated where the entry stands.
-  GivenParameters given_by(Node const& entry, Node const& part) {
-    GivenParameters given;
-    Node const params = part ? part.table("params") : Node();
-    if (params.kind() != Node::Kind::table) return given;
-    for (NodeData::Entry const& p : params.data()->entries) {
-      if (is_entry_key(p.key) || !entry.has(p.key)) continue;
-      Node const value = entry[p.key];
-      std::optional<Value> v;
-      if (value.kind() == Node::Kind::scalar)
-        v = said_by_word(value, part["words"][p.key], entry.document());
-      else if (value)
-        value.problem(fmt::format("parameter '{}' must be one quantity", p.key), "write a number with a unit");
-      given[p.key] = {v, value.data().get()};
-    }
-    return given;
-  }
-
-  // `hand: left` where the part has words for the parameter, otherwise the quantity that is written.
-  std::optional<Value> said_by_word(Node const& value, Node const& words, Document* document) {
-    if (words.kind() != Node::Kind::table) return document->evaluate(*value.data(), value.scope().get());
-    if (NodeData::Entry const* word = words.data()->find(value.text()))
-      return document_.evaluate(*word->value, static_cast<Scope const*>(nullptr));
-    std::string known;
-    for (NodeData::Entry const& e : words.data()->entries) known += (known.empty() ? "" : " or ") + e.key;
-    value.problem(fmt::format("'{}' is {}, got \"{}\"", value.data()->label, known, shortened(value.text())),
-                  fmt::format("write '{}: {}'", value.data()->label, words.data()->entries.front().key));
-    return {};
-  }
-
-  // Columns of a table name parameters of the part and agree with their dimensions.
-  bool check_columns(Node const& entry, Node const& part, Repeat const& repeat) {
-    if (repeat.columns.empty()) return true;
-    Node const table = entry["repeat"]["table"];
-    std::vector<std::string> names;
-    if (Node const params = part.table("params"); params.kind() == Node::Kind::table)
-      for (NodeData::Entry const& p : params.data()->entries) names.push_back(p.key);
-    auto const defaults = part_scope(part, {});
-    bool good = true;
-    auto const refuse = [&](RepeatColumn const& c, std::string what, std::string suggestion) {
-      table.file_problem(table.text(), c.line, c.column, std::move(what), std::move(suggestion));
-      good = false;
-    };
-    for (RepeatColumn const& c : repeat.columns) {
-      if (std::find(names.begin(), names.end(), c.name) == names.end()) {
-        std::string const near = nearest_word(c.name, names);
-        refuse(
-            c,
-            fmt::format("column '{}' is neither a position (x, y, z) nor a parameter of what is repeated",
-                        shortened(c.name)),
-            near.empty() ? "name the columns after parameters of the part" : fmt::format("did you mean '{}'?", near));
-        continue;
-      }
-      auto const value = find_parameter(defaults.get(), c.name).value;
-      if (!value || value->bare_zero || value->quantity.dimension == c.dimension) continue;
-      Dimension const wanted = value->quantity.dimension;
-      refuse(c, fmt::format("column '{}' is {}, its unit says {}", c.name, described(wanted), described(c.dimension)),
-             fmt::format("write '{} [{}]'", c.name, example_unit(wanted)));
-    }
-    return good;
-  }
-
-  // Parts are written at the top of the model, so their defaults see the parameters of the model.
-  std::shared_ptr<Scope const> part_scope(Node const& part, GivenParameters const& given) {
-    Node const params = part.table("params");
-    bool const table = params.kind() == Node::Kind::table;
-    return make_scope(document_, table ? params.data().get() : nullptr, root_.scope(), given);
-  }
-
-  void unfold(Node const& part, std::shared_ptr<Scope const> const& scope, Unfolding const& u) {
-    Node const faces = part.table("faces");
-    if (faces.kind() != Node::Kind::table) return;
-    bool const single = faces.data()->entries.size() == 1;
-    for (NodeData::Entry const& e : faces.data()->entries) {
-      if (e.value->kind != Node::Kind::table) continue;
-      Unfolding inner = u;
-      inner.usual_medium = part["medium"];
-      if (!single) {
-        inner.group += "/" + e.key;
-        inner.name += "/" + e.key;
-      }
-      Node const face(e.value, scope, seen_from(e.value->place, inner.group));
-      if (!check_what(face, fmt::format("face '{}'", e.key))) continue;
-      if (holds_position(face)) inner.frames.push_back(face);
-      if (face.has("use"))
-        unfold_inner(face, inner);
-      else
-        emit(inner, face);
-    }
-  }
-
-  // A face that is itself a part, placed in the frame of its parent.
-  void unfold_inner(Node const& face, Unfolding u) {
-    Node const part = find_part(face["use"]);
-    if (!part) return;
-    for (char const* key : {"repeat", "split"})
-      if (face.has(key))
-        face[key].problem(fmt::format("'{}' inside a part is not supported", key),
-                          "repeat the whole part in 'scene', or write one face per position");
-    auto const scope = part_scope(part, given_by(face, part));
-    u.refused = u.refused || !within_limits(face, u.group, part, scope);
-    u.placement = placed_in(u.placement, face);
-    face.refuse_unknown(fmt::format("a face that uses part '{}'", face["use"].text()));
-    unfold(part, scope, u);
-  }
-
-  // The outer placement, with body, material, side and medium replaced where the inner one says them.
-  Node placed_in(Node const& outer, Node const& inner) {
-    auto merged = std::make_shared<NodeData>(*outer.data());
-    bool changed = false;
-    for (char const* key : {"body", "material", "side", "medium"}) {
-      if (!inner.has(key)) continue;
-      changed = true;
-      NodeData::Entry const entry = *inner.data()->find(key);
-      if (!merged->add(entry)) merged->entries[merged->index.find(key)->second] = entry;
-    }
-    return changed ? Node(std::move(merged), outer.scope(), &document_) : outer;
-  }
-
-  Blame blame_at(Node const& entry, std::string name) const {
-    return {builtin_source(root_.place().file), entry.place(), entry.data()->width, std::move(name)};
-  }
-
-  // The document for a face: of a built-in part, one that reports at the entry being unfolded.
-  Document* seen_from(Place face, std::string const& group) {
-    if (!document_.blame || face.file != document_.blame->hidden) return &document_;
-    Document*& view = views_[group];
-    if (!view) {
-      Blame blame = *document_.blame;
-      blame.name = group;
-      view = document_.keep(std::make_unique<InPart>(document_, std::move(blame)));
-    }
-    return view;
-  }
-
-  void emit(Unfolding const& u, Node const& node) {
-    out_.push_back({u.group, u.name, node, u.placement, u.usual_medium, u.frames, u.offset, u.axis, u.refused});
-  }
-
-  SceneDocument& document_;
-  Node root_;
-  FaceCounter faces_;
-  std::vector<Scene::Instance> out_;
-  std::map<std::string, Document*> views_;  // of faces of built-in parts, by group
-  std::map<std::string, Place> lines_;      // names and where they are written
+struct Repeat {
+  int axis = -1;                   // 0, 1, 2 = x, y, z; -1: not repeated
+  std::vector<double> offsets{0};  // m along the axis, one per instance; empty when the input is wrong
+  std::vector<RepeatColumn> columns{};
+  std::vector<std::vector<Value>> rows{};  // one value per column, one row per instance
 };
 
-}  // namespace
-
-std::vector<Scene::Instance> expand_scene(SceneDocument& document, Node const& root) {
-  return Expander(document, root).run();
-}
-
-namespace {
+constexpr std::size_t most_instances = 1000000;
 
 int read_axis(Node const& repeat) {
   std::string const axis = repeat.choice("along", axes);
@@ -310,7 +58,7 @@ std::vector<double> by_ends(Node const& repeat, std::size_t count) {
     return {};
   }
   if (count == 1 && from < to) {
-    repeat["count"].problem("one instance cannot stand both at 'from' and at 'to'",
+    repeat["count"].problem("one instance cannot be both at 'from' and at 'to'",
                             "write 'count: 2' or more, or leave out 'repeat' and use 'at'");
     return {};
   }
@@ -321,11 +69,11 @@ std::vector<double> by_ends(Node const& repeat, std::size_t count) {
   return offsets;
 }
 
-// As many as `count` says, or as are needed for the shadow of the last one to reach `to` (the second form of eq. 8.16).
+// `count`, or the number for which the shadow of the last one reaches `to` (the second form of eq. 8.16).
 std::size_t shadow_count(Node const& repeat, double origin, double from, double ratio) {
   if (!repeat.has("to")) return repeat.whole("count", required, 1, most_instances);
   if (repeat.has("count")) {
-    repeat["count"].problem("'count' and 'to' say the same thing twice", "keep one of them");
+    repeat["count"].problem("'count' and 'to' both set the number of instances", "keep one of them");
     return 0;
   }
   double const to = repeat.number("to", dim::length);
@@ -365,34 +113,6 @@ std::vector<double> by_list(Node const& repeat) {
   bool const bad = std::any_of(offsets.begin(), offsets.end(), [](double z) { return std::isnan(z); });
   return bad ? std::vector<double>{} : offsets;
 }
-
-}  // namespace
-
-Repeat read_repeat(Node const& entry) {
-  Node const repeat = entry.table("repeat");
-  if (!entry.has("repeat")) return {};
-  Repeat result;
-  result.offsets.clear();
-  if (!repeat) return result;
-  if (repeat.has("table")) {
-    result = read_offset_table(repeat["table"]);
-  } else {
-    result.axis = read_axis(repeat);
-    if (repeat.has("at")) {
-      result.offsets = by_list(repeat);
-    } else if (repeat.has("ratio")) {
-      result.offsets = by_ratio(repeat);
-    } else {
-      std::size_t const count = repeat.whole("count", required, 1, most_instances);
-      result.offsets = repeat.has("pitch") ? by_pitch(repeat, count) : by_ends(repeat, count);
-    }
-    if (result.axis < 0) result.offsets.clear();
-  }
-  repeat.refuse_unknown("this form of 'repeat'");
-  return result;
-}
-
-namespace {
 
 // Checks the columns of a table of positions and values.
 class OffsetTable {
@@ -460,8 +180,295 @@ class OffsetTable {
   std::vector<bool> is_position_;
 };
 
+// `entry` holds `repeat` or not.
+Repeat read_repeat(Node const& entry) {
+  Node const repeat = entry.table("repeat");
+  if (!entry.has("repeat")) return {};
+  Repeat result;
+  result.offsets.clear();
+  if (!repeat) return result;
+  if (repeat.has("table")) {
+    result = OffsetTable(repeat["table"]).read();
+  } else {
+    result.axis = read_axis(repeat);
+    if (repeat.has("at")) {
+      result.offsets = by_list(repeat);
+    } else if (repeat.has("ratio")) {
+      result.offsets = by_ratio(repeat);
+    } else {
+      std::size_t const count = repeat.whole("count", required, 1, most_instances);
+      result.offsets = repeat.has("pitch") ? by_pitch(repeat, count) : by_ends(repeat, count);
+    }
+    if (result.axis < 0) result.offsets.clear();
+  }
+  repeat.refuse_unknown("this form of 'repeat'");
+  return result;
+}
+
+bool holds_position(Node const& n) {
+  bool const at = n.has("at"), facing = n.has("facing"), rotate = n.has("rotate");
+  return at || facing || rotate;
+}
+
+// What the instances of one entry share while its parts are unfolded.
+struct Unfolding {
+  std::string group, name;   // so far: "bench/dump" and "bench[2]/dump"
+  Node placement;            // where body, material, side and medium are looked up
+  Node usual_medium;         // of the part whose faces are unfolded
+  std::vector<Node> frames;  // outermost first
+  double offset = 0;
+  int axis = -1;
+  bool refused = false;
+};
+
+class Expander {
+ public:
+  Expander(SceneDocument& document, Node root) : document_(document), root_(std::move(root)), faces_(root_["parts"]) {}
+
+  std::vector<Scene::Instance> run() {
+    check_parts(document_, root_["parts"]);
+    for (Node const& entry : root_.list("scene")) {
+      if (entry.kind() == Node::Kind::table)
+        expand_entry(entry);
+      else if (entry)
+        entry.problem("an entry of 'scene' is a table of keys", "write '- {name: ITM, use: mirror, ...}'");
+    }
+    return std::move(out_);
+  }
+
+ private:
+  void expand_entry(Node const& entry) {
+    std::string const name = entry.word("name");
+    ProblemRedirect const here(document_, blame_at(entry, name));
+    bool const split = entry.flag("split", false);
+    bool const sound = check_what(entry, name.empty() ? "an entry" : fmt::format("entry '{}'", shortened(name)));
+    Repeat const repeat = read_repeat(entry);
+    if (!entry["name"] || !name_allowed(entry["name"], name) || !register_name(entry, name) || !sound) return;
+    Node const part = entry.has("use") ? find_part(entry["use"]) : Node();
+    if (entry.has("use") && !part) return emit({name, name, entry, {}, {}, 0, -1, true}, entry);
+    std::size_t const faces = part ? faces_.count(entry["use"], most_instances) : 1;
+    if (faces == 0) return;
+    if (faces * repeat.offsets.size() > most_instances - out_.size()) return refuse_total(entry);
+    GivenParameters given = given_by(entry, part);
+    if (!check_columns(entry, part, repeat)) return;
+    std::shared_ptr<Scope const> scope = part ? part_scope(part, given) : nullptr;
+    bool sizes = !part || !repeat.columns.empty() || within_limits(entry, name, part, scope);
+    for (std::size_t i = 0; i < repeat.offsets.size(); ++i) {
+      std::string const instance = repeat.axis < 0 ? name : fmt::format("{}[{}]", name, i);
+      Unfolding u{split ? instance : name, instance, entry, {}, {}, repeat.offsets[i], repeat.axis};
+      if (holds_position(entry)) u.frames.push_back(entry);
+      if (!part) {
+        emit(u, entry);
+        continue;
+      }
+      if (!repeat.columns.empty()) {
+        for (std::size_t c = 0; c < repeat.columns.size(); ++c)
+          given[repeat.columns[c].name] = {repeat.rows[i][c], nullptr};
+        scope = part_scope(part, given);
+        sizes = within_limits(entry, instance, part, scope);
+      }
+      u.refused = !sizes;
+      unfold(part, scope, u);
+      if (!sizes) return;  // the others fail alike
+    }
+  }
+
+  // An entry or a face has exactly one of use, shape, file.
+  bool check_what(Node const& n, std::string const& called) {
+    int const kinds = n.has("use") + n.has("shape") + n.has("file");
+    if (kinds == 1) return true;
+    n.problem(kinds == 0 ? fmt::format("{} has neither 'use' nor 'shape' nor 'file'", called)
+                         : fmt::format("{} has more than one of 'use', 'shape', 'file'", called),
+              kinds == 0 ? "add 'use: part' or 'shape: {disk: {outer_radius: 10 cm}}'" : "keep one of them");
+    return false;
+  }
+
+  bool register_name(Node const& entry, std::string const& name) {
+    auto const [hit, fresh] = lines_.emplace(name, entry["name"].place());
+    if (fresh) return true;
+    Place const first = hit->second;
+    std::string const file = first.file == entry.place().file ? "" : " of " + document_.source(first.file).name;
+    entry["name"].problem(fmt::format("name '{}' is used twice in 'scene'", shortened(name)),
+                          fmt::format("choose another name; the first is in line {}{}", first.line, file));
+    return false;
+  }
+
+  void refuse_total(Node const& entry) {
+    entry.problem(fmt::format("the scene has more than {} instances", most_instances),
+                  "repeat less, or describe the row by one larger shape");
+  }
+
+  Node find_part(Node const& use) {
+    std::string const name = use.as_word();
+    Node const parts = root_["parts"], part = parts[name];
+    if (part.kind() == Node::Kind::table) return part;
+    if (use.kind() != Node::Kind::scalar || part.data()) return {};  // reported already
+    std::vector<std::string> names;
+    for (auto const& [known, data] : parts.items()) names.push_back(known);
+    std::string const near = nearest_word(name, names);
+    std::string all;
+    for (std::string const& n : names) all += (all.empty() ? "" : ", ") + n;
+    use.problem(
+        fmt::format("part '{}' is not defined", shortened(name)),
+        near.empty()
+            ? fmt::format("define it under 'parts', add 'include: [library/parts.yaml]' where it is of the library, or "
+                          "use one of: {}",
+                          shortened(all))
+            : fmt::format("did you mean '{}'?", near));
+    return {};
+  }
+
+  // Parameters of the part that the entry sets; evaluated in the scope of the entry.
+  GivenParameters given_by(Node const& entry, Node const& part) {
+    GivenParameters given;
+    Node const params = part ? part.table("params") : Node();
+    if (params.kind() != Node::Kind::table) return given;
+    for (NodeData::Entry const& p : params.data()->entries) {
+      if (is_entry_key(p.key) || !entry.has(p.key)) continue;
+      Node const value = entry[p.key];
+      std::optional<Value> v;
+      if (value.kind() == Node::Kind::scalar)
+        v = said_by_word(value, part["words"][p.key], entry.document());
+      else if (value)
+        value.problem(fmt::format("parameter '{}' must be one quantity", p.key), "write a number with a unit");
+      given[p.key] = {v, value.data().get()};
+    }
+    return given;
+  }
+
+  // `hand: left` where the part has words for the parameter, otherwise the quantity that is written.
+  std::optional<Value> said_by_word(Node const& value, Node const& words, Document* document) {
+    if (words.kind() != Node::Kind::table) return document->evaluate(*value.data(), value.scope().get());
+    if (NodeData::Entry const* word = words.data()->find(value.text()))
+      return document_.evaluate(*word->value, static_cast<Scope const*>(nullptr));
+    std::string known;
+    for (NodeData::Entry const& e : words.data()->entries) known += (known.empty() ? "" : " or ") + e.key;
+    value.problem(fmt::format("'{}' is {}, got \"{}\"", value.data()->label, known, shortened(value.text())),
+                  fmt::format("write '{}: {}'", value.data()->label, words.data()->entries.front().key));
+    return {};
+  }
+
+  // Columns of a table name parameters of the part and agree with their dimensions.
+  bool check_columns(Node const& entry, Node const& part, Repeat const& repeat) {
+    if (repeat.columns.empty()) return true;
+    Node const table = entry["repeat"]["table"];
+    std::vector<std::string> names;
+    if (Node const params = part.table("params"); params.kind() == Node::Kind::table)
+      for (NodeData::Entry const& p : params.data()->entries) names.push_back(p.key);
+    auto const defaults = part_scope(part, {});
+    bool good = true;
+    auto const refuse = [&](RepeatColumn const& c, std::string what, std::string suggestion) {
+      table.file_problem(table.text(), c.line, c.column, std::move(what), std::move(suggestion));
+      good = false;
+    };
+    for (RepeatColumn const& c : repeat.columns) {
+      if (std::find(names.begin(), names.end(), c.name) == names.end()) {
+        std::string const near = nearest_word(c.name, names);
+        refuse(
+            c,
+            fmt::format("column '{}' is neither a position (x, y, z) nor a parameter of what is repeated",
+                        shortened(c.name)),
+            near.empty() ? "name the columns after parameters of the part" : fmt::format("did you mean '{}'?", near));
+        continue;
+      }
+      auto const value = find_parameter(defaults.get(), c.name).value;
+      if (!value || value->bare_zero || value->quantity.dimension == c.dimension) continue;
+      Dimension const wanted = value->quantity.dimension;
+      refuse(c, fmt::format("column '{}' is {}, its unit is {}", c.name, described(wanted), described(c.dimension)),
+             fmt::format("write '{} [{}]'", c.name, example_unit(wanted)));
+    }
+    return good;
+  }
+
+  // Parts are written at the top of the model, so their defaults see the parameters of the model.
+  std::shared_ptr<Scope const> part_scope(Node const& part, GivenParameters const& given) {
+    Node const params = part.table("params");
+    bool const table = params.kind() == Node::Kind::table;
+    return make_scope(document_, table ? params.data().get() : nullptr, root_.scope(), given);
+  }
+
+  void unfold(Node const& part, std::shared_ptr<Scope const> const& scope, Unfolding const& u) {
+    Node const faces = part.table("faces");
+    if (faces.kind() != Node::Kind::table) return;
+    bool const single = faces.data()->entries.size() == 1;
+    for (NodeData::Entry const& e : faces.data()->entries) {
+      if (e.value->kind != Node::Kind::table) continue;
+      Unfolding inner = u;
+      inner.usual_medium = part["medium"];
+      if (!single) {
+        inner.group += "/" + e.key;
+        inner.name += "/" + e.key;
+      }
+      Node const face(e.value, scope, seen_from(e.value->place, inner.group));
+      if (!check_what(face, fmt::format("face '{}'", e.key))) continue;
+      if (holds_position(face)) inner.frames.push_back(face);
+      if (face.has("use"))
+        unfold_inner(face, inner);
+      else
+        emit(inner, face);
+    }
+  }
+
+  // A face that is itself a part, placed in the frame of its parent.
+  void unfold_inner(Node const& face, Unfolding u) {
+    Node const part = find_part(face["use"]);
+    if (!part) return;
+    for (char const* key : {"repeat", "split"})
+      if (face.has(key))
+        face[key].problem(fmt::format("'{}' inside a part is not supported", key),
+                          "repeat the whole part in 'scene', or write one face per position");
+    auto const scope = part_scope(part, given_by(face, part));
+    u.refused = u.refused || !within_limits(face, u.group, part, scope);
+    u.placement = placed_in(u.placement, face);
+    face.refuse_unknown(fmt::format("a face that uses part '{}'", face["use"].text()));
+    unfold(part, scope, u);
+  }
+
+  // The outer placement, with body, material, side and medium replaced by those of the inner one.
+  Node placed_in(Node const& outer, Node const& inner) {
+    auto merged = std::make_shared<NodeData>(*outer.data());
+    bool changed = false;
+    for (char const* key : {"body", "material", "side", "medium"}) {
+      if (!inner.has(key)) continue;
+      changed = true;
+      NodeData::Entry const entry = *inner.data()->find(key);
+      if (!merged->add(entry)) merged->entries[merged->index.find(key)->second] = entry;
+    }
+    return changed ? Node(std::move(merged), outer.scope(), &document_) : outer;
+  }
+
+  Blame blame_at(Node const& entry, std::string name) const {
+    return {builtin_source(root_.place().file), entry.place(), entry.data()->width, std::move(name)};
+  }
+
+  // The document for a face: of a built-in part, one that reports at the entry being unfolded.
+  Document* seen_from(Place face, std::string const& group) {
+    if (!document_.blame || face.file != document_.blame->hidden) return &document_;
+    Document*& view = views_[group];
+    if (!view) {
+      Blame blame = *document_.blame;
+      blame.name = group;
+      view = document_.keep(std::make_unique<InPart>(document_, std::move(blame)));
+    }
+    return view;
+  }
+
+  void emit(Unfolding const& u, Node const& node) {
+    out_.push_back({u.group, u.name, node, u.placement, u.usual_medium, u.frames, u.offset, u.axis, u.refused});
+  }
+
+  SceneDocument& document_;
+  Node root_;
+  FaceCounter faces_;
+  std::vector<Scene::Instance> out_;
+  std::map<std::string, Document*> views_;  // of faces of built-in parts, by group
+  std::map<std::string, Place> lines_;      // names and where they are written
+};
+
 }  // namespace
 
-Repeat read_offset_table(Node const& name) { return OffsetTable(name).read(); }
+std::vector<Scene::Instance> expand_scene(SceneDocument& document, Node const& root) {
+  return Expander(document, root).run();
+}
 
 }  // namespace straytrace

@@ -23,7 +23,7 @@ void add_words(NodeData const& data, Words& words) {
   for (auto const& e : data.elements) add_words(*e, words);
 }
 
-// Calls f(key, text) for every scalar that stands under a key, in lists too.
+// Calls f(key, text) for every scalar under a key, in lists too.
 template <class F>
 void each_scalar(NodeData const& data, std::string_view key, F const& f) {
   if (data.kind == Node::Kind::scalar) f(key, data);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a model takes from the library that comes with the program (docs/reference/library.md): files below "library/".
+// Entries that a model takes from the built-in library (docs/reference/library.md): files below "library/".
 #pragma once
 
 #include <string_view>
@@ -11,8 +11,8 @@ namespace straytrace {
 inline bool is_library(std::string_view file_name) { return file_name.starts_with("library/"); }
 
 // Takes the materials, media, parts and bodies of library files out of the model that nothing names, so that they
-// neither cost nor complain. A model that names a material or part that is not there keeps all but bodies: a message
-// can then suggest one.
+// cost nothing and cause no messages. A model that names a material or part that is not there keeps all but bodies: a
+// message can then suggest one.
 void drop_unused(SceneDocument const&, NodeData& model);
 
 // "parameter first_baffle = 10 m: assumed; SOURCE" for each parameter marked so that something in the model names and

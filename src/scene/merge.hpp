@@ -9,16 +9,11 @@
 namespace straytrace {
 
 // The table of the whole model without `straytrace` and `include`. Throws InputError when a file cannot be read as
-// YAML, because what the rooms would say about the rest would be noise.
+// YAML, because problems that readers report about the rest would be noise.
 std::shared_ptr<NodeData> read_model(SceneDocument&, std::string const& main_file);
 
 constexpr int format_version = 1;
 // The source that holds them, in a document whose main file is `main`.
 constexpr std::uint32_t builtin_source(std::uint32_t main) { return main + 1; }
-
-// `like: NAME` in a material: everything of another material that is not stated here; scatter laws stated here are
-// added.
-
-void take_over_materials(SceneDocument&, NodeData& model);
 
 }  // namespace straytrace

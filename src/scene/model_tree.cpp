@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "base/input/document.hpp"
-#include "scene/axes.hpp"
+#include "scene/instances.hpp"
 #include "scene/merge.hpp"
 #include "scene/parts.hpp"
 #include "scene/scope.hpp"
@@ -73,7 +73,7 @@ class TreeReader {
     return out;
   }
 
-  // What is written in a part is evaluated where the part is placed: here names stay as they are.
+  // Values of a part are evaluated where the part is placed: here names stay as written.
   ModelValue parts(NodeData const& data) const {
     NodeData own = data;
     own.entries.clear();
@@ -130,7 +130,7 @@ class TreeReader {
       out.quantity = value->quantity;
       if (value->bare_zero) out.quantity->dimension = out.how.dimension;
       out.value = si_text(Value{*out.quantity});
-    } catch (ExpressionProblem const&) {  // a word where a number may stand too, or a parameter of a part
+    } catch (ExpressionProblem const&) {  // a word where a number is allowed too, or a parameter of a part
     }
   }
 
@@ -338,7 +338,7 @@ class Printer {
     }
   }
 
-  // The first key stands behind the dash.
+  // The first key follows the dash.
   void entry_of_list(ModelValue const& c, std::size_t depth) {
     std::size_t const begin = text_.size();
     for (ModelValue const& child : c.children) entry(child, depth + 1, "");
@@ -353,7 +353,7 @@ class Printer {
 std::string printed_model(Scene const& scene) {
   Printer printer;
   ModelValue model = model_tree(scene);
-  for (ModelValue& section : model.children)  // what a material takes over stands in it already
+  for (ModelValue& section : model.children)  // they contain what they take over already
     if (section.key == "materials")
       for (ModelValue& material : section.children)
         std::erase_if(material.children, [](ModelValue const& v) { return v.key == "like"; });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A model as its readers took it: every key that they asked for, what it is in SI, and where that comes from. Made
-// after the model was read; `print`, `diff` and the schema of the language stand on it.
+// A model as its readers interpreted it: every key that they requested, its value in SI and its origin. Made after the
+// model was read, for `print`, `diff` and the schema of the language.
 #pragma once
 
 #include <optional>
@@ -41,7 +41,7 @@ struct PlacedValue {
 };
 std::vector<PlacedValue> placed_values(Scene const&);
 
-// YAML that is the same model again, with SI values; defaults and origins stand in comments.
+// YAML that is the same model again, with SI values; defaults and origins are comments.
 std::string printed_model(Scene const&);
 
 // The model as YAML text: parameters in SI, sections as written after includes, and one line per instance.

@@ -23,7 +23,7 @@ bool is_entry_key(std::string_view);
 // False, with a problem, for a name that could not be used in paths like "bench/dump_3/front".
 bool name_allowed(Node const& at, std::string const& name);
 
-// Refuses parts without faces, unknown keys and bad names.
+// Reports parts without faces, unknown keys and bad names.
 void check_parts(SceneDocument&, Node const& parts);
 
 class FaceCounter {
@@ -42,7 +42,54 @@ class FaceCounter {
 // `limits` of a part: what its parameters must keep to, so that its faces fit together.
 
 // False, with a problem at the value in `entry` (or at the entry, when it gives none), for the first parameter that is
-// not `above`, `at_least` or `at_most` what the part says; `name` is that of the entry.
+// not `above`, `at_least` or `at_most` the bound of the part; `name` is that of the entry.
 bool within_limits(Node const& entry, std::string const& name, Node const& part, std::shared_ptr<Scope const> const&);
+
+// Problems inside the built-in parts are reported where the user can fix them: at the entry that uses the part.
+
+// As long as it lives, problems in the source `hidden` are reported for `name` at the entry.
+class ProblemRedirect {
+ public:
+  ProblemRedirect(SceneDocument& document, Blame blame) : document_(document), before_(document.blame) {
+    document_.blame = std::move(blame);
+  }
+  ~ProblemRedirect() { document_.blame = std::move(before_); }
+  ProblemRedirect(ProblemRedirect const&) = delete;
+  ProblemRedirect& operator=(ProblemRedirect const&) = delete;
+
+ private:
+  SceneDocument& document_;
+  std::optional<Blame> before_;
+};
+
+// The document as the nodes of one face of a built-in part see it.
+class InPart : public Document {
+ public:
+  InPart(SceneDocument& whole, Blame blame) : whole_(whole), blame_(std::move(blame)) {}
+  void add(Problem p) override {
+    ProblemRedirect const now(whole_, blame_);
+    whole_.add(std::move(p));
+  }
+  bool healthy() const override { return whole_.healthy(); }
+  std::optional<Value> evaluate(NodeData const& node, Scope const* scope) override {
+    ProblemRedirect const now(whole_, blame_);
+    return whole_.evaluate(node, scope);
+  }
+  std::string data_file(Node const& from, std::string const& name) override { return whole_.data_file(from, name); }
+  std::optional<std::string> optional_file(Node const& from, std::string const& name) override {
+    return whole_.optional_file(from, name);
+  }
+  std::optional<std::string> derived_file(Node const& from, std::string const& name,
+                                          std::function<std::optional<std::string>()> const& make) override {
+    return whole_.derived_file(from, name, make);
+  }
+  Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) override {
+    return whole_.place_in_file(from, name, line, column);
+  }
+
+ private:
+  SceneDocument& whole_;
+  Blame blame_;
+};
 
 }  // namespace straytrace

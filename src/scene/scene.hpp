@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Front door of the scene room: text files -> one checked tree (docs/reference/scene.md). Includes, parameters, parts
-// and repeats are already expanded; units, references and geometry are checked by the rooms that read the tree.
+// Entry point of the module: text files -> one checked tree (docs/reference/scene.md). Includes, parameters, parts and
+// repeats are already expanded; the modules that read the tree check units, references and geometry.
 #pragma once
 
 #include <map>
@@ -31,11 +31,11 @@ class Scene {
     std::string name;          // unique, "baffles[12]/cone"
     Node node;                 // the face or shape table
     Node placement;            // the scene entry it came from (body, material given there)
-    Node usual_medium;         // `medium` of the part: fills it where it lets light in, unless entry or face say one
+    Node usual_medium;         // `medium` of the part: fills it where it lets light in, unless entry or face name one
     std::vector<Node> frames;  // outermost first: tables holding at / facing / rotate
-    double offset = 0;         // m along the repeat axis, in the frame the scene entry stands in (outermost)
+    double offset = 0;         // m along the repeat axis, in the frame of the scene entry (outermost)
     int repeat_axis = -1;      // 0, 1, 2 = x, y, z; -1 none
-    bool refused = false;      // its part is not known or cannot be built, which is reported: only names are read
+    bool refused = false;      // its part is unknown or impossible, which is reported: only names are read
   };
   std::vector<Instance> const& instances() const;
 
@@ -55,9 +55,9 @@ class Scene {
 };
 
 // Reads `file` from disk, or from `texts` when given (run files). `overrides`: "aperture=60cm" from the command line.
-// Syntax errors and errors of structure are recorded; throw_if_problems() is called by the caller once all rooms have
-// read their tables. Throws InputError at once when a file is missing or is not YAML: what the rooms would say about
-// the rest would be noise. With `texts` the disk is never touched.
+// Syntax errors and errors of structure are recorded; the caller calls throw_if_problems() once all modules
+// have read their tables. Throws InputError at once when a file is missing or is not YAML: problems reported about the
+// rest would be noise. With `texts` the disk is never touched.
 Scene read_scene(std::string const& file, std::vector<std::string> const& overrides = {},
                  FileTexts const* texts = nullptr);
 

@@ -38,7 +38,7 @@ void refuse_library_name(Node const& named_by, std::string const& name) {
       near.empty() ? "'straytrace library' lists what is there" : fmt::format("did you mean '{}'?", near));
 }
 
-// What readers of text make of other bytes is of no use, and the bytes are nothing to print.
+// Text readers cannot use other bytes, and these should not be printed.
 bool is_binary(Source const& source) {
   std::string_view const start = std::string_view(source.text).substr(0, 4096);
   auto const controls = std::count_if(start.begin(), start.end(), [](char c) {
@@ -193,15 +193,15 @@ std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::stri
     }
     named_by.problem(
         fmt::format("cannot read file '{}': {}", shortened(written), why),
-        fmt::format("names are relative to the file they stand in: '{}' was looked for next to the main file",
+        fmt::format("names are relative to the file that contains them: '{}' was looked for next to the main file",
                     shortened(name)));
     return {};
   }
   return add_source(name, std::move(*text), true);
 }
 
-// What the program brings along, where the user has nothing of that name. Files of the library name one another as they
-// stand in it; a stored model is never mixed with the library of another version.
+// The file of the built-in library, where the user has none of that name. Files of the library name one another by
+// their path in it; a stored model never mixes with the library of another version.
 std::optional<std::uint32_t> SceneDocument::open_library(std::string const& name, std::string const& written) {
   std::string const shipped =
       is_library(name) ? name : std::filesystem::path(written).lexically_normal().generic_string();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The files of one model, what was found wrong in them, and the evaluation of scalars.
+// The files of one model, their problems, and the evaluation of scalars.
 #pragma once
 
 #include <filesystem>
@@ -59,11 +59,11 @@ class SceneDocument : public Document {
   std::vector<Problem> problems(Severity) const;  // sorted by place
   std::size_t error_count() const { return errors_; }
 
-  std::optional<Blame> blame;  // set by Blaming (in_part.hpp)
+  std::optional<Blame> blame;  // set by ProblemRedirect (parts.hpp)
   Document* keep(std::unique_ptr<Document> view) { return views_.emplace_back(std::move(view)).get(); }
 
  private:
-  // Where the file stands that a file of the model names so.
+  // Path of a file that a file of the model names.
   std::string name_from(Node const& named_by, std::string const& written) const;
   std::optional<std::uint32_t> open_library(std::string const& name, std::string const& written);
   std::optional<std::uint32_t> known_source(std::string const& name) const;
@@ -86,7 +86,7 @@ constexpr std::size_t data_file_limit = std::size_t{256} << 20;
 
 // Texts that another program holds and has not saved: an editor, or Python.
 
-// From now on `text` is read where a model names `file`, which need not exist. Before anything is read.
+// From now on a model that names `file` reads `text`; the file need not exist. To be called before anything is read.
 void set_unsaved(std::filesystem::path const& file, std::string text);
 std::optional<std::string> unsaved_text(std::filesystem::path const& file);
 

@@ -9,10 +9,162 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <sstream>
 
 namespace straytrace {
 namespace {
+
+// As the parser gives it: line and column from 0, in bytes.
+struct SyntaxComplaint {
+  int line = 0, column = 0;
+  std::string text;
+};
+
+struct Syntax {
+  std::string_view complaint, what, suggestion;
+};
+constexpr std::array syntax{
+    Syntax{"illegal flow end", "brackets of different kinds do not match", "close '[' with ']' and '{' with '}'"},
+    Syntax{"illegal map value", "a second ': ' in one value",
+           "put quotes around text that contains ': ', or begin a new line"},
+    Syntax{"end of sequence not found", "the indentation does not fit the list above",
+           "align the keys of one entry in one column"},
+    Syntax{"end of map not found", "the indentation does not fit the table above",
+           "align the keys of one table in one column"},
+    Syntax{"bad file", "tables and lists are nested too deeply", "check the brackets"},  // the parser's own limit
+};
+
+// The innermost bracket left open in the lines before `last` (0: in the whole file). Quotes and comments are skipped
+// the way YAML sees them: both begin only where a value may begin, brackets too unless one is open already.
+std::optional<Place> unclosed_bracket(Source const& source, std::uint32_t file, std::uint32_t last) {
+  struct Bracket {
+    std::uint32_t line;
+    std::size_t byte;
+  };
+  std::vector<Bracket> open;
+  char quote = '\0';
+  for (std::uint32_t number = 1; number <= source.lines.size() && (last == 0 || number < last); ++number) {
+    std::string_view const line = source.line(number);
+    bool starts = true;  // a value may begin here
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      char const c = line[i];
+      if (quote) {
+        if (c == '\\' && quote == '"') ++i;
+        if (c == quote) quote = '\0';
+        continue;
+      }
+      if (c == '#' && (i == 0 || line[i - 1] == ' ')) break;
+      if (c == ' ') continue;
+      if (starts && (c == '"' || c == '\'')) quote = c;
+      if ((c == '[' || c == '{') && (starts || !open.empty())) open.push_back({number, i});
+      if ((c == ']' || c == '}') && !open.empty()) open.pop_back();
+      starts = std::string_view("[{,:-").find(c) != std::string_view::npos;
+    }
+  }
+  if (open.empty()) return {};
+  auto const [number, byte] = open.back();
+  return Place{file, number, code_points(source.line(number).substr(0, byte)) + 1};
+}
+
+// Records the cause in words of the input language: a bracket left open, a value that ran into the next line
+// (`broken_lines`, found before the complaint), or else the message of the parser.
+void report_syntax(SceneDocument& document, std::uint32_t file, std::vector<Problem> const& broken_lines,
+                   SyntaxComplaint const& c) {
+  Source const& source = document.source(file);
+  std::uint32_t const number = static_cast<std::uint32_t>(std::max(0, c.line) + 1);
+  bool const at_end = c.text.find("flow not found") != std::string::npos;  // its place is not where the cause is
+  if (auto const open = unclosed_bracket(source, file, at_end ? 0 : number)) {
+    document.add(
+        {*open, "this bracket is not closed", "add ']' or '}' where it ends; look for a missing comma or quote too"});
+    return;
+  }
+  for (Problem const& p : broken_lines) document.add(p);
+  if (!broken_lines.empty()) return;
+  auto const bytes = static_cast<std::size_t>(std::max(0, c.column));
+  Place const place{file, number, code_points(source.line(number).substr(0, bytes)) + 1};
+  auto const hit = std::find_if(syntax.begin(), syntax.end(), [&](Syntax const& s) { return s.complaint == c.text; });
+  if (hit != syntax.end())
+    document.add({place, std::string(hit->what), std::string(hit->suggestion)});
+  else
+    document.add({place, fmt::format("this is not valid YAML ({})", c.text),
+                  "check indentation, brackets, quotes and ': ' near here"});
+}
+
+// Length of the well-formed UTF-8 sequence at `at`; 0 when it is broken (overlong, surrogate, too large, cut off).
+std::size_t sequence_length(std::string_view text, std::size_t at) {
+  auto const byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  auto const tail = [&](std::size_t i) { return (byte(i) & 0xc0) == 0x80; };
+  unsigned const b = byte(at), second = byte(at + 1);
+  if (b < 0x80) return 1;
+  if (b >= 0xc2 && b <= 0xdf) return tail(at + 1) ? 2 : 0;
+  if (b >= 0xe0 && b <= 0xef) {
+    bool const bad = (b == 0xe0 && second < 0xa0) || (b == 0xed && second > 0x9f);
+    return !bad && tail(at + 1) && tail(at + 2) ? 3 : 0;
+  }
+  if (b >= 0xf0 && b <= 0xf4) {
+    bool const bad = (b == 0xf0 && second < 0x90) || (b == 0xf4 && second > 0x8f);
+    return !bad && tail(at + 1) && tail(at + 2) && tail(at + 3) ? 4 : 0;
+  }
+  return 0;
+}
+
+// Directives come before the first line of content.
+void refuse_directives(SceneDocument& document, std::uint32_t file) {
+  Source const& source = document.source(file);
+  for (std::uint32_t number = 1; number <= source.lines.size(); ++number) {
+    std::string_view const line = source.line(number);
+    std::size_t const first = line.find_first_not_of(" \t");
+    if (line.starts_with('%'))
+      document.add({{file, number, 1}, "YAML directives are not part of the input language", "remove this line"});
+    if (first != std::string_view::npos && line[first] != '#' && line[first] != '%') return;
+  }
+}
+
+// The text to hand to the parser (byte order mark and tabs blanked), or nothing when it cannot be read.
+// Every reason is recorded as a problem.
+std::optional<std::string> checked_text(SceneDocument& document, std::uint32_t file) {
+  std::string text = document.source(file).text;
+  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+  if (text.starts_with("straytrace-run")) {
+    document.add({{file, 1, 1},
+                  "this is a run file, not a scene",
+                  "'straytrace run' makes it again, 'noise' and 'paths' read it"});
+    return {};
+  }
+  std::uint32_t line = 1, column = 1;
+  bool tab_in_line = false, readable = true;
+  for (std::size_t at = 0; at < text.size();) {
+    std::size_t const length = sequence_length(text, at);
+    char const c = text[at];
+    Place const here{file, line, column};
+    if (length == 0) {
+      document.add({here, "this is not UTF-8 text", "save the file as UTF-8"});
+      return {};
+    }
+    if (c == '\t') {
+      if (!tab_in_line) document.add({here, "a tab character", "use spaces; a tab looks different in every editor"});
+      tab_in_line = true;
+      text[at] = ' ';
+    } else if ((static_cast<unsigned char>(c) < 0x20 && c != '\n' &&
+                !(c == '\r' && at + 1 < text.size() && text[at + 1] == '\n')) ||
+               c == 0x7f) {
+      document.add(
+          {here, fmt::format("control character {:#04x} in the text", static_cast<unsigned char>(c)), "remove it"});
+      readable = false;
+    }
+    at += length;
+    ++column;
+    if (c == '\n') {
+      ++line;
+      column = 1;
+      tab_in_line = false;
+    }
+  }
+  refuse_directives(document, file);
+  if (!readable) return {};
+  return text;
+}
 
 constexpr std::size_t deepest = 64, most_values = 1'000'000;  // half a kilobyte each
 
@@ -291,155 +443,6 @@ std::shared_ptr<NodeData> read_yaml(SceneDocument& document, std::uint32_t file)
                 root ? "a model file is a table of keys" : "the file is empty",
                 "begin with 'straytrace: 1'"});
   return nullptr;
-}
-
-namespace {
-
-struct Syntax {
-  std::string_view complaint, what, suggestion;
-};
-constexpr std::array syntax{
-    Syntax{"illegal flow end", "brackets of different kinds do not match", "close '[' with ']' and '{' with '}'"},
-    Syntax{"illegal map value", "a second ': ' in one value",
-           "put quotes around text that contains ': ', or begin a new line"},
-    Syntax{"end of sequence not found", "the indentation does not fit the list above",
-           "align the keys of one entry in one column"},
-    Syntax{"end of map not found", "the indentation does not fit the table above",
-           "align the keys of one table in one column"},
-    Syntax{"bad file", "tables and lists are nested too deeply", "check the brackets"},  // the parser's own limit
-};
-
-// The innermost bracket left open in the lines before `last` (0: in the whole file). Quotes and comments are skipped
-// the way YAML sees them: both begin only where a value may begin, brackets too unless one is open already.
-std::optional<Place> unclosed_bracket(Source const& source, std::uint32_t file, std::uint32_t last) {
-  struct Bracket {
-    std::uint32_t line;
-    std::size_t byte;
-  };
-  std::vector<Bracket> open;
-  char quote = '\0';
-  for (std::uint32_t number = 1; number <= source.lines.size() && (last == 0 || number < last); ++number) {
-    std::string_view const line = source.line(number);
-    bool starts = true;  // a value may begin here
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      char const c = line[i];
-      if (quote) {
-        if (c == '\\' && quote == '"') ++i;
-        if (c == quote) quote = '\0';
-        continue;
-      }
-      if (c == '#' && (i == 0 || line[i - 1] == ' ')) break;
-      if (c == ' ') continue;
-      if (starts && (c == '"' || c == '\'')) quote = c;
-      if ((c == '[' || c == '{') && (starts || !open.empty())) open.push_back({number, i});
-      if ((c == ']' || c == '}') && !open.empty()) open.pop_back();
-      starts = std::string_view("[{,:-").find(c) != std::string_view::npos;
-    }
-  }
-  if (open.empty()) return {};
-  auto const [number, byte] = open.back();
-  return Place{file, number, code_points(source.line(number).substr(0, byte)) + 1};
-}
-
-}  // namespace
-
-void report_syntax(SceneDocument& document, std::uint32_t file, std::vector<Problem> const& broken_lines,
-                   SyntaxComplaint const& c) {
-  Source const& source = document.source(file);
-  std::uint32_t const number = static_cast<std::uint32_t>(std::max(0, c.line) + 1);
-  bool const at_end = c.text.find("flow not found") != std::string::npos;  // its place is not where the cause is
-  if (auto const open = unclosed_bracket(source, file, at_end ? 0 : number)) {
-    document.add(
-        {*open, "this bracket is not closed", "add ']' or '}' where it ends; look for a missing comma or quote too"});
-    return;
-  }
-  for (Problem const& p : broken_lines) document.add(p);
-  if (!broken_lines.empty()) return;
-  auto const bytes = static_cast<std::size_t>(std::max(0, c.column));
-  Place const place{file, number, code_points(source.line(number).substr(0, bytes)) + 1};
-  auto const hit = std::find_if(syntax.begin(), syntax.end(), [&](Syntax const& s) { return s.complaint == c.text; });
-  if (hit != syntax.end())
-    document.add({place, std::string(hit->what), std::string(hit->suggestion)});
-  else
-    document.add({place, fmt::format("this is not valid YAML ({})", c.text),
-                  "check indentation, brackets, quotes and ': ' near here"});
-}
-
-namespace {
-
-// Length of the well-formed UTF-8 sequence at `at`; 0 when it is broken (overlong, surrogate, too large, cut off).
-std::size_t sequence_length(std::string_view text, std::size_t at) {
-  auto const byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  auto const tail = [&](std::size_t i) { return (byte(i) & 0xc0) == 0x80; };
-  unsigned const b = byte(at), second = byte(at + 1);
-  if (b < 0x80) return 1;
-  if (b >= 0xc2 && b <= 0xdf) return tail(at + 1) ? 2 : 0;
-  if (b >= 0xe0 && b <= 0xef) {
-    bool const bad = (b == 0xe0 && second < 0xa0) || (b == 0xed && second > 0x9f);
-    return !bad && tail(at + 1) && tail(at + 2) ? 3 : 0;
-  }
-  if (b >= 0xf0 && b <= 0xf4) {
-    bool const bad = (b == 0xf0 && second < 0x90) || (b == 0xf4 && second > 0x8f);
-    return !bad && tail(at + 1) && tail(at + 2) && tail(at + 3) ? 4 : 0;
-  }
-  return 0;
-}
-
-// A directive stands before the first line of content.
-void refuse_directives(SceneDocument& document, std::uint32_t file) {
-  Source const& source = document.source(file);
-  for (std::uint32_t number = 1; number <= source.lines.size(); ++number) {
-    std::string_view const line = source.line(number);
-    std::size_t const first = line.find_first_not_of(" \t");
-    if (line.starts_with('%'))
-      document.add({{file, number, 1}, "YAML directives are not part of the input language", "remove this line"});
-    if (first != std::string_view::npos && line[first] != '#' && line[first] != '%') return;
-  }
-}
-
-}  // namespace
-
-std::optional<std::string> checked_text(SceneDocument& document, std::uint32_t file) {
-  std::string text = document.source(file).text;
-  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
-  if (text.starts_with("straytrace-run")) {
-    document.add({{file, 1, 1},
-                  "this is a run file, not a scene",
-                  "'straytrace run' makes it again, 'noise' and 'paths' read it"});
-    return {};
-  }
-  std::uint32_t line = 1, column = 1;
-  bool tab_in_line = false, readable = true;
-  for (std::size_t at = 0; at < text.size();) {
-    std::size_t const length = sequence_length(text, at);
-    char const c = text[at];
-    Place const here{file, line, column};
-    if (length == 0) {
-      document.add({here, "this is not UTF-8 text", "save the file as UTF-8"});
-      return {};
-    }
-    if (c == '\t') {
-      if (!tab_in_line) document.add({here, "a tab character", "use spaces; a tab looks different in every editor"});
-      tab_in_line = true;
-      text[at] = ' ';
-    } else if ((static_cast<unsigned char>(c) < 0x20 && c != '\n' &&
-                !(c == '\r' && at + 1 < text.size() && text[at + 1] == '\n')) ||
-               c == 0x7f) {
-      document.add(
-          {here, fmt::format("control character {:#04x} in the text", static_cast<unsigned char>(c)), "remove it"});
-      readable = false;
-    }
-    at += length;
-    ++column;
-    if (c == '\n') {
-      ++line;
-      column = 1;
-      tab_in_line = false;
-    }
-  }
-  refuse_directives(document, file);
-  if (!readable) return {};
-  return text;
 }
 
 }  // namespace straytrace

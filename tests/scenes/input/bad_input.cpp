@@ -75,7 +75,7 @@ std::vector<Case> const cases = {
     {"circle", "mirror_radius: 17.5 cm ", "mirror_radius: 0.3 m*shadow ", "mirror_radius",
      "parameter 'mirror_radius' depends on itself", "write one of them as a number"},
     {"include", "params:\n", "include: [common.yaml]\n\nparams:\n", "common.yaml", "cannot read file 'common.yaml'",
-     "names are relative to the file they stand in"},
+     "names are relative to the file that contains them"},
     {"negative power", "power: 650 kW", "power: -650 kW", "-650 kW", "'power' must be between",
      "write a value between"},
     {"no mass", "  mirror_mass: 42 kg\n", "", "preset", "key 'mirror_mass' (a mass) is missing",

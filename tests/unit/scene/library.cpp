@@ -108,8 +108,8 @@ TEST(Like, TakesOverWhatIsNotStated) {
   EXPECT_EQ(scene.table("materials").table("a").list("scatter").size(), 1u);
   EXPECT_THAT(errors_of(base + "  b: {like: aa}\n"), HasSubstr("did you mean 'a'?"));
   EXPECT_THAT(errors_of(base + "  b: {like: a}\n  c: {like: b}\n"),
-              HasSubstr("'b' is no material that can be taken over"));
-  EXPECT_THAT(errors_of(base + "  b: {like: b}\n"), HasSubstr("'b' is no material that can be taken over"));
+              HasSubstr("'b' is not a material that can be taken over"));
+  EXPECT_THAT(errors_of(base + "  b: {like: b}\n"), HasSubstr("'b' is not a material that can be taken over"));
 }
 
 TEST(Parameters, StateTheirOrigin) {
@@ -141,7 +141,7 @@ TEST(Repeat, RatioUpToAPlace) {
   EXPECT_THAT(places("origin: 100 m, from: 90 m, to: 55 m"), ElementsAre(90, 80, 60));
   std::string const bad = "scene:\n  - {name: b, shape: {disk: {}}, repeat: {along: z, from: 10 m, ";
   EXPECT_THAT(errors_of(bad + "ratio: 2, to: 5 m}}\n"), HasSubstr("no progression with this ratio"));
-  EXPECT_THAT(errors_of(bad + "ratio: 2, to: 50 m, count: 3}}\n"), HasSubstr("the same thing twice"));
+  EXPECT_THAT(errors_of(bad + "ratio: 2, to: 50 m, count: 3}}\n"), HasSubstr("both set the number of instances"));
 }
 
 }  // namespace

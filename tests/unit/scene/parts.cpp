@@ -15,7 +15,7 @@ TEST(Parts, Errors) {
   std::vector<Case> const cases{
       {"{params: {r: 1 m}}", "part 'p' has no faces"},
       {"{faces: {}}", "part 'p' has no faces"},
-      {"{faces: {a: {material: x}}}", "face 'a' says neither 'use' nor 'shape' nor 'file'"},
+      {"{faces: {a: {material: x}}}", "face 'a' has neither 'use' nor 'shape' nor 'file'"},
       {"{faces: {a: 5}}", "face 'a' needs a table of keys"},
       {"{faces: {a: {shape: {disk: {}}}}, prams: {r: 1 m}}", "unknown key 'prams' in part 'p'"},
       {"{faces: {a: {shape: {disk: {}}}}, params: {body: 1 m}}", "'body' is a key of every scene entry"},
