@@ -5,9 +5,13 @@ import pathlib
 import re
 import subprocess
 
+import yaml
+
 # A role that contains a name of the user, as "beam 'arm'".
 NAMED = re.compile(r"^(beam|port|receiver|material|medium|body|mode|part|scene entry|the limits of|the motion of body|"
                    r"the responses of port|a face that uses part|parameter) '.*'$", re.S)
+WORDS = "schema/words.yaml"
+PAGES = {"BSDF model": "scatter", "shape": "shapes"}
 CLOSED_FORMS = "fabry-perot-michelson"
 KINDS = ("asd", "series", "csd", "power-law", "peterson", "line", "sine", "drift", "from", "like", "same_as")
 
@@ -19,6 +23,9 @@ class Slot:
         self.asked, self.scalars, self.tables, self.shapes = [], [], set(), {}
         self.named = self.elements = None
         self.examples = []
+
+    def docs(self):
+        return {a["doc"] for a in self.asked if "doc" in a}
 
     def concrete(self):
         return [a for a in self.asked if a["type"] != "named"]
@@ -156,6 +163,23 @@ def range_of(asked):
 
 def samples(root):
     return sorted((pathlib.Path(root) / "schema" / "samples").glob("*.yaml"))
+
+
+def words_of(root, facts):
+    """What each key means, by table: schema/words.yaml, and what the code says of the numbers of shapes and BSDF models."""
+    words = yaml.safe_load((pathlib.Path(root) / WORDS).read_text(encoding="utf-8"))
+    common = words.pop("BSDF model")["keys"]
+    for context, keys in facts.contexts.items():
+        family = re.fullmatch(r"(BSDF model|shape) '([\w-]+)'", context)
+        if family:
+            kind, name = family.groups()
+            entry = {"name": name, "about": f"the {kind} {name}", "page": f"{PAGES[kind]}/{name}.md"} | words.get(context, {})
+            told = {key: doc for key, slot in keys.items() for doc in slot.docs()}
+            twice = sorted(told.keys() & entry.get("keys", {}).keys())
+            if twice:
+                raise ValueError(f"{WORDS}: the code describes {', '.join(twice)} of '{context}'")
+            words[context] = entry | {"keys": (common if kind == "BSDF model" else {}) | entry.get("keys", {}) | told}
+    return words
 
 
 def facts_of(program, scenes):

@@ -3,8 +3,8 @@
 
 Usage: make_schema.py [--check] PROGRAM [ROOT]
 
-The readers are watched while they read schema/samples/*.yaml, which use every key; schema/words.yaml says what each key
-means. A key that only one of the two knows is an error. --check writes nothing and fails when a file is out of date.
+The readers are watched while they read schema/samples/*.yaml, which use every key; schema/words.yaml, and for the numbers
+of shapes and BSDF models the code itself, says what each key means. A key that only one of the two knows is an error. --check writes nothing and fails when a file is out of date.
 """
 import json
 import pathlib
@@ -13,9 +13,9 @@ import sys
 
 import yaml
 
-from keys_of_readers import KINDS, facts_of, in_unit, kind_of, range_of, samples
+from keys_of_readers import KINDS, WORDS, facts_of, in_unit, kind_of, range_of, samples, words_of
 
-SCHEMA, PAGE, WORDS = "schema/straytrace-1.schema.json", "docs/reference/keys.md", "schema/words.yaml"
+SCHEMA, PAGE = "schema/straytrace-1.schema.json", "docs/reference/keys.md"
 ANY_SCALAR = ["string", "number", "boolean"]
 # A quantity holds a unit or a parameter, so a letter; only 0 may be bare. Expressions are left to the program.
 QUANTITY = {"anyOf": [{"type": "string", "pattern": "[A-Za-zµ°%]|^[-+*/(). 0]+$"}, {"const": 0}]}
@@ -274,8 +274,8 @@ def built_in_parts(root):
 
 
 def main(program, check):
-    words = yaml.safe_load((ROOT / WORDS).read_text(encoding="utf-8"))
-    maker = Maker(facts_of(program, samples(ROOT)), words, built_in_parts(ROOT))
+    facts = facts_of(program, samples(ROOT))
+    maker = Maker(facts, words_of(ROOT, facts), built_in_parts(ROOT))
     wrong = list(maker.complaints())
     if not wrong:
         for name, text in ((SCHEMA, json.dumps(maker.schema(), indent=1, ensure_ascii=False) + "\n"),

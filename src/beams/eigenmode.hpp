@@ -11,13 +11,13 @@
 
 namespace straytrace {
 
-// Why rays do not stay in the cavity, in words; empty when it is stable.
+// Reason why the cavity is unstable; empty when it is stable.
 std::string instability(AxisMatrix const& round_trip);
 std::string instability(RayMatrix const& round_trip);
 
-// What repeats itself after a round trip. `gouy`: phase by which a mode of one order more along the axis lags per round
-// trip, rad in [0, 2 pi); its distance in frequency is gouy/(2 pi) of the free spectral range. Left-right images of a
-// ring with an odd number of mirrors are in it.
+// The field that reproduces itself after a round trip. `gouy`: phase by which a mode of one order more along the axis
+// lags per round trip, rad in [0, 2 pi); its distance in frequency is gouy/(2 pi) of the free spectral range.
+// Left-right images of a ring with an odd number of mirrors are in it.
 struct AxisEigenmode {
   BeamParameter q;  // over the index at the start of the round trip
   double gouy = 0;

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/errors.hpp"
-#include "optics/coating/refraction.hpp"
+#include "optics/coating/fresnel.hpp"
 
 namespace straytrace {
 

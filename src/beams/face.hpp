@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a mirror or a refracting face does to everything paraxial about a chief ray: to the curvature of a beam and to
-// the rays beside it.
+// Effect of a mirror or a refracting face on everything paraxial about a chief ray: on the curvature of a beam and on
+// the rays near it.
 #pragma once
 
 #include <Eigen/Core>
 
 #include "base/math/vec3.hpp"
-#include "geometry/curvature.hpp"
+#include "geometry/common/shape.hpp"
 
 namespace straytrace {
 

@@ -46,7 +46,7 @@ double hermite_function(int n, double x);
 std::complex<double> hermite_field(Mode const& basis, int n, int m, Vec3 p);
 
 // Amplitudes of a Gaussian beam in these modes, n + m <= order; (0, 0) is their overlap. The beam may be tilted,
-// shifted and mismatched in any way. What they lack of 1 in power is in higher orders.
+// shifted and mismatched in any way. The rest of the power is in higher orders.
 ModeCoefficients hermite_coefficients(Mode const& beam, Mode const& basis, int order);
 
 // Laguerre-Gauss modes about a circular beam (R2.11).

@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 
 #include "beams/face.hpp"
-#include "beams/mode.hpp"
 
 namespace straytrace {
 
@@ -113,12 +112,6 @@ Spot spot(Mode const& m) {
   double const large = 0.5 * (a + c) + std::hypot(0.5 * (a - c), b), small = (a * c - b * b) / large;
   double const angle = larger_axis(a, b, c), scale = m.wavelength / pi;
   return {std::sqrt(scale / small), std::sqrt(scale / large), std::cos(angle) * m.e2 - std::sin(angle) * m.e1};
-}
-
-Wavefront wavefront(Mode const& m) {
-  double const a = m.q11.real(), b = m.q12.real(), c = m.q22.real();
-  double const mean = 0.5 * (a + c), half = std::hypot(0.5 * (a - c), b), angle = larger_axis(a, b, c);
-  return {mean + half, mean - half, std::cos(angle) * m.e1 + std::sin(angle) * m.e2};
 }
 
 }  // namespace straytrace

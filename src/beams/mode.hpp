@@ -59,13 +59,6 @@ struct Spot {
 };
 Spot spot(Mode const&);
 
-// Principal curvatures of the wavefront at `origin`, 1/m, positive when diverging; `axis` along the first, the larger.
-struct Wavefront {
-  double first = 0, second = 0;
-  Vec3 axis;
-};
-Wavefront wavefront(Mode const&);
-
 // Symmetric 2x2 matrices, real or complex: curvatures and sizes of beams in a plane.
 
 // Eigenvalues, the one nearer to m11 first.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How much of one beam is in the mode of another: tilt, shift, mismatch and astigmatism in one closed form
+// Overlap of two beams: tilt, shift, mismatch and astigmatism in one closed form
 // (docs/theory/beams.md, eq. 5.1-5.3 are special cases).
 #pragma once
 
@@ -21,7 +21,7 @@ double power_overlap(Mode const&, Mode const&);
 // right angle or more.
 double log_power_overlap(Mode const&, Mode const&);
 
-// What a beam leaves on a plane that it crosses at a small angle, and the product of two of these.
+// Field of a beam on a plane that it crosses at a small angle, and the product of two such fields.
 
 // Through `point`, unit axes t1 and t2; the beams run along t1 x t2, more or less.
 struct Plane {
@@ -40,7 +40,7 @@ struct PlaneField {
 };
 PlaneField on_plane(Mode const&, Plane const&);
 
-// u conj(v) = exp(log_amplitude + i k (g.d + d.S d/2)) with d counted from the centre of v.
+// u conj(v) = exp(log_amplitude + i k (g.d + d.S d/2)) with d measured from the centre of v.
 struct FieldProduct {
   double k = 0;
   std::complex<double> log_amplitude;

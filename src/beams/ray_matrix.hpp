@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ray matrices (ABCD) of one transverse axis and of both. A ray beside the chief ray is (x, p) or (x, y, px, py):
+// Ray matrices (ABCD) of one transverse axis and of both. A ray near the chief ray is (x, p) or (x, y, px, py):
 // offset in m, and slope times the index of its medium, so that every matrix is symplectic and one without loss of its
 // own.
 #pragma once
@@ -63,7 +63,7 @@ struct BeamPath {
   RayMatrix rays = RayMatrix::Identity();  // from the frame at the start to that of `mode`
   std::vector<Mode> arriving;              // at every element
 };
-// NumericalError when the chief ray does not meet an element at its point, or meets it from behind its path.
+// NumericalError when the chief ray does not meet an element at its point, or meets it behind the start of the path.
 BeamPath follow(Mode const& start, double index, std::span<OpticalElement const>);
 
 }  // namespace straytrace

@@ -33,7 +33,7 @@ struct BeamSpot {
   Mode mode;           // arriving; its origin is where the chief ray meets the surface; wavelength in the medium there
   double index = 1;    // of that medium
   double power = 0;    // arriving, over that of the launched beam, before the rim clips it
-  double clipped = 0;  // share of `power` that passes beside the surface (docs/theory/beams.md, eq. 5.5, 5.6)
+  double clipped = 0;  // share of `power` that misses the surface (docs/theory/beams.md, eq. 5.5, 5.6)
   double path_length = 0;       // optical, from the plane where the beam is launched, m
   double gouy = 0;              // lag of the phase behind that of a plane wave since there, rad
   BeamField field;              // arriving: |.|^2 = power

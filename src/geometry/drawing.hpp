@@ -7,51 +7,50 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/shape_types.hpp"
+#include "base/math/vec3.hpp"
 
 namespace straytrace {
 
 struct Drawing {
+  static constexpr std::uint32_t around = 48, along_curve = 8, across_ball = 16;  // cells of a curve
+
   std::vector<Vec3> points;  // m, in the frame of the shape's pose
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  double area() const;  // m^2
+
+  double area() const;    // m^2
+  void drop_collapsed();  // triangles without area, as around the pole of a disk
+
+  // Corners in `rows` + 1 rows of `columns`; a ring closes on itself. `place(u, v)` with u along, v around in [0, 1].
+  // Without collapsed triangles.
+  template <class Place>
+  static Drawing grid(std::uint32_t rows, std::uint32_t columns, bool ring, Place const& place) {
+    Drawing d;
+    std::uint32_t const width = ring ? columns : columns + 1;
+    for (std::uint32_t i = 0; i <= rows; ++i)
+      for (std::uint32_t j = 0; j < width; ++j) d.points.push_back(place(double(i) / rows, double(j) / columns));
+    for (std::uint32_t i = 0; i < rows; ++i)
+      for (std::uint32_t j = 0; j < columns; ++j) {
+        std::uint32_t const next = ring ? (j + 1) % columns : j + 1;
+        std::uint32_t const a = i * width + j, b = i * width + next, c = a + width, e = b + width;
+        d.triangles.push_back({a, b, c});
+        d.triangles.push_back({b, e, c});
+      }
+    d.drop_collapsed();
+    return d;
+  }
 };
 
+// A shape has `drawing()`, or its `sample` maps the unit square onto it without a jump, with the second number around;
+// then `drawn_rows` is the number of rows along the first.
 template <class Shape>
-Drawing drawing_of(Shape const&);
-template <>
-Drawing drawing_of(Disk const&);
-template <>
-Drawing drawing_of(Cap const&);
-template <>
-Drawing drawing_of(Cylinder const&);
-template <>
-Drawing drawing_of(Cone const&);
-template <>
-Drawing drawing_of(Sphere const&);
-template <>
-Drawing drawing_of(Conic const&);
-template <>
-Drawing drawing_of(Rectangle const&);
-template <>
-Drawing drawing_of(Ellipse const&);
-template <>
-Drawing drawing_of(Polygon const&);
-template <>
-Drawing drawing_of(Cuboid const&);
-template <>
-Drawing drawing_of(Torus const&);
-template <>
-Drawing drawing_of(PiercedCylinder const&);
-template <>
-Drawing drawing_of(SerratedCone const&);
-template <>
-Drawing drawing_of(Zone const&);
-template <>
-Drawing drawing_of(CutCylinder const&);
-template <>
-Drawing drawing_of(TriangleMesh const&);
-template <>
-Drawing drawing_of(CadFace const&);
+Drawing drawing_of(Shape const& s) {
+  if constexpr (requires { s.drawing(); }) {
+    return s.drawing();
+  } else {
+    std::uint32_t rows = Drawing::across_ball;
+    if constexpr (requires { Shape::drawn_rows; }) rows = Shape::drawn_rows;
+    return Drawing::grid(rows, Drawing::around, true, [&](double u, double v) { return s.sample(u, v); });
+  }
+}
 
 }  // namespace straytrace

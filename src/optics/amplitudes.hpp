@@ -42,7 +42,7 @@ struct Amplitudes {
   STRAY_HD double transmittance() const { return 0.5 * (norm(ts) + norm(tp)); }
 };
 
-// The interface of which only powers are known: reflection i r, transmission t from both sides
+// Interface known only by its powers: reflection i r, transmission t from both sides
 // (docs/theory/conventions.md), which is unitary when nothing is lost. The field turns at reflection as on a metal: r_p
 // = -r_s.
 STRAY_HD Amplitudes unitary_amplitudes(double reflect_s, double reflect_p, double transmit_s, double transmit_p) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Refractive indices of common glasses and crystals, with where the numbers come from.
+// Refractive indices of common glasses and crystals, with the sources of the numbers.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace straytrace {
 
 struct MediumPreset {
   std::string_view name;
-  double longest = 0, shortest = 0;  // m, vacuum wavelengths it holds for
+  double longest = 0, shortest = 0;  // m, range of vacuum wavelengths
   double temperature = 0;            // K
   double constant = 1;               // n^2 - constant = sum of strength lambda^2/(lambda^2 - resonance), lambda in um
   double strength[3] = {}, resonance[3] = {};

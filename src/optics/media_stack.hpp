@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which filled volumes a point lies in, carried along a path, and the media on both sides of a surface
+// The filled volumes around a point, carried along a path, and the media on both sides of a surface
 // (R3.23). Page: docs/reference/interfaces/media.md.
 #pragma once
 
@@ -9,12 +9,12 @@
 
 namespace straytrace {
 
-// Share of power left after a way [m] in a medium that absorbs `absorption` [1/m] (Beer and Lambert).
+// Share of power left after a length [m] in a medium that absorbs `absorption` [1/m] (Beer and Lambert).
 STRAY_HD double kept_on_the_way(double absorption, double distance) {
   return absorption > 0 ? exp_number(-absorption * distance) : 1;
 }
 
-// A passage from one side of a surface to the other, as far as volumes are concerned.
+// A passage from one side of a surface to the other: what it changes in the volumes.
 struct Passage {
   static constexpr std::uint32_t none = 0xffffffffu;
   std::uint32_t volume = none;  // filled volume behind the surface, whose normal points out of it; none: a sheet
@@ -67,14 +67,14 @@ struct MediumSides {
   MediaStack before, after;  // `before` for what is reflected, `after` for what passes
 };
 
-// The stack is put right first: light that leaves a volume was in it, also when it started there unnoticed, and light
-// that enters one was not.
+// Corrects the stack first: light that leaves a volume was in it, also if it started there unnoticed; light that enters
+// one was outside.
 STRAY_HD void put_right(MediaStack& stack, Passage p) {
   if (p.volume == Passage::none) return;
   if (p.from_front) {
     stack.leave(p.volume);
   } else if (!stack.inside(p.volume)) {
-    MediaStack held;  // it was there before all that was entered on the way
+    MediaStack held;  // entered before all others
     held.enter(p.volume, p.priority);
     for (int i = 0; i < stack.depth; ++i) held.enter(stack.entry[i].volume, stack.entry[i].priority);
     held.overflow = held.overflow || stack.overflow;

@@ -1,14 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one side of a surface does to light: a specular interface plus a sum of scatter laws. What neither is reflected,
-// transmitted nor scattered is absorbed.
+// What one side of a surface does to light: a specular interface plus a sum of BSDF models. The rest of the light,
+// which is neither reflected nor transmitted nor scattered, is absorbed.
 #pragma once
 
 #include "base/memory/storage.hpp"
-#include "optics/angle_weight.hpp"
+#include "optics/lobes/bsdf.hpp"
 
 namespace straytrace {
 
-// How the local x axis of a surface is laid for laws with a direction on it. The axis is that of the shape.
+// Weight of one model in a sum, against the angle: the model is multiplied by sqrt(w(theta_i) w(theta_s)), which keeps
+// it reciprocal (docs/theory/surfaces.md, eq. 3.2) for any w. Page: docs/reference/scatter/mixtures.md.
+struct AngleWeight {
+  AlbedoTable root;    // sqrt(w) against the cosine
+  AlbedoTable albedo;  // of the weighted model
+  double most = 0;     // largest sqrt(w)
+};
+
+// A model with its weight, which is a model as well.
+template <class Law>
+struct Weighted {
+  Law const& law;
+  AngleWeight const* weight;  // null: 1
+
+  STRAY_HD double albedo(double cos_i) const { return weight ? weight->albedo.at(cos_i) : law.albedo(cos_i); }
+  STRAY_HD double albedo(Vec3 wi) const { return weight ? weight->albedo.at(wi.z) : albedo_from(law, wi); }
+  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
+    double const value = law.eval(wi, wo);
+    return weight && value > 0 ? value * weight->root.at(wi.z) * weight->root.at(wo.z) : value;
+  }
+  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return law.pdf(wi, wo); }
+  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return law.sample(wi, u, v); }
+};
+
+// Direction of the local axes of a surface, for models with a direction on it. The axis is that of the shape.
 enum class Lay : std::uint8_t { free, around, along, given };
 
 struct Optic {
@@ -21,7 +45,7 @@ struct Optic {
   Vec3 lay_direction;
   int laws = 0;
   PoolRef law[most_laws];                     // in LawTypes
-  bool through[most_laws] = {};               // the law scatters to the other side (optics/scatter/through.hpp)
+  bool through[most_laws] = {};               // scatters to the other side (optics/scatter/through.hpp)
   View<AngleWeight const> weight[most_laws];  // none, or one
 };
 

@@ -20,7 +20,7 @@ struct Polarisation {
   double q = 0, u = 0, v = 0;
 };
 
-// What one surface does: the new state, and the power after over the power before.
+// Effect of one surface: the new state, and the ratio of the powers after and before.
 struct PolarisedEvent {
   Polarisation state;
   double power = 0;
@@ -43,8 +43,8 @@ STRAY_HD Jones about_axis(Jones const& j, Vec3 travel, Vec3 from, Vec3 to) {
   return {scale * (c * j.a + d * j.b), scale * (c * j.b - d * j.a)};
 }
 
-// Unit vector across the plane of incidence: the s field of a vertex. Along the normal any will do: `fallback`, across
-// the travel.
+// Unit vector across the plane of incidence: the s field of a vertex. At normal incidence any direction is valid:
+// `fallback`, across the travel.
 STRAY_HD Vec3 s_axis(Vec3 travel, Vec3 normal, Vec3 fallback) {
   Vec3 const across = cross(travel, normal);
   double const square = length2(across);
@@ -85,8 +85,8 @@ STRAY_HD Jones transmitted(Jones const& in, Vec3 travel, Vec3 normal, Amplitudes
   return {a.ts * j.a, a.tp * j.b};
 }
 
-// Scatter from `travel` into `out`: what keeps its polarisation turns as on small facets that mirror (`through`: bend)
-// one direction into the other; the share `depolarised` loses it.
+// Scatter from `travel` into `out`: the polarised part turns as on small facets that reflect (`through`: refract) one
+// direction into the other; the share `depolarised` becomes unpolarised.
 STRAY_HD Polarisation scattered(Polarisation const& in, Vec3 travel, Vec3 out, bool through, double depolarised) {
   double const keep = 1 - depolarised;
   Vec3 const s = s_axis(travel, out, in.axis);
@@ -95,7 +95,7 @@ STRAY_HD Polarisation scattered(Polarisation const& in, Vec3 travel, Vec3 out, b
   return {s, keep * turned.q, sign * turned.u, sign * turned.v};
 }
 
-// Share of the power that a mode takes which is polarised as `mode`, for light that travels the same way.
+// Share of the power that a mode polarised as `mode` takes, for light that travels the same way.
 STRAY_HD double polarisation_overlap(Polarisation const& light, Polarisation const& mode, Vec3 travel) {
   Polarisation const m = about_axis(mode, travel, light.axis);
   return 0.5 * (1 + light.q * m.q + light.u * m.u + light.v * m.v);

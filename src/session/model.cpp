@@ -262,6 +262,7 @@ Json asked_as_json(KeyRequest const& how, bool by_key) {
   if (!how.word.empty()) out["default"] = how.word;
   if (how.count > 0) out["count"] = how.count;
   if (!how.choices.empty()) out["choices"] = how.choices;
+  if (!how.doc.empty()) out["doc"] = how.doc;
   bool const one = (how.form == KeyRequest::Form::word || how.form == KeyRequest::Form::choice) && how.word.empty();
   if (by_key && (one || how.form == KeyRequest::Form::amplitude || (number && std::isnan(how.fallback))))
     out["required"] = true;

@@ -8,9 +8,20 @@
 
 #include "beams/mode.hpp"
 #include "beams/ray_matrix.hpp"
-#include "optics/coating/refraction.hpp"
+#include "optics/coating/fresnel.hpp"
 
 namespace straytrace::testing {
+
+// Principal curvatures of the wavefront at `origin`, 1/m, positive when diverging; `axis` along the first, the larger.
+struct Wavefront {
+  double first = 0, second = 0;
+  Vec3 axis;
+};
+inline Wavefront wavefront(Mode const& m) {
+  double const a = m.q11.real(), b = m.q12.real(), c = m.q22.real();
+  double const mean = 0.5 * (a + c), half = std::hypot(0.5 * (a - c), b), angle = larger_axis(a, b, c);
+  return {mean + half, mean - half, std::cos(angle) * m.e1 + std::sin(angle) * m.e2};
+}
 
 class Dice {
  public:

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/memory/storage.hpp"
-#include "optics/scatter/law_types.hpp"
+#include "optics/scatter/mixture.hpp"
 
 namespace straytrace::testing {
 
@@ -72,6 +72,11 @@ inline Grooves grooves(double across, double along, double reflectance, double g
   law.grazing = grazing;
   law.prepare();
   return law;
+}
+
+// Total of a moderately rough surface, eq. 3.10, second form.
+inline double tis_moderate(double rms, double cos_i, double wavelength) {
+  return -std::expm1(-tis_smooth(rms, cos_i, wavelength));
 }
 
 enum class Theory { rayleigh_rice, harvey_shack };

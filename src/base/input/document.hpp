@@ -35,7 +35,8 @@ struct KeyRequest {
   double fallback = required, low = -infinity, high = infinity;  // SI; fallback `required`: none
   std::size_t count = 0;                                         // of numbers
   std::vector<std::string> choices{};
-  std::string word{};  // the fallback of a word, a choice or a switch
+  std::string word{};      // the fallback of a word, a choice or a switch
+  std::string_view doc{};  // what the key means, where its reader states it
 };
 
 struct NodeData {
@@ -69,6 +70,10 @@ struct NodeData {
   }
   void note(std::string_view key, KeyRequest how) const {
     if (kind == Node::Kind::table) asked.insert_or_assign(std::string(key), std::move(how));
+  }
+  // What a key means, after it was read; `doc` outlives the document.
+  void describe(std::string_view key, std::string_view doc) const {
+    if (auto const hit = asked.find(key); hit != asked.end()) hit->second.doc = doc;
   }
   // False when the key is there already.
   bool add(Entry entry) {

@@ -10,20 +10,75 @@
 // Page: docs/reference/shapes/cad_face.md.
 #pragma once
 
-#include "geometry/cad/cad_outline.hpp"
-#include "geometry/common/plane_frame.hpp"
-#include "geometry/common/redraw.hpp"
+#include <vector>
+
+#include "base/memory/storage.hpp"
+#include "geometry/common/numerics.hpp"
 #include "geometry/shapes/cone.hpp"
 #include "geometry/shapes/cylinder.hpp"
+#include "geometry/shapes/flat.hpp"
 #include "geometry/shapes/sphere.hpp"
 #include "geometry/shapes/torus.hpp"
 
 namespace straytrace {
 
+// Corner of a loop, and the edge to the next: straight, or an arc that turns by 4 atan(bulge), counter-clockwise when
+// positive; |bulge| <= 1.
+struct ChartCorner {
+  double x = 0, y = 0, bulge = 0;
+};
+using ChartLoop = std::vector<ChartCorner>;  // closed: the last corner is joined to the first; the face is on its left
+
+// A piece of a loop along which y only rises or only falls.
+struct OutlineEdge {
+  double low, high;  // y of its ends
+  double turn;       // 1: the loop runs upwards here, -1: downwards
+  double side;       // 0: straight; 1, -1: right or left half of a circle
+  double x, y;       // the lower end, or the centre of the circle
+  double slope;      // dx/dy, or the squared radius of the circle
+
+  STRAY_HD double x_at(double height) const {
+    double const dy = height - y;
+    return side == 0 ? x + dy * slope : x + side * std::sqrt(std::fmax(0.0, slope - dy * dy));
+  }
+};
+
+// A point is within when the loops go around it (winding number not zero), so loops may overlap themselves at corners.
+struct CadOutline {
+  View<OutlineEdge const> edges;         // band by band, an edge in every band that it crosses
+  View<std::uint32_t const> band_start;  // of bands of equal height; one more than there are bands
+  double low_x = 0, high_x = 0, low_y = 0, high_y = 0;
+  double bands_per_y = 0;
+  double area = 0;               // within, in units of the chart
+  std::uint64_t digest[2] = {};  // of all loops
+
+  STRAY_HD bool holds(double x, double y) const {
+    if (!(y >= low_y && y < high_y && x >= low_x && x <= high_x)) return false;
+    std::uint32_t const band = band_of(y);
+    double winding = 0;
+    for (std::uint32_t i = band_start[band]; i < band_start[band + 1]; ++i) {
+      OutlineEdge const e = edges[i];
+      if (y >= e.low && y < e.high && x < e.x_at(y)) winding += e.turn;
+    }
+    return winding != 0;
+  }
+  STRAY_HD std::uint32_t band_of(double y) const {  // rises with y
+    double const last = double(band_start.size - 2), band = std::floor((y - low_y) * bands_per_y);
+    return std::uint32_t(band < last ? band : last);
+  }
+};
+
+// Loops with a positive sum of their areas; arcs only in the charts of planes.
+CadOutline prepare_outline(std::vector<ChartLoop> const& loops, Storage& storage);
+
 enum class Carrier : std::uint8_t { plane, cylinder, cone, sphere, torus };
 
 struct CadFace {
   static constexpr char const* key = "cad_face";
+  static constexpr bool hides_itself = true;  // on a torus
+  SurfaceCurvature curvature_at(Vec3 p) const;
+  Drawing drawing() const;
+
   Carrier carrier = Carrier::plane;
   Pose pose;           // origin: centre, apex of a cone, a point of the axis of a cylinder
   Vec3 axis{0, 0, 1};  // e3 of the pose
@@ -42,6 +97,23 @@ struct CadFace {
   STRAY_HD Cone cone() const { return {pose.origin, axis, 0, far, second, sine, cosine, pose.origin}; }
   STRAY_HD Sphere sphere() const { return {pose.origin, axis, radius}; }
   STRAY_HD Torus torus() const { return {pose.origin, axis, radius, second}; }
+  // Calls f with the whole surface that the face is a part of.
+  template <class F>
+  STRAY_HD auto with_carrier(F const& f) const {
+    switch (carrier) {
+      case Carrier::plane:
+        break;
+      case Carrier::cylinder:
+        return f(cylinder());
+      case Carrier::cone:
+        return f(cone());
+      case Carrier::sphere:
+        return f(sphere());
+      case Carrier::torus:
+        return f(torus());
+    }
+    return f(plane());
+  }
 
   // Turns about e3 of a vector from the origin, as the loops count them.
   STRAY_HD double azimuth(Vec3 o) const { return wrapped(turn_of(dot(o, pose.e1), dot(o, pose.e2)), outline.low_x); }
@@ -67,36 +139,12 @@ struct CadFace {
     double const z = dot(o, axis);
     return wrapped(torus_share(turn_of(length(o - z * axis) - radius, z)), outline.low_y);
   }
-  STRAY_HD Vec3 normal(Vec3 p) const { return sense * carrier_normal(p); }
-  STRAY_HD Vec3 carrier_normal(Vec3 p) const {  // e3, away from the axis, out of sphere or tube
-    switch (carrier) {
-      case Carrier::plane:
-        return axis;
-      case Carrier::cylinder:
-        return cylinder().normal(p);
-      case Carrier::cone:
-        return cone().normal(p);
-      case Carrier::sphere:
-        return sphere().normal(p);
-      case Carrier::torus:
-        return torus().normal(p);
-    }
-    return axis;
+  // e3, away from the axis, out of sphere or tube; against these for sense -1.
+  STRAY_HD Vec3 normal(Vec3 p) const {
+    return sense * with_carrier([p](auto const& c) { return c.normal(p); });
   }
   STRAY_HD Vec3 project(Vec3 p) const {
-    switch (carrier) {
-      case Carrier::plane:
-        return plane().project(p);
-      case Carrier::cylinder:
-        return cylinder().project(p);
-      case Carrier::cone:
-        return cone().project(p);
-      case Carrier::sphere:
-        return sphere().project(p);
-      case Carrier::torus:
-        return torus().project(p);
-    }
-    return p;
+    return with_carrier([p](auto const& c) { return c.project(p); });
   }
   STRAY_HD double area() const { return outline.area * area_per_chart(); }
   STRAY_HD double area_per_chart() const {

@@ -103,7 +103,7 @@ class Builder {
     return double((count + settings_.pack - 1) / settings_.pack * settings_.pack);
   }
 
-  // Orders the node's items and says where the second half begins; the node's first: it stays a leaf.
+  // Orders the items of the node and returns where the second half begins; the first item: the node stays a leaf.
   std::uint32_t split(Binary const& node) {
     if (node.count == 1) return node.first;
     Box centres;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tree of boxes, eight wide. Boxes are floats about a local origin in double and only decide what is looked at: what a
-// ray hits is decided in double by whoever is called for a leaf. No hit inside a box of the input is ever lost:
+// Tree of boxes, eight wide. Boxes are floats about a local origin in double and only select candidates: the function
+// called for a leaf decides in double what a ray hits. No hit inside a box of the input is ever lost:
 //   boxes are widened by 2^-23 of the largest local coordinate and rounded outward (rounding of the ray's origin),
 //   far distances are multiplied by 1 + 6 eps, the limit is rounded up (rounding of the slab test),
 //   a ray from far away starts near the root box, moved there in double.
@@ -60,7 +60,7 @@ class Bvh8 {
                                     Ahead const& ahead = {}) const;
   };
   View view() const { return {{nodes.data(), nodes.size()}, origin, largest, root}; }
-  // Leaves name something of the caller's instead of boxes: name(first, count) is below 2^27.
+  // Leaves hold names of the caller instead of boxes: name(first, count) is below 2^27.
   template <class Name>
   void rename_leaves(Name const& name) {
     constexpr std::uint32_t first_mask = (1u << first_bits) - 1;
@@ -82,7 +82,7 @@ Bvh8 build_bvh8(std::span<Box const> boxes, Bvh8Settings const& settings = {});
 
 namespace bvh8_detail {
 
-// Asks for these bytes without waiting for them.
+// Prefetches these bytes.
 template <std::size_t Bytes>
 STRAY_INLINE void fetch_early([[maybe_unused]] void const* from) {
 #if STRAY_VECTORS
@@ -90,16 +90,16 @@ STRAY_INLINE void fetch_early([[maybe_unused]] void const* from) {
 #endif
 }
 
-// Not below x, for x > 0 (what is not positive is no length to a hit).
+// Not below x, for x > 0 (lengths to hits are positive).
 STRAY_HD float rounded_up(double x) { return float(x) * (1 + 0x1p-22f); }
 
-// The ray as the boxes see it.
+// The ray in the coordinates of the boxes.
 struct Probe {
   float origin[3], dir[3], inverse[3];
   int near_row[3];   // of Node::bound: where the ray enters
   double shift = 0;  // m along the ray to `origin`
 
-  // False: the ray passes the root box.
+  // False: the ray misses the root box.
   STRAY_INLINE bool set(Bvh8::View const& tree, Ray const& ray, double limit) {
     Vec3 o = ray.origin - tree.origin;
     double const far_away = 1.25 * tree.largest;
@@ -158,11 +158,11 @@ struct Slabs {
   }
 };
 
-// One ray on its way through one tree. A step looks at one node or one leaf, so that several rays can take turns while
+// One ray on its way through one tree. A step visits one node or one leaf, so that several rays can take turns while
 // each waits for memory.
 struct Walk {
   float end;           // m from the start of the probe, rounded up
-  std::uint64_t last;  // what is entered later than this is not looked at
+  std::uint64_t last;  // nodes entered later than this are skipped
   std::uint32_t next = 0;
   int top = 0;
   std::uint64_t stack[Bvh8::stack_size];  // length to where the ray enters (bits of a float not below 0), child
@@ -179,7 +179,7 @@ struct Walk {
   STRAY_INLINE bool at_leaf() const { return (next & Bvh8::leaf_mark) != 0; }
   STRAY_INLINE std::uint32_t leaf_first() const { return next & ((1u << Bvh8::first_bits) - 1); }
   STRAY_INLINE std::uint32_t leaf_count() const { return (next >> Bvh8::first_bits & 15u) + 1; }
-  // Goes back to what waits; false: nothing does.
+  // Returns to the next stacked node; false: the stack is empty.
   STRAY_INLINE bool back() {
     do {
       if (top == 0) return false;
@@ -188,7 +188,7 @@ struct Walk {
     next = std::uint32_t(stack[top]);
     return true;
   }
-  // Goes on to the nearest child entered, and lets the others wait; false: none is. see(child) is told of each.
+  // Moves to the nearest child entered and stacks the others; false: none is entered. Calls see(child) for each.
   template <class See>
   STRAY_INLINE bool down(Bvh8::Node const& node, Slabs const& slabs, int const (&near_row)[3], See const& see) {
     simd::Floats near;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One triangle and one ray, without cracks: the sheared-ray test (Woop, Benthin, Wald, JCGT 2(1), 2013) in double.
-// A ray becomes the z axis by a shear; a corner is sheared by the same operations in whatever triangle it stands, and
+// A ray becomes the z axis by a shear; a corner is sheared by the same operations in every triangle that has it, and
 // the edge function of two corners changes exactly its sign with their order. Rounded products keep their order, so a
 // computed edge function is never of the wrong sign, only zero too often; then its sign is computed exactly. Hence of
 // two triangles at an edge at least one is hit by a ray through that edge, and a closed mesh has no leak.
@@ -54,7 +54,7 @@ STRAY_HD double product_error(double a, double b) {
   double const ah = sa - (sa - a), bh = sb - (sb - b), al = a - ah, bl = b - bh;
   return al * bl - (((p - ah * bh) - al * bh) - ah * bl);
 }
-// Twice the signed area of (axis of the ray, p, q): its sign says on which side of the edge the ray passes.
+// Twice the signed area of (axis of the ray, p, q): its sign gives the side of the edge on which the ray passes.
 STRAY_HD double edge_function(Vec3 const& p, Vec3 const& q) { return p.x * q.y - p.y * q.x; }
 STRAY_HD double exact_edge_function(Vec3 const& p, Vec3 const& q) {  // for fl(edge function) = 0
   return product_error(p.x, q.y) - product_error(p.y, q.x);
@@ -85,7 +85,7 @@ STRAY_HD Vec3 facet_normal(Vec3 a, Vec3 b, Vec3 c) {
 }
 
 // The point p moved into the plane and, where it is nearer than `margin` to an edge, that far inside (at most an
-// eighth of a height): a path never stands on an edge, where the next ray could start on the wrong side of a corner.
+// eighth of a height): a path never starts on an edge, where the next ray could begin on the wrong side of a corner.
 STRAY_HD Vec3 put_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c, double margin) {
   Vec3 const n = facet_normal(a, b, c);
   double const n2 = length2(n);

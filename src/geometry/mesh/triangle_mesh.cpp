@@ -8,10 +8,12 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "geometry/drawing.hpp"
+
 namespace straytrace {
 namespace {
 
-// Walker's alias table: row i stands for 1/n of the whole, shared by i and one other.
+// Walker's alias table: row i covers 1/n of the whole, shared by i and one other.
 std::vector<AliasRow> alias_table(std::vector<double> const& weights, double total) {
   std::size_t const n = weights.size();
   std::vector<AliasRow> rows(n);
@@ -187,6 +189,17 @@ MeshContent prepare_mesh(std::vector<MeshVertex> vertices, std::vector<MeshTrian
   mesh.vertices = storage.keep_large(std::move(vertices));
   mesh.triangles = storage.keep_large(std::move(triangles));
   return mesh;
+}
+
+Drawing TriangleMesh::drawing() const {
+  Drawing d;
+  for (std::size_t i = 0; i < content.vertices.size; ++i)
+    d.points.push_back(pose.point(unit * exact(content.vertices[i])));
+  for (std::size_t i = 0; i < content.triangles.size; ++i) {
+    auto const& corner = content.triangles[i].corner;
+    d.triangles.push_back({corner[0], corner[1], corner[2]});
+  }
+  return d;
 }
 
 }  // namespace straytrace

@@ -4,10 +4,11 @@
 // between them. Page: docs/reference/shapes/mesh.md.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "base/memory/storage.hpp"
-#include "geometry/common/pieces.hpp"
+#include "geometry/common/shape.hpp"
 #include "geometry/mesh/bvh8.hpp"
 #include "geometry/mesh/triangle.hpp"
 
@@ -26,7 +27,7 @@ struct AliasRow {
   std::uint32_t other = 0, unused = 0;
 };
 
-// What instances share. Lengths in the unit of the file.
+// Shared by all instances. Lengths in the unit of the file.
 struct MeshContent {
   View<MeshVertex const> vertices;
   View<MeshTriangle const> triangles;
@@ -48,6 +49,8 @@ MeshContent prepare_mesh(std::vector<MeshVertex> vertices, std::vector<MeshTrian
 struct TriangleMesh {
   static constexpr char const* key = "mesh";
   static constexpr bool has_pieces = true;
+  Drawing drawing() const;
+
   Pose pose;
   Vec3 axis{0, 0, 1};
   double unit = 1;  // m
@@ -281,5 +284,47 @@ STRAY_HD Box TriangleMesh::bounds() const {
   Vec3 const pad{r, r, r};
   return {box.lower - pad, box.upper + pad};
 }
+
+// Rays in large meshes take turns: a mesh does not fit into the cache, and while one ray waits for a node or a pack of
+// triangles, the others advance. Every ray does the operations of TriangleMesh::crossing, so the bits are the same.
+template <int Width>
+class MeshTurn {
+ public:
+  // False: the ray misses the mesh.
+  STRAY_INLINE bool begin(TriangleMesh const& mesh, Ray const& ray, std::uint32_t leaving) {
+    Ray const local = mesh.in_file(ray);
+    search_.emplace(mesh, local.origin, local.dir, ray.t_max, leaving);
+    Bvh8::View const& tree = mesh.content.tree;
+    probe_.shift = 0;
+    if (tree.nodes.size == 0 || !probe_.set(tree, local, search_->limit)) return false;
+    walk_.begin(search_->limit - probe_.shift);
+    return true;
+  }
+  // Visits one node or one pack and prefetches the next; false: the search of this ray is complete.
+  STRAY_INLINE bool turn() {
+    MeshContent const& mesh = search_->mesh->content;
+    if (walk_.at_leaf()) {
+      double const before = search_->limit;
+      search_->template try_pack<Width>(walk_.leaf_first(), walk_.leaf_count());
+      if (search_->limit < before) walk_.shorten(search_->limit - probe_.shift);
+      if (!walk_.back()) return false;
+    } else {
+      bvh8_detail::Slabs const slabs(probe_);
+      bool const down = walk_.down(mesh.tree.nodes[walk_.next], slabs, probe_.near_row, [](std::uint32_t) {});
+      if (!down && !walk_.back()) return false;
+    }
+    if (walk_.at_leaf())
+      bvh8_detail::fetch_early<sizeof(TrianglePack)>(&mesh.packs[walk_.leaf_first()]);
+    else
+      bvh8_detail::fetch_early<sizeof(Bvh8::Node)>(mesh.tree.nodes.data + walk_.next);
+    return true;
+  }
+  STRAY_INLINE Crossing result() const { return search_->result(); }
+
+ private:
+  std::optional<TriangleMesh::Search> search_;
+  bvh8_detail::Probe probe_;
+  bvh8_detail::Walk walk_;
+};
 
 }  // namespace straytrace

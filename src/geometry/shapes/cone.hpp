@@ -4,9 +4,12 @@
 // Keys: cone.cpp; page: docs/reference/shapes/cone.md.
 #pragma once
 
+#include <span>
+
 #include "base/math/functions.hpp"
 #include "base/math/vec3.hpp"
-#include "geometry/common/roots.hpp"
+#include "geometry/common/numerics.hpp"
+#include "geometry/common/shape.hpp"
 
 namespace straytrace {
 
@@ -16,6 +19,10 @@ struct Cone {
   double sine = 0, cosine = 1;                                     // of half_angle, set by place()
   Vec3 apex;                                                       // set by place()
   static constexpr char const* key = "cone";
+  static constexpr std::uint32_t drawn_rows = 1;
+  static std::span<Key<Cone> const> keys();
+  ShapeComplaint impossible() const;
+  SurfaceCurvature curvature_at(Vec3 p) const;
 
   STRAY_HD void place(Pose const& pose) {
     origin = pose.origin;
@@ -95,12 +102,14 @@ struct Cone {
 
 // Conical or flat ring whose inner rim has triangular teeth. The tips of the teeth lie on inner_radius, where the ring
 // is placed, the valleys between them at inner_radius + tooth_depth; in between the radius of the rim is linear in
-// azimuth. Keys: serrated_cone.cpp; page: docs/reference/shapes/serrated_cone.md.
-
+// azimuth. Page: docs/reference/shapes/serrated_cone.md.
 struct SerratedCone : Cone {
   Vec3 e1{1, 0, 0}, e2{0, 1, 0};
   double tooth_depth = 0.01, teeth = 100, phase = 0;  // m, measured across the axis; 1; rad, azimuth of a tip
   static constexpr char const* key = "serrated_cone";
+  static std::span<Key<SerratedCone> const> keys();
+  ShapeComplaint impossible() const;
+  Drawing drawing() const;
 
   STRAY_HD void place(Pose const& pose) {
     Cone::place(pose);

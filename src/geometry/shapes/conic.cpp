@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
-#include "geometry/keys.hpp"
+#include "base/input/table.hpp"
+#include "geometry/drawing.hpp"
 
 namespace straytrace {
 namespace {
@@ -70,7 +72,7 @@ void Conic::place(Pose const& pose) {
   e2 = pose.e2;
   axis = pose.e3;
   double const off_axis = decentre(), edge = off_axis + outer_radius;
-  // Along a line with w' = dw/ds, |w'| <= 2 rho, w'' <= 2; slightly widened, for the cylinder that is searched is.
+  // Along a line with w' = dw/ds, |w'| <= 2 rho, w'' <= 2; slightly widened, like the cylinder that is searched.
   Derivatives const most = most_up_to(*this, edge * edge * (1 + 1e-9));
   bend = 4 * edge * edge * most.second + 2 * most.first;
   twist = 8 * edge * edge * edge * most.third + 12 * edge * most.second;
@@ -94,39 +96,61 @@ void Conic::place(Pose const& pose) {
   surface = area_of(*this);
 }
 
-template <>
-std::span<Key<Conic> const> keys_of<Conic>() {
+std::span<Key<Conic> const> Conic::keys() {
   static constexpr Key<Conic> keys[] = {
-      {"curvature", &Conic::curvature, dim::per_metre, 0, -1e3, 1e3, "1/radius at the vertex"},
-      {"conic_constant", &Conic::conic_constant, dim::plain, 0, -1e3, 1e3, "0 sphere, -1 parabola, below: hyperbola"},
-      {"a4", &Conic::a4, {-6}, 0, -1e12, 1e12, "coefficient of the fourth power of the distance from the axis"},
-      {"a6", &Conic::a6, {-10}, 0, -1e18, 1e18, "of the sixth power"},
-      {"a8", &Conic::a8, {-14}, 0, -1e24, 1e24, "of the eighth power"},
-      {"a10", &Conic::a10, {-18}, 0, -1e30, 1e30, "of the tenth power"},
-      {"outer_radius", &Conic::outer_radius, dim::length, required, 1e-6, 1e3, "clear radius"},
-      {"inner_radius", &Conic::inner_radius, dim::length, 0, 0, 1e3,
-       "radius of the hole, concentric with the aperture"},
-      {"decentre_x", &Conic::decentre_x, dim::length, 0, -1e3, 1e3, "centre of the aperture across the axis"},
-      {"decentre_y", &Conic::decentre_y, dim::length, 0, -1e3, 1e3, "centre of the aperture across the axis"},
+      {"curvature", &Conic::curvature, dim::per_metre, 0, -1e3, 1e3,
+       "c, 1/radius at the vertex; positive when concave towards the axis"},
+      {"conic_constant", &Conic::conic_constant, dim::plain, 0, -1e3, 1e3,
+       "k: 0 sphere, −1 parabola, between them a prolate ellipse, below −1 a hyperbola, above 0 an oblate ellipse"},
+      {"a4", &Conic::a4, {-6}, 0, -1e12, 1e12, "aspheric terms"},
+      {"a6", &Conic::a6, {-10}, 0, -1e18, 1e18, "aspheric terms"},
+      {"a8", &Conic::a8, {-14}, 0, -1e24, 1e24, "aspheric terms"},
+      {"a10", &Conic::a10, {-18}, 0, -1e30, 1e30, "aspheric terms"},
+      {"outer_radius", &Conic::outer_radius, dim::length, required, 1e-6, 1e3,
+       "clear radius of the aperture, measured across the axis"},
+      {"inner_radius", &Conic::inner_radius, dim::length, 0, 0, 1e3, "radius of a hole, concentric with the aperture"},
+      {"decentre_x", &Conic::decentre_x, dim::length, 0, -1e3, 1e3, "centre of the aperture, across the axis"},
+      {"decentre_y", &Conic::decentre_y, dim::length, 0, -1e3, 1e3, "centre of the aperture, across the axis"},
   };
   return keys;
 }
 
-ShapeComplaint impossible(Conic const& s) {
-  if (s.inner_radius >= s.outer_radius)
-    return {fmt::format("the hole ({:g} m) is not smaller than the surface ({:g} m)", s.inner_radius, s.outer_radius),
+ShapeComplaint Conic::impossible() const {
+  if (inner_radius >= outer_radius)
+    return {fmt::format("the hole ({:g} m) is not smaller than the surface ({:g} m)", inner_radius, outer_radius),
             "make inner_radius smaller than outer_radius"};
-  double const edge = s.decentre() + s.outer_radius;
-  double const part = (1 + s.conic_constant) * s.curvature * s.curvature * edge * edge;
+  double const edge = decentre() + outer_radius;
+  double const part = (1 + conic_constant) * curvature * curvature * edge * edge;
   if (part > 0.99)
     return {fmt::format("(1 + conic_constant) curvature^2 r^2 is {:g} at the edge, r = {:g} m: the conic ends at 1",
                         part, edge),
             "lower the curvature or the aperture; up to 0.99 is accepted (a 'sphere', 'cap' or 'zone' goes farther)"};
-  Derivatives const most = most_up_to(s, edge * edge);
-  if (!s.pure() && 2 * edge * most.first > 20)
+  Derivatives const most = most_up_to(*this, edge * edge);
+  if (!pure() && 2 * edge * most.first > 20)
     return {fmt::format("the slope of the asphere may reach {:g}", 2 * edge * most.first),
             "check the units of a4 to a10: 1/m^3, 1/m^5, 1/m^7, 1/m^9; slopes up to 20 are accepted"};
   return {};
+}
+
+SurfaceCurvature Conic::curvature_at(Vec3 p) const {
+  Vec3 const o = local(p - vertex), n = normal(p);
+  double const w = o.x * o.x + o.y * o.y, rho = std::sqrt(w), root = root_of(w), c = curvature;
+  double const slope_w = steepness(w);
+  double const bend_w = (1 + conic_constant) * c * c * c / (4 * root * root * root) + 2 * a4 +
+                        w * (6 * a6 + w * (12 * a8 + w * 20 * a10));
+  double const long_way = std::sqrt(1 + 4 * w * slope_w * slope_w);
+  double const around = 2 * slope_w / long_way;
+  if (!(rho > 0)) return SurfaceCurvature::uniform(n, around);
+  double const across = (2 * slope_w + 4 * w * bend_w) / (long_way * long_way * long_way);
+  return SurfaceCurvature::revolved(axis, world({o.x / rho, o.y / rho, 0}), n, around, across);
+}
+
+Drawing Conic::drawing() const {
+  return Drawing::grid(Drawing::along_curve, Drawing::around, true, [&](double u, double v) {
+    double const rho = inner_radius + u * (outer_radius - inner_radius);
+    double const x = decentre_x + rho * std::cos(2 * pi * v), y = decentre_y + rho * std::sin(2 * pi * v);
+    return vertex + world({x, y, sag(x * x + y * y)});
+  });
 }
 
 }  // namespace straytrace

@@ -5,10 +5,12 @@
 // Keys and preparation: conic.cpp; page: docs/reference/shapes/conic.md.
 #pragma once
 
+#include <span>
+
 #include "base/math/functions.hpp"
 #include "base/math/vec3.hpp"
-#include "geometry/common/redraw.hpp"
-#include "geometry/common/roots.hpp"
+#include "geometry/common/numerics.hpp"
+#include "geometry/common/shape.hpp"
 
 namespace straytrace {
 
@@ -22,6 +24,11 @@ struct Conic {
   // s.
   double surface = 0, steepest = 1, bend = 0, twist = 0, lowest = 0, highest = 0;
   static constexpr char const* key = "conic";
+  static constexpr bool hides_itself = true;  // with aspheric terms
+  static std::span<Key<Conic> const> keys();
+  ShapeComplaint impossible() const;
+  SurfaceCurvature curvature_at(Vec3 p) const;
+  Drawing drawing() const;
 
   void place(Pose const& pose);
 

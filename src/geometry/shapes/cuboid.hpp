@@ -3,8 +3,10 @@
 // 4 and 5 along the axis. Keys: cuboid.cpp; page: docs/reference/shapes/box.md.
 #pragma once
 
+#include <span>
+
 #include "base/math/vec3.hpp"
-#include "geometry/common/pieces.hpp"
+#include "geometry/common/shape.hpp"
 
 namespace straytrace {
 
@@ -12,6 +14,8 @@ struct Cuboid {
   Vec3 centre, e1{1, 0, 0}, e2{0, 1, 0}, axis{0, 0, 1};  // m; unit vectors
   double width = 1, height = 1, depth = 1;               // m, full sizes along e1, e2, axis
   static constexpr char const* key = "box";
+  static std::span<Key<Cuboid> const> keys();
+  Drawing drawing() const;
   static constexpr bool has_pieces = true;
 
   STRAY_HD void place(Pose const& pose) {

@@ -4,43 +4,50 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
-#include "geometry/keys.hpp"
+#include "base/input/table.hpp"
+#include "geometry/drawing.hpp"
 
 namespace straytrace {
 
-template <>
-std::span<Key<Cylinder> const> keys_of<Cylinder>() {
+std::span<Key<Cylinder> const> Cylinder::keys() {
   static constexpr Key<Cylinder> keys[] = {
-      {"radius", &Cylinder::radius, dim::length, required, 1e-6, 1e3, "radius of the wall"},
-      {"from", &Cylinder::from, dim::length, required, -1e6, 1e6, "start along the axis"},
-      {"to", &Cylinder::to, dim::length, required, -1e6, 1e6, "end along the axis"},
+      {"radius", &Cylinder::radius, dim::length, required, 1e-6, 1e3, "of the wall"},
+      {"from", &Cylinder::from, dim::length, required, -1e6, 1e6,
+       "positions of the ends along the axis, relative to 'at'"},
+      {"to", &Cylinder::to, dim::length, required, -1e6, 1e6, "positions of the ends along the axis, relative to 'at'"},
   };
   return keys;
 }
 
-ShapeComplaint impossible(Cylinder const& s) {
-  if (s.from >= s.to)
-    return {fmt::format("the cylinder ends ({:g} m) before it starts ({:g} m)", s.to, s.from),
+ShapeComplaint Cylinder::impossible() const {
+  if (from >= to)
+    return {fmt::format("the cylinder ends ({:g} m) before it starts ({:g} m)", to, from),
             "make 'from' smaller than 'to'"};
   return {};
 }
 
-template <>
-std::span<Key<CutCylinder> const> keys_of<CutCylinder>() {
+SurfaceCurvature Cylinder::curvature_at(Vec3 p) const {
+  Vec3 const outward = normal(p);
+  return SurfaceCurvature::revolved(axis, outward, outward, -1 / radius, 0);
+}
+
+std::span<Key<CutCylinder> const> CutCylinder::keys() {
   using Shape = CutCylinder;
   static constexpr Key<Shape> keys[] = {
-      {"radius", &Shape::radius, dim::length, required, 1e-6, 1e3, "radius of the wall"},
-      {"from", &Shape::from, dim::length, required, -1e6, 1e6, "start along the axis"},
-      {"to", &Shape::end, dim::length, required, -1e6, 1e6, "where the cut crosses the axis"},
-      {"tilt", &Shape::tilt, dim::angle, 0, -1.4, 1.4, "of the cut; positive: longer on the side of +x"},
+      {"radius", &Shape::radius, dim::length, required, 1e-6, 1e3, "of the wall"},
+      {"from", &Shape::from, dim::length, required, -1e6, 1e6,
+       "position of the straight end along the axis, relative to 'at'"},
+      {"to", &Shape::end, dim::length, required, -1e6, 1e6, "position where the cut crosses the axis"},
+      {"tilt", &Shape::tilt, dim::angle, 0, -1.4, 1.4, "of the cut; positive: the wall is longer on the side of +x"},
   };
   return keys;
 }
 
-ShapeComplaint impossible(CutCylinder const& s) {
-  if (s.end - s.radius * std::fabs(std::tan(s.tilt)) < s.from)
-    return {fmt::format("the cut through {:g} m goes below the start of the wall ({:g} m)", s.end, s.from),
+ShapeComplaint CutCylinder::impossible() const {
+  if (end - radius * std::fabs(std::tan(tilt)) < from)
+    return {fmt::format("the cut through {:g} m goes below the start of the wall ({:g} m)", end, from),
             "raise 'to' or lower the tilt"};
   return {};
 }
@@ -60,37 +67,53 @@ void PiercedCylinder::place(Pose const& pose) {
   surface = Cylinder::area() - holes * one_hole;
 }
 
-template <>
-std::span<Key<PiercedCylinder> const> keys_of<PiercedCylinder>() {
+std::span<Key<PiercedCylinder> const> PiercedCylinder::keys() {
   using Shape = PiercedCylinder;
   static constexpr Key<Shape> keys[] = {
-      {"radius", &Shape::radius, dim::length, required, 1e-6, 1e3, "radius of the wall"},
-      {"from", &Shape::from, dim::length, required, -1e6, 1e6, "start along the axis"},
-      {"to", &Shape::to, dim::length, required, -1e6, 1e6, "end along the axis"},
+      {"radius", &Shape::radius, dim::length, required, 1e-6, 1e3, "of the wall"},
+      {"from", &Shape::from, dim::length, required, -1e6, 1e6,
+       "positions of the ends along the axis, relative to 'at'"},
+      {"to", &Shape::to, dim::length, required, -1e6, 1e6, "positions of the ends along the axis, relative to 'at'"},
       {"hole_radius", &Shape::hole_radius, dim::length, required, 1e-7, 1e3, "of the drill"},
       {"hole_height", &Shape::hole_height, dim::length, required, -1e6, 1e6,
-       "of the middle of the holes, along the axis"},
-      {"hole_azimuth", &Shape::hole_azimuth, dim::angle, 0, -2 * pi, 2 * pi, "of the first hole, from the x axis"},
-      {"holes", &Shape::holes, dim::plain, 1, 1, 10000, "number of holes, spread evenly around"},
+       "position of the centres of the holes along the axis"},
+      {"hole_azimuth", &Shape::hole_azimuth, dim::angle, 0, -2 * pi, 2 * pi,
+       "of the first hole, from the x axis of the shape"},
+      {"holes", &Shape::holes, dim::plain, 1, 1, 10000, "number of holes, equally spaced in azimuth"},
   };
   return keys;
 }
 
-ShapeComplaint impossible(PiercedCylinder const& s) {
-  if (s.from >= s.to)
-    return {fmt::format("the cylinder ends ({:g} m) before it starts ({:g} m)", s.to, s.from),
-            "make 'from' smaller than 'to'"};
-  if (s.hole_radius > 0.99 * s.radius)
-    return {fmt::format("a hole of radius {:g} m in a wall of radius {:g} m", s.hole_radius, s.radius),
+ShapeComplaint PiercedCylinder::impossible() const {
+  if (ShapeComplaint const wall = Cylinder::impossible(); !wall.what.empty()) return wall;
+  if (hole_radius > 0.99 * radius)
+    return {fmt::format("a hole of radius {:g} m in a wall of radius {:g} m", hole_radius, radius),
             "make hole_radius smaller than 0.99 radius"};
-  if (s.hole_height - s.hole_radius < s.from || s.hole_height + s.hole_radius > s.to)
+  if (hole_height - hole_radius < from || hole_height + hole_radius > to)
     return {fmt::format("the holes reach from {:g} m to {:g} m along the axis, beyond the wall",
-                        s.hole_height - s.hole_radius, s.hole_height + s.hole_radius),
+                        hole_height - hole_radius, hole_height + hole_radius),
             "move them, or split the wall into parts"};
-  if (s.holes != std::floor(s.holes)) return {fmt::format("{:g} holes", s.holes), "write a whole number"};
-  if (s.holes > 1 && std::asin(s.hole_radius / s.radius) > pi / s.holes)
-    return {fmt::format("{:g} holes of radius {:g} m overlap", s.holes, s.hole_radius), "make fewer or smaller holes"};
+  if (holes != std::floor(holes)) return {fmt::format("{:g} holes", holes), "write a whole number"};
+  if (holes > 1 && std::asin(hole_radius / radius) > pi / holes)
+    return {fmt::format("{:g} holes of radius {:g} m overlap", holes, hole_radius), "make fewer or smaller holes"};
   return {};
+}
+
+Drawing PiercedCylinder::drawing() const {  // cells of a sixth of the holes' radius at their height
+  constexpr std::uint32_t rows = 14;
+  double const low = std::max(from, hole_height - hole_radius), cell = hole_radius / 6;
+  double const high = std::min(to, hole_height + hole_radius);
+  auto const columns = std::uint32_t(std::clamp(std::ceil(2 * pi * radius / cell), 48.0, 480.0));
+  Drawing d = Drawing::grid(rows, columns, true, [&](double u, double v) {
+    double const part = (u * rows - 1) / (rows - 2), z = u == 0 ? from : u == 1 ? to : low + part * (high - low);
+    return origin + z * axis + (radius * std::cos(2 * pi * v)) * e1 + (radius * std::sin(2 * pi * v)) * e2;
+  });
+  std::erase_if(d.triangles, [&](auto const& t) {
+    Vec3 const middle = (1.0 / 3) * (d.points[t[0]] + d.points[t[1]] + d.points[t[2]]) - origin;
+    double const z = dot(middle, axis);
+    return in_hole(middle - z * axis, z);
+  });
+  return d;
 }
 
 }  // namespace straytrace

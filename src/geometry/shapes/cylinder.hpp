@@ -3,10 +3,12 @@
 // docs/reference/shapes/cylinder.md.
 #pragma once
 
+#include <span>
+
 #include "base/math/functions.hpp"
 #include "base/math/vec3.hpp"
-#include "geometry/common/redraw.hpp"
-#include "geometry/common/roots.hpp"
+#include "geometry/common/numerics.hpp"
+#include "geometry/common/shape.hpp"
 
 namespace straytrace {
 
@@ -14,6 +16,10 @@ struct Cylinder {
   Vec3 origin, axis{0, 0, 1};           // m; unit axis
   double radius = 1, from = 0, to = 1;  // m; ends along the axis, measured from the origin
   static constexpr char const* key = "cylinder";
+  static constexpr std::uint32_t drawn_rows = 1;
+  static std::span<Key<Cylinder> const> keys();
+  ShapeComplaint impossible() const;
+  SurfaceCurvature curvature_at(Vec3 p) const;
 
   STRAY_HD void place(Pose const& pose) {
     origin = pose.origin;
@@ -78,14 +84,15 @@ struct Cylinder {
 };
 
 // Side wall of a cylinder whose upper end is cut by a tilted plane: barrels of wedged plates. The end lies at
-// to + x tan(tilt), x along e1. Keys: cut_cylinder.cpp; page: docs/reference/shapes/cut_cylinder.md.
-
+// to + x tan(tilt), x along e1. Page: docs/reference/shapes/cut_cylinder.md.
 struct CutCylinder : Cylinder {
   Vec3 e1{1, 0, 0}, e2{0, 1, 0};
   double tilt = 0;   // rad
   double slope = 0;  // tan(tilt), set by place()
   double end = 1;    // m, `to`; the wall of the base class reaches to the highest point of the cut
   static constexpr char const* key = "cut_cylinder";
+  static std::span<Key<CutCylinder> const> keys();
+  ShapeComplaint impossible() const;
 
   STRAY_HD void place(Pose const& pose) {
     Cylinder::place(pose);
@@ -111,15 +118,17 @@ struct CutCylinder : Cylinder {
   }
 };
 
-// Side wall of a cylinder with round holes, each drilled from outside to the axis: on one side only. Keys:
-// pierced_cylinder.cpp; page: docs/reference/shapes/pierced_cylinder.md.
-
+// Side wall of a cylinder with round holes, each drilled from outside to the axis: on one side only. Page:
+// docs/reference/shapes/pierced_cylinder.md.
 struct PiercedCylinder : Cylinder {
   Vec3 e1{1, 0, 0}, e2{0, 1, 0};
   double hole_radius = 0.1, hole_height = 0;  // m, of the drill; height of its line along the axis
   double hole_azimuth = 0, holes = 1;         // rad, of the first hole from e1; spread evenly around
   double surface = 0;                         // m^2, set by place()
   static constexpr char const* key = "pierced_cylinder";
+  static std::span<Key<PiercedCylinder> const> keys();
+  ShapeComplaint impossible() const;
+  Drawing drawing() const;
 
   void place(Pose const& pose);
 

@@ -2,9 +2,12 @@
 // Ring torus: bellows, round edges. Keys: torus.cpp; page: docs/reference/shapes/torus.md.
 #pragma once
 
+#include <span>
+
 #include "base/math/functions.hpp"
 #include "base/math/vec3.hpp"
-#include "geometry/common/roots.hpp"
+#include "geometry/common/numerics.hpp"
+#include "geometry/common/shape.hpp"
 
 namespace straytrace {
 
@@ -12,6 +15,11 @@ struct Torus {
   Vec3 centre, axis{0, 0, 1};                    // m; unit axis of the ring
   double major_radius = 1, minor_radius = 0.25;  // m: of the circle that the tube runs along, and of the tube
   static constexpr char const* key = "torus";
+  static constexpr bool hides_itself = true;
+  static std::span<Key<Torus> const> keys();
+  ShapeComplaint impossible() const;
+  SurfaceCurvature curvature_at(Vec3 p) const;
+  Drawing drawing() const;
 
   STRAY_HD void place(Pose const& pose) {
     centre = pose.origin;
@@ -20,7 +28,7 @@ struct Torus {
   STRAY_HD double distance(Ray const& r, bool leaving) const {
     return first(r, leaving, [](Vec3) { return true; });
   }
-  // First hit whose place relative to the centre is one to keep.
+  // First hit for which keep(position relative to the centre) holds.
   template <class Keep>
   STRAY_HD double first(Ray const& r, bool leaving, Keep const& keep) const {
     return leaving ? other_root(r, keep) : first_of_four(r, keep);

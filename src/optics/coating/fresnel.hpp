@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/math/vec3.hpp"
 #include "optics/amplitudes.hpp"
 
 namespace straytrace {
@@ -51,5 +52,16 @@ struct Fresnel {
     return n > 0 ? Complex{(a * a - b * b) / n, -2 * a * b / n} : Complex{-1, 0};
   }
 };
+
+// Direction behind a boundary, all unit vectors along the travel: Snell's law as a vector (docs/theory/surfaces.md,
+// eq. 3.25). `normal` is a unit vector towards the side the light
+// comes from. False beyond the critical angle.
+STRAY_HD bool refracted(Vec3 dir, Vec3 normal, double n_in, double n_out, Vec3& out) {
+  Vec3 const along = (n_in / n_out) * (dir - dot(dir, normal) * normal);  // tangential part, conserved times n
+  double const square = 1 - length2(along);
+  if (!(square >= 0)) return false;
+  out = unit(along - std::sqrt(square) * normal);
+  return true;
+}
 
 }  // namespace straytrace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a side of a surface reflects and transmits as a mirror does, whatever it is made of.
+// Specular reflection and transmission of one side of a surface, for every kind of interface.
 #pragma once
 
 #include "optics/coating/specular_types.hpp"
@@ -15,15 +15,13 @@ STRAY_HD Amplitudes specular_amplitudes(SpecularPool const& pool, Optic const& o
   return pool.visit(optic.interface, [&](auto const& i) { return i.amplitudes(cos_i, n_in, n_out, front); });
 }
 
-// Share of the light that the interface itself says is scattered at this incidence; negative: it says nothing, the
-// laws do.
+// Share of the light that the interface itself scatters at this incidence; negative: the BSDF models decide.
 STRAY_HD double prescribed_scatter(SpecularPool const& pool, Optic const& optic, double cos_i) {
   return optic.has_interface ? pool.visit(optic.interface, [&](auto const& i) { return i.scattered(cos_i); }) : -1;
 }
 
-// What is left of the specular light, its share being `specular`, when the laws scatter `scattered`: computed
-// interfaces (Fresnel, film) have no loss of their own, so that scatter is taken from both; stated powers are meant as
-// they stand, but the sum never exceeds 1.
+// Factor on the specular light, of share `specular`, when the models scatter `scattered`. Computed interfaces (Fresnel,
+// film) are lossless, so scatter reduces reflection and transmission; stated powers stay, but the sum never exceeds 1.
 STRAY_HD double specular_remainder(SpecularPool const& pool, Optic const& optic, double specular, double scattered) {
   if (!optic.has_interface) return 1;
   double const free = std::fmax(0.0, 1 - scattered);
@@ -34,7 +32,7 @@ STRAY_HD double specular_remainder(SpecularPool const& pool, Optic const& optic,
 struct SpecularShares {
   double reflect = 0, transmit = 0;  // of the power of unpolarised light
 };
-// `scattered`: share the laws of this optic scatter at this incidence (scatter_albedo).
+// `scattered`: share that the models of this optic scatter at this incidence (scatter_albedo).
 STRAY_HD SpecularShares specular_shares(SpecularPool const& pool, Optic const& optic, double cos_i, double n_in,
                                         double n_out, bool front, double scattered = 0) {
   if (!optic.has_interface) return {optic.reflect, optic.transmit};

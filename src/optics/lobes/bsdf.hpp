@@ -1,17 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What every scatter law offers. Directions are in the local frame, z = normal of the lit side, and both point AWAY
-// from the surface. A law has
+// The interface of every BSDF model. Directions are in the local frame, z = normal of the lit side, and both point AWAY
+// from the surface. A model has
 //   eval(wi, wo)      BSDF in 1/sr, WITHOUT the cosine (docs/theory/conventions.md, eq. 0.4)
 //   pdf(wi, wo)       density of sample() in 1/sr; integrates to at most 1, the rest are samples that find no direction
-//   albedo(cos_i)     integral of eval cos over the hemisphere, dimensionless. Laws with a direction on the surface
+//   albedo(cos_i)     integral of eval cos over the hemisphere, dimensionless. Models with a direction on the surface
 //                     (local x and y, see Optic::lay) have albedo(wi) besides, and here its mean over the azimuth
 //   sample(wi, u, v)  a direction drawn with pdf; pdf = 0: nothing sampled, weight zero
 #pragma once
+
+#include <string>
 
 #include "base/math/functions.hpp"
 #include "base/math/vec3.hpp"
 
 namespace straytrace {
+
+template <class Model>
+struct ModelKeys;  // optics/scatter/model_keys.hpp
+
+// Why the values of its keys, each within its range, do not make a model, and what to do; empty: they do.
+struct ModelComplaint {
+  std::string key, what, suggestion;  // key: the one at fault; empty: the model
+};
 
 struct BsdfSample {
   Vec3 wo;
@@ -21,7 +31,7 @@ struct BsdfSample {
 // Direction of specular reflection in the local frame.
 STRAY_HD Vec3 specular(Vec3 wi) { return {-wi.x, -wi.y, wi.z}; }
 
-// Albedo of a law for this incidence; of laws with a direction on the surface it depends on the azimuth.
+// Albedo of a model for this incidence; with a direction on the surface it depends on the azimuth.
 template <class Law>
 STRAY_HD double albedo_from(Law const& law, Vec3 wi) {
   if constexpr (requires { law.albedo(wi); })

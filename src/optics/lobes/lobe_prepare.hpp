@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Host side of lobe_table.hpp: quadrature of a law over rings about the specular direction. Without libm, so that the
+// Host side of lobe_table.hpp: quadrature of a model over rings about the specular direction. Without libm, so that the
 // tables, and with them the fingerprint of a model, have the same bits everywhere.
 #pragma once
 
@@ -99,7 +99,7 @@ template <class Law>
 void LobeTable<Rings>::prepare(Law const& law, double smallest, double hole, int azimuths) {
   prepare_rings(law, smallest, hole, azimuths);
   double power[rings];
-  constexpr double lowest = 1e-9;  // stands for the limit at grazing
+  constexpr double lowest = 1e-9;  // replaces the limit at grazing
   for (int k = 0; k < AlbedoTable::size; ++k) {
     ring_powers(law, std::max(AlbedoTable::cosine(k), lowest), azimuths, power);
     albedo.value[k] = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sampling of a lobe about the specular direction, shared by the laws. The lobe is cut into rings; for 46 incidences a
-// row holds how the scattered power falls on them. A ring is drawn by the row, a point in it over the part above the
-// horizon: what is left to the weight is how the law varies within one ring.
+// Sampling of a lobe about the specular direction, shared by the models. The lobe is cut into rings; for 46 incidences
+// a row holds how the scattered power falls on them. A ring is drawn by the row, a point in it over the part above the
+// horizon: the weight only carries the variation of the model within one ring.
 #pragma once
 
 #include "optics/lobes/bsdf.hpp"
@@ -82,7 +82,7 @@ struct ChordRings {
   STRAY_HD static double last(double sin_i) { return std::sqrt(2 * (1 + sin_i)); }                      // 90 deg + i
 };
 
-// The same for laws whose value times cos_s is even along a ring, not the value.
+// The same for models whose value times cos_s, not the value itself, is even along a ring.
 struct EvenChordRings : ChordRings {
   STRAY_HD static double azimuth(Vec3, double, double half, double v) { return (2 * v - 1) * half; }
   STRAY_HD static double azimuth_density(Vec3, double, double half, double) { return 0.5 / half; }
@@ -95,11 +95,11 @@ struct LobeTable {
   double cumulative[rows][rings + 1] = {};  // share of the power inside each edge
   AlbedoTable albedo;
 
-  // Host: fills everything from a law, whose lobe is flat inside `smallest` and zero inside `hole`. One has to call it
-  // again when the law changes.
+  // Host: fills everything from a model whose lobe is flat inside `smallest` and zero inside `hole`. To be called again
+  // when the model changes.
   template <class Law>
   void prepare(Law const& law, double smallest, double hole = 0, int azimuths = 6);
-  // The same but for the albedo.
+  // The same without the albedo.
   template <class Law>
   void prepare_rings(Law const& law, double smallest, double hole, int azimuths);
 
@@ -164,11 +164,22 @@ struct LobeTable {
     return low;
   }
 
-  // What the law scatters into each ring, of light that comes in at cos_i.
+  // Power that the model scatters into each ring, for light incident at cos_i.
   template <class Law>
   void ring_powers(Law const& law, double cos_i, int azimuths, double* power) const;
 
   static constexpr double sqrt_two = 1.4142135623730951;
+};
+
+// Sampling and total of a model that holds a lobe table as its member `lobe`.
+template <class Model>
+struct SampledByLobe {
+  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return model().lobe.pdf(wi, wo); }
+  STRAY_HD double albedo(double cos_i) const { return model().lobe.albedo.at(cos_i); }
+  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return model().lobe.sample(wi, u, v); }
+
+ private:
+  STRAY_HD Model const& model() const { return static_cast<Model const&>(*this); }
 };
 
 }  // namespace straytrace

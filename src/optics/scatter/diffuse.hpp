@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lambertian scatter: BSDF = reflectance/pi (docs/theory/surfaces.md, eq. 3.3). Page:
-// docs/reference/scatter/lambertian.md.
+// Diffuse BSDF models: Lambertian, polynomial.
 #pragma once
 
-#include "optics/lobes/bsdf.hpp"
 #include "optics/lobes/lobe_table.hpp"
 
 namespace straytrace {
 
+// BSDF = reflectance/pi (docs/theory/surfaces.md, eq. 3.3). Page: docs/reference/scatter/lambertian.md.
 struct Lambertian {
   double reflectance = 0;  // total hemispherical, dimensionless
   static constexpr char const* key = "lambertian";
+  static ModelKeys<Lambertian> keys();
 
   STRAY_HD double eval(Vec3 wi, Vec3 wo) const { return wi.z > 0 && wo.z > 0 ? reflectance / pi : 0; }
   STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return wi.z > 0 && wo.z > 0 ? wo.z / pi : 0; }
@@ -26,8 +26,7 @@ struct Lambertian {
 // Diffuse black: symmetric polynomial in the cosines of incidence and scatter, and a forward lobe that rises towards
 // grazing: BSDF = sum_jk c_jk cos_i^j cos_s^k + peak exp(-|alpha - alpha_0|^2/(2 width^2)) [(1-cos_i)(1-cos_s)]^rise.
 // Page: docs/reference/scatter/polynomial.md.
-
-struct Polynomial {
+struct Polynomial : SampledByLobe<Polynomial> {
   static constexpr int terms = 4;
   double c[terms][terms] = {};             // 1/sr, c_jk = c_kj
   double peak = 0, width = 0.2, rise = 1;  // 1/sr, 1, 1
@@ -55,9 +54,6 @@ struct Polynomial {
     }
     return value;
   }
-  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
-  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
-  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
 
 }  // namespace straytrace

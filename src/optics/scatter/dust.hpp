@@ -1,25 +1,61 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Particles lying on a reflecting surface: Mie scatter over a size distribution, four paths per particle (direct,
-// reflected before or after or both), docs/theory/surfaces.md, eq. 3.22 and 3.23. Particles hide one another at
-// grazing: the factor 1/(cos_i cos_s) of eq. 3.22 is replaced by (1 - exp(-tau (1/cos_i + 1/cos_s)))/(tau (cos_i +
-// cos_s)), tau = (1 + R) times the optical depth of the layer, which keeps the albedo below 1 and is the same for tau
-// -> 0. Page: docs/reference/scatter/dust.md.
+// Particles on a reflecting surface. Page: docs/reference/scatter/dust.md.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <vector>
 
-#include "optics/lobes/deflection_table.hpp"
+#include "base/memory/ids.hpp"
 #include "optics/lobes/lobe_table.hpp"
 
 namespace straytrace {
 
-struct Dust {
+class Storage;
+
+// A positive function of the scattering angle Theta from 0 to 180 deg, as fine as it varies: each half of the angles
+// has panels even in sin(Theta/2) from the forward, in cos(Theta/2) from the backward direction, each panel as many
+// cells as it needs, each cell a polynomial. Where the function is even at both ends, as intensities are, it is smooth
+// in these.
+struct DeflectionTable {
+  static constexpr int order = 5, panels = 32;  // order of the polynomials; panels of each half
+  static constexpr double tolerance = 2e-5;     // share of the value that interpolation may miss
+  struct Panel {
+    std::uint32_t first = 0, cells = 1;  // number of its first cell
+  };
+  View<Panel const> panel;  // those of the forward half, then those of the backward half, both from their end
+  View<double const> term;  // order + 1 per cell: divided differences over `order` even steps, for Newton's form
+
+  // At s = sin^2(Theta/2).
+  STRAY_HD double at(double s) const {
+    bool const behind = s > 0.5;
+    double const near = behind ? 1 - s : s, x = near > 0 ? panels * std::sqrt(2 * near) : 0;
+    int const p = x < panels ? static_cast<int>(x) : panels - 1;
+    Panel const in = panel[static_cast<std::size_t>(behind ? panels + p : p)];
+    double const y = (x - p) * in.cells;
+    std::uint32_t const cell = y < in.cells ? static_cast<std::uint32_t>(y) : in.cells - 1;
+    double const* const t = term.data + std::size_t{in.first + cell} * (order + 1);
+    double const z = order * (y - cell);
+    double value = t[order];
+    for (int k = order - 1; k >= 0; --k) value = t[k] + (z - k) * value;
+    return value;
+  }
+};
+
+// Table of sum over l of series[l] cos(l Theta), which must be positive. Host only; the same bits on every machine.
+DeflectionTable make_deflection_table(std::vector<double> series, Storage&);
+
+// Mie scatter over a size distribution, four paths per particle (direct, reflected before or after or both),
+// docs/theory/surfaces.md, eq. 3.22 and 3.23. Particles shadow one another at grazing incidence: the factor
+// 1/(cos_i cos_s) of eq. 3.22 is replaced by (1 - exp(-tau (1/cos_i + 1/cos_s)))/(tau (cos_i + cos_s)), where tau is
+// (1 + R) times the optical depth of the layer. It keeps the albedo below 1 and has the same limit for tau -> 0.
+struct Dust : SampledByLobe<Dust> {
   double optical_depth = 0;  // particles per area times their mean extinction cross-section
   double reflectance = 0;    // of the surface below
   double smallest = 1e-3;    // chord inside which the forward lobe is flat
   DeflectionTable scatter;   // particles per area times |S|^2/k^2, 1/sr
-  LobeTable<EvenChordRings>
-      lobe;  // set by prepare(); its albedo is that of the layer times grazed(), which varies little
+  // Set by prepare(); its albedo is that of the layer times grazed(), which varies little.
+  LobeTable<EvenChordRings> lobe;
   static constexpr char const* key = "dust";
 
   void prepare();  // host
@@ -36,11 +72,9 @@ struct Dust {
     double const back = scatter.at(0.25 * dot(away, away)), forward = scatter.at(0.25 * dot(aside, aside));
     return lit(wi.z, wo.z) * ((1 + reflectance * reflectance) * back + 2 * reflectance * forward);
   }
-  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
-  static constexpr double lowest_cosine = 1e-9;  // of incidence, stands for the limit at grazing
+  static constexpr double lowest_cosine = 1e-9;  // of incidence, replaces the limit at grazing
   STRAY_HD double grazed(double cos_i) const { return (cos_i > lowest_cosine ? cos_i : lowest_cosine) + seen_depth(); }
   STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i) / grazed(cos_i); }
-  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
 
 // Particles per area and size: IEST-STD-CC1246 (docs/theory/surfaces.md, eq. 3.21). Host only.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "optics/scatter/model_keys.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -81,6 +83,76 @@ double uncrowded(double x, double most) {
     (crowded(middle, most) < x ? low : high) = middle;
   }
   return high;
+}
+
+ModelKeys<Microfacet> Microfacet::keys() {
+  using M = Microfacet;
+  static constexpr ModelKey<M> numbers[] = {
+      {"roughness", &M::alpha, dim::plain, required, 1e-4, 1,
+       "α, 1e-4 to 1: half of the area is tilted by more than atan α"},
+      {"reflectance", &M::reflectance, dim::plain, required, 0, 1, "R₀ of the facets at normal incidence"},
+      {"grazing", &M::grazing, dim::plain, optional, 0, 1,
+       "R₉₀ at grazing incidence; default R₀, the same at every angle. 1 for bare metal and glass", &M::reflectance},
+  };
+  return {numbers};
+}
+
+void Microfacet::prepare() {
+  for (int k = 0; k < cosines; ++k) {
+    double const u = alpha * uncrowded(k / (cosines - 1.0), 1 / alpha);
+    double const cosine = std::fmin(1, std::fmax(u, 1e-12));  // replaces the limit at grazing
+    Vec3 const wi{std::sqrt((1 - cosine) * (1 + cosine)), 0, cosine};
+    totals[k] = facets_total({alpha, alpha, reflectance, grazing}, wi) - factor(cosine);
+  }
+}
+
+ModelKeys<Grooves> Grooves::keys() {
+  using M = Grooves;
+  static constexpr ModelKey<M> numbers[] = {
+      {"across", &M::across, dim::plain, required, 1e-3, 1,
+       "a_x, 1e-3 to 1: half of the flanks are steeper than atan a_x across the grooves"},
+      {"along", &M::along, dim::plain, required, 1e-4, 1, "a_y, 1e-4 to 'across': the same along the grooves"},
+      {"reflectance", &M::reflectance, dim::plain, required, 0, 1, "R₀ of the flanks at normal incidence"},
+      {"grazing", &M::grazing, dim::plain, optional, 0, 1, "R₉₀ at grazing incidence; default R₀", &M::reflectance},
+  };
+  return {numbers};
+}
+
+ModelComplaint Grooves::impossible() const {
+  if (along > across)
+    return {"along", "'along' is larger than 'across': grooves are steep across and smooth along", "swap the two"};
+  return {};
+}
+
+namespace {
+
+Vec3 incoming(double cosine, double cos_azimuth) {
+  double const sine = std::sqrt((1 - cosine) * (1 + cosine));
+  return {sine * cos_azimuth, sine * std::sqrt((1 - cos_azimuth) * (1 + cos_azimuth)), cosine};
+}
+
+}  // namespace
+
+Vec3 Grooves::node(int row, int column) const {
+  constexpr double lowest = 1e-12;  // replaces the limit at grazing
+  double const ratio = along / across, c = std::fmin(1, ratio * uncrowded(row / (azimuths - 1.0), 1 / ratio));
+  double const a = width(c), cosine = a * uncrowded(column / (cosines - 1.0), 1 / a);
+  return incoming(std::fmin(1, std::fmax(cosine, lowest)), c);
+}
+
+void Grooves::prepare() {
+  for (int i = 0; i < azimuths; ++i)
+    for (int k = 0; k < cosines; ++k) {
+      Vec3 const wi = node(i, k);
+      totals[i][k] = facets_total({across, along, reflectance, grazing}, wi) - factor(wi.z);
+    }
+  constexpr int turns = 64;
+  for (int k = 0; k < AlbedoTable::size; ++k) {
+    double sum = 0;
+    for (int i = 0; i < turns; ++i)
+      sum += albedo(incoming(AlbedoTable::cosine(k), sincos_turn(0.25 * (i + 0.5) / turns).cos));
+    mean.value[k] = sum / turns;
+  }
 }
 
 }  // namespace straytrace

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double same = 1e-6;     // incidences closer than this in their sine are one
 constexpr double dark = -1e4;     // log of zero
-constexpr double nearest = 1e-9;  // offset that stands for the specular direction itself
+constexpr double nearest = 1e-9;  // offset used for the specular direction itself
 
 struct Curve {
   std::vector<double> log_offset, log_value;  // increasing offsets

@@ -10,7 +10,7 @@
 
 namespace straytrace {
 
-struct Measured {
+struct Measured : SampledByLobe<Measured> {
   static constexpr int most_incidences = 16, points = 160;
   double incidences = 0;                           // how many
   double sine[most_incidences] = {};               // increasing
@@ -53,12 +53,9 @@ struct Measured {
     return 0.5 * (one_way(std::sqrt(wi.x * wi.x + wi.y * wi.y), offset) +
                   one_way(std::sqrt(wo.x * wo.x + wo.y * wo.y), offset));
   }
-  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
-  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
-  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
 
-// What one line of a file says, and what became of all of them.
+// One line of a file, and a summary of all lines.
 struct MeasuredPoint {
   double sin_i, offset, value;  // value in 1/sr, above 0
 };

@@ -120,7 +120,7 @@ std::vector<double> intensities(std::vector<Sphere> const& spheres, std::vector<
   return all;
 }
 
-// At least so many steps: 2^k or 3 2^k, so that spheres of similar size share one grid.
+// The next number of steps from `degree` on that is 2^k or 3 2^k, so that spheres of similar size share one grid.
 std::size_t steps_for(std::size_t degree) {
   for (std::size_t steps = 8;; steps *= 2) {
     if (steps >= degree) return steps;

@@ -10,7 +10,7 @@ namespace straytrace {
 struct MieSphere {
   double q_ext = 0, q_sca = 0;    // cross-sections over pi r^2
   double asymmetry = 0;           // mean cosine of the scattering angle
-  std::vector<double> intensity;  // (|S1|^2 + |S2|^2)/2 at the cosines asked for; its integral over the sphere is
+  std::vector<double> intensity;  // (|S1|^2 + |S2|^2)/2 at the given cosines; its integral over the sphere is
                                   // pi x^2 q_sca
 };
 

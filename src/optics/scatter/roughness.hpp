@@ -1,16 +1,63 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scatter of a rough surface from its power spectrum of heights, by first-order perturbation (Rayleigh-Rice,
-// docs/theory/surfaces.md, eq. 3.8) or generalised Harvey-Shack (eq. 3.11, 3.12). Lengths are in wavelengths: the
-// spectrum is S2/lambda^4 against rho = |f| lambda = |alpha - alpha_0|. Pages: docs/reference/scatter/k-correlation.md,
-// docs/reference/scatter/psd.md, docs/reference/scatter/harvey-shack.md.
+// Scatter of rough surfaces from the power spectrum of their heights (docs/theory/surfaces.md, eq. 3.5 to 3.13). Pages:
+// docs/reference/scatter/k-correlation.md, docs/reference/scatter/psd.md, docs/reference/scatter/harvey-shack.md.
 #pragma once
 
+#include <vector>
+
 #include "optics/lobes/lobe_table.hpp"
-#include "optics/scatter/polarisation_factor.hpp"
 
 namespace straytrace {
 
-struct Roughness {
+// Polarisation factors Q of roughness scatter from one interface (eq. 3.9): relative permittivity eps, or a constant
+// reflectance for a coated mirror.
+struct PolarisationFactor {
+  double permittivity_re = 0, permittivity_im = 0;  // both 0: constant
+  double reflectance = 1;
+
+  // Mean over the incident and sum over the outgoing polarisations.
+  STRAY_HD double mean(Vec3 wi, Vec3 wo) const {
+    if (permittivity_re == 0 && permittivity_im == 0) return reflectance;
+    Four const q = each(wi, wo);
+    return 0.5 * (q.ss + q.sp + q.ps + q.pp);
+  }
+
+  struct Four {
+    double ss, sp, ps, pp;  // first letter: incident
+  };
+  STRAY_HD Four each(Vec3 wi, Vec3 wo) const {
+    double const sin2_i = wi.x * wi.x + wi.y * wi.y, sin2_s = wo.x * wo.x + wo.y * wo.y,
+                 sines = std::sqrt(sin2_i * sin2_s);
+    // phi = 0: forward; where a sine is zero the sum does not depend on phi
+    double const cos_phi = sines > 1e-12 ? -(wi.x * wo.x + wi.y * wo.y) / sines : 1;
+    double const sin2_phi = std::fmax(0.0, 1 - cos_phi * cos_phi);
+    Number const eps{permittivity_re, permittivity_im}, qi = root({eps.re - sin2_i, eps.im}),
+                                                        qs = root({eps.re - sin2_s, eps.im});
+    double const contrast = square({eps.re - 1, eps.im});
+    double const s_i = square({wi.z + qi.re, qi.im}), s_s = square({wo.z + qs.re, qs.im});
+    double const p_i = square({eps.re * wi.z + qi.re, eps.im * wi.z + qi.im}),
+                 p_s = square({eps.re * wo.z + qs.re, eps.im * wo.z + qs.im});
+    Number const qq{qi.re * qs.re - qi.im * qs.im, qi.re * qs.im + qi.im * qs.re};
+    double const pp = square({qq.re * cos_phi - eps.re * sines, qq.im * cos_phi - eps.im * sines});
+    return {contrast * cos_phi * cos_phi / (s_i * s_s), contrast * square(qs) * sin2_phi / (s_i * p_s),
+            contrast * square(qi) * sin2_phi / (p_i * s_s), contrast * pp / (p_i * p_s)};
+  }
+
+ private:
+  struct Number {
+    double re, im;
+  };
+  STRAY_HD static double square(Number z) { return z.re * z.re + z.im * z.im; }
+  STRAY_HD static Number root(Number z) {  // principal
+    double const size = std::sqrt(square(z)), re = std::sqrt(std::fmax(0.0, 0.5 * (size + z.re))),
+                 im = std::sqrt(std::fmax(0.0, 0.5 * (size - z.re)));
+    return {re, z.im < 0 ? -im : im};
+  }
+};
+
+// First-order perturbation (Rayleigh-Rice, eq. 3.8) or generalised Harvey-Shack (eq. 3.11, 3.12). Lengths are in
+// wavelengths: the spectrum is S2/lambda^4 against rho = |f| lambda = |alpha - alpha_0|.
+struct Roughness : SampledByLobe<Roughness> {
   // k-correlation (eq. 3.13): a/(1 + (b rho)^2)^((c+1)/2). With b = 0 the table: log(S2/lambda^4) at points evenly
   // spaced in log(rho); flat below it, `slope` in log-log above it, zero where cut.
   static constexpr int points = 256;
@@ -61,9 +108,23 @@ struct Roughness {
     if (orders > 1) value += higher_orders(rho, g);
     return q * exp_number(-g) * value;
   }
-  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
-  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
-  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
+
+double tis_smooth(double rms, double cos_i, double wavelength);  // eq. 3.10, first form
+
+// Power spectra of heights as points, host only.
+
+// Two-sided spectra as power laws between points: 1D in m^3, 2D in m^4; f in 1/m, increasing.
+struct SpectrumPoint {
+  double f, value;
+};
+using HeightSpectrum = std::vector<SpectrumPoint>;
+
+double spectrum_at(HeightSpectrum const&, double f);                 // extended by the end slopes
+double variance_1d(HeightSpectrum const&, double low, double high);  // m^2, eq. 3.5
+double variance_2d(HeightSpectrum const&, double low, double high);  // m^2, eq. 3.6
+// 2D spectrum of an isotropic surface from its profile spectrum: the inverse Abel transform, for power laws eq. 3.7.
+// Values come out at or below zero where no isotropic surface has such a profile.
+HeightSpectrum surface_of_profile(HeightSpectrum const&);
 
 }  // namespace straytrace

@@ -1,33 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ABg scatter law: BSDF = A/(B + |alpha - alpha_0|^g), alpha = projection of the outgoing direction on the surface,
-// alpha_0 the same for the specular direction (docs/theory/surfaces.md, eq. 3.16). Page: docs/reference/scatter/abg.md.
+// BSDF models that depend on the offset from the specular direction: ABg, Gaussian, Harvey, power law.
 #pragma once
 
 #include "optics/lobes/lobe_table.hpp"
 
 namespace straytrace {
 
-struct Abg {
+// ABg: BSDF = A/(B + |alpha - alpha_0|^g), alpha = projection of the outgoing direction on the surface, alpha_0 the
+// same for the specular direction (docs/theory/surfaces.md, eq. 3.16). Page: docs/reference/scatter/abg.md.
+struct Abg : SampledByLobe<Abg> {
   double a = 0, b = 1, g = 2;   // 1/sr, 1, 1
   LobeTable<OffsetRings> lobe;  // set by prepare()
   static constexpr char const* key = "abg";
+  static ModelKeys<Abg> keys();
 
   void prepare();  // host
 
   STRAY_HD double value(double offset) const { return a / (b + (offset > 0 ? power_positive(offset, g) : 0)); }
   STRAY_HD double eval(Vec3 wi, Vec3 wo) const { return wi.z > 0 && wo.z > 0 ? value(OffsetRings::of(wi, wo)) : 0; }
-  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
-  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
-  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
 
 // Gaussian lobe in direction cosines: BSDF = peak exp(-|alpha - alpha_0|^2/(2 width^2)).
 // Page: docs/reference/scatter/gaussian.md.
-
-struct Gaussian {
+struct Gaussian : SampledByLobe<Gaussian> {
   double peak = 0, width = 0.1;  // 1/sr, 1
   LobeTable<OffsetRings> lobe;   // set by prepare()
   static constexpr char const* key = "gaussian";
+  static ModelKeys<Gaussian> keys();
 
   void prepare();  // host
 
@@ -36,20 +35,18 @@ struct Gaussian {
     double const x = wo.x + wi.x, y = wo.y + wi.y;
     return peak * exp_number(-(x * x + y * y) / (2 * width * width));
   }
-  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
-  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
-  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
 
-// Harvey scatter law: BSDF = b0 [1 + (|alpha - alpha_0|/l)^2]^(s/2) (docs/theory/surfaces.md, eq. 3.14). Extended: two
+// Harvey: BSDF = b0 [1 + (|alpha - alpha_0|/l)^2]^(s/2) (docs/theory/surfaces.md, eq. 3.14). Extended: two
 // widths, along and across the plane of travel. That plane holds the mean of the incident and the outgoing travelling
-// direction, so that the law stays reciprocal. Page: docs/reference/scatter/harvey.md.
-
-struct Harvey {
+// direction, so that the model stays reciprocal. Page: docs/reference/scatter/harvey.md.
+struct Harvey : SampledByLobe<Harvey> {
   double b0 = 0, width = 0.01, slope = -1.5,
          across = 0;            // 1/sr, 1, 1; width: l, slope: s of eq. 3.14; across: the second width, 0: the same
   LobeTable<OffsetRings> lobe;  // set by prepare()
   static constexpr char const* key = "harvey";
+  static ModelKeys<Harvey> keys();
+  ModelComplaint impossible() const;
 
   void prepare();      // host
   double tis() const;  // host: eq. 3.15, at normal incidence, one width
@@ -65,21 +62,19 @@ struct Harvey {
     }
     return b0 * power_positive(1 + square, slope / 2);
   }
-  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
-  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
-  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
 
 // Small-angle scatter of mirrors: BSDF = kappa theta^-n for theta >= above, theta = angle from the specular direction
 // (docs/theory/surfaces.md, eq. 3.18). Below `above` the light belongs to the modes (minimum scatter angle, R2.31).
 // Page: docs/reference/scatter/power-law.md.
-
-struct PowerLaw {
+struct PowerLaw : SampledByLobe<PowerLaw> {
   double kappa = 0;            // 1/sr, with theta in rad
   double exponent = 2;         // n
   double above = 5e-5;         // rad
   LobeTable<ChordRings> lobe;  // set by prepare()
   static constexpr char const* key = "power-law";
+  static ModelKeys<PowerLaw> keys();
+  ModelComplaint impossible() const;
 
   void prepare();  // host
 
@@ -88,9 +83,6 @@ struct PowerLaw {
     double const theta = angle_between(specular(wi), wo);
     return theta >= above ? kappa * power_positive(theta, -exponent) : 0;
   }
-  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
-  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
-  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
 
 // Virgo's statistical 1/theta^2 law (docs/theory/surfaces.md, eq. 3.19, 3.20): a mirror scatters the total fraction

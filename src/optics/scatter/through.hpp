@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scatter to the other side of a surface, out of any law: the law acts on n alpha, the transverse wave vector over that
-// of vacuum, which refraction keeps. With m the smaller of the two indices
-//   f(wi, wo) = (n_out/m)^2 law(n_in alpha_i/m, n_out alpha_o/m),
+// Scatter to the other side of a surface by any model: the model acts on n alpha, the transverse wave vector over that
+// of vacuum, which refraction conserves. With m the smaller of the two indices
+//   f(wi, wo) = (n_out/m)^2 model(n_in alpha_i/m, n_out alpha_o/m),
 // so that f_12/n_2^2 = f_21/n_1^2 (docs/theory/surfaces.md, eq. 3.2), the lobe is centred on the refracted direction,
-// and the integral of f cos is the albedo of the law. Directions in the denser medium beyond the critical angle, where
-// n alpha > m, neither send nor get such light. wi.z > 0, wo.z < 0. Page: docs/reference/scatter/through.md.
+// and the integral of f cos is the albedo of the model. Directions in the denser medium beyond the critical angle,
+// where n alpha > m, neither send nor get such light. wi.z > 0, wo.z < 0. Page: docs/reference/scatter/through.md.
 #pragma once
 
 #include "optics/lobes/bsdf.hpp"
@@ -18,7 +18,7 @@ struct Through {
     double const m = n_in < n_out ? n_in : n_out;
     return {n_in / m, n_out / m};
   }
-  // Direction on which the law acts; z = 0 beyond the critical angle.
+  // Direction on which the model acts; z = 0 beyond the critical angle.
   STRAY_HD static Vec3 stretched(Vec3 w, double scale) {
     if (scale == 1) return {w.x, w.y, std::fabs(w.z)};
     double const x = scale * w.x, y = scale * w.y, z2 = 1 - x * x - y * y;
@@ -32,7 +32,7 @@ struct Through {
     return square > 0 ? std::sqrt(square) : 0;
   }
   STRAY_HD bool sends(double cos_i) const { return cosine(cos_i) > 0; }
-  // Factor from the law's value to f.
+  // Factor from the value of the model to f.
   STRAY_HD double gain() const { return scale_out * scale_out; }
   // Factor from a density about outgoing(wo) to one about wo, both in 1/sr.
   STRAY_HD double density(Vec3 wo, Vec3 stretched_wo) const {

@@ -7,7 +7,7 @@
 #include <map>
 #include <queue>
 
-#include "geometry/strips.hpp"
+#include "geometry/shape_types.hpp"
 #include "trace/importance/importance.hpp"
 
 namespace straytrace {

@@ -2,7 +2,7 @@
 // The state of one path, what a vertex does to it, and the rolling name of its route.
 #pragma once
 
-#include "optics/coating/refraction.hpp"
+#include "optics/coating/fresnel.hpp"
 #include "optics/coating/specular.hpp"
 #include "optics/polarisation.hpp"
 #include "trace/result.hpp"

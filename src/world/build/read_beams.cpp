@@ -11,8 +11,8 @@
 
 #include "base/errors.hpp"
 #include "base/input/document.hpp"
+#include "beams/aperture.hpp"
 #include "beams/cavity_mode.hpp"
-#include "beams/clipping.hpp"
 #include "world/build/file_parts.hpp"
 #include "world/build/read_parts.hpp"
 

@@ -10,10 +10,10 @@
 
 #include "base/input/document.hpp"
 #include "io/delimited_text.hpp"
-#include "optics/coating/coating_table.hpp"
-#include "optics/coating/film_table.hpp"
+#include "optics/coating/coating.hpp"
+#include "optics/coating/film.hpp"
 #include "optics/coating/specular.hpp"
-#include "optics/scatter/scatter_share.hpp"
+#include "optics/scatter/angle_weight.hpp"
 #include "world/build/read_parts.hpp"
 #include "world/model/degree.hpp"
 

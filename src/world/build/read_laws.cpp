@@ -8,88 +8,61 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/input/document.hpp"
 #include "io/delimited_text.hpp"
-#include "optics/scatter/height_spectrum.hpp"
+#include "optics/scatter/model_keys.hpp"
 
 namespace straytrace {
 namespace {
 
-// One of two keys for the same thing; returns whether `first` is given.
-bool first_of(Node const& law, char const* first, char const* second) {
+// One of two keys for the same value; returns whether `first` is given.
+bool first_of(Node const& law, std::string_view first, std::string_view second) {
   bool const given = law.has(first);
   if (given && law.has(second))
-    law.problem(fmt::format("'{}' and '{}' say the same thing twice", second, first), "keep one of them");
+    law.problem(fmt::format("'{}' and '{}' both set the same value", second, first), "keep one of them");
   return given;
+}
+
+// Numbers and the either-or key of a model, all with what they mean. False, and problems, when the model cannot be
+// made.
+template <class Model>
+bool read_model_keys(Node const& law, Model& model) {
+  ModelKeys<Model> const keys = Model::keys();
+  bool whole = true;
+  for (ModelKey<Model> const& k : keys.numbers) {
+    bool const stays = k.fallback == optional && !k.like && !law.has(k.name);
+    double const fallback = k.like ? model.*k.like : k.fallback == optional ? required : k.fallback;
+    if (!stays) model.*k.member = law.number(k.name, k.dimension, fallback, k.low, k.high);
+    law.data()->describe(k.name, k.doc);
+    whole = whole && std::isfinite(model.*k.member);
+  }
+  if (EitherKey<Model> const& either = keys.either; either.member) {
+    auto const& one = first_of(law, either.first.name, either.second.name) ? either.first : either.second;
+    double const given = law.number(one.name, one.dimension, required, one.low, one.high);
+    for (auto const& k : {either.first, either.second}) law.data()->describe(k.name, k.doc);
+    whole = whole && std::isfinite(given);
+    if (whole) model.*either.member = one.value ? one.value(model, given) : given;
+  }
+  if constexpr (requires { model.impossible(); })
+    if (ModelComplaint const c = whole ? model.impossible() : ModelComplaint{}; !c.what.empty()) {
+      (c.key.empty() ? law : law[c.key]).problem(c.what, c.suggestion);
+      return false;
+    }
+  return whole;
+}
+
+template <class Model>
+void read_model(Node const& law, LawReading& out) {
+  Model model;
+  if (!read_model_keys(law, model)) return;
+  if constexpr (requires { model.prepare(); }) model.prepare();
+  out.add(model);
 }
 
 }  // namespace
 
 double law_wavelength(Node const& law, World const& world) {
   return law.number("wavelength", dim::length, world.wavelength, 1e-8, 1e-3);
-}
-
-void read_lambertian(Node const& law, LawReading& out) {
-  double const reflectance = first_of(law, "brdf", "tis") ? pi * law.number("brdf", dim::brdf, required, 0, 1 / pi)
-                                                          : law.number("tis", dim::plain, required, 0, 1);
-  out.add(Lambertian{reflectance});
-}
-
-void read_power_law(Node const& law, LawReading& out) {
-  PowerLaw p;
-  p.exponent = law.number("exponent", dim::plain, 2, 0, 8);
-  p.above = law.number("above", dim::angle, required, 1e-9, 1.5);
-  if (law.has("tis")) {
-    if (law.has("kappa")) law.problem("'tis' and 'kappa' say the same thing twice", "keep one of them");
-    if (p.exponent != 2)
-      law.problem("a total is defined for exponent 2 only (docs/theory/surfaces.md, eq. 3.19)", "give 'kappa'");
-    double const tis = law.number("tis", dim::plain, required, 0, 1);
-    p.kappa = p.above > 0 ? tis * statistical_kappa(p.above) / (2 * pi) : 0;
-  } else {
-    p.kappa = law.number("kappa", dim::brdf, required, 0, 1e3);
-  }
-  if (!(p.above > 0 && p.kappa >= 0 && std::isfinite(p.exponent))) return;
-  p.prepare();
-  out.add(p);
-}
-
-void read_abg(Node const& law, LawReading& out) {
-  Abg p;
-  p.a = law.number("a", dim::brdf, required, 0, 1e6);
-  p.b = law.number("b", dim::plain, required, 1e-12, 1e6);
-  p.g = law.number("g", dim::plain, required, 0, 8);
-  if (!(p.a >= 0 && p.b > 0 && p.g >= 0)) return;
-  p.prepare();
-  out.add(p);
-}
-
-void read_harvey(Node const& law, LawReading& out) {
-  Harvey p;
-  p.width = law.number("l", dim::plain, required, 1e-7, 10);
-  p.slope = law.number("s", dim::plain, required, -8, 0);
-  if (law.has("l_across")) p.across = law.number("l_across", dim::plain, required, 1e-7, 10);
-  if (p.across > 0 && (p.across > 4 * p.width || p.across < p.width / 4))
-    law.problem("'l_across' is more than a factor 4 from 'l'", "use two laws, or a factor of 4 at most");
-  bool const absolute = first_of(law, "b0", "tis");
-  double const given =
-      absolute ? law.number("b0", dim::brdf, required, 0, 1e9) : law.number("tis", dim::plain, required, 0, 1);
-  if (!(p.width > 0 && std::isfinite(p.slope) && given >= 0 && p.across >= 0)) return;
-  p.b0 = 1;
-  p.b0 = absolute ? given : given / p.tis();
-  p.prepare();
-  out.add(p);
-}
-
-void read_gaussian(Node const& law, LawReading& out) {
-  Gaussian p;
-  p.width = law.number("width", dim::plain, required, 1e-7, 10);
-  bool const absolute = first_of(law, "peak", "tis");
-  double const given =
-      absolute ? law.number("peak", dim::brdf, required, 0, 1e12) : law.number("tis", dim::plain, required, 0, 1);
-  if (!(p.width > 0 && given >= 0)) return;
-  double const square = 2 * p.width * p.width;
-  p.peak = absolute ? given : given / (-pi * square * std::expm1(-1 / square));
-  p.prepare();
-  out.add(p);
 }
 
 void read_polynomial(Node const& law, LawReading& out) {
@@ -107,7 +80,7 @@ void read_polynomial(Node const& law, LawReading& out) {
     for (int k = 0; k < j; ++k)
       if (p.c[j][k] != p.c[k][j]) {
         whole = false;
-        law["diffuse"].problem(fmt::format("c_{}{} and c_{}{} differ, so the law is not reciprocal", j, k, k, j),
+        law["diffuse"].problem(fmt::format("c_{}{} and c_{}{} differ, so the model is not reciprocal", j, k, k, j),
                                "make the table symmetric: [[a, b], [b, c]]");
         j = Polynomial::terms;
         break;
@@ -128,16 +101,6 @@ void read_polynomial(Node const& law, LawReading& out) {
                                "raise the constant term");
       }
   if (!whole) return;
-  p.prepare();
-  out.add(p);
-}
-
-void read_microfacet(Node const& law, LawReading& out) {
-  Microfacet p;
-  p.alpha = law.number("roughness", dim::plain, required, 1e-4, 1);
-  p.reflectance = law.number("reflectance", dim::plain, required, 0, 1);
-  p.grazing = law.number("grazing", dim::plain, p.reflectance, 0, 1);
-  if (!(p.alpha > 0 && p.reflectance >= 0 && p.grazing >= 0)) return;
   p.prepare();
   out.add(p);
 }
@@ -163,7 +126,7 @@ bool read_lay(Node const& law, Optic& optic) {
     lay = law.choice("lay", words) == "along" ? Lay::along : Lay::around;
   }
   bool const other = optic.lay != Lay::free && (optic.lay != lay || length(optic.lay_direction - direction) > 1e-9);
-  if (other) node.problem("the grooves of one material run one way", "give all laws of the material the same 'lay'");
+  if (other) node.problem("the grooves of one material run one way", "give all models of the material the same 'lay'");
   optic.lay = lay;
   optic.lay_direction = direction;
   return !other;
@@ -173,19 +136,14 @@ bool read_lay(Node const& law, Optic& optic) {
 
 void read_grooves(Node const& law, LawReading& out) {
   Grooves p;
-  p.across = law.number("across", dim::plain, required, 1e-3, 1);
-  p.along = law.number("along", dim::plain, required, 1e-4, 1);
-  p.reflectance = law.number("reflectance", dim::plain, required, 0, 1);
-  p.grazing = law.number("grazing", dim::plain, p.reflectance, 0, 1);
-  bool sound = read_lay(law, *out.optic) && p.along <= p.across;
+  bool const whole = read_model_keys(law, p), laid = read_lay(law, *out.optic);
+  bool sound = whole && laid;
   for (char const* key : {"through", "weight"})
     if (Node const other = law[key]) {
-      other.problem(fmt::format("'grooves' has no '{}'", key), "leave it out, or use another law");
+      other.problem(fmt::format("'grooves' has no '{}'", key), "leave it out, or use another model");
       sound = false;
     }
-  if (p.along > p.across)
-    law["along"].problem("'along' is larger than 'across': grooves are steep across and smooth along", "swap the two");
-  if (!(sound && p.across > 0 && p.along > 0 && p.reflectance >= 0 && p.grazing >= 0)) return;
+  if (!sound) return;
   p.prepare();
   out.add(p);
 }
@@ -247,7 +205,7 @@ void read_dust(Node const& law, LawReading& out) {
   out.add(p);
 }
 
-// Laws from a power spectrum of heights: k-correlation, psd, harvey-shack (docs/theory/surfaces.md).
+// Models from a power spectrum of heights: k-correlation, psd, harvey-shack (docs/theory/surfaces.md).
 
 namespace {
 
@@ -273,7 +231,7 @@ void read_theory(Node const& law, Roughness& p) {
 
 // Checks the range of the theory, then prepares.
 void finish(Node const& law, LawReading& out, Roughness& p, double wavelength) {
-  double const rms = std::sqrt(p.variance(0, 1)), g = std::pow(4 * pi * rms, 2);
+  double const rms = std::sqrt(p.variance(0, 1)), g = tis_smooth(rms, 1, 1);
   if (!(g < 1e6)) return law.problem("the spectrum has no finite roughness below 1/wavelength", "give it a lower end");
   out.note(
       fmt::format("rms roughness {:.3g} nm at spatial frequencies below 1/wavelength, (4 pi sigma/lambda)^2 = {:.3g}",
@@ -282,8 +240,8 @@ void finish(Node const& law, LawReading& out, Roughness& p, double wavelength) {
     law.warning(fmt::format("(4 pi sigma/lambda)^2 is {:.2g}: too rough for Rayleigh-Rice", g),
                 "write 'theory: harvey-shack'");
   if (g > 6)
-    return law.problem(fmt::format("(4 pi sigma/lambda)^2 is {:.3g}: too rough for a law of mirrors (at most 6)", g),
-                       "describe the surface by a diffuse law, or measure it ('model: table')");
+    return law.problem(fmt::format("(4 pi sigma/lambda)^2 is {:.3g}: too rough for a model of mirrors (at most 6)", g),
+                       "describe the surface by a diffuse model, or measure it ('model: table')");
   p.prepare();
   out.add(p);
 }
@@ -406,6 +364,48 @@ void read_harvey_shack(Node const& law, LawReading& out) {
     read_file(law, out, p);
   else
     read_knee(law, out, p);
+}
+
+namespace {
+
+// Models that need more than numbers: files, lists, several models of the list. Those of the list keep its order, the
+// others follow.
+constexpr LawReader special_readers[] = {{"polynomial", read_polynomial},
+                                         {"grooves", read_grooves},
+                                         {"k-correlation", read_k_correlation},
+                                         {"psd", read_psd},
+                                         {"harvey-shack", read_harvey_shack},
+                                         {"dust", read_dust},
+                                         {"table", read_measured},
+                                         {"defects", read_defects}};
+
+constexpr LawReader const* special_reader(std::string_view model) {
+  for (LawReader const& reader : special_readers)
+    if (reader.model == model) return &reader;
+  return nullptr;
+}
+
+template <class Model>
+LawReader reader_of() {
+  if constexpr (constexpr LawReader const* special = special_reader(Model::key); special != nullptr)
+    return *special;
+  else
+    return {Model::key, read_model<Model>};
+}
+
+template <class... Model>
+std::vector<LawReader> all_readers(std::type_identity<std::tuple<Model...>>) {
+  std::vector<LawReader> all{reader_of<Model>()...};
+  for (LawReader const& reader : special_readers)
+    if (((reader.model != Model::key) && ...)) all.push_back(reader);
+  return all;
+}
+
+}  // namespace
+
+std::span<LawReader const> law_readers() {
+  static std::vector<LawReader> const all = all_readers(std::type_identity<LawTypes>());
+  return all;
 }
 
 }  // namespace straytrace

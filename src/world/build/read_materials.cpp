@@ -8,10 +8,9 @@
 
 #include "base/files/embedded.hpp"
 #include "base/input/table.hpp"
-#include "optics/angle_weight.hpp"
-#include "optics/coating/coating_table.hpp"
+#include "optics/coating/coating.hpp"
 #include "optics/coating/specular.hpp"
-#include "optics/scatter/scatter_share.hpp"
+#include "optics/scatter/angle_weight.hpp"
 #include "scene/library.hpp"
 #include "world/build/read_laws.hpp"
 
@@ -55,13 +54,13 @@ void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info
     return law.problem("a BSDF model is a table", "write {model: lambertian, tis: 1 %}");
   static std::vector<std::string_view> const names = [] {
     std::vector<std::string_view> all;
-    for (LawReader const& reader : law_readers) all.push_back(reader.model);
+    for (LawReader const& reader : law_readers()) all.push_back(reader.model);
     return all;
   }();
   std::string const model = law.choice("model", names);
   std::size_t const before = out.laws.size();
   out.wavelength.clear();
-  for (LawReader const& reader : law_readers)
+  for (LawReader const& reader : law_readers())
     if (model == reader.model) reader.read(law, out);
   bool const through = law.flag("through", false);
   LawInfo about{model, law.word("source", "not given"),
@@ -90,7 +89,7 @@ void yield_to_dust(MaterialInfo const& info, World& world, Optic& optic) {
   optic.has_interface = true;
 }
 
-// "assumed; SOURCE; NOTE", as a material says it beside its laws; empty when it does not.
+// "assumed; SOURCE; NOTE" of a material; empty when it states none.
 std::string said_of(Node const& material) {
   std::string said = read_status(material);
   for (char const* key : {"source", "wavelength", "note"})
@@ -104,8 +103,8 @@ Vec3 incoming(double cosine, double turn) {
   return {sine * azimuth.cos, sine * azimuth.sin, cosine};
 }
 
-// docs/theory/surfaces.md, eq. 3.1, at every incidence of the albedo table, from vacuum into vacuum. What the
-// quadrature behind a table adds to an albedo of 1 is no light.
+// docs/theory/surfaces.md, eq. 3.1, at every incidence of the albedo table, from vacuum into vacuum. The excess
+// of a quadrature over an albedo of 1 is no light.
 void check_energy(std::string const& name, Node const& node, Optic const& optic, WorldView const& world) {
   constexpr double quadrature = 1e-4;
   for (int i = AlbedoTable::size - 1; i >= 0; --i) {
@@ -191,7 +190,7 @@ std::optional<MaterialPreset> preset_of(std::string const& name, Node const& mat
   return {};
 }
 
-// Largest share of the light that the laws read so far scatter at any incidence.
+// Largest share of the light that the models read so far scatter at any incidence.
 double most_scattered(LawReading const& out) {
   double most = 0;
   for (int i = 0; i < AlbedoTable::size; ++i) {

@@ -23,7 +23,7 @@ struct MaterialPreset {
   Gives gives = Gives::brdf;
   double values[3] = {};  // low, mid, high; all equal: the sources give no bracket
   double at_75[3] = {};   // with tis_75
-  double reflect = 0;     // specular, beside the scatter
+  double reflect = 0;     // specular, in addition to the scatter
   double through = 0;     // total scattered to the other side
   std::string wavelength, status, source, note;
 

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "geometry/keys.hpp"
+#include "base/input/document.hpp"
+#include "geometry/shape_types.hpp"
 #include "world/build/read_cad.hpp"
 #include "world/build/read_mesh.hpp"
 #include "world/build/read_parts.hpp"
@@ -23,9 +24,11 @@ SurfaceId add_shape(Node const& keys, Surface const& as, Pose const& pose, World
     return {};
   } else {
     Shape shape;
-    read_keys(keys, keys_of<Shape>(), shape);
+    auto const numbers = Shape::keys();
+    read_keys(keys, numbers, shape);
+    if (keys.data())
+      for (auto const& k : numbers) keys.data()->describe(k.name, k.doc);
     keys.refuse_unknown(fmt::format("shape '{}'", Shape::key));
-    auto const numbers = keys_of<Shape>();
     bool const whole =
         std::all_of(numbers.begin(), numbers.end(), [&](auto const& k) { return std::isfinite(shape.*(k.member)); });
     auto const complaint = whole ? impossible(shape) : ShapeComplaint{};  // a number that is not there is reported
@@ -77,7 +80,7 @@ auto find_named(Node const& node, Map const& map, std::string_view what) -> type
   return {};
 }
 
-// The material of a face: as `surfaces` of the entry says, otherwise of the face, otherwise of the entry. Faces are
+// The material of a face: from `surfaces` of the entry, otherwise of the face, otherwise of the entry. Faces are
 // named there without the name of the entry: "barrel", "lens/barrel".
 Node material_of(Scene::Instance const& instance) {
   Node const usual = given(instance, "material");  // known, even where every face has its own
@@ -137,7 +140,7 @@ bool is_entry(Scene::Instance const& instance) { return instance.node.data() == 
 // Its name counts as defined.
 void refuse(Scene::Instance const& instance, Registry& names) { names.refused.insert(entry_of(instance)); }
 
-// What a refused entry names is looked up all the same.
+// Names in an entry with problems are still looked up.
 void check_named(Scene::Instance const& instance, World const& world, Registry& names) {
   refuse(instance, names);
   if (is_entry(instance)) {
@@ -214,7 +217,7 @@ SurfaceId read_shape(Node const& shape, Surface const& as, Pose const& pose, Wor
 
 void read_bodies(Scene const& scene, World& world, Registry& names) {
   for (auto const& [name, node] : scene.table("bodies").items()) {
-    Vec3 pivot{not_a_number, not_a_number, not_a_number};  // where its first surface stands, unless given
+    Vec3 pivot{not_a_number, not_a_number, not_a_number};  // position of its first surface, unless given
     if (node.kind() == Node::Kind::table)
       if (Node const p = node["pivot"]) pivot = read_vector(p, dim::length);
     names.bodies[name] = world.add_body(name, pivot);
@@ -262,7 +265,7 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
   }
 }
 
-// Where a part stands: the keys at, facing and rotate.
+// Position of a part: the keys at, facing and rotate.
 
 namespace {
 
@@ -303,7 +306,7 @@ Pose read_pose(Node const& table) {
   return pose;
 }
 
-// Vectors and directions of a scene. What does not name a number is reported where it stands, and only there.
+// Vectors and directions of a scene. A value that is not a number is reported once, at its place.
 
 Vec3 read_vector(Node const& list, Dimension dimension) {
   auto const v = list.as_numbers(dimension, 3);

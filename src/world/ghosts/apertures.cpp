@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "beams/clipping.hpp"
+#include "beams/aperture.hpp"
 #include "world/ghosts/beam_tree.hpp"
 #include "world/ghosts/rim.hpp"
 

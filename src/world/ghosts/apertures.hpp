@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "beams/diffraction.hpp"
+#include "beams/aperture.hpp"
 #include "beams/mode.hpp"
 #include "world/model/world.hpp"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "geometry/curvature.hpp"
+#include "geometry/common/shape.hpp"
 #include "optics/coating/specular.hpp"
 
 namespace straytrace {

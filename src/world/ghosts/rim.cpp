@@ -5,7 +5,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "beams/clipping.hpp"
+#include "beams/aperture.hpp"
 #include "beams/mode.hpp"
 #include "world/ghosts/beam_tree.hpp"
 

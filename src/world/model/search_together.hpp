@@ -3,7 +3,7 @@
 // noted, so that one waits for memory while others go on. The hits are those of one ray after the other, bit by bit.
 #pragma once
 
-#include "geometry/mesh/mesh_turns.hpp"
+#include "geometry/mesh/triangle_mesh.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace {

@@ -3,7 +3,7 @@
 // the beam tree stand on the same vertices.
 #pragma once
 
-#include "geometry/strips.hpp"
+#include "geometry/shape_types.hpp"
 #include "optics/media_stack.hpp"
 #include "world/model/world.hpp"
 

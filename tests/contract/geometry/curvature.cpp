@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The curvature of every shape is the slope of its normal: n(p + r) - n(p) = -K r along the surface. A shape without a
 // own closed form counts as flat and is found here.
-#include "geometry/curvature.hpp"
-
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
 
 #include "contract/geometry/instances.hpp"
+#include "geometry/common/shape.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::testing {

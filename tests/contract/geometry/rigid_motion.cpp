@@ -2,7 +2,7 @@
 // A point drawn on a shape is equally visible or hidden at any position of the shape, from another point of it and from
 // outside: rounding moves the point where a line meets a shape by at most eq. 1.14 (docs/theory/sampling.md).
 #include "contract/geometry/instances.hpp"
-#include "geometry/common/slack.hpp"
+#include "geometry/shape_types.hpp"
 #include "support/mesh_shapes.hpp"
 
 namespace straytrace::testing::geometry_rigid_motion {

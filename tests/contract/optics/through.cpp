@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "contract/optics/quadrature.hpp"
-#include "optics/scatter/scatter_share.hpp"
+#include "optics/scatter/angle_weight.hpp"
 #include "support/chi_square.hpp"
 #include "support/statistics.hpp"
 

@@ -7,10 +7,13 @@
 #include "base/math/constants.hpp"
 #include "beams/cavity_mode.hpp"
 #include "beams/eigenmode.hpp"
+#include "support/beams_support.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::beams_cavities {
 namespace {
+
+using testing::wavefront;
 
 using testing::deviation;
 

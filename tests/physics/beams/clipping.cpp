@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Loss of a Gaussian beam at an aperture (docs/theory/beams.md, eq. 5.5, 5.6; cases A8, B8; R2.26).
-#include "beams/clipping.hpp"
-
 #include <gtest/gtest.h>
 
+#include "beams/aperture.hpp"
 #include "beams/cavity_mode.hpp"
 #include "support/beams_support.hpp"
 #include "support/statistics.hpp"

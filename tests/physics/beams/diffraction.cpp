@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Gaussian beams behind apertures (R2.26, R2.27; docs/theory/beams.md, eq. 5.5 to 5.7, A8).
-#include "beams/diffraction.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "beams/aperture.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::testing::beams_diffraction {

@@ -13,6 +13,8 @@
 namespace straytrace::beams_eigenmodes {
 namespace {
 
+using testing::wavefront;
+
 using testing::deviation;
 
 constexpr double nd_yag = 1.064e-6;  // m

@@ -13,6 +13,8 @@
 namespace straytrace::beams_modes {
 namespace {
 
+using testing::wavefront;
+
 using testing::Dice;
 constexpr double nd_yag = 1.064e-6;  // m
 constexpr Vec3 along_z{0, 0, 1};

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Thin films: docs/theory/sampling.md, the transfer-matrix method against characteristic matrices and closed forms.
+#include "optics/coating/film.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <complex>
 #include <vector>
 
-#include "optics/coating/film_table.hpp"
 #include "optics/coating/specular.hpp"
 
 namespace straytrace {

@@ -8,7 +8,6 @@
 #include <complex>
 
 #include "base/math/rng.hpp"
-#include "optics/scatter/height_spectrum.hpp"
 #include "optics/scatter/roughness.hpp"
 #include "support/laws.hpp"
 #include "support/recorded.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/math/rng.hpp"
-#include "optics/coating/refraction.hpp"
+#include "optics/coating/fresnel.hpp"
 #include "optics/coating/specular.hpp"
 
 namespace straytrace::optics_interface {
@@ -193,30 +193,6 @@ TEST(optics_interface, directions) {
   EXPECT_FALSE(refracted(steep, {0, 0, 1}, silica, 1, out));
   EXPECT_TRUE(refracted(steep, {0, 0, 1}, silica, silica, out));
   EXPECT_LT(length(out - steep), 1e-15);
-}
-
-// R2.28 at 1064 nm: 1e5 /m is 0.10660 rad at normal incidence, 0.1 rad is 9.383e4 /m. Conical mounting: along the
-// grooves the sine is kept. Control: order counted the other way.
-TEST(optics_interface, grating_equation) {
-  Vec3 const up{0, 0, 1}, down{0, 0, -1};
-  Vec3 out;
-  ASSERT_TRUE(diffracted(down, up, 1, 1, {1e5, 0, 0}, 1, 1.064e-6, false, out));
-  EXPECT_NEAR(std::asin(out.x), 0.10660, 5e-6);
-  EXPECT_GT(out.z, 0);
-  EXPECT_NEAR(std::sin(0.1) / 1.064e-6, 9.383e4, 5);
-  ASSERT_TRUE(diffracted(down, up, 1, 1, {std::sin(0.1) / 1.064e-6, 0, 0}, -1, 1.064e-6, false, out));
-  EXPECT_NEAR(out.x, -std::sin(0.1), 1e-15);
-  Vec3 const dir = unit({0.3, 0.4, -1});
-  ASSERT_TRUE(diffracted(dir, up, 1, silica, {1e5, 0, 0}, 2, 1.064e-6, true, out));
-  EXPECT_NEAR(silica * out.x, dir.x + 2 * 0.1064, 1e-15);
-  EXPECT_NEAR(silica * out.y, dir.y, 1e-15);
-  EXPECT_LT(out.z, 0);
-  EXPECT_GT(std::fabs(silica * out.x - (dir.x - 2 * 0.1064)), 0.1);
-  Vec3 plain, snell;  // order 0 is Snell's law
-  ASSERT_TRUE(diffracted(dir, up, 1, silica, {1e5, 0, 0}, 0, 1.064e-6, true, plain));
-  ASSERT_TRUE(refracted(dir, up, 1, silica, snell));
-  EXPECT_LT(length(plain - snell), 1e-15);
-  EXPECT_FALSE(diffracted(down, up, 1, 1, {1e6, 0, 0}, 1, 1.064e-6, false, out));
 }
 
 // The light that BSDF models scatter is subtracted from a lossless boundary, not from stated powers.

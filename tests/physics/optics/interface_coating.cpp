@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "optics/coating/coating_table.hpp"
+#include "optics/coating/coating.hpp"
 #include "optics/coating/specular.hpp"
-#include "optics/scatter/scatter_share.hpp"
+#include "optics/scatter/angle_weight.hpp"
+#include "support/laws.hpp"
 
 namespace straytrace::optics_interface_coating {
 namespace {
@@ -109,8 +110,7 @@ TEST(optics_interface_coating, laws_follow_the_table) {
   Storage storage;
   Coating const c = steel(storage);
   std::vector<Lambertian> flat{Lambertian{1}};
-  std::vector<PowerLaw> lobe{PowerLaw{1e-3, 1.2, 0.05, {}}};
-  lobe[0].prepare();
+  std::vector<PowerLaw> lobe{testing::power_law(1e-3, 1.2, 0.05)};
   LawPool laws;
   std::get<0>(laws.arrays) = {flat.data(), 1};
   std::get<1>(laws.arrays) = {lobe.data(), 1};

@@ -9,7 +9,6 @@
 #include "base/math/rng.hpp"
 #include "optics/coating/film.hpp"
 #include "optics/coating/fresnel.hpp"
-#include "optics/coating/refraction.hpp"
 
 namespace straytrace::optics_polarisation {
 namespace {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "contract/optics/quadrature.hpp"
-#include "optics/scatter/height_spectrum.hpp"
 #include "optics/scatter/mie.hpp"
+#include "optics/scatter/roughness.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::testing {

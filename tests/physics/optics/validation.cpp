@@ -4,8 +4,9 @@
 
 #include "contract/optics/quadrature.hpp"
 #include "optics/scatter/diffuse.hpp"
-#include "optics/scatter/height_spectrum.hpp"
 #include "optics/scatter/mie.hpp"
+#include "optics/scatter/roughness.hpp"
+#include "support/laws.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::testing {

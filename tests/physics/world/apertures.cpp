@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "beams/clipping.hpp"
+#include "beams/aperture.hpp"
 #include "support/ghost_support.hpp"
 
 namespace straytrace::testing::world_apertures {

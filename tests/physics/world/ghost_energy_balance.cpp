@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <unistd.h>
 
-#include "beams/clipping.hpp"
+#include "beams/aperture.hpp"
 #include "support/ghost_support.hpp"
 
 namespace straytrace::testing {

@@ -3,7 +3,7 @@
 // R2.26).
 #include <gtest/gtest.h>
 
-#include "beams/clipping.hpp"
+#include "beams/aperture.hpp"
 #include "support/beams_support.hpp"
 #include "support/ghost_support.hpp"
 #include "support/shapes.hpp"

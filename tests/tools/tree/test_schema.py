@@ -14,16 +14,16 @@ import yaml
 
 ROOT = pathlib.Path(__file__).parents[3]
 sys.path.insert(0, str(ROOT / "tools"))
-from keys_of_readers import Facts, facts_of, samples   # noqa: E402
+from keys_of_readers import Facts, facts_of, samples, words_of   # noqa: E402
 
 SCHEMA = json.loads((ROOT / "schema/straytrace-1.schema.json").read_text(encoding="utf-8"))
 BLOCK = re.compile(r"^```yaml\n(straytrace:.*?)^```$", re.MULTILINE | re.DOTALL)
 # Keys as the source writes them: t.number("tis", ...), law["file"], {"arm_length", &P::arm_length, ...}.
 ASKED = re.compile(r'\b\w+(?:\.|->)(?:number|whole|amplitude|word|choice|flag|table|list|has)\("([a-z][\w-]*)"')
-ROW = re.compile(r'^\s*\{"([a-z]\w*)", &\w+(?:<\w+>)?::\w+, (?:dim::|Dimension)', re.MULTILINE)
+ROW = re.compile(r'^\s*\{"([a-z]\w*)", (?:&\w+(?:<\w+>)?::\w+, )?(?:dim::|Dimension)', re.MULTILINE)
 READERS = ("src/world/build/*.cpp", "src/motion/*.cpp", "src/ifo/*.cpp", "src/scene/instances.cpp", "src/noise/project/project.cpp",
            "src/noise/fundamental/design.cpp", "src/spectra/transfer_function.cpp", "src/trace/**/*.cpp", "src/session/model.cpp",
-           "src/session/light/ghost_noise.cpp", "src/geometry/**/*.cpp")
+           "src/session/light/ghost_noise.cpp", "src/geometry/**/*.cpp", "src/optics/scatter/*.cpp")
 NOT_KEYS = {"scan"}          # an error with a hint, src/session/model.cpp
 
 
@@ -127,7 +127,7 @@ def of_other_scenes(program):
             facts.of_scene(program, str(file))
     facts.tidy()
     parts = ("scene entry", "a face that uses part", "'surfaces'")      # may hold parameters and faces of own parts
-    words = yaml.safe_load((ROOT / "schema/words.yaml").read_text(encoding="utf-8"))
+    words = words_of(ROOT, facts)
     for context, keys in facts.contexts.items():
         for key in keys:
             if context not in parts and key not in words.get(context, {"keys": ()})["keys"]:

@@ -8,7 +8,7 @@
 
 #include "base/math/rng.hpp"
 #include "beams/footprint.hpp"
-#include "geometry/shapes/disk.hpp"
+#include "geometry/shapes/flat.hpp"
 #include "support/chi_square.hpp"
 #include "support/shapes.hpp"
 

@@ -7,7 +7,7 @@
 #include "base/math/rng.hpp"
 #include "beams/cavity_mode.hpp"
 #include "beams/ray_matrix.hpp"
-#include "geometry/shapes/cap.hpp"
+#include "geometry/shapes/sphere.hpp"
 #include "support/chi_square.hpp"
 
 namespace straytrace::beams_footprint {

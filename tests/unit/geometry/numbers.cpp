@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/math/rng.hpp"
-#include "geometry/keys.hpp"
+#include "geometry/shape_types.hpp"
 #include "support/shapes.hpp"
 
 namespace straytrace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Strips of meshes: drawn in the order of the tree, triangles occur in proportion to their area, points have their
 // strip, and neighbours on the list are neighbours in space.
-#include "geometry/strips.hpp"
-
 #include <gtest/gtest.h>
 
+#include "geometry/shape_types.hpp"
 #include "support/chi_square.hpp"
 #include "support/mesh_shapes.hpp"
 #include "support/statistics.hpp"

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Totals of microfacet and grooves: the table agrees with the average of samples, up to grazing.
+#include "optics/scatter/facets.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
-#include "optics/scatter/grooves.hpp"
-#include "optics/scatter/microfacet.hpp"
 
 namespace straytrace {
 namespace {

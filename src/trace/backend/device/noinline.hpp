@@ -12,26 +12,20 @@
 #include "beams/footprint.hpp"
 #include "optics/coating/specular_types.hpp"
 #include "optics/optic.hpp"
-#include "optics/scatter/diffuse.hpp"
-#include "optics/scatter/dust.hpp"
-#include "optics/scatter/grooves.hpp"
-#include "optics/scatter/measured.hpp"
-#include "optics/scatter/microfacet.hpp"
-#include "optics/scatter/roughness.hpp"
-#include "optics/scatter/shift_invariant.hpp"
+#include "optics/scatter/law_types.hpp"
 #include "optics/scatter/through.hpp"
 
 #pragma push_macro("STRAY_HD")
 #undef STRAY_HD
 #define STRAY_HD STRAY_CALLED
-#include "geometry/common/pieces.hpp"
+#include "geometry/common/shape.hpp"
 #include "optics/coating/specular.hpp"
-#include "optics/scatter/law_types.hpp"
+#include "optics/scatter/mixture.hpp"
 #pragma pop_macro("STRAY_HD")
 
 #include "base/math/rng.hpp"
-#include "geometry/strips.hpp"
-#include "optics/coating/refraction.hpp"
+#include "geometry/shape_types.hpp"
+#include "optics/coating/fresnel.hpp"
 #include "optics/media_stack.hpp"
 #include "optics/polarisation.hpp"
 #include "trace/result.hpp"

@@ -1,11 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A Gaussian beam behind a circular aperture: Fresnel integral at any distance, hard or serrated rim, beam off centre
-// (R2.26, R2.27; docs/theory/beams.md, eq. 5.5 to 5.7).
+// A Gaussian beam at an aperture (docs/theory/beams.md, eq. 5.5 to 5.7): the power that it loses, and its field behind.
 #pragma once
 
+#include <array>
 #include <complex>
 
+#include "beams/mode.hpp"
+
 namespace straytrace {
+
+// Shares of the power of the beam, which keep their relative accuracy however small they are.
+
+// Circular aperture of radius a, beam of 1/e^2 intensity radius w, centred (eq. 5.5) or a distance off (eq. 5.6). m
+double clipped_share(double aperture, double w);
+double clipped_share(double aperture, double w, double offset);
+// Elliptic beam of radii w along x and y, its middle at `offset` from the middle of the aperture.
+double clipped_share(double aperture, std::array<double, 2> w, std::array<double, 2> offset);
+
+// A round hole in a screen, met by a beam at any angle that is not grazing.
+struct Aperture {
+  Vec3 centre, normal;  // m; unit normal, either side
+  double radius = 0;    // m
+};
+double clipped_share(Aperture const&, Mode const&);
+
+// Behind a circular aperture: Fresnel integral at any distance, hard or serrated rim, beam off centre (R2.26, R2.27).
 
 // The beam in the plane of the aperture: u = exp(-rho^2/w^2 + i k rho^2 curvature/2), 1 on its axis.
 struct BeamInPlane {

@@ -1,15 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "optics/scatter/scatter_share.hpp"
+#include "optics/scatter/angle_weight.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 namespace straytrace {
+
+AngleWeight weight_of(LawPool const& pool, PoolRef ref, std::function<double(double)> const& weight) {
+  constexpr int across = 256, around = 32;
+  AngleWeight w;
+  for (int i = 0; i < AlbedoTable::size; ++i) {
+    w.root.value[i] = std::sqrt(weight(AlbedoTable::cosine(i)));
+    w.most = std::max(w.most, w.root.value[i]);
+  }
+  for (int i = 0; i < AlbedoTable::size; ++i) {
+    double const cosine = std::max(AlbedoTable::cosine(i), 1e-9);
+    Vec3 const wi{std::sqrt((1 - cosine) * (1 + cosine)), 0, cosine};
+    double plain = 0, weighted = 0;
+    pool.visit(ref, [&](auto const& law) {
+      for (int k = 0; k < across * around; ++k) {
+        BsdfSample const s = law.sample(wi, (k % across + 0.5) / across, (k / across + 0.5) / around);
+        if (!(s.pdf > 0)) continue;
+        double const value = law.eval(wi, s.wo) * s.wo.z / s.pdf;
+        plain += value;
+        weighted += value * w.root.at(s.wo.z);
+      }
+      w.albedo.value[i] = plain > 0 ? law.albedo(cosine) * w.root.value[i] * weighted / plain : 0;
+    });
+  }
+  return w;
+}
+
 namespace {
 
 constexpr int size = AlbedoTable::size;
-using Matrix = std::vector<double>;  // [i * size + j]: of what comes in at angle i, goes out near angle j
+using Matrix = std::vector<double>;  // [i * size + j]: share of light incident at angle i that leaves near angle j
 
 // Node of the table below a cosine.
 int below(double cosine) {
@@ -21,7 +47,7 @@ int below(double cosine) {
   return low;
 }
 
-// By a grid on the law's own samples: narrow lobes are resolved as well as wide ones.
+// On a grid of the model's own samples, which resolves narrow lobes as well as wide ones.
 Matrix kernel(LawPool const& pool, PoolRef ref) {
   constexpr int across = 256, around = 32;
   Matrix m(size * size, 0.0);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Roots that cannot be lost: bracketed Newton steps, and the search for the first root of a function whose second
-// derivative is bounded.
+// Numerics of shapes. Roots that cannot be lost: bracketed Newton steps, and the search for the first root of a
+// function whose second derivative is bounded. Random numbers for sampling by rejection, as functions of two given
+// ones.
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 #include "base/math/constants.hpp"
 #include "base/memory/host_device.hpp"
@@ -61,5 +64,28 @@ STRAY_HD double first_root(F const& f, double from, double to, double bend, doub
   }
   return infinity;
 }
+
+// A sequence of uniform numbers in [0, 1), fixed by u and v (splitmix64; Steele, Lea, Flood 2014).
+class Redraw {
+ public:
+  STRAY_HD Redraw(double u, double v) {
+    std::uint64_t a, b;
+    std::memcpy(&a, &u, sizeof a);
+    std::memcpy(&b, &v, sizeof b);
+    state_ = mixed(a) ^ (b * 0xd6e8feb86659fd93ull);
+  }
+  STRAY_HD double next() {
+    state_ += 0x9e3779b97f4a7c15ull;
+    return static_cast<double>(mixed(state_) >> 11) * 0x1p-53;
+  }
+
+ private:
+  STRAY_HD static std::uint64_t mixed(std::uint64_t x) {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    return x ^ (x >> 31);
+  }
+  std::uint64_t state_;
+};
 
 }  // namespace straytrace

@@ -1,27 +1,110 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "beams/diffraction.hpp"
+#include "beams/aperture.hpp"
 
+#include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <boost/math/quadrature/gauss.hpp>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
-#include "beams/clipping.hpp"
+#include "beams/overlap.hpp"
 
 namespace straytrace {
 namespace {
 
-using Complex = std::complex<double>;
-constexpr Complex i{0, 1};
+constexpr double far = 20;          // beam radii: exp(-2 far^2) is zero in double precision
+constexpr double accuracy = 1e-11;  // relative, of an elliptic beam
+
+// Share of a Gaussian of radius w beyond a straight edge at distance x from its middle.
+double beyond_edge(double x, double w) { return 0.5 * std::erfc(std::sqrt(2.0) * x / w); }
+
+// Angles where the integrand over x = a sin(angle) has features: where the rim is, in units of w, near the middle of
+// the beam in x or in y.
+std::vector<double> interesting_angles(double a, std::array<double, 2> w, std::array<double, 2> d) {
+  std::vector<double> angles{-pi / 2, pi / 2};
+  for (double side : {-far, -5.0, -1.0, 0.0, 1.0, 5.0, far}) {
+    double const x = (d[0] + side * w[0]) / a, y = (std::fabs(d[1]) + side * w[1]) / a;
+    if (std::fabs(x) < 1) angles.push_back(std::asin(x));
+    if (0 < y && y < 1) angles.insert(angles.end(), {std::acos(y), -std::acos(y)});
+  }
+  std::sort(angles.begin(), angles.end());
+  return angles;
+}
+
+}  // namespace
+
+double clipped_share(double aperture, double w) { return std::exp(-2 * aperture * aperture / (w * w)); }
+
+double clipped_share(double aperture, double w, double offset) {
+  double const d = std::fabs(offset);
+  if (d == 0 || aperture == 0) return clipped_share(aperture, w);
+  if (aperture - d > far * w) return 0;
+  if (d - aperture > far * w) return 1;
+  // Marcum's Q_1(2d/w, 2a/w) is the survival function of a noncentral chi-squared variable of 2 degrees of freedom.
+  boost::math::non_central_chi_squared const radius2(2, 4 * d * d / (w * w));
+  return boost::math::cdf(boost::math::complement(radius2, 4 * aperture * aperture / (w * w)));
+}
+
+double clipped_share(double aperture, std::array<double, 2> w, std::array<double, 2> offset) {
+  double const a = aperture;
+  // Strip by strip along y, only what is outside is summed: no difference of large numbers.
+  auto const outside = [&](double angle) {
+    double const x = a * std::sin(angle) - offset[0], half = a * std::cos(angle);
+    double const density = std::sqrt(2 / pi) / w[0] * std::exp(-2 * x * x / (w[0] * w[0]));
+    return half * density * (beyond_edge(half - offset[1], w[1]) + beyond_edge(half + offset[1], w[1]));
+  };
+  using Kronrod = boost::math::quadrature::gauss_kronrod<double, 31>;
+  double loss = beyond_edge(a - offset[0], w[0]) + beyond_edge(a + offset[0], w[0]);
+  struct Piece {
+    double from, to, value, error;
+  };
+  std::vector<Piece> pieces;
+  auto const angles = interesting_angles(a, w, offset);
+  for (std::size_t i = 1; i < angles.size(); ++i) {
+    Piece piece{angles[i - 1], angles[i], 0, 0};
+    if (piece.to > piece.from) piece.value = Kronrod::integrate(outside, piece.from, piece.to, 0, 0, &piece.error);
+    loss += piece.value;
+    pieces.push_back(piece);
+  }
+  // Refines the pieces whose error matters in the sum.
+  double const allowed = accuracy * loss / static_cast<double>(pieces.size());
+  for (Piece const& piece : pieces)
+    if (piece.error > allowed)
+      loss +=
+          Kronrod::integrate(outside, piece.from, piece.to, 12, std::min(allowed / piece.value, 1e-3)) - piece.value;
+  return std::min(loss, 1.0);
+}
+
+double clipped_share(Aperture const& hole, Mode const& mode) {
+  Vec3 const normal = dot(hole.normal, mode.travel) < 0 ? -hole.normal : hole.normal, t1 = any_normal(normal);
+  PlaneField const f = on_plane(mode, {hole.centre, t1, cross(normal, t1)});
+  Eigen::Matrix2d const size = f.q.imag();  // |.|^2 ~ exp(-k d.size d)
+  auto const s = eigenvalues(size(0, 0), size(0, 1), size(1, 1));
+  std::array const w{std::sqrt(2 / (f.k * s[0])), std::sqrt(2 / (f.k * s[1]))};
+  if (std::fabs(w[0] / w[1] - 1) < 1e-7) return clipped_share(hole.radius, std::sqrt(w[0] * w[1]), f.centre.norm());
+  // Principal axes of the spot; the one of w[0] is the nearer to t1.
+  double const larger = larger_axis(size(0, 0), size(0, 1), size(1, 1)),
+               angle = s[0] >= s[1] ? larger : larger + pi / 2;
+  double const x = std::cos(angle) * f.centre(0) + std::sin(angle) * f.centre(1);
+  double const y = -std::sin(angle) * f.centre(0) + std::cos(angle) * f.centre(1);
+  return clipped_share(hole.radius, w, {x, y});
+}
+
+namespace {
+
+using Complex128 = std::complex<double>;
+constexpr Complex128 imaginary{0, 1};
 using Rule = boost::math::quadrature::gauss<double, 20>;
 constexpr double wanted = 1e-10, accepted = 1e-3;  // relative errors
 constexpr unsigned most_points = 1u << 23;
 
 // exp(constant - gamma s), s = (x - cx)^2 + (y - cy)^2 about a complex point, from the centre of the opening.
 struct Integrand {
-  Complex gamma, cx, cy, constant;
+  Complex128 gamma, cx, cy, constant;
   double distance() const { return std::sqrt(std::norm(cx) + std::norm(cy)); }
 };
 
@@ -29,25 +112,25 @@ double inner(Opening const& a) { return std::max(0.0, a.radius - 0.5 * a.tooth_h
 double outer(Opening const& a) { return a.radius + 0.5 * a.tooth_height; }
 
 // (e^c - e^(c - z))/z, entire.
-Complex decline(Complex c, Complex z) {
+Complex128 decline(Complex128 c, Complex128 z) {
   if (std::norm(z) > 1e-2) return (std::exp(c) - std::exp(c - z)) / z;
-  Complex term = 1, sum = 1;
+  Complex128 term = 1, sum = 1;
   for (int n = 2; n < 12; ++n) sum += term *= -z / double(n);
   return std::exp(c) * sum;
 }
 
 // The integrand is the divergence of (r - c) (1 - exp(-gamma s))/(2 gamma s), so the integral over an opening is that
 // of the flow through its rim r(angle): one integral of a smooth function, without a pole.
-Complex flow(Integrand const& f, double angle, double r, double slope) {
+Complex128 flow(Integrand const& f, double angle, double r, double slope) {
   double const c = std::cos(angle), s = std::sin(angle);
-  Complex const x = r * c - f.cx, y = r * s - f.cy;
-  Complex const through = x * (slope * s + r * c) + y * (r * s - slope * c);
+  Complex128 const x = r * c - f.cx, y = r * s - f.cy;
+  Complex128 const through = x * (slope * s + r * c) + y * (r * s - slope * c);
   return 0.5 * through * decline(f.constant, f.gamma * (x * x + y * y));
 }
 
 // Sum over a rim, and how much the last refinement changed it.
 struct Estimate {
-  Complex value;
+  Complex128 value;
   double change = infinity;
   bool good(double part) const { return change <= part * std::abs(value); }
 };
@@ -61,7 +144,7 @@ Estimate around_circle(Integrand const& f, double r) {
   double const orders = orders_of(2 * r * std::abs(f.gamma) * f.distance());
   Estimate sum;
   for (double half = std::ceil(orders); half < most_points; half *= 2) {
-    Complex even = 0, odd = 0;
+    Complex128 even = 0, odd = 0;
     for (double j = 0; j < half; ++j) {
       even += flow(f, 2 * pi * j / half, r, 0);
       odd += flow(f, 2 * pi * (j + 0.5) / half, r, 0);
@@ -80,7 +163,7 @@ Estimate around_teeth(Integrand const& f, Opening const& a) {
   double const turns = 2 * (outer(a) + f.distance()) * std::abs(f.gamma) * edge / pi;
   Estimate sum;
   for (double panels = std::ceil(turns) + 1; panels * 2 * a.teeth * 20 < most_points; panels *= 2) {
-    Complex value = 0;
+    Complex128 value = 0;
     for (unsigned tooth = 0; tooth < a.teeth; ++tooth)
       for (int side : {-1, 1})
         for (double p = 0; p < panels; ++p)
@@ -102,7 +185,7 @@ Estimate around_random(Integrand const& f, Opening const& a) {
   double const turns = (high + f.distance()) * 2 * std::abs(f.gamma) * (high - low) / pi;
   Estimate sum;
   for (double panels = std::ceil(turns) + 1; panels < 4e4; panels *= 2) {
-    Complex value = 0;
+    Complex128 value = 0;
     for (double p = 0; p < panels; ++p)
       value += Rule::integrate([&](double r) { return around_circle(f, r).value; }, low + (high - low) * p / panels,
                                low + (high - low) * (p + 1) / panels);
@@ -114,7 +197,7 @@ Estimate around_random(Integrand const& f, Opening const& a) {
   return sum;
 }
 
-Complex integral(Integrand const& f, Opening const& a, double scale) {
+Complex128 integral(Integrand const& f, Opening const& a, double scale) {
   Estimate const sum = a.tooth_height == 0 ? around_circle(f, a.radius)
                        : a.teeth > 0       ? around_teeth(f, a)
                                            : around_random(f, a);
@@ -124,7 +207,9 @@ Complex integral(Integrand const& f, Opening const& a, double scale) {
 }
 
 double wave_number(BeamInPlane const& beam) { return 2 * pi / beam.wavelength; }
-Complex decay(BeamInPlane const& beam) { return 1 / (beam.w * beam.w) - 0.5 * i * wave_number(beam) * beam.curvature; }
+Complex128 decay(BeamInPlane const& beam) {
+  return 1 / (beam.w * beam.w) - 0.5 * imaginary * wave_number(beam) * beam.curvature;
+}
 
 }  // namespace
 
@@ -135,20 +220,20 @@ double clipped_share(BeamInPlane const& beam, Opening const& a) {
   return Rule::integrate(at, inner(a), outer(a)) / (outer(a) - inner(a));
 }
 
-Complex field_behind(BeamInPlane const& beam, Opening const& a, double z, double x, double y) {
+Complex128 field_behind(BeamInPlane const& beam, Opening const& a, double z, double x, double y) {
   double const k = wave_number(beam), dx = x - a.x, dy = y - a.y;
-  Complex const g = decay(beam), lens = 0.5 * i * k / z, gamma = g - lens;
+  Complex128 const g = decay(beam), lens = 0.5 * imaginary * k / z, gamma = g - lens;
   // -g |r + a|^2 + lens |r - d|^2 = constant - gamma |r - c|^2
-  Complex const cx = -(g * a.x + lens * dx) / gamma, cy = -(g * a.y + lens * dy) / gamma;
-  Complex const constant = -g * (a.x * a.x + a.y * a.y) + lens * (dx * dx + dy * dy) + gamma * (cx * cx + cy * cy);
-  Complex const before = k / (2 * pi * i * z);
+  Complex128 const cx = -(g * a.x + lens * dx) / gamma, cy = -(g * a.y + lens * dy) / gamma;
+  Complex128 const constant = -g * (a.x * a.x + a.y * a.y) + lens * (dx * dx + dy * dy) + gamma * (cx * cx + cy * cy);
+  Complex128 const before = k / (2 * pi * imaginary * z);
   return before * integral({gamma, cx, cy, constant}, a, std::abs(free_field(beam, z, 0, 0) / before));
 }
 
-Complex free_field(BeamInPlane const& beam, double z, double x, double y) {
+Complex128 free_field(BeamInPlane const& beam, double z, double x, double y) {
   double const k = wave_number(beam);
-  Complex const q = 2.0 * i * decay(beam) / k, spread = 1.0 + z * q;  // q: complex curvature Q
-  return std::exp(0.5 * i * k * (q / spread) * (x * x + y * y)) / spread;
+  Complex128 const q = 2.0 * imaginary * decay(beam) / k, spread = 1.0 + z * q;  // q: complex curvature Q
+  return std::exp(0.5 * imaginary * k * (q / spread) * (x * x + y * y)) / spread;
 }
 
 double axis_factor(BeamInPlane const& beam, Opening const& a, double z) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "optics/coating/film_table.hpp"
+#include "optics/coating/film.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -21,7 +21,7 @@ void sample(Film const& film, double cosine, bool from_dense, FilmSample& into) 
   into.through[1] = (1 / gain) * a.tp;
 }
 
-constexpr double least_cosine = 1e-9;  // t over its root needs t
+constexpr double least_cosine = 1e-9;  // t over its root needs t > 0
 
 std::vector<FilmSample> passing_table(Film const& film, std::size_t steps) {
   double const rare = std::min(film.front_index, film.back_index), dense = std::max(film.front_index, film.back_index);
@@ -54,7 +54,7 @@ double distance(Amplitudes const& a, Amplitudes const& b) {
   return std::sqrt(worst);
 }
 
-// Largest error of the tables, looked for at places between their entries; any error above `enough` when there is one.
+// Largest error of the tables between their entries; stops at the first error above `enough`.
 double error_of(Film const& film, double enough) {
   double const front = film.front_index, back = film.back_index;
   double worst = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "optics/coating/coating_table.hpp"
+#include "optics/coating/coating.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ Coating make_coating(std::span<CoatingRow const> rows, bool scatters, Storage& s
 
 namespace {
 
-// absorption and specular share as published at 0 to 60, 70 and 80 deg; the shape from there to
+// Absorption and specular share as published at 0 to 60, 70 and 80 deg; the shape from there to
 // grazing, and the specular share at 70 deg, as in the table of the original without its offset of 0.2 on S, which
 // agrees with the published absorption where both exist. S = 1 - R - A.
 CoatingPreset tube_steel() {

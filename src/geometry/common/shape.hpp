@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What shapes have in common, and one way to ask a shape, whether simple or made of many flat pieces (meshes): where a
+// ray meets it, and what is there.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "base/math/vec3.hpp"
+
+namespace straytrace {
+
+template <class T>
+struct Key;      // base/input/table.hpp
+struct Drawing;  // geometry/drawing.hpp
+
+constexpr std::uint32_t no_piece = 0xffffffffu;
+
+// Distance to a surface along a ray, m, and the piece of it that is hit (0 for a shape without pieces).
+struct Crossing {
+  double distance = infinity;
+  std::uint32_t piece = 0;
+};
+
+// A point drawn on a surface, uniform in area.
+struct SurfacePoint {
+  Vec3 point;
+  std::uint32_t piece = 0;
+};
+
+// Why the values of its keys, each within its range, do not make a shape, and what to do; empty: they do.
+struct ShapeComplaint {
+  std::string what, suggestion;
+};
+
+// How a surface bends at a point: what a beam sees of a mirror or a lens face. Symmetric tensor in the tangent plane,
+// 1/m. The height of the surface over that plane, along the unit normal of the shape (normal_of), is (1/2) r.K.r:
+// positive where the surface bends towards its normal, so that a mirror is concave to light that travels against the
+// normal. The derivative of the unit normal along r is -K r.
+struct SurfaceCurvature {
+  Vec3 a{1, 0, 0}, b{0, 1, 0};    // unit tangents at right angles to each other
+  double aa = 0, ab = 0, bb = 0;  // a.K.a, a.K.b, b.K.b
+
+  // The same in all directions.
+  static SurfaceCurvature uniform(Vec3 normal, double curvature) {
+    Frame const f = Frame::around(normal);
+    return {f.e1, f.e2, curvature, 0, curvature};
+  }
+  // A surface of revolution: the principal directions run around the axis and at right angles to that.
+  static SurfaceCurvature revolved(Vec3 axis, Vec3 outward, Vec3 normal, double around, double across) {
+    Vec3 const ring = cross(axis, outward);
+    return {ring, cross(normal, ring), around, 0, across};
+  }
+  bool flat() const { return aa == 0 && ab == 0 && bb == 0; }
+  // u.K.v of any two vectors: their parts along the normal do not count.
+  double between(Vec3 u, Vec3 v) const {
+    double const ua = dot(u, a), ub = dot(u, b), va = dot(v, a), vb = dot(v, b);
+    return ua * (aa * va + ab * vb) + ub * (ab * va + bb * vb);
+  }
+  // The same surface for the opposite normal.
+  SurfaceCurvature from_behind() const { return {a, b, -aa, -ab, -bb}; }
+};
+
+// A shape with pieces states `static constexpr bool has_pieces = true` and has
+//   Crossing crossing(Ray const&, std::uint32_t leaving) const   leaving: the piece the ray starts on, or no_piece
+//   Vec3 normal(Vec3 p, std::uint32_t piece) const, Vec3 project(Vec3 p, std::uint32_t piece) const
+//   SurfacePoint sample(double u, double v) const
+// in place of distance, normal, project and sample of simple shapes (shape_types.hpp).
+template <class S>
+concept HasPieces = requires {
+  requires S::has_pieces;
+};
+
+// A straight line between two points of the shape may cross it in between. Lines meet quadrics twice, so these cannot;
+// other shapes without pieces state `static constexpr bool hides_itself = true`.
+template <class S>
+concept MayHideItself = HasPieces<S> || requires {
+  requires S::hides_itself;
+};
+
+template <class S>
+STRAY_HD Crossing crossing_of(S const& s, Ray const& ray, bool leaving, std::uint32_t piece) {
+  if constexpr (HasPieces<S>)
+    return s.crossing(ray, leaving ? piece : no_piece);
+  else
+    return {s.distance(ray, leaving), 0};
+}
+template <class S>
+STRAY_HD Vec3 normal_of(S const& s, Vec3 p, std::uint32_t piece) {
+  if constexpr (HasPieces<S>)
+    return s.normal(p, piece);
+  else
+    return s.normal(p);
+}
+template <class S>
+STRAY_HD Vec3 projected_on(S const& s, Vec3 p, std::uint32_t piece) {
+  if constexpr (HasPieces<S>)
+    return s.project(p, piece);
+  else
+    return s.project(p);
+}
+template <class S>
+STRAY_HD SurfacePoint sample_of(S const& s, double u, double v) {
+  if constexpr (HasPieces<S>)
+    return s.sample(u, v);
+  else
+    return {s.sample(u, v), 0};
+}
+// Flat unless the shape has `curvature_at(p)`.
+template <class S>
+SurfaceCurvature curvature_of(S const& s, Vec3 p, std::uint32_t piece) {
+  if constexpr (requires { s.curvature_at(p); })
+    return s.curvature_at(p);
+  else
+    return SurfaceCurvature::uniform(normal_of(s, p, piece), 0);
+}
+// What the ranges of the keys cannot exclude.
+template <class S>
+ShapeComplaint impossible(S const& s) {
+  if constexpr (requires { s.impossible(); })
+    return s.impossible();
+  else
+    return {};
+}
+
+}  // namespace straytrace
