@@ -12,6 +12,7 @@
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/least_squares.hpp"
 #include "spectra/fourier.hpp"
 
 namespace straytrace {
@@ -236,6 +237,11 @@ class Mode {
     return {x, (answer_ - a * x).squaredNorm()};
   }
 
+  // What the best amplitude and constant leave.
+  Eigen::VectorXd residuals(double hz, double gamma) const {
+    return answer_ - columns(hz, gamma) * fit(hz, gamma).linear;
+  }
+
   // Of Re c, Im c, the constant, frequency and ln gamma.
   Eigen::MatrixXd covariance(double hz, double gamma, Eigen::Vector4d const& x) const {
     double const df = 1e-3 * gamma, dg = 1e-3;
@@ -284,7 +290,8 @@ class Mode {
 RingDown fit_ring_down(ImpulseResponse const& r, std::size_t from, std::size_t to, double length) {
   Mode const mode(r, from, to, length);
   double const bin = r.hz[1];
-  // Coarse: frequencies around the highest bin and all damping rates that the bins can show; then Newton on both.
+  // Coarse: frequencies around the highest bin and all damping rates that the bins can show, then least squares in
+  // both.
   std::size_t top = from;
   for (std::size_t k = from; k <= to; ++k)
     if (std::abs(r.response[k]) > std::abs(r.response[top])) top = k;
@@ -292,21 +299,12 @@ RingDown fit_ring_down(ImpulseResponse const& r, std::size_t from, std::size_t t
   for (std::size_t k = 4 * top - 4; k <= 4 * top + 4; ++k)
     for (double g = 0.1 * bin; g < 4 * pi * bin * double(to - from); g *= 1.6)
       if (double const c = mode.fit(double(k) * bin / 4, g).chi; c < best) best = c, hz = double(k) * bin / 4, rate = g;
-  auto const f = [&](Eigen::Vector2d const& p) { return mode.fit(p[0], std::exp(p[1])).chi; };
-  Eigen::Vector2d at(hz, std::log(rate));
-  Eigen::Matrix2d curvature;
-  double step_f = 1e-2 * std::min(bin, rate), step_g = 1e-2;
-  for (int i = 0; i < 30; ++i) {
-    Eigen::Vector2d const u(step_f, 0), v(0, step_g);
-    double const here = f(at), fu = f(at + u), bu = f(at - u), fv = f(at + v), bv = f(at - v);
-    double const mixed = (f(at + u + v) - f(at + u - v) - f(at - u + v) + f(at - u - v)) / (4 * step_f * step_g);
-    curvature << (fu - 2 * here + bu) / (step_f * step_f), mixed, mixed, (fv - 2 * here + bv) / (step_g * step_g);
-    Eigen::Vector2d const slope((fu - bu) / (2 * step_f), (fv - bv) / (2 * step_g));
-    Eigen::Vector2d move = -curvature.fullPivLu().solve(slope);
-    while (f(at + move) > here && move.norm() > 1e-14) move /= 2;
-    at += move;
-    if (std::fabs(move[0]) < 1e-6 * bin && std::fabs(move[1]) < 1e-6) break;
-  }
+  // In bins from the coarse place, and ln of the rate.
+  LeastSquaresProblem const problem{
+      2, 2 * Eigen::Index(to - from + 1),
+      [&](Eigen::VectorXd const& p, Eigen::VectorXd& out) { out = mode.residuals(hz + p[0] * bin, std::exp(p[1])); }};
+  Eigen::VectorXd const offset = minimise(problem, Eigen::Vector2d(0, std::log(rate))).at;
+  Eigen::Vector2d const at(hz + offset[0] * bin, offset[1]);
   Mode::Fit const best_fit = mode.fit(at[0], std::exp(at[1]));
   RingDown out;
   out.chi_square = best_fit.chi;

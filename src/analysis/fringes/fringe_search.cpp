@@ -12,6 +12,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/least_squares.hpp"
 #include "spectra/fourier.hpp"
 
 namespace straytrace {
@@ -342,34 +343,55 @@ Eigen::MatrixXd jacobian(FringeProblem const& problem, FringePlace const& place,
   return out;
 }
 
+namespace {
+
+// What the best linear parameters leave, as a function of the steps of the free ones from a place. Derivatives after
+// Kaufman (1975): those of the model at fixed linear parameters, less what the columns can take of them.
+LeastSquaresProblem shape_problem(FringeProblem const& problem, FringePlace const& from,
+                                  std::vector<FreeParameter> const& free, Eigen::VectorXd const& target) {
+  auto const count = Eigen::Index(free.size());
+  auto const residuals = [&problem, &target](FringePlace const& place, Eigen::VectorXd& out) {
+    Eigen::MatrixXd const columns = problem.columns(place);
+    LinearFit const fit = linear_fit(columns, target);
+    out = target - columns * fit.linear;
+    return fit;
+  };
+  return {count, target.size(),
+          [&, residuals](Eigen::VectorXd const& steps, Eigen::VectorXd& out) {
+            residuals(moved(problem, from, free, steps), out);
+          },
+          [&, residuals, count](Eigen::VectorXd const& steps, Eigen::MatrixXd& out) {
+            FringePlace place = moved(problem, from, free, steps);
+            Eigen::VectorXd left;
+            LinearFit const fit = residuals(place, left);
+            Eigen::MatrixXd const slope = jacobian(problem, place, fit.linear);
+            auto const columns = slope.leftCols(fit.linear.size());
+            Eigen::MatrixXd const moves = slope.rightCols(count);
+            out = columns * columns.colPivHouseholderQr().solve(moves) - moves;
+            for (Eigen::Index i = 0; i < count; ++i) {  // no step out of a range
+              FreeParameter const& p = free[std::size_t(i)];
+              SearchRange const& range = range_of(problem.settings, p);
+              double const value = value_of(place, p), downhill = -out.col(i).dot(left);
+              if ((value >= range.high && downhill > 0) || (value <= range.low && downhill < 0)) out.col(i).setZero();
+            }
+          }};
+}
+
+}  // namespace
+
 RefinedFit refine(FringeProblem const& problem, FringePlace const& from) {
   std::vector<FreeParameter> const free = free_parameters(problem.settings, from.shapes.size());
   Eigen::VectorXd const target = problem.features(problem.stretch.target());
   RefinedFit out{from, {}, {}};
   out.fit = linear_fit(problem.columns(from), target);
-  double damping = 1e-3;
-  Eigen::MatrixXd slope = jacobian(problem, out.place, out.fit.linear);
-  auto const residual = [&]() -> Eigen::VectorXd {
-    return target - slope.leftCols(out.fit.linear.size()) * out.fit.linear;
-  };
-  for (int i = 0; i < 40 && !free.empty(); ++i) {
-    Eigen::MatrixXd damped = slope.transpose() * slope;
-    damped.diagonal() *= 1 + damping;
-    Eigen::VectorXd const step = damped.ldlt().solve(slope.transpose() * residual()).tail(Eigen::Index(free.size()));
-    FringePlace const next = moved(problem, out.place, free, step);
-    LinearFit const fit = linear_fit(problem.columns(next), target);
-    if (!(fit.chi2 <= out.fit.chi2)) {
-      damping *= 10;
-      if (damping > 1e8) break;
-      continue;
-    }
-    bool const settled = out.fit.chi2 - fit.chi2 < 1e-6;
-    out.place = next;
-    out.fit = fit;
-    slope = jacobian(problem, out.place, out.fit.linear);
-    damping = std::max(damping / 10, 1e-12);
-    if (settled) break;
+  if (!free.empty()) {
+    out.place = moved(problem, from, free,
+                      minimise(shape_problem(problem, from, free, target),
+                               Eigen::VectorXd::Zero(Eigen::Index(free.size())), 200, 1e-10)
+                          .at);
+    out.fit = linear_fit(problem.columns(out.place), target);
   }
+  Eigen::MatrixXd const slope = jacobian(problem, out.place, out.fit.linear);
   Eigen::MatrixXd const curvature = slope.transpose() * slope;
   // Scaled, so that parameters of very different size invert well.
   Eigen::VectorXd const scale = curvature.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();

@@ -62,7 +62,7 @@ double& value_of(FringePlace&, FreeParameter const&);
 SearchRange const& range_of(FringeFitSettings const&, FreeParameter const&);
 // Of the model's features with respect to linear and the free ones, in the order of the covariance.
 Eigen::MatrixXd jacobian(FringeProblem const&, FringePlace const&, Eigen::VectorXd const& linear);
-// Gauss-Newton with damping over all free parameters; they stay in their ranges.
+// Least squares in all free parameters, within their ranges.
 RefinedFit refine(FringeProblem const&, FringePlace const& from);
 
 // Searches path after path and moves all together; learns the noise level of the problem from what is left.

@@ -3,13 +3,12 @@
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
-#include <unsupported/Eigen/NonLinearOptimization>
-#include <unsupported/Eigen/NumericalDiff>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/math/constants.hpp"
+#include "base/math/least_squares.hpp"
 
 namespace straytrace {
 namespace {
@@ -48,33 +47,21 @@ struct Datum {
   bool limit;
 };
 
-struct Residuals {
-  using Scalar = double;
-  using InputType = Eigen::VectorXd;
-  using ValueType = Eigen::VectorXd;
-  using JacobianType = Eigen::MatrixXd;
-  enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };
+double plain_residual(Model model, Eigen::VectorXd const& p, Datum const& d) {
+  double const z = (d.log_value - log_value(model, p.data(), p.size(), d.x, d.log_cosines)) / d.sigma;
+  return d.limit ? std::sqrt(std::max(0.0, -2 * log_below(z))) : z;
+}
 
-  Model model;
-  std::vector<Datum> const& data;
-  int count;  // of parameters: 3, or 4 with a floor
-
-  int inputs() const { return count; }
-  int values() const { return int(data.size()); }
-  double plain(Eigen::VectorXd const& p, Datum const& d) const {
-    double const z = (d.log_value - log_value(model, p.data(), count, d.x, d.log_cosines)) / d.sigma;
-    return d.limit ? std::sqrt(std::max(0.0, -2 * log_below(z))) : z;
-  }
-  int operator()(Eigen::VectorXd const& p, Eigen::VectorXd& out) const {
-    for (std::size_t i = 0; i < data.size(); ++i) {
-      double const r = plain(p, data[i]), size = std::fabs(r);
-      out[Eigen::Index(i)] =
-          size <= huber || data[i].limit ? r : std::copysign(std::sqrt(huber * (2 * size - huber)), r);
-    }
-    return 0;
-  }
-};
-using Differentiated = Eigen::NumericalDiff<Residuals, Eigen::Central>;
+// `count` parameters: 3, or 4 with a floor.
+LeastSquaresProblem problem_of(Model model, std::vector<Datum> const& data, Eigen::Index count) {
+  return {count, Eigen::Index(data.size()), [model, &data](Eigen::VectorXd const& p, Eigen::VectorXd& out) {
+            for (std::size_t i = 0; i < data.size(); ++i) {
+              double const r = plain_residual(model, p, data[i]), size = std::fabs(r);
+              out[Eigen::Index(i)] =
+                  size <= huber || data[i].limit ? r : std::copysign(std::sqrt(huber * (2 * size - huber)), r);
+            }
+          }};
+}
 
 std::vector<Datum> data_of(ScatterFile const& file) {
   std::vector<Datum> all;
@@ -88,13 +75,8 @@ std::vector<Datum> data_of(ScatterFile const& file) {
   return all;
 }
 
-struct Minimum {
-  Eigen::VectorXd p;  // empty: none was found
-  double cost = infinity;
-};
-
-// From several widths within the measured offsets; the best of them.
-Minimum minimise(Model model, std::vector<Datum> const& data, int count) {
+// From several widths within the measured offsets; the best of them, or one without parameters.
+LeastSquaresMinimum best_start(Model model, std::vector<Datum> const& data, int count) {
   double low = 1e9, high = 0, top = -1e9, bottom = 1e9;
   for (Datum const& d : data) {
     low = std::min(low, d.x);
@@ -103,38 +85,32 @@ Minimum minimise(Model model, std::vector<Datum> const& data, int count) {
     bottom = std::min(bottom, d.log_value);
   }
   low = std::max(low, 1e-6);
-  Minimum best;
+  LeastSquaresMinimum best{{}, infinity};
   for (int i = 0; i < 5; ++i)
     for (double const slope : {1.0, 2.5}) {
       Eigen::VectorXd p(4);
       p << top, std::log(low) + i * std::log(high / low) / 5, slope, bottom;
       p.conservativeResize(count);
-      Differentiated f(Residuals{model, data, count});
-      Eigen::LevenbergMarquardt<Differentiated> solver(f);
-      solver.parameters.maxfev = 400;
-      solver.minimize(p);
-      double const cost = solver.fvec.squaredNorm();
-      if (std::isfinite(cost) && p.allFinite() && cost < best.cost * (1 - 1e-9)) best = {p, cost};
+      LeastSquaresMinimum const found = minimise(problem_of(model, data, count), std::move(p));
+      if (std::isfinite(found.cost) && found.at.allFinite() && found.cost < best.cost * (1 - 1e-9)) best = found;
     }
   return best;
 }
 
 // With a floor where that takes more out of the residuals than chance does in one case of a thousand (F test).
-Minimum best_of(Model model, std::vector<Datum> const& data, std::size_t measured) {
+LeastSquaresMinimum best_of(Model model, std::vector<Datum> const& data, std::size_t measured) {
   constexpr double one_in_a_thousand = 11;
-  Minimum const plain = minimise(model, data, 3);
+  LeastSquaresMinimum const plain = best_start(model, data, 3);
   if (measured < 8 || plain.cost < 1e-6 * double(measured)) return plain;
-  Minimum const floored = minimise(model, data, 4);
+  LeastSquaresMinimum const floored = best_start(model, data, 4);
   double const spare = floored.cost / double(measured - 4);
-  return floored.p.size() == 4 && plain.cost - floored.cost > one_in_a_thousand * spare ? floored : plain;
+  return floored.at.size() == 4 && plain.cost - floored.cost > one_in_a_thousand * spare ? floored : plain;
 }
 
 // Covariance of the parameters, or infinity along what the data do not tell.
 Eigen::MatrixXd covariance(Model model, std::vector<Datum> const& data, Eigen::VectorXd const& p) {
   Eigen::Index const n = p.size();
-  Differentiated f(Residuals{model, data, int(n)});
-  Eigen::MatrixXd slope(Eigen::Index(data.size()), n);
-  f.df(p, slope);
+  Eigen::MatrixXd const slope = derivatives(problem_of(model, data, n), p);
   Eigen::MatrixXd const information = slope.transpose() * slope;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> const solver(information);
   Eigen::VectorXd const strength = solver.eigenvalues();
@@ -174,7 +150,7 @@ void name_parameters(Model model, Eigen::VectorXd const& p, Eigen::MatrixXd cons
   if (p.size() > 3) fit.parameters.push_back(from_log("floor", "/sr", p[3], c(3, 3)));
 }
 
-// What the reader of the law accepts (world/build/read_laws.cpp, world/build/read_laws.cpp).
+// What the reader of the law accepts (world/build/read_laws.cpp).
 std::string outside_of_law(ScatterFit const& fit) {
   auto const out = [&](std::size_t i, double low, double high) {
     return !(fit.parameters[i].value >= low && fit.parameters[i].value <= high);
@@ -222,16 +198,15 @@ ScatterFit fit_of(Model model, ScatterFile const& file, std::vector<Datum> const
       std::all_of(data.begin(), data.end(), [](Datum const& d) { return std::isfinite(d.log_cosines); });
   if (model == Model::k_correlation && !directed) fit.why = "the file gives offsets, not the angles that it needs";
   if (!fit.why.empty()) return fit;
-  Eigen::VectorXd const p = best_of(model, data, data.size() - limits).p;
+  Eigen::VectorXd const p = best_of(model, data, data.size() - limits).at;
   int const count = int(p.size());
   if (count == 0) {
     fit.why = "no minimum was found";
     return fit;
   }
-  Residuals const residuals{model, data, count};
   double squares = 0;
   for (Datum const& d : data) {
-    double const r = residuals.plain(p, d), fitted = log_value(model, p.data(), count, d.x, d.log_cosines);
+    double const r = plain_residual(model, p, d), fitted = log_value(model, p.data(), count, d.x, d.log_cosines);
     fit.chi2 += r * r;
     fit.fitted.push_back(std::exp(fitted));
     if (!d.limit) squares += std::pow((d.log_value - fitted) / std::log(10.0), 2);
