@@ -87,8 +87,8 @@ std::vector<double> grid_of(std::vector<double> band, std::size_t points, std::v
   return hz;
 }
 
-ReferenceCurve reference_curve(std::string const& name, std::vector<double> const& at) {
-  ReferenceCurve curve{name, {}};
+DesignCurve reference_curve(std::string const& name, std::vector<double> const& at) {
+  DesignCurve curve{name, {}};
   std::span<std::string const> const known = built_in_designs();
   if (std::find(known.begin(), known.end(), name) != known.end()) {
     for (double const f : at) curve.asd.push_back(design_asd(name, f));

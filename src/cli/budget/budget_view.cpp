@@ -167,10 +167,10 @@ std::string budget_text(BudgetView const& v) {
   text += row("total", total_cells(v.at.table));
   if (auto const low = v.at.table.total_at(&BudgetBands::input_low); !low.empty())
     text += row("  inputs leave open", ranges(low, v.at.table.total_at(&BudgetBands::input_high)));
-  for (ReferenceCurve const& c : v.at.curves) text += row(c.name, numbers(c.asd));
-  for (ReferenceCurve const& c : v.at.lines) text += row(c.name, numbers(c.asd));
+  for (DesignCurve const& c : v.at.curves) text += row(c.name, numbers(c.asd));
+  for (DesignCurve const& c : v.at.lines) text += row(c.name, numbers(c.asd));
   text += ratios(v) + flagged(v) + bound(v);
-  if (std::any_of(v.at.lines.begin(), v.at.lines.end(), [](ReferenceCurve const& c) { return c.name == requirement; }))
+  if (std::any_of(v.at.lines.begin(), v.at.lines.end(), [](DesignCurve const& c) { return c.name == requirement; }))
     text += "LIGO requirement: a tenth of the thermal noise of suspensions and test masses (G0900670)\n";
   for (BudgetEntry const& e : v.at.table.entries)
     if (!e.note.empty()) text += fmt::format("{}: {}\n", e.name, e.note);
@@ -219,9 +219,9 @@ Json json_of(BudgetView const& v, BudgetOn const& b) {
     out["total_input_high"] = json_numbers(b.table.total_at(&BudgetBands::input_high));
   }
   out["curves"] = Json::array();
-  for (ReferenceCurve const& c : b.curves) out["curves"].push_back({{"name", c.name}, {"strain", json_numbers(c.asd)}});
+  for (DesignCurve const& c : b.curves) out["curves"].push_back({{"name", c.name}, {"strain", json_numbers(c.asd)}});
   out["lines"] = Json::array();
-  for (ReferenceCurve const& c : b.lines) out["lines"].push_back({{"name", c.name}, {"strain", json_numbers(c.asd)}});
+  for (DesignCurve const& c : b.lines) out["lines"].push_back({{"name", c.name}, {"strain", json_numbers(c.asd)}});
   return out;
 }
 
@@ -298,8 +298,8 @@ std::vector<Column> columns_of(BudgetOn const& b) {
   }
   all.push_back({"total_strain", t.total()});
   metres("total", t.total());
-  for (ReferenceCurve const& c : b.curves) all.push_back({joined(c.name), c.asd});
-  for (ReferenceCurve const& c : b.lines) all.push_back({joined(c.name) + "_strain", c.asd});
+  for (DesignCurve const& c : b.curves) all.push_back({joined(c.name), c.asd});
+  for (DesignCurve const& c : b.lines) all.push_back({joined(c.name) + "_strain", c.asd});
   all.insert(all.end(), moved.begin(), moved.end());
   for (BudgetEntry const& e : t.entries) {
     if (!e.sigma.empty()) all.push_back({joined(e.name) + "_sigma", e.sigma});

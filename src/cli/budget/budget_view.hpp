@@ -9,20 +9,16 @@
 
 #include "cli/budget/budget_sources.hpp"
 #include "noise/fundamental/budget.hpp"
+#include "noise/noise.hpp"
 
 namespace straytrace {
-
-struct ReferenceCurve {
-  std::string name;
-  std::vector<double> asd;  // on the frequencies of a table; NaN outside its range
-};
 
 // A budget on one set of frequencies.
 struct BudgetOn {
   NoiseTable table;
-  std::vector<ReferenceCurve> curves;  // the first one is what ratios refer to
-  std::vector<ReferenceCurve> lines;   // what is no noise of its own: shot noise alone, quantum limit, requirement
-  std::vector<double> metres;          // change of the difference of the arms per strain; empty without a detector
+  std::vector<DesignCurve> curves;  // the first one is what ratios refer to
+  std::vector<DesignCurve> lines;   // what is no noise of its own: shot noise alone, quantum limit, requirement
+  std::vector<double> metres;       // change of the difference of the arms per strain; empty without a detector
 };
 
 struct BudgetView {
