@@ -21,7 +21,7 @@ def growth(lines, figure):
                 half = [y * (line.get(f"{quantity}_spread") or 0) / 2 for y, line in zip(seconds, points)]
                 axes.errorbar(n, seconds, half, fmt=style, color=BLUE, alpha=0.55 if quantity == "setup" else 1, label=name, capsize=2,
                               markersize=4)
-        memory = axes.controlx()
+        memory = axes.twinx()
         memory.plot(n, [line["memory"] / 1e6 for line in points], "x--", color=RED, markersize=4)
         for one, colour, label in ((axes, BLUE, "s"), (memory, RED, "peak memory [MB]")):
             one.set_xscale("log")

@@ -14,10 +14,9 @@
 #include "cli/options.hpp"
 #include "results/results.hpp"
 #include "scene/scene_document.hpp"
-#include "session/backend/device.hpp"
-#include "session/backend/mpi.hpp"
+#include "session/backend.hpp"
 #include "session/build_info.hpp"
-#include "session/events.hpp"
+#include "session/diagnostics.hpp"
 #include "session/options.hpp"
 
 namespace straytrace {

@@ -15,7 +15,6 @@
 #include "session/interrupt.hpp"
 #include "session/scan/invert.hpp"
 #include "session/scan/scan_points.hpp"
-#include "session/scan/scan_view.hpp"
 #include "session/session.hpp"
 
 namespace straytrace {

@@ -15,7 +15,7 @@
 #include "report/html/page_json.hpp"
 #include "report/ray_paths.hpp"
 #include "results/text/columns.hpp"
-#include "session/backend/mpi.hpp"
+#include "session/backend.hpp"
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
 #include "session/open_run.hpp"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "session/diagnostics.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include <iostream>
 
 #include "base/errors.hpp"
@@ -23,6 +25,36 @@ void print_warning(std::string const& sentence, PrintOptions const& options) {
     std::cerr << problems_as_json(InputError({{{}, sentence, "", Severity::warning}}, ""));
   else
     std::cerr << "warning: " << printable(sentence) << '\n';
+}
+
+namespace {
+
+using SortedJson = nlohmann::json;
+bool told = false;
+
+void tell(SortedJson const& event) {
+  std::cerr << event.dump(-1, ' ', false, SortedJson::error_handler_t::replace) << '\n' << std::flush;
+}
+
+}  // namespace
+
+void print_events() { told = true; }
+bool events_on() { return told; }
+
+void print_progress(TraceProgress const& p, std::string const& line) {
+  tell({{"event", "progress"},
+        {"histories", p.histories},
+        {"wanted_histories", p.wanted_histories},
+        {"seconds", p.seconds},
+        {"histories_per_s", p.histories_per_s},
+        {"rays_per_s", p.rays_per_s},
+        {"error", p.error},  // not a number: null
+        {"wanted_error", p.wanted_error},
+        {"line", line}});
+}
+
+void print_problems(InputError const& e) {
+  if (told) tell({{"event", "problems"}, {"text", e.what()}, {"problems", SortedJson::parse(problems_as_json(e))}});
 }
 
 }  // namespace straytrace

@@ -4,13 +4,25 @@
 
 #include <string>
 
+#include "base/errors.hpp"
 #include "session/model.hpp"
 #include "session/options.hpp"
+#include "trace/run/trace.hpp"
 
 namespace straytrace {
 
 void print_warnings(Model const&, PrintOptions const&);
 void print_warnings(Scene const&, PrintOptions const&);
 void print_warning(std::string const& sentence, PrintOptions const&);  // without a place in a file
+
+// Lines of JSON on stderr for a program that has started this one (straytrace --events): how far a trace is, and the
+// problems of the input. Each is an object with the key `event`; all other lines are for people.
+
+void print_events();  // from now on
+bool events_on();
+// {"event": "progress", histories, wanted_histories, seconds, histories_per_s, rays_per_s, error, wanted_error, line};
+// errors are relative, null where there is none; `line` is for people.
+void print_progress(TraceProgress const&, std::string const& line);
+void print_problems(InputError const&);  // {"event": "problems", text, "problems": [as problems_as_json]}
 
 }  // namespace straytrace

@@ -15,7 +15,7 @@
 #include "noise/bands/speckle_band.hpp"
 #include "results/results.hpp"
 #include "scene/diagnostics.hpp"
-#include "session/compare/other_detector.hpp"
+#include "session/compare/model_diff.hpp"
 #include "session/injection_points.hpp"
 #include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"

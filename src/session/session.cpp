@@ -24,7 +24,6 @@
 #include "results/text/picture.hpp"
 #include "session/build_info.hpp"
 #include "session/diagnostics.hpp"
-#include "session/events.hpp"
 #include "session/importance_map.hpp"
 #include "session/interrupt.hpp"
 #include "session/light/ghost_noise.hpp"

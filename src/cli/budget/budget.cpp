@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
-#include "cli/budget/budget_inputs.hpp"
+#include "cli/budget/budget_view.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/results.hpp"

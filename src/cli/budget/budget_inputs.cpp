@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/budget/budget_inputs.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "base/input/table.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/budget/budget_sources.hpp"
+#include "cli/budget/budget_view.hpp"
 #include "cli/options.hpp"
 #include "noise/fundamental/closed_forms.hpp"
 #include "noise/fundamental/design.hpp"
@@ -21,7 +20,7 @@
 #include "results/pygwinc/pygwinc_ifo.hpp"
 #include "results/pygwinc/pygwinc_trace.hpp"
 #include "results/results.hpp"
-#include "session/compare/other_detector.hpp"
+#include "session/compare/model_diff.hpp"
 #include "session/open_run.hpp"
 #include "spectra/curve.hpp"
 

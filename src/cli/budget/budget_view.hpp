@@ -36,4 +36,14 @@ std::string budget_columns(BudgetView const&);  // text file with one column per
 nlohmann::ordered_json budget_json(BudgetView const&);
 std::string budget_pygwinc(BudgetView const&);  // bytes of an HDF5 file
 
+// What straytrace budget reads.
+struct BudgetRequest {
+  std::vector<std::string> inputs, overrides, compare;
+  std::string at = "10 Hz, 100 Hz, 1 kHz", band, margin;
+  std::size_t points = 0;  // 0: those of the first run or budget, 300 without one
+};
+BudgetView gather_budget(BudgetRequest const&);  // throws InputError
+
+std::vector<double> parse_frequencies(std::string const& list, char const* option);  // "10 Hz, 1 kHz"; InputError
+
 }  // namespace straytrace

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace inspect: what a material, a preset or a BSDF file contains as understood.
+#include "cli/inspect/inspect.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,9 +15,6 @@
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
 #include "cli/commands.hpp"
-#include "cli/inspect/inspect_geometry.hpp"
-#include "cli/inspect/inspect_motion.hpp"
-#include "cli/inspect/inspect_scatter.hpp"
 #include "cli/library.hpp"
 #include "cli/options.hpp"
 #include "io/hdf5/reader.hpp"

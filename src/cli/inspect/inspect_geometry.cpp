@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/inspect/inspect_geometry.hpp"
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -16,6 +14,7 @@
 #include "base/files/read_write.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
+#include "cli/inspect/inspect.hpp"
 #include "cli/render/render_paint.hpp"
 #include "results/text/png.hpp"
 #include "world/build/read_cad.hpp"

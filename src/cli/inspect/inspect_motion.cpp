@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/inspect/inspect_motion.hpp"
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -8,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "cli/inspect/inspect.hpp"
 #include "noise/classes/motion_classes.hpp"
 #include "results/curves/curve_file.hpp"
 #include "session/diagnostics.hpp"

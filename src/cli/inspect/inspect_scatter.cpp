@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/inspect/inspect_scatter.hpp"
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +11,7 @@
 #include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
+#include "cli/inspect/inspect.hpp"
 #include "io/delimited_text.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"

@@ -10,9 +10,8 @@
 #include "cli/commands.hpp"
 #include "cli/data_options.hpp"
 #include "cli/options.hpp"
-#include "cli/time/project_coupling.hpp"
 #include "cli/time/time_results.hpp"
-#include "session/backend/device.hpp"
+#include "session/backend.hpp"
 #include "session/interrupt.hpp"
 
 namespace straytrace {

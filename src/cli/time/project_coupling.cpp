@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/time/project_coupling.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
+#include "cli/time/time_results.hpp"
 #include "results/results.hpp"
 #include "session/options.hpp"
 #include "spectra/files/unit_text.hpp"

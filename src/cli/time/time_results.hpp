@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/data_options.hpp"
 #include "cli/time/time_inputs.hpp"
 #include "results/curves/curve_file.hpp"
 #include "spectra/welch.hpp"
@@ -68,5 +69,13 @@ std::vector<std::string> write_time_files(TimeFiles const&, TimeInputs const&, S
 MapSheet spectrogram_of(TimeSeries const&, double stride, double low, double high);
 // "tube z": every coordinate that moves.
 std::vector<TimeSeries> motion_channels(MotionSeries const&, MotionSet const&);
+
+// `straytrace project COUPLING.csv`: a measured coupling times a quiet witness.
+struct CouplingProjectionOptions {
+  std::string coupling, coupling_unit, witness, target, asd;
+  DataOptions data;
+};
+
+int project_measured_coupling(CouplingProjectionOptions const&);
 
 }  // namespace straytrace

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "results/pygwinc/pygwinc_ifo.hpp"
 #include "scene/model_tree.hpp"
+#include "session/model.hpp"
 
 namespace straytrace {
 
@@ -26,5 +28,22 @@ std::vector<Difference> differences(Scene const& before, Scene const& after);
 std::vector<Difference> parameter_differences(Scene const& before, Scene const& after);
 // For people: parameters first, then what differs; changes of one key by many instances in one line.
 std::string difference_text(std::vector<Difference> const& parameters, std::vector<Difference> const&);
+
+// A design curve holds for one detector: what makes its stray light is compared with the interferometer of a scene.
+
+struct OtherDetector {
+  std::string what, suggestion;  // for a warning
+};
+// Of a built-in curve, where arm length (1 %), arm power, mirror mass, finesse or gain (10 %) of the interferometer are
+// not those of the detector that the curve is of (data/detectors); of several detectors the one most alike counts.
+std::optional<OtherDetector> other_detector(std::string const& curve, Interferometer const&);
+
+// Of the light of a run, where the same numbers of its interferometer are not those of the detector whose budget it
+// stands in. `detector`: as it was named.
+std::optional<OtherDetector> other_detector(IfoFile const& budget, std::string const& detector, std::string const& run,
+                                            Interferometer const&);
+
+// Warns at `place` for each of the curves that the model is compared with.
+void warn_of_other_detector(Model const&, Node const& place);
 
 }  // namespace straytrace

@@ -6,7 +6,10 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <string>
+#include <vector>
 
+#include "session/scan/scan_axes.hpp"
 #include "session/session.hpp"
 
 namespace straytrace {
@@ -70,5 +73,18 @@ class Scanner {
 // names of the run files that were made or continued. Complaints about a point are left to the scan that follows.
 std::set<std::string> trace_together(std::vector<std::vector<std::string>> const& points, ScanOptions const&,
                                      Requirement const&, unsigned jobs, std::atomic<bool> const& stop);
+
+// The table of a scan for people, spreadsheets and pictures.
+
+struct ScanTable {
+  std::string model, line;  // file name; "0.1 x adv-lal", empty: not compared
+  std::vector<ScanAxis> axes;
+  std::vector<ScanPoint> points;
+  std::size_t wanted = 0;  // points asked for
+};
+
+std::string scan_text(ScanTable const&);
+std::string scan_csv(ScanTable const&);  // all digits
+std::string scan_json(ScanTable const&);
 
 }  // namespace straytrace

@@ -64,12 +64,6 @@ struct Program {
   }
 };
 
-// One for the process, as in the program: commands keep their own options in static storage.
-Program& program() {
-  static Program one;
-  return one;
-}
-
 std::vector<CLI::App*> commands_of(CLI::App& app) {
   std::vector<CLI::App*> all;
   for (CLI::App* command : app.get_subcommands(nullptr)) {
@@ -80,7 +74,8 @@ std::vector<CLI::App*> commands_of(CLI::App& app) {
 }
 
 TEST(Help, EveryCommandHasATaskAPurposeExamplesAndGroups) {
-  CLI::App& app = program().app;
+  Program program;
+  CLI::App& app = program.app;
   std::vector<CLI::App*> const commands = commands_of(app);
   EXPECT_GE(commands.size(), 44u);
   for (CLI::App const* command : commands) {
@@ -93,9 +88,10 @@ TEST(Help, EveryCommandHasATaskAPurposeExamplesAndGroups) {
 
 TEST(Help, ExamplesParse) {
   std::filesystem::current_path(STRAY_SOURCE_DIR);
-  for (CLI::App* command : commands_of(program().app))
+  Program program;
+  for (CLI::App* command : commands_of(program.app))
     for (std::vector<std::string> const& words : examples_in(command->help()))
-      EXPECT_EQ(program().error_text_of(words), "") << ::testing::PrintToString(words);
+      EXPECT_EQ(program.error_text_of(words), "") << ::testing::PrintToString(words);
 }
 
 // Each check must reject the fault it is there for.
@@ -123,9 +119,9 @@ TEST(Help, FaultsAreFound) {
   command.add_flag("--new", flag, "of no group");
   EXPECT_EQ(fault_of(command, command_groups()), "--new is in no group");
 
-  EXPECT_THAT(program().error_text_of(split("run examples/virgo_arm.yaml")), HasSubstr("--out is required"));
-  EXPECT_NE(program().error_text_of(split("check examples/virgo_arm.yaml --rim 3")), "");
-  EXPECT_NE(program().error_text_of(split("paths run.h5 --by size")), "");
+  EXPECT_THAT(program.error_text_of(split("run examples/virgo_arm.yaml")), HasSubstr("--out is required"));
+  EXPECT_NE(program.error_text_of(split("check examples/virgo_arm.yaml --rim 3")), "");
+  EXPECT_NE(program.error_text_of(split("paths run.h5 --by size")), "");
 }
 
 }  // namespace

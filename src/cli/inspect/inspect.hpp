@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a CAD or mesh file contains, as understood.
+// What `straytrace inspect` prints of CAD and mesh files, motion and measured scatter.
 #pragma once
 
 #include <map>
 #include <string>
 #include <vector>
 
+#include "scene/scene.hpp"
 #include "session/options.hpp"
 #include "world/import/cad_file.hpp"
 #include "world/model/world.hpp"
+#include "world/scatter_data/scatter_audit.hpp"
+#include "world/scatter_data/scatter_fit.hpp"
 
 namespace straytrace {
 
@@ -38,5 +41,23 @@ struct GeometryFile {
 
 // Throws InputError.
 GeometryFile read_geometry(std::string const& file, std::string const& units);
+
+// Whether a scene moves bodies and has no materials to show.
+bool shows_motion(Scene const&);
+// Prints rms per body and coordinate; `plot`: a file of results/curves/curve_file.hpp with the ASDs, none when empty.
+int inspect_motion(Scene const&, std::string const& plot, PrintOptions const&);
+
+struct ScatterRequest : PrintOptions {
+  std::string file, beyond = "constant", angles, wavelength,
+                    entry;             // as the keys of the law `table`; empty: the file says
+  std::string plot, write;             // PNG and SSDD to write; empty: none
+  std::vector<std::string> overrides;  // of the scene that holds the material
+};
+int inspect_scatter(ScatterRequest const&);
+
+// Audit and fits of measured scatter as text.
+
+std::string scatter_text(std::string const& name, ScatterFile const&, ScatterAudit const&,
+                         std::vector<ScatterFit> const&, std::string const& beyond);
 
 }  // namespace straytrace

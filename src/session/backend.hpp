@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ranks that mpirun started. The program does not need MPI: what knows it is straytrace-mpi.so beside the program.
+// Other places than this process to compute in: GPUs, and the ranks that mpirun started.
 #pragma once
 
+#include <string>
+
+#include "noise/time_domain/phase_sum.hpp"
 #include "trace/run/ranks.hpp"
 
 namespace straytrace {
 
+// Only straytrace-mpi.so, next to the program, knows MPI.
 // Loads the library and joins the job, once in a program. Throws InputError with the reason and what to do when the
 // library is not there or cannot be loaded.
 Transport& open_mpi();
@@ -13,5 +17,11 @@ Transport& open_mpi();
 // Leaves the job, if it was joined, as the last thing that the program does: a job that has lost a rank ends here with
 // this exit code, and what was not written by then is not seen.
 void close_mpi(int exit_code);
+
+// Sums of moving phases on this backend. Throws InputError for a name that is none and where there is no device.
+DirectSum phase_summer(std::string const& backend);
+
+// "cuda: NVIDIA H100, 80 GB", or why there is none; for --version.
+std::string devices_text();
 
 }  // namespace straytrace

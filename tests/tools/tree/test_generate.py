@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""scripts/generate --check: the generated files of this tree are up to date, and in a copy of the tree each file that was
+changed by hand is found and written anew. Usage: test_generate.py PROGRAM"""
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).parents[3]
+# A generated line of each file, and what a hand would make of it.
+CHANGES = (("schema/straytrace-1.schema.json", '"$schema"', '"$Schema"'),
+           ("docs/reference/keys.md", "\n| ", "\n|  "),
+           ("docs/reference/commands.md", "\n| `--quiet` |", "\n| `--silence` |"),
+           ("docs/reference/library.md", "| `", "| ` "),
+           ("docs/reference/python.md", "\n## Models", "\n## The models"))
+
+
+def generate(tree, build, *options):
+    """The exit code of scripts/generate in a tree, and what it printed."""
+    done = subprocess.run([tree / "scripts/generate", *options], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          env=os.environ | {"STRAYTRACE_BUILD": str(build)})
+    return done.returncode, done.stdout
+
+
+def main(program):
+    build = pathlib.Path(program).resolve().parent
+    code, printed = generate(ROOT, build, "--check")
+    assert code == 0, printed
+    with tempfile.TemporaryDirectory() as folder:
+        tree = pathlib.Path(folder) / "tree"
+        for name in ("bench", "data", "docs", "examples", "library", "python", "schema", "scripts", "src", "tools"):
+            shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("__pycache__"))
+        for name, old, new in CHANGES:
+            page = tree / name
+            right = page.read_text(encoding="utf-8")
+            assert old in right, f"{name}: no '{old}' in it; is the test out of date?"
+            page.write_text(right.replace(old, new, 1), encoding="utf-8")
+            code, printed = generate(tree, build, "--check")
+            assert code != 0, f"{name} was changed by hand, and --check accepts it"
+            assert pathlib.Path(name).name in printed, printed
+            code, printed = generate(tree, build)
+            assert code == 0, printed
+            assert page.read_text(encoding="utf-8") == right, f"{name} is not written as it was"
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
