@@ -20,6 +20,8 @@ struct TracedPort {
   InjectionPoint injection_point = InjectionPoint::arm;  // where its light joins when the table does not say
   double power = 0;                                      // W, of its beam; 0: not stated
   double cavity_length = 0;                              // m, between the mirrors of its beam; 0: no cavity
+  // `lit` followed its light through a mirror of the cavity: the coupling holds the transmission already, twice.
+  bool through_mirror = false;
 };
 
 // What a detector is known by, of its arms and its recycling. NaN: not known.

@@ -15,6 +15,7 @@
 #include "base/memory/storage.hpp"
 #include "motion/motion.hpp"
 #include "noise/noise.hpp"
+#include "results/run_file/projection_inputs.hpp"
 #include "scene/scene.hpp"
 #include "trace/result.hpp"
 #include "world/model/receiver.hpp"
@@ -57,6 +58,7 @@ struct RunContent {
   Storage cells;                      // of their maps, where they were read from a file
   ImportanceMap importance;
   double beam_power = 0;  // W, of the main mode; 0: not stated
+  std::optional<ProjectionInputs> projection;  // absent in files of schema 1
   Provenance provenance;
   std::map<std::string, double> timing;  // s, by stage, besides those of trace and noise
   TraceResult const* trace = nullptr;

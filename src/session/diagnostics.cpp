@@ -11,7 +11,7 @@
 
 namespace straytrace {
 
-void print_warnings(Model const& model, PrintOptions const& options) {
+void print_warnings(ProjectionModel const& model, PrintOptions const& options) {
   if (!options.quiet) std::cerr << (options.json() ? model.warnings_json : printable(model.warnings));
 }
 

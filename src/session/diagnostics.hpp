@@ -11,7 +11,7 @@
 
 namespace straytrace {
 
-void print_warnings(Model const&, PrintOptions const&);
+void print_warnings(ProjectionModel const&, PrintOptions const&);
 void print_warnings(Scene const&, PrintOptions const&);
 void print_warning(std::string const& sentence, PrintOptions const&);  // without a place in a file
 

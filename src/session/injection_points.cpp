@@ -55,6 +55,7 @@ std::vector<TracedPort> traced_ports(Scene const& scene, World const& world) {
     if (!f.port.valid()) continue;
     TracedPort& port = ports[f.port.value];
     port.injection_point = std::min(port.injection_point, injection_point_of(world, i));
+    port.through_mirror = port.through_mirror || world.feeds()[i].mirror != Feed::none;
     if (lit[f.port.value]) continue;
     port.power = world.beam_powers[f.beam];
     port.cavity_length = cavity_length(world, f.beam);
@@ -66,13 +67,12 @@ std::vector<TracedPort> traced_ports(Scene const& scene, World const& world) {
   return ports;
 }
 
-void check_entrances(Node const& interferometer, World const& world) {
+void check_entrances(Node const& interferometer, std::vector<TracedPort> const& traced) {
   Node const ports = interferometer.table("ports");
   if (!ports) return;
-  for (std::size_t i = 0; i < world.footprints().size(); ++i) {
-    Footprint const& f = world.footprints()[i];
-    if (!f.port.valid() || world.feeds()[i].mirror == Feed::none) continue;
-    Node const entry = ports[world.ports()[f.port.value]];
+  for (TracedPort const& port : traced) {
+    if (!port.through_mirror) continue;
+    Node const entry = ports[port.name];
     if (entry.kind() != Node::Kind::table || !entry.has("at")) continue;
     std::string const at = entry.word("at");
     if (at == "end-bench" || at == "short-arm")

@@ -18,7 +18,7 @@ std::vector<TracedPort> traced_ports(Scene const&, World const&);
 // Light that `lit` followed through a mirror of a cavity has passed it in its coupling already, twice; the places
 // behind that mirror would count the transmission again (docs/theory/interferometer.md, eq. 9.3). A problem at the port
 // that names one.
-void check_entrances(Node const& interferometer, World const&);
+void check_entrances(Node const& interferometer, std::vector<TracedPort> const&);
 
 // Behind the input mirror the light of the cavity interferes with the light that comes from the splitter, which `lit`
 // and `ghosts` do not follow (docs/theory/interferometer.md, eq. 9.5): surfaces lit there are a problem, ghosts there

@@ -20,6 +20,7 @@
 #include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
 #include "session/report_page.hpp"
+#include "world/model/material_view.hpp"
 
 namespace straytrace {
 namespace {
@@ -43,26 +44,29 @@ void read_orders(Model& model) {
   model.histories_stated = model.histories > 0;
   if (!model.histories_stated) model.histories = model.until.by_error() ? no_limit : 1 << 20;
   model.world.block_size = block_size_of(model.histories);
-  if (Node const r = model.scene.table("report")) {
-    model.paths_shown = r.whole("paths", 12, 1, 1e6);
-    read_pictures(r);
-    r.refuse_unknown("'report'");
-  }
 }
 
-void read_noise(Model& model, Scene const& scene) {
+void read_report(ProjectionModel& model) {
+  Node const r = model.scene.table("report");
+  if (!r) return;
+  model.paths_shown = r.whole("paths", 12, 1, 1e6);
+  read_pictures(r);
+  r.refuse_unknown("'report'");
+}
+
+void read_noise(ProjectionModel& model, Scene const& scene) {
   Node const table = scene.table("noise");
   model.noise = read_noise_settings(table);
   model.design = read_design_curves(table, model.noise);
   if (table) table.refuse_unknown("'noise'");
 }
 
-Band band_of(Model const& model) {
+Band band_of(ProjectionModel const& model) {
   FrequencyGrid const& grid = model.noise.grid;
   return {grid.centre(0), grid.centre(grid.size() - 1)};
 }
 
-// Whether light can meet a body, and with it its elastic modes.
+// By body: whether it has surfaces; an elastic mode has those of its body.
 std::vector<bool> with_surfaces(World const& world) {
   std::vector<bool> has(world.bodies().size());
   for (Surface const& s : world.surfaces())
@@ -72,28 +76,83 @@ std::vector<bool> with_surfaces(World const& world) {
   return has;
 }
 
-MotionSet read_bodies(Node const& bodies, World const& world, bool traced) {
-  return read_motion(bodies, world.body_names(), traced, with_surfaces(world));
+MotionSet read_bodies(Node const& bodies, ProjectionInputs const& traced, bool of_run) {
+  return read_motion(bodies, traced.bodies, of_run, traced.meets_light);
 }
 
-std::unique_ptr<Interferometer> read_detector(Model const& model, Node const& table) {
+std::unique_ptr<Interferometer> read_detector(ProjectionModel const& model, Node const& table) {
   std::unique_ptr<Interferometer> detector =
-      make_interferometer(table, traced_ports(model.scene, model.world), model.world.wavelength, band_of(model));
-  check_entrances(table, model.world);
+      make_interferometer(table, model.traced.ports, model.traced.wavelength, band_of(model));
+  check_entrances(table, model.traced.ports);
   return detector;
 }
 
 // Without a preset it is the one of the run, with other responses at some ports.
-void replace_interferometer(Model& model, Node const& table) {
+void replace_interferometer(ProjectionModel& model, Node const& table) {
   if (table.has("preset") || !table.has("responses")) {
     model.detector = read_detector(model, table);
   } else if (model.detector) {
-    model.detector =
-        with_responses(std::move(model.detector), table, traced_ports(model.scene, model.world), band_of(model));
+    model.detector = with_responses(std::move(model.detector), table, model.traced.ports, band_of(model));
     table.refuse_unknown("interferometer with the responses of ports alone");
   } else {
     table.problem("the run has no interferometer whose responses could be replaced", "add a 'preset'");
   }
+}
+
+std::vector<MaterialSpread> material_spreads(World const& world) {
+  std::vector<MaterialSpread> all;
+  for (PlacedMaterial const& m : placed_materials(world))
+    all.push_back(
+        {m.name, m.spread.status, m.spread.low, m.spread.high, m.spread.factor, m.spread.of_reflection, m.groups});
+  return all;
+}
+
+double scattered_share(World const& world, std::string const& material) {
+  double share = not_a_number;
+  for (MaterialInfo const& info : world.materials)
+    if (info.name == material) share = scattered_share(world, info);
+  return share;
+}
+
+// Which light is not counted, and which sources of materials have no status.
+std::vector<std::string> limits_of(Scene const& scene, World const& world) {
+  std::vector<std::string> lines;
+  lines.push_back(world.edges.groups.empty() ? "diffraction at rims is not counted: the scene has no table 'edges'"
+                                             : "diffraction at the rims of 'edges': routes of kind edge, upper bounds");
+  bool const ghosts = read_ghosts(scene).has_value();
+  lines.push_back(ghosts                       ? "ghost beams: routes of kind ghost, by the beam tree"
+                  : scene.root().has("ghosts") ? "ghost beams are not counted: the scene says 'ghosts: off'"
+                                               : "ghost beams are not counted: the scene has no table 'ghosts'");
+  if (ghosts)
+    for (BeamLaunch const& launch : launches(world))
+      if (launch.through_input_mirror())
+        lines.push_back(
+            fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name));
+  for (auto const& [name, material] : scene.table("materials").items())
+    if (Node const source = material["source"]; source && !material.has("status"))
+      lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
+  return lines;
+}
+
+// What is known of the traced world before the tables of motion and interferometer are read.
+ProjectionInputs bodies_and_ports(Scene const& scene, World const& world) {
+  ProjectionInputs traced;
+  traced.bodies = world.body_names();
+  traced.meets_light = with_surfaces(world);
+  traced.wavelength = world.wavelength;
+  traced.ports = traced_ports(scene, world);
+  return traced;
+}
+
+// The rest, of a model without problems.
+void complete_inputs(Model& model) {
+  ProjectionInputs& traced = model.traced;
+  traced.materials = material_spreads(model.world);
+  for (MaterialSpread const& m : traced.materials) traced.scattered.push_back(scattered_share(model.world, m.name));
+  traced.notes = model.world.notes;
+  traced.limits = limits_of(model.scene, model.world);
+  traced.warnings = model.warnings = model.scene.warnings();
+  traced.warnings_json = model.warnings_json = warnings_as_json(model.scene);
 }
 
 }  // namespace
@@ -102,7 +161,8 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   Model model;
   model.scene = read_scene(file, overrides, texts);
   model.world = build_world(model.scene);
-  model.motion = read_bodies(model.scene.table("bodies"), model.world, false);
+  model.traced = bodies_and_ports(model.scene, model.world);
+  model.motion = read_bodies(model.scene.table("bodies"), model.traced, false);
   read_noise(model, model.scene);
   bool const noiseless = model.world.ports().empty() && model.scene.root().has("receivers") &&
                          !model.scene.root().has("interferometer") && !model.scene.root().has("ports");
@@ -118,6 +178,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
     model.scene.table("bodies").warning("no body moves, so no route makes noise", "give a body a 'motion'");
   read_orders(model);
+  read_report(model);
   read_ghosts(model.scene);
   warn_of_ghosts_left_out(model.scene, model.world);
   if (Node const table = model.scene.root()["scan"])
@@ -127,8 +188,22 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   warn_of_gaps(model.motion, model.noise, model.scene.table("bodies"), model.world.wavelength);
   warn_of_other_detector(model, model.scene.table("noise")["compare"]);
   warn_of_uncounted_ghosts(model);
-  model.warnings = model.scene.warnings();
-  model.warnings_json = warnings_as_json(model.scene);
+  complete_inputs(model);
+  return model;
+}
+
+ProjectionModel read_projection_model(std::string const& file, std::vector<std::string> const& overrides,
+                                      FileTexts const& texts, ProjectionInputs const& traced) {
+  ProjectionModel model;
+  model.scene = read_scene(file, overrides, &texts);
+  model.traced = traced;
+  model.motion = read_bodies(model.scene.table("bodies"), traced, false);
+  read_noise(model, model.scene);
+  if (Node const table = model.scene.table("interferometer")) model.detector = read_detector(model, table);
+  read_report(model);
+  model.scene.throw_if_problems();
+  model.warnings = traced.warnings;
+  model.warnings_json = traced.warnings_json;
   return model;
 }
 
@@ -138,7 +213,7 @@ MotionSet read_motion_file(Scene const& scene) {
   for (auto const& [name, node] : bodies.items())
     if (node.kind() == Node::Kind::table) node.has("pivot");
   MotionSet motion = read_motion(bodies, bodies_and_modes(bodies));
-  Model settings;
+  ProjectionModel settings;
   read_noise(settings, scene);
   scene.throw_if_problems();
   warn_of_gaps(motion, settings.noise, bodies, usual_wavelength);
@@ -153,10 +228,10 @@ void warn_of_gaps(MotionSet const& motion, NoiseSettings const& noise, Node cons
   }
 }
 
-void replace_motion(Model& model, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses) {
+void replace_motion(ProjectionModel& model, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses) {
   Scene const other = read_scene(file, {}, texts);
   Node const bodies = other.table("bodies"), noise = other.table("noise");
-  if (bodies) model.motion = read_bodies(bodies, model.world, true);
+  if (bodies) model.motion = read_bodies(bodies, model.traced, true);
   if (noise) read_noise(model, other);
   Node const interferometer = other.table("interferometer");
   if (interferometer)
@@ -175,7 +250,7 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
   if (!bodies)  // the files stand in another scene
     for (MotionFile& measured : model.motion.files) measured.place = {};
   if (noise || interferometer) warn_of_other_detector(model, noise ? noise["compare"] : interferometer);
-  if (bodies || noise) warn_of_gaps(model.motion, model.noise, bodies ? bodies : noise, model.world.wavelength);
+  if (bodies || noise) warn_of_gaps(model.motion, model.noise, bodies ? bodies : noise, model.traced.wavelength);
   model.warnings = (bodies ? "" : model.warnings) + other.warnings();
   model.warnings_json = (bodies ? "" : model.warnings_json) + warnings_as_json(other);
   if (!read) return;
@@ -190,7 +265,7 @@ std::string Model::hash() const {
   return model_hash(parts);
 }
 
-NoiseBudget Model::project(CouplingTable const& coupling) const {
+NoiseBudget ProjectionModel::project(CouplingTable const& coupling) const {
   if (!detector)
     throw InputError(
         "without an interferometer there is no noise to project",
@@ -201,41 +276,20 @@ NoiseBudget Model::project(CouplingTable const& coupling) const {
   return budget;
 }
 
-NoiseBudget Model::project_with_bands(CouplingTable const& coupling) const {
+NoiseBudget ProjectionModel::project_with_bands(CouplingTable const& coupling) const {
   NoiseBudget budget = project(coupling);
-  add_input_band(budget, coupling, motion, *detector, noise, material_spreads(world));
+  add_input_band(budget, coupling, motion, *detector, noise, traced.materials);
   add_speckle_band(budget, coupling, motion, *detector);
   return budget;
 }
 
-std::vector<MaterialSpread> material_spreads(World const& world) {
-  std::vector<MaterialSpread> all;
-  for (PlacedMaterial const& m : placed_materials(world))
-    all.push_back(
-        {m.name, m.spread.status, m.spread.low, m.spread.high, m.spread.factor, m.spread.of_reflection, m.groups});
-  return all;
-}
-
-std::vector<std::string> Model::assumptions() const {
-  std::vector<std::string> lines = world.notes;
-  if (detector)
+std::vector<std::string> ProjectionModel::assumptions() const {
+  std::vector<std::string> lines = traced.notes;
+  if (detector) {
     lines.push_back("frozen geometry: paths do not move while the surfaces shake (docs/theory/phase.md, eq. 2.6)");
-  if (detector)
     lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
-  lines.push_back(world.edges.groups.empty() ? "diffraction at rims is not counted: the scene has no table 'edges'"
-                                             : "diffraction at the rims of 'edges': routes of kind edge, upper bounds");
-  bool const ghosts = read_ghosts(scene).has_value();
-  lines.push_back(ghosts                       ? "ghost beams: routes of kind ghost, by the beam tree"
-                  : scene.root().has("ghosts") ? "ghost beams are not counted: the scene says 'ghosts: off'"
-                                               : "ghost beams are not counted: the scene has no table 'ghosts'");
-  if (ghosts)
-    for (BeamLaunch const& launch : launches(world))
-      if (launch.through_input_mirror())
-        lines.push_back(
-            fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name));
-  for (auto const& [name, material] : scene.table("materials").items())
-    if (Node const source = material["source"]; source && !material.has("status"))
-      lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
+  }
+  lines.insert(lines.end(), traced.limits.begin(), traced.limits.end());
   return lines;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A scene file read by all rooms, and the orders of its `trace` and `report` tables.
+// A scene read by all modules: the model that is traced, and the part of it that projects noise.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,6 +14,7 @@
 #include "motion/motion.hpp"
 #include "noise/bands/input_band.hpp"
 #include "noise/noise.hpp"
+#include "results/run_file/projection_inputs.hpp"
 #include "scene/model_tree.hpp"
 #include "scene/scene.hpp"
 #include "world/model/world.hpp"
@@ -46,27 +47,32 @@ double parse_duration(std::string const&);
 inline constexpr std::uint64_t no_limit = 1ull << 36;    // histories
 inline constexpr std::uint64_t fewest_histories = 1000;  // for numbers with errors
 
-struct Model {
+// What turns a coupling table into strain noise: motion, interferometer, band and design curves. It holds no surfaces and
+// no search structure, so a run file is opened without them.
+struct ProjectionModel {
   Scene scene;
-  World world;
+  ProjectionInputs traced;  // `materials` and the texts are there once the model has no problems
   MotionSet motion;
   std::unique_ptr<Interferometer> detector;  // none: light on receivers only, no noise
   NoiseSettings noise;
   std::vector<DesignCurve> design;
-  std::uint64_t seed = 1, histories = 0;
-  bool histories_stated = false;  // by the scene: an upper limit for every stop rule
-  StopRule until;
   std::size_t paths_shown = 12;
-  std::string warnings;       // rendered, of the scene, or of the file that its motion was taken from instead
+  std::string warnings;       // rendered: of the scene, or of the file that its motion was taken from instead
   std::string warnings_json;  // the same for editors: JSON lists
 
-  std::string hash() const;  // of what decides the trace
   NoiseBudget project(CouplingTable const&) const;
   NoiseBudget project_with_bands(CouplingTable const&) const;  // input and speckle bands too
   std::vector<std::string> assumptions() const;                // lines for reports
 };
 
-std::vector<MaterialSpread> material_spreads(World const&);  // of all materials in the way of light
+struct Model : ProjectionModel {
+  World world;
+  std::uint64_t seed = 1, histories = 0;
+  bool histories_stated = false;  // by the scene: an upper limit for every stop rule
+  StopRule until;
+
+  std::string hash() const;  // of everything that decides the trace
+};
 
 // Worst error over the goals, scaled so that all hold when it is below wanted_error().
 double stop_rule_error(StopRule const&, Model const&, CouplingTable const&);
@@ -76,10 +82,13 @@ std::optional<StopRule::Complaint> complaint_about(StopRule const&, Model const&
 // Reads the scene and everything in it; throws one InputError with all problems. `texts`: of a run file, instead of
 // disk.
 Model read_model(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts = nullptr);
+// The part of a traced model that projects noise, from the texts of its run file: no surface is built.
+ProjectionModel read_projection_model(std::string const& file, std::vector<std::string> const& overrides,
+                                      FileTexts const& texts, ProjectionInputs const&);
 // The same with motion, noise and interferometer, or responses of its ports alone, taken from another file where it
 // gives them. `texts`: of a run file, instead of disk; `read`: gets the texts that were read; `responses`: it must hold
 // some.
-void replace_motion(Model&, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses = false);
+void replace_motion(ProjectionModel&, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses = false);
 // The motion in a file with nothing to trace, as far as it can be judged without a run: with all problems that
 // `straytrace noise --motion` tells of any run. Warnings are left in the scene.
 MotionSet read_motion_file(Scene const&);

@@ -27,6 +27,20 @@ std::vector<std::string> lines_of(std::string const& text) {
   return all;
 }
 
+// Files of schema 1 hold no projection inputs: their whole model is built for them.
+ProjectionModel traced_projection(RunFile const& file) {
+  RunContent const& about = file.about;
+  if (!about.projection) return traced_model(file, {});
+  return read_projection_model(about.main_file, about.overrides, about.files, *about.projection);
+}
+
+template <class Projected>
+Projected with_motion_of(RunFile const& file, Projected model) {
+  for (std::string const& name : lines_of(file.about.motion_file))
+    replace_motion(model, name, &file.about.files, nullptr);
+  return model;
+}
+
 // Of the files that the run was projected with, those that hold responses of ports and nothing else.
 std::vector<std::string> files_of_responses(RunFile const& file) {
   std::vector<std::string> all;
@@ -41,10 +55,7 @@ std::vector<std::string> files_of_responses(RunFile const& file) {
 }  // namespace
 
 Model model_of(RunFile const& file, std::vector<std::string> const& overrides) {
-  Model model = traced_model(file, overrides);
-  for (std::string const& name : lines_of(file.about.motion_file))
-    replace_motion(model, name, &file.about.files, nullptr);
-  return model;
+  return with_motion_of(file, traced_model(file, overrides));
 }
 
 RunFile read_run_file(std::string const& path) {
@@ -55,13 +66,15 @@ RunFile read_run_file(std::string const& path) {
 }
 
 OpenRun::OpenRun(std::string const& path)
-    : file(read_run_file(path)), model(model_of(file)), projected_with(file.about.motion_file) {}
+    : file(read_run_file(path)),
+      model(with_motion_of(file, traced_projection(file))),
+      projected_with(file.about.motion_file) {}
 
 // A new motion file acts before the responses that stay, which its band must not undo; one that says what the
 // interferometer is acts after them.
 OpenRun::OpenRun(std::string const& path, std::string const& motion, FileTexts* files)
     : file(read_run_file(path)),
-      model(motion.empty() ? model_of(file) : traced_model(file, {})),
+      model(motion.empty() ? with_motion_of(file, traced_projection(file)) : traced_projection(file)),
       projected_with(file.about.motion_file) {
   if (files) *files = file.about.files;
   if (motion.empty()) return;

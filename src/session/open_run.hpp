@@ -12,13 +12,15 @@
 
 namespace straytrace {
 
-// The model of a run: the scene inside the file with the parameters of the run, then `overrides`; motion and responses
-// that the run was projected with take the place of those of the scene. Refers to the texts in the file.
+// The whole model of a run, with its surfaces: the scene inside the file with the parameters of the run, then
+// `overrides`; motion and responses that the run was projected with replace those of the scene. Refers to the texts in
+// the file.
 Model model_of(RunFile const&, std::vector<std::string> const& overrides = {});
 
 // read_run(), which tells the way to a run where this is a scene.
 RunFile read_run_file(std::string const& path);
 
+// A run and what projects it: no surface is built.
 struct OpenRun {
   explicit OpenRun(std::string const& path);
   // With the motion in the file `motion` on disk instead of that which the run was projected with, unless it is empty.
@@ -29,7 +31,7 @@ struct OpenRun {
   OpenRun& operator=(OpenRun const&) = delete;
 
   RunFile file;
-  Model model;
+  ProjectionModel model;
   std::string projected_with;  // files of motion and responses in the order in which they act, a line each
 };
 

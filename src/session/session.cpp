@@ -268,7 +268,7 @@ void work_for_rank_0(Model& model, unsigned threads, Transport& transport) {
                   {transport, identity_of(model), nodes_image, nodes_of_image});
 }
 
-PathTable table_for(CouplingTable const& coupling, NoiseBudget const* budget, Model const& model) {
+PathTable table_for(CouplingTable const& coupling, NoiseBudget const* budget, ProjectionModel const& model) {
   return path_table(coupling, budget, budget ? &model.motion : nullptr, {});
 }
 
@@ -285,6 +285,7 @@ RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget
   content.receivers = model.world.receivers();
   content.importance = importance_map(model.world);
   content.beam_power = model.world.beam_power;
+  content.projection = model.traced;
   content.provenance.version = build_info::version;
   content.provenance.commit = build_info::commit;
   content.provenance.build_flags = build_info::flags;
@@ -295,7 +296,7 @@ RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget
 }
 
 std::string write_results(std::string const& folder, RunContent const& content, PathTable const& paths,
-                          Model const& model) {
+                          ProjectionModel const& model) {
   write_run(folder + "/run.h5", content);
   std::vector<std::pair<std::string, std::string>> texts{
       {folder + "/paths.csv", path_csv(paths, content)},

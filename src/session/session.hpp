@@ -57,7 +57,7 @@ inline constexpr char how_to_go_on[] = "stopped early with a valid result; the s
 
 RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);
 // run.h5, h_asd.txt, paths.csv, report.txt, report.png in the folder; returns what could not be drawn.
-std::string write_results(std::string const& folder, RunContent const&, PathTable const&, Model const&);
+std::string write_results(std::string const& folder, RunContent const&, PathTable const&, ProjectionModel const&);
 
 // What a trace has found: coupling table, receivers, energy balance on stdout; merits, and what to do next, on stderr.
 void print_traced(RunContent const&, Model const&, std::string const& run_file, PrintOptions const&);
@@ -65,7 +65,7 @@ void print_traced(RunContent const&, Model const&, std::string const& run_file, 
 // The line that matters: total strain at 10, 30, 100 Hz with errors, and the ratio to the first design curve.
 std::string headline(NoiseBudget const&, PathTable const&);
 
-PathTable table_for(CouplingTable const&, NoiseBudget const*, Model const&);
+PathTable table_for(CouplingTable const&, NoiseBudget const*, ProjectionModel const&);
 
 // What a reader of the noise must know, to stderr unless that is to be quiet. `where`: a point of a scan, or empty.
 void print_warnings(NoiseBudget const&, PrintOptions const&, std::string const& where = {});

@@ -14,6 +14,11 @@ CPP = (
     (r"\b(?:socket|getaddrinfo|gethostbyname)\s*\(|\bcurl_", "reaches the network", ()),
     (r"\bH5::H5File\b|\bH5Fopen", "opens HDF5, whose library breaks at some files; use hdf5::Reader",
      ("src/io/hdf5/load_contents.cpp", "src/io/hdf5/writer.cpp", "src/io/hdf5/writer.hpp")),
+    (r"\b(?:own_contents|load_contents|slab_here)\s*\(",
+     "reads HDF5 in this process, which a damaged file ends: only where the checksum of a run file was verified before; "
+     "use hdf5::Reader",
+     ("src/io/hdf5/contents.cpp", "src/io/hdf5/contents.hpp", "src/io/hdf5/load_contents.cpp", "src/io/hdf5/load_contents.hpp",
+      "src/results/run_file/run_file.cpp", "src/results/run_file/checksum_header.cpp")),
     (r"\bdlopen\s*\(", "loads code", ("src/session/backend.cpp", "src/trace/backend/device/engine.cpp")),
     (r"\bregex_match\s*\(", "ends the program at a long text; use bounded_regex_match of base/text/bounded_regex.hpp", ("src/base/text/bounded_regex.hpp",)),
     (r"\bifstream\b|\bfopen\s*\(|\bfreopen\s*\(", "reads what may be a pipe or a device; use bytes_of_file",

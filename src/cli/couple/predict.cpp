@@ -63,7 +63,7 @@ double peak_of(PredictOptions const& o, bool rotation) {
   throw InputError(fmt::format("--amplitude: {}", why), fmt::format("write --amplitude \"{}\", pp or rms", example));
 }
 
-FrequencyGrid grid_of(PredictOptions const& o, Model const& model) {
+FrequencyGrid grid_of(PredictOptions const& o, ProjectionModel const& model) {
   if (o.data.band.empty() && o.points == 0) return model.noise.grid;
   FrequencyBand band{model.noise.grid.edges.front(), model.noise.grid.edges.back()};
   if (!o.data.band.empty()) band = option_band(o.data.band, "--band");
@@ -152,7 +152,7 @@ struct Prediction {
   nlohmann::json result;
 };
 
-void add_motion(Prediction& out, PredictOptions const& o, RunFile const& file, Model const& model, BodyAxis where,
+void add_motion(Prediction& out, PredictOptions const& o, RunFile const& file, ProjectionModel const& model, BodyAxis where,
                 FrequencyGrid const& grid) {
   char const* const unit = where.axis > 2 ? "rad" : "m";
   CouplingTable const& table = file.trace.coupling;
@@ -183,7 +183,7 @@ int run_predict(PredictOptions const& o) {
   check_outputs(o.data);
   OpenRun const run(o.run);
   RunFile const& file = run.file;
-  Model const& model = run.model;
+  ProjectionModel const& model = run.model;
   if (!model.detector)
     throw InputError("the run has no interferometer, so nothing couples to h", "trace a scene with 'interferometer'");
   BodyAxis const where = place_of(o, model.motion.bodies);

@@ -394,7 +394,7 @@ std::vector<Factor> chain(CouplingClass const& c, NoiseTrace const& trace, PathR
 
 Explanation explain_strain(std::string const& run_file, std::size_t path, double hz) {
   OpenRun const run(run_file);
-  Model const& model = run.model;
+  ProjectionModel const& model = run.model;
   NoiseBudget const budget = model.project(run.file.trace.coupling);
   CouplingTable const& table = run.file.trace.coupling;
   PathTable const paths = table_for(table, &budget, model);

@@ -42,7 +42,7 @@ int noise(NoiseOptions const& options) {
   FileTexts files;
   OpenRun run(options.input, options.motion, &files);
   RunFile const& file = run.file;
-  Model& model = run.model;
+  ProjectionModel& model = run.model;
   bool const alone = options.out.ends_with(".h5");  // the run file and nothing beside it
   if (alone)
     earlier_run(options.out, file.about.model_hash, file.trace.coupling.seed, options.force);

@@ -72,7 +72,7 @@ int paths(PathsOptions const& options) {
   if (options.first_order) return print_first_order(options);
   OpenRun const run(options.input);
   RunFile const& file = run.file;
-  Model const& model = run.model;
+  ProjectionModel const& model = run.model;
   RunContent const content = file.content();
   std::size_t const show = options.show ? options.show : model.paths_shown;
   bool const without_ports = file.trace.coupling.ports.empty() && options.by.empty();

@@ -24,10 +24,12 @@ namespace {
 bool names_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
 // Steered as it was traced, so that its histories can be followed again.
-struct Opened : OpenRun {
+struct Opened {
+  RunFile file;
+  Model model;
   RunContent content;
   PathTable table;
-  explicit Opened(std::string const& name) : OpenRun(name) {
+  explicit Opened(std::string const& name) : file(read_run_file(name)), model(model_of(file)) {
     model.world.block_size = file.trace.coupling.block_size;
     steer(model.world);
     content = file.content();

@@ -59,7 +59,7 @@ std::string warnings_of_channels(TimeOptions const& o, TimeInputs const& in) {
   auto const& all = in.model.motion.files;
   Band const band{in.model.noise.grid.edges.front(), in.model.noise.grid.edges.back()};
   std::string text;
-  for (Problem const& p : warnings_of_gaps(std::span(all).last(o.channel.size()), band, in.model.world.wavelength))
+  for (Problem const& p : warnings_of_gaps(std::span(all).last(o.channel.size()), band, in.model.traced.wavelength))
     text += fmt::format(
         "warning: {}\n  give a channel that holds it: a higher rate, a longer stretch or a lower --corner\n", p.what);
   return text;

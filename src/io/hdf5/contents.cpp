@@ -45,7 +45,7 @@ Contents contents_of(std::string const& image, Wanted const& wanted) {
   return unpacked(apart(work, 2 * gigabyte + 100 * image.size(), image.size()));
 }
 
-Contents own_contents(std::string const& image) { return load_contents(image, {}); }
+Contents own_contents(std::string const& image, Wanted const& wanted) { return load_contents(image, wanted); }
 
 std::vector<double> slab(std::string const& image, std::string const& path, std::uint64_t offset, std::uint64_t count) {
   auto const work = [&] {

@@ -48,8 +48,9 @@ struct Wanted {
 
 // Of the bytes of a file. Throws InputError for other files, and when the library fails or crashes.
 Contents contents_of(std::string const& image, Wanted const& wanted = {});
-// The same in this process, for files of this program.
-Contents own_contents(std::string const& image);
+// The same in this process, which the library can end: for bytes that this program has just written, and for run files
+// whose checksum holds. tools/lint/check_calls.py knows who calls it.
+Contents own_contents(std::string const& image, Wanted const& wanted = {});
 
 // `count` numbers of a list from `offset` on; throws InputError.
 std::vector<double> slab(std::string const& image, std::string const& path, std::uint64_t offset, std::uint64_t count);

@@ -85,7 +85,7 @@ std::string data_hash(std::string const& run_file) {
   std::string const image = unsealed(read_file(run_file), run_file);
   try {
     Sha256 sum;
-    add_group(sum, hdf5::Reader(image), "/");
+    add_group(sum, hdf5::Reader(hdf5::own_contents(image)), "/");
     return sum.hex();
   } catch (InputError const& e) {
     throw InputError(fmt::format("'{}' cannot be compared: {}", run_file, e.reason()));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The first 512 bytes of a run file: a readable line with the sha256 of all that follows (an HDF5 user block). Damaged
-// files are refused before the HDF5 library, which can crash on them, sees a byte.
+// The first 512 bytes of a run file: a readable line with the sha256 of all that follows (an HDF5 user block). It is
+// verified before the HDF5 library, which can crash on damaged files, sees a byte.
 #pragma once
 
 #include <string>

@@ -142,10 +142,11 @@ RunContent RunFile::content() const {
 
 namespace {
 
-hdf5::Contents sound_contents_of(std::string const& file, hdf5::Wanted const& wanted = {}) {
+// The checksum is verified before the HDF5 library, which reads in this process, sees the bytes.
+hdf5::Contents verified_contents(std::string const& file, hdf5::Wanted const& wanted = {}) {
   std::string const image = unsealed(read_file(file), file);
   try {
-    return hdf5::contents_of(image, wanted);
+    return hdf5::own_contents(image, wanted);
   } catch (InputError const& e) {
     throw InputError(fmt::format("'{}': {}", file, e.reason()));
   }
@@ -187,6 +188,7 @@ void read_all(hdf5::Reader const& in, RunFile& run) {
     run.trace.coupling.received_power.push_back(estimate(r.power, total.histories, total.blocks));
   read_receivers(in, run.trace.coupling.receivers.size(), run.about);
   run.about.importance = read_importance(in, run.trace.coupling.groups.size());
+  if (in.has("/projection")) run.about.projection = read_projection(in, run.trace.coupling);
   run.trace.stopped = read_stop(in);
   run.trace.stop_rule = in.attribute_text("/", "stop_rule");
   run.trace.good_checks = std::uint32_t(in.attribute_count("/", "good_checks"));
@@ -226,7 +228,7 @@ void read_head(hdf5::Reader const& in, PartHead& head) {
 
 }  // namespace
 
-RunFile read_run(std::string const& file) { return run_of(sound_contents_of(file), file); }
+RunFile read_run(std::string const& file) { return run_of(verified_contents(file), file); }
 
 RunFile run_of(hdf5::Contents contents, std::string const& file) {
   return read_from<RunFile>(std::move(contents), file, read_all);
@@ -237,14 +239,14 @@ PartHead read_part_head(std::string const& file) {
     return path.starts_with("/input/") || path.starts_with("/timing/") || path == "/nodes/first_block" ||
            path == "/nodes/level";
   };
-  PartHead head = read_from<PartHead>(sound_contents_of(file, {wanted}), file, read_head);
+  PartHead head = read_from<PartHead>(verified_contents(file, {wanted}), file, read_head);
   head.file = file;
   return head;
 }
 
 SumTree read_part_sums(std::string const& file) {
   auto const wanted = [](std::string const& path) { return path.starts_with("/nodes/"); };
-  return read_from<SumTree>(sound_contents_of(file, {wanted}), file,
+  return read_from<SumTree>(verified_contents(file, {wanted}), file,
                             [](hdf5::Reader const& in, SumTree& tree) { tree = read_nodes(in); });
 }
 
@@ -392,6 +394,7 @@ void write_run(std::string const& file, RunContent const& run) {
     write_classes(out, run.trace->coupling);
     write_receivers(out, run);
     write_importance(out, run.importance);
+    if (run.projection) write_projection(out, *run.projection);
     write_energy_balance(out, *run.trace);
     write_maps_of(out, run.trace->total);
     write_nodes(out, run.trace->tree);

@@ -25,6 +25,10 @@ void write_maps_of(hdf5::Writer&, BlockSums const& total);  // /maps
 void write_importance(hdf5::Writer&, ImportanceMap const&);              // /importance
 ImportanceMap read_importance(hdf5::Reader const&, std::size_t groups);  // empty in files before schema 1.3
 
+void write_projection(hdf5::Writer&, ProjectionInputs const&);  // /projection
+// The file has the group; `table`: names of bodies and ports, and the wavelength.
+ProjectionInputs read_projection(hdf5::Reader const&, CouplingTable const& table);
+
 void write_energy_balance(hdf5::Writer&, TraceResult const&);  // /energy_balance, /arrived
 
 void write_noise(hdf5::Writer&, NoiseBudget const&);  // /noise

@@ -382,7 +382,7 @@ std::optional<OtherDetector> other_detector(IfoFile const& budget, std::string c
       fmt::format("give the detector of '{}', or project the run with the interferometer of '{}'", run, detector)};
 }
 
-void warn_of_other_detector(Model const& model, Node const& place) {
+void warn_of_other_detector(ProjectionModel const& model, Node const& place) {
   if (!model.detector) return;
   for (DesignCurve const& curve : model.design)
     if (auto const other = other_detector(curve.name, *model.detector)) place.warning(other->what, other->suggestion);

@@ -44,6 +44,6 @@ std::optional<OtherDetector> other_detector(IfoFile const& budget, std::string c
                                             Interferometer const&);
 
 // Warns at `place` for each of the curves that the model is compared with.
-void warn_of_other_detector(Model const&, Node const& place);
+void warn_of_other_detector(ProjectionModel const&, Node const& place);
 
 }  // namespace straytrace

@@ -20,21 +20,20 @@
 #include "session/open_run.hpp"
 #include "session/scan/scan_points.hpp"
 #include "session/session.hpp"
-#include "world/model/material_view.hpp"
 
 namespace straytrace {
 namespace {
 
-// What a one-run inversion needs.
+// What an inversion of one run needs.
 struct Traced {
-  std::unique_ptr<RunFile> file;  // of a run: the model refers to its texts
-  Model model;
+  std::unique_ptr<OpenRun> run;  // owns the texts that the model refers to
+  ProjectionModel model;
   CouplingTable coupling;
   bool complete = true;
 };
 
 // Refuses before anything is traced.
-void ask(Requirement const& requirement, Model& model, ScanOptions const& options) {
+void ask(Requirement const& requirement, ProjectionModel& model, ScanOptions const& options) {
   apply(requirement, model);
   print_warnings(model, options);
   if (!model.detector)
@@ -46,21 +45,22 @@ void ask(Requirement const& requirement, Model& model, ScanOptions const& option
 Traced traced(ScanOptions const& options, Requirement const& requirement) {
   Traced t;
   if (options.input.ends_with(".h5")) {
-    t.file = std::make_unique<RunFile>(read_run(options.input));
-    t.model = model_of(*t.file);
+    t.run = std::make_unique<OpenRun>(options.input);
+    t.model = std::move(t.run->model);
     ask(requirement, t.model, options);
-    t.coupling = std::move(t.file->trace.coupling);
+    t.coupling = std::move(t.run->file.trace.coupling);
   } else {
-    t.model = read_model(options.input, options.overrides);
-    apply(options, t.model);
-    ask(requirement, t.model, options);
+    Model model = read_model(options.input, options.overrides);
+    apply(options, model);
+    ask(requirement, model, options);
     std::string const run = options.out.empty() ? "" : options.out + "/run.h5";
     std::optional<OutputFolder> folder;
     if (!options.out.empty()) folder.emplace(options.out);
-    TraceResult result = trace_model(t.model, options, run);
+    TraceResult result = trace_model(model, options, run);
     t.complete = !result.checkpointed();
-    if (!run.empty()) write_run(run, content_of(t.model, result, nullptr));
+    if (!run.empty()) write_run(run, content_of(model, result, nullptr));
     t.coupling = std::move(result.coupling);
+    t.model = std::move(model);
   }
   return t;
 }
@@ -74,14 +74,15 @@ Traced traced(ScanOptions const& options, Requirement const& requirement) {
 
 Answer scatter_answer(Traced const& t, std::string const& name, ScanOptions const& options) {
   std::vector<std::string> names;
-  for (MaterialSpread const& m : material_spreads(t.model.world)) names.push_back(m.name);
-  for (MaterialSpread const& m : material_spreads(t.model.world)) {
+  ProjectionInputs const& known = t.model.traced;
+  for (std::size_t i = 0; i < known.materials.size(); ++i) {
+    MaterialSpread const& m = known.materials[i];
+    names.push_back(m.name);
     if (m.name != name) continue;
     NoiseBudget const budget = t.model.project(t.coupling);
     print_warnings(budget, options);
     Answer a = answer_about(t.model, budget, invert_scatter(budget, t.coupling, m, line_of(t.model)));
-    for (MaterialInfo const& info : t.model.world.materials)
-      if (info.name == name) a.tis = scattered_share(t.model.world, info);
+    a.tis = known.scattered[i];
     a.subject = Answer::Subject::scatter;
     return a;
   }
@@ -362,7 +363,7 @@ Json json_of(Allowed const& a) {
 
 }  // namespace
 
-Answer answer_about(Model const& model, NoiseBudget const& budget, Inversion inversion) {
+Answer answer_about(ProjectionModel const& model, NoiseBudget const& budget, Inversion inversion) {
   Answer a;
   a.line = name_of_line(model);
   a.grid = model.noise.grid;

@@ -40,7 +40,7 @@ struct Answer {
   bool complete = true;
 };
 
-Answer answer_about(Model const&, NoiseBudget const&, Inversion);
+Answer answer_about(ProjectionModel const&, NoiseBudget const&, Inversion);
 // Root of the summed PSD of the three translations of a body, m/sqrt(Hz).
 std::vector<double> root_spectrum(MotionSet const&, BodyId, FrequencyGrid const&);
 

@@ -59,7 +59,7 @@ DesignCurve curve_named(std::string const& name, FrequencyGrid const& grid) {
 
 }  // namespace
 
-void apply(Requirement const& requirement, Model& model) {
+void apply(Requirement const& requirement, ProjectionModel& model) {
   if (requirement.margin) model.noise.margin = *requirement.margin;
   if (requirement.against.empty()) return;
   model.design = {curve_named(requirement.against, model.noise.grid)};
@@ -71,11 +71,11 @@ void apply(Requirement const& requirement, Model& model) {
   }
 }
 
-std::string name_of_line(Model const& model) {
+std::string name_of_line(ProjectionModel const& model) {
   return model.design.empty() ? "" : fmt::format("{:.3g} x {}", model.noise.margin, model.design.front().name);
 }
 
-std::vector<double> line_of(Model const& model) {
+std::vector<double> line_of(ProjectionModel const& model) {
   std::vector<double> line(model.noise.grid.size(), not_a_number);
   for (std::size_t i = 0; i < line.size() && !model.design.empty(); ++i)
     line[i] = model.noise.margin * model.design.front().asd[i];

@@ -36,9 +36,9 @@ struct Requirement {
   std::optional<double> margin;  // of the model where not given
   std::string against;           // design curve by name or file; of the model where empty
 };
-void apply(Requirement const&, Model&);
-std::string name_of_line(Model const&);                                       // "0.1 x adv-lal"; empty without a curve
-std::vector<double> line_of(Model const&);                                    // ASD per bin; NaN: none
+void apply(Requirement const&, ProjectionModel&);
+std::string name_of_line(ProjectionModel const&);                                       // "0.1 x adv-lal"; empty without a curve
+std::vector<double> line_of(ProjectionModel const&);                                    // ASD per bin; NaN: none
 void judge(ScanPoint&, NoiseBudget const&, std::vector<double> const& line);  // ratio, worst_hz, unresolved
 
 // Of the run file of a model under `runs/`, without its ending.

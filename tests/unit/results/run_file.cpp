@@ -176,6 +176,7 @@ TEST_F(ReportRunFile, HoldsAnEmptyResult) {
   c.overrides.clear();
   c.warnings.clear();
   c.importance = {};
+  c.projection.reset();
   write_run(folder / "empty.h5", c);
   RunFile const back = read_run(folder / "empty.h5");
   EXPECT_TRUE(back.trace.coupling.classes.empty());
@@ -253,6 +254,39 @@ TEST_F(ReportRunFile, OtherKindsAndNewerSchemasAreErrors) {
   EXPECT_THAT(message_of([&] { read_run(folder / "new.h5"); }),
               HasSubstr("format 3.0 and was written by straytrace 9.1"));
   EXPECT_THAT(message_of([&] { read_run(folder / "bare.h5"); }), HasSubstr("is damaged"));
+}
+
+// Every group and dataset can be read; what cannot be opened as HDF5 at all is a sentence, not a crash.
+TEST_F(ReportRunFile, ReadsVerifiedBytesInThisProcess) {
+  write_file(folder / "no_hdf5.h5", with_checksum_header("no HDF5 at all"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "no_hdf5.h5"); }), HasSubstr("it cannot be opened"));
+  std::string damaged = read_file(written());
+  damaged.back() = char(damaged.back() + 1);
+  write_file(folder / "damaged.h5", damaged);
+  EXPECT_THAT(message_of([&] { read_run(folder / "damaged.h5"); }), HasSubstr("does not match its checksum"));
+}
+
+TEST_F(ReportRunFile, HoldsWhatProjectionNeeds) {
+  ProjectionInputs const wrote = projection_inputs(trace.coupling);
+  std::optional<ProjectionInputs> const read = read_run(written()).about.projection;
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->bodies, wrote.bodies);
+  EXPECT_EQ(read->meets_light, wrote.meets_light);
+  EXPECT_EQ(read->wavelength, wrote.wavelength);
+  ASSERT_EQ(read->ports.size(), wrote.ports.size());
+  TracedPort const &a = read->ports.front(), &b = wrote.ports.front();
+  EXPECT_EQ(std::tie(a.name, a.injection_point, a.power, a.cavity_length, a.through_mirror),
+            std::tie(b.name, b.injection_point, b.power, b.cavity_length, b.through_mirror));
+  ASSERT_EQ(read->materials.size(), wrote.materials.size());
+  MaterialSpread const &steel = read->materials.front(), &same = wrote.materials.front();
+  EXPECT_EQ(std::tie(steel.name, steel.status, steel.low, steel.high, steel.factor, steel.of_reflection, steel.groups),
+            std::tie(same.name, same.status, same.low, same.high, same.factor, same.of_reflection, same.groups));
+  EXPECT_TRUE(read->materials.back().groups.empty());
+  EXPECT_EQ(read->scattered, wrote.scattered);
+  EXPECT_EQ(read->notes, wrote.notes);
+  EXPECT_EQ(read->limits, wrote.limits);
+  EXPECT_EQ(read->warnings, wrote.warnings);
+  EXPECT_EQ(read->warnings_json, wrote.warnings_json);
 }
 
 TEST_F(ReportRunFile, TruncatedAndChangedFilesAreErrors) {

@@ -204,6 +204,22 @@ inline TraceResult trace_result() {
   return t;
 }
 
+inline ProjectionInputs projection_inputs(CouplingTable const& table) {
+  ProjectionInputs p;
+  p.bodies = table.bodies;
+  for (std::size_t i = 0; i < table.bodies.size(); ++i) p.meets_light.push_back(i == 0);
+  p.wavelength = table.wavelength;
+  for (std::string const& name : table.ports)
+    p.ports.push_back({name, InjectionPoint::end_mirror, 4e5, 2999.8, p.ports.empty()});
+  p.materials = {{"steel", "assumed", 0.5, 2, 1.3, false, {{0}, {1}}}, {"mirror", "", 1, 1, 1, true, {}}};
+  p.scattered = {0.02, 1e-5};
+  p.notes = {"gap 2 mm assumed"};
+  p.limits = {"ghost beams are not counted"};
+  p.warnings = "warning: steel: measured 10 to 70 deg\n";
+  p.warnings_json = "[]\n";
+  return p;
+}
+
 inline RunContent content(TraceResult const& trace, NoiseBudget const* noise) {
   RunContent c;
   c.files = {{"arm.yaml", "straytrace: 1\nunits: µm\n"}, {"empty.txt", ""}, {"data/steel.csv", "1, 2\r\n3, 4"}};
@@ -218,6 +234,7 @@ inline RunContent content(TraceResult const& trace, NoiseBudget const* noise) {
   c.timing = {{"scene", 0.25}};
   c.importance = {
       {{1, 0, 0, 0.5, 0.25}, {1, 0, 0.5, 1, 0.25}, {3, 1, -1, 2, 12}}, {0.5, 0, 1e-9, 3}, {0.25, 1, 1, 0.9}};
+  c.projection = projection_inputs(trace.coupling);
   c.trace = &trace;
   c.noise = noise;
   return c;

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Commands that only project read the run file alone: no surface, mesh or search tree is built.
+#include "results/results.hpp"
+#include "scenes/program.hpp"
+
+namespace straytrace::testing::app_noise_without_world {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A run of a mesh whose file, inside the run file, is then replaced by text that no mesh reader takes.
+struct NoiseWithoutWorld : ::testing::Test {
+  Folder const folder;
+  std::string const whole = folder / "whole.h5", broken = folder / "broken.h5";
+  void SetUp() override {
+    Finished const r = straytrace({"run", source_folder + "/examples/suspended_bench.yaml", "-o", whole, "--histories",
+                                   "20000", "--quiet"});
+    ASSERT_EQ(r.code, 0) << r.err;
+    RunFile run = read_run(whole);
+    std::size_t meshes = 0;
+    for (auto& [name, text] : run.about.files)
+      if (name.ends_with(".obj") || name.ends_with(".stl") || name.ends_with(".ply")) {
+        text = "no mesh\n";
+        ++meshes;
+      }
+    ASSERT_GT(meshes, 0u);
+    write_run(broken, run.content());
+  }
+};
+
+TEST_F(NoiseWithoutWorld, ProjectsARunWhoseMeshCannotBeRead) {
+  for (Words const& words :
+       {Words{"noise"}, {"noise", "--format", "json"}, {"paths", "--csv"}, {"scan", "--invert", "motion(bench)"}}) {
+    auto const with = [&](std::string const& run) {
+      Words all = words;
+      all.insert(all.begin() + 1, run);
+      all.push_back("--quiet");
+      if (words.front() == "paths") all.pop_back();
+      return straytrace(all);
+    };
+    Finished const expected = with(whole), found = with(broken);
+    EXPECT_EQ(found.code, expected.code) << found.err;
+    EXPECT_EQ(found.out, expected.out) << words.front();
+  }
+  Finished const noise = straytrace({"noise", broken, "-o", folder / "again.h5", "--quiet"});
+  ASSERT_EQ(noise.code, 0) << noise.err;
+  EXPECT_EQ(read_run(folder / "again.h5").noise->total.asd, read_run(whole).noise->total.asd);
+}
+
+// Negative control: a command that builds the surfaces cannot read this file.
+TEST_F(NoiseWithoutWorld, CommandsThatNeedSurfacesFail) {
+  Finished const view = straytrace({"view", broken, "-o", folder / "view.html"});
+  EXPECT_EQ(view.code, 2);
+  EXPECT_THAT(view.err, HasSubstr("error: "));
+  RunFile old = read_run(broken);
+  old.about.projection.reset();  // as in files of schema 1
+  write_run(folder / "old.h5", old.content());
+  EXPECT_EQ(straytrace({"noise", folder / "old.h5", "--quiet"}).code, 2);
+}
+
+}  // namespace
+}  // namespace straytrace::testing::app_noise_without_world
