@@ -6,7 +6,6 @@
 #include <complex>
 
 namespace straytrace {
-
 // One arm: input and end mirror, loss of power per round trip.
 struct ArmCavity {
   double length = 0;
@@ -49,5 +48,7 @@ std::complex<double> strain_at_antisymmetric_port(double dark_fringe_offset, dou
 // Length change of the arm [m] that would change the phase of the light returning to the splitter as much as the stray
 // fields do: exact plane waves, eq. 9.10. s_arm joins the round trip, s_in the light from the splitter.
 double equivalent_length(ArmCavity const&, double wavelength, std::complex<double> s_arm, std::complex<double> s_in);
+
+constexpr double least_transmission = 1e-12, most_transmission = 1 - 1e-9;  // of power, of a mirror that stands there
 
 }  // namespace straytrace

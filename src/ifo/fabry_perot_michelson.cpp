@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ifo/transmission_range.hpp"
+#include "ifo/cavity.hpp"
 
 namespace straytrace {
 namespace {

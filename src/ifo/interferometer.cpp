@@ -4,7 +4,6 @@
 
 #include "ifo/dual_recycled.hpp"
 #include "ifo/fabry_perot_michelson.hpp"
-#include "ifo/recycled_interferometer.hpp"
 
 namespace straytrace {
 namespace {

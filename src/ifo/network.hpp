@@ -5,7 +5,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/SparseLU>
 
 #include <cmath>
 #include <complex>
@@ -13,13 +12,12 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "base/errors.hpp"
 #include "base/math/constants.hpp"
 
 namespace straytrace {
-
 using Phasor = std::complex<double>;
 
 struct ComponentId {
@@ -126,60 +124,101 @@ class SteadyField {
   std::vector<Eigen::VectorXcd> in_, out_;
 };
 
+// What small motion, stray light, forces and the vacuum do to a read-out of an interferometer, at one Fourier frequency
+// (docs/theory/arm.md and docs/theory/interferometer.md). Around each carrier stand two sidebands; light pushes mirrors
+// and moving mirrors change light, so radiation pressure, optical springs and recycling are in. Quantities go as Re(X
+// exp(-2 pi i f t)).
+
+// Squeezed vacuum, and what filter cavities make of it, at one Fourier frequency.
+
+// Of the two quadratures of a field, in units of the vacuum.
+using QuadratureCovariance = Eigen::Matrix2cd;
+
+QuadratureCovariance squeezed_vacuum(double least, double most, double angle = 0);  // noise powers; rad
+
+struct FilterCavity {
+  double length = not_a_number, detuning = not_a_number;                                           // m, Hz
+  double input_transmission = not_a_number, end_transmission = not_a_number, loss = not_a_number;  // loss: round trip
+  double rotation = 0;                                                                             // rad, after it
+};
+
+struct Squeezer {
+  double decibels = 0, anti_decibels = not_a_number;  // NaN: as much as squeezing
+  double angle = 0, loss = 0, phase_noise = 0;        // rad, power, rad rms
+  std::vector<FilterCavity> cavities{};               // in the order the light meets them
+
+  QuadratureCovariance covariance(double hz) const;  // after loss and cavities; the angle fluctuates by phase_noise
+};
+
+// What is read: linear in the sidebands that enter a port.
+struct Readout {
+  // Power, W, of the light that enters this port.
+  static Readout power(std::uint32_t port) { return {port, Kind::power, 0, 0}; }
+  // Beat with a strong local oscillator of phase `angle` (rad), sqrt(W): e^{-i angle} a + e^{i angle} b.
+  static Readout homodyne(std::uint32_t port, double angle) { return {port, Kind::homodyne, angle, 0}; }
+  // Power demodulated at `hz` with cos(2 pi hz t + phase) and averaged, W (eq. 6.10).
+  static Readout demodulated(std::uint32_t port, double hz, double phase) {
+    return {port, Kind::demodulated, phase, hz};
+  }
+  // Sum of displacements of components, m, each with a factor.
+  static Readout motion(std::vector<std::pair<ComponentId, double>> of) {
+    return {0, Kind::motion, 0, 0, std::move(of)};
+  }
+  enum class Kind : std::uint8_t { power, homodyne, demodulated, motion };
+  std::uint32_t port = 0;
+  Kind kind = Kind::power;
+  double angle = 0, hz = 0;
+  std::vector<std::pair<ComponentId, double>> moving{};
+};
+
+// The demodulated light itself, W: what a lock looks at. Light by carriers, sqrt(W) and Hz.
+double demodulated(std::span<double const> carriers, std::span<Phasor const> light, double hz, double phase);
+double demodulated(SteadyField const&, std::uint32_t port, double hz, double phase);
+// The same of a sampled power, W, at a constant rate, Hz: mean of P cos(2 pi hz t + phase) over whole periods.
+double demodulated(std::span<double const> power, double rate, double hz, double phase);
+
+// Squeezed vacuum instead of the vacuum that leaves a dump (or laser) at this port of it, about carrier 0. Its first
+// quadrature is the one at `angle`, rad.
+struct Squeezing {
+  std::uint32_t port = 0;
+  QuadratureCovariance covariance = QuadratureCovariance::Identity();
+  double angle = 0;
+};
+
+// Stray light that joins what enters or what leaves a port, as a share of what enters or leaves it; `turn`: phase, rad,
+// on the way back.
+struct Injection {
+  std::uint32_t port = 0;
+  bool joins_leaving = false, of_leaving = false;
+  double turn = 0;
+};
+
+class LinearResponse {
+ public:
+  // One solution answers for every cause.
+  LinearResponse(Network const&, SteadyField const&, Readout const&, double hz);
+
+  Phasor to_displacement(ComponentId) const;  // per m that an actuator or the ground adds
+  Phasor to_force(ComponentId) const;         // per N
+  // Stray field s (docs/theory/interferometer.md), of what enters this port of a component unless said otherwise: s = i
+  // e for phase, s = e for amplitude. Carriers get it alike.
+  Phasor to_phase(std::uint32_t port) const { return to_phase(Injection{port}); }
+  Phasor to_amplitude(std::uint32_t port) const { return to_amplitude(Injection{port}); }
+  Phasor to_phase(Injection const&) const;
+  Phasor to_amplitude(Injection const&) const;
+  // Angle of the quadrature of what leaves a dump (or laser) that the read-out sees most of: the one to squeeze.
+  double seen_quadrature(std::uint32_t port) const;
+  // One-sided PSD of the read-out from the vacuum that enters at losses and open ports, squared units per Hz.
+  double quantum_noise(std::span<Squeezing const> = {}) const;
+
+ private:
+  Phasor injected(Injection const&, Phasor upper, Phasor lower) const;
+  Phasor of_leaving(std::uint32_t port, int side) const;  // weight around carrier 0
+
+  Network const& network_;
+  SteadyField const& field_;
+  double hz_;
+  Eigen::VectorXcd weight_;  // of every equation in the read-out
+};
+
 }  // namespace straytrace
-
-// What the solvers of a network share: every way of light through components and spaces, and sparse linear systems.
-namespace straytrace::network_detail {
-
-inline Phasor const i_unit{0, 1};
-
-// Number of the carrier at this frequency, when it is one that is kept.
-inline std::optional<std::size_t> carrier_at(std::span<double const> carriers, double hz) {
-  for (std::size_t n = 0; n < carriers.size(); ++n)
-    if (std::fabs(carriers[n] - hz) < 1e-3) return n;
-  return {};
-}
-
-// Calls way(out, in, m, n, amplitude) for every way through the component, from carrier n at port `in` of it to carrier
-// m at port `out`.
-template <class Way>
-void for_each_way(Network::Component const& c, Eigen::MatrixXcd const& scattering, std::vector<double> const& carriers,
-                  Way const& way) {
-  int const order = int(c.bands.size()) / 2;
-  for (std::uint32_t out = 0; out < c.ports; ++out)
-    for (std::uint32_t in = 0; in < c.ports; ++in) {
-      Phasor const amplitude = scattering(out, in);
-      if (amplitude == 0.0) continue;
-      for (std::size_t n = 0; n < carriers.size(); ++n) {
-        if (c.bands.empty()) {
-          way(out, in, n, n, amplitude);
-          continue;
-        }
-        for (int s = -order; s <= order; ++s)
-          if (auto const m = carrier_at(carriers, carriers[n] + s * c.modulation))
-            way(out, in, *m, n, amplitude * c.bands[std::size_t(s + order)]);
-      }
-    }
-}
-
-// Phase along a space, rad, of light at `hz` from the laser.
-inline double phase_along(Network::Space const& s, double hz) {
-  return s.phase + 2 * pi * hz * s.length / speed_of_light;
-}
-
-using Sparse = Eigen::SparseMatrix<Phasor>;
-using Entries = std::vector<Eigen::Triplet<Phasor>>;
-
-// Solves for one right-hand side; checks the residual (a backward error).
-inline Eigen::VectorXcd solved(Sparse const& matrix, Eigen::VectorXcd const& right, char const* what) {
-  Eigen::SparseLU<Sparse> solver;
-  solver.compute(matrix);
-  Eigen::VectorXcd x;
-  if (solver.info() == Eigen::Success) x = solver.solve(right);
-  bool const good = solver.info() == Eigen::Success && x.allFinite() &&
-                    (matrix * x - right).norm() <= 1e-12 * (matrix.norm() * x.norm() + right.norm());
-  if (!good) throw NumericalError(std::string("the network has no single answer for ") + what);
-  return x;
-}
-
-}  // namespace straytrace::network_detail

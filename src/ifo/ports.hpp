@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "ifo/injection_point.hpp"
 #include "ifo/interferometer.hpp"
 #include "spectra/transfer_function.hpp"
 

@@ -13,7 +13,6 @@
 #include "cli/budget/budget_sources.hpp"
 #include "cli/budget/budget_view.hpp"
 #include "cli/options.hpp"
-#include "noise/fundamental/closed_forms.hpp"
 #include "noise/fundamental/design.hpp"
 #include "noise/fundamental/fundamental.hpp"
 #include "noise/fundamental/quantum.hpp"
@@ -181,7 +180,7 @@ Gathered read_inputs(BudgetRequest const& r) {
 void add_lines(BudgetOn& b, Detector const& d) {
   std::vector<double> limit;
   for (double const f : b.table.hz) {
-    limit.push_back(closed_forms::quantum_limit(d.arm_length, d.mirror_mass, f));
+    limit.push_back(quantum_limit(d.arm_length, d.mirror_mass, f));
     b.metres.push_back(1 / std::sqrt(d.strain_per_length_squared(f)));
   }
   // A filter cavity turns the squeezing by what moving mirrors do; beside held ones its angle is wrong.

@@ -10,7 +10,7 @@
 #include "cli/data_options.hpp"
 #include "cli/options.hpp"
 #include "cli/time/time_results.hpp"
-#include "noise/time_domain/fringe_rate.hpp"
+#include "noise/time_domain/phase_sum.hpp"
 #include "results/text/columns.hpp"
 #include "spectra/files/gps.hpp"
 

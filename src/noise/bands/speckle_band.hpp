@@ -5,12 +5,14 @@
 
 #include <Eigen/Dense>
 
+#include <array>
+#include <complex>
+#include <span>
 #include <vector>
 
 #include "noise/noise.hpp"
 
 namespace straytrace {
-
 // Fills speckle_05, _50, _95 and `coherent` of the budget, from the routes that make its total.
 //
 // Linear coupling: all paths that one input moves make one complex amplitude, whatever their route and port, so the law
@@ -48,5 +50,30 @@ std::vector<SpeckleMode> modes_of(std::vector<SpeckleMoments> const& blocks, boo
 
 // Power |sum of fields|^2 of one speckle that a share `below` of the realisations stays under, over its mean; eq. 10.2.
 double speckle_percentile(double below);
+
+// Percentiles of sums of squares of Gaussian variables and of phasors, by a fixed low-discrepancy set of draws.
+
+// |g + p|^2 of a real vector: g Gaussian, p the sum of phasors whose phases are unknown.
+struct RandomVector {
+  std::vector<std::vector<double>> gaussian;  // columns; g = sum over columns of column times a standard normal
+  // p = sum of first * cos(phase) + second * sin(phase)
+  std::vector<std::pair<std::vector<double>, std::vector<double>>> phasors;
+};
+
+class Draws {
+ public:
+  Draws();
+  // 5th, 50th and 95th percentile of the sum of `copies` independent |g + p|^2. Directions beyond `most` count with
+  // their mean.
+  std::array<double, 3> percentiles(RandomVector const&, int copies) const;
+  // The same for sum of weight times chi-square of one degree of freedom.
+  std::array<double, 3> percentiles(std::vector<double> weights, int copies) const;
+
+  static constexpr int count = 16384, most = 24;
+
+ private:
+  std::array<double, 3> read_off(std::vector<double>& values) const;
+  std::vector<std::vector<double>> normal_, squared_, turn_;  // by direction and draw
+};
 
 }  // namespace straytrace

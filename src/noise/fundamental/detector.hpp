@@ -8,7 +8,7 @@
 
 #include "base/math/constants.hpp"
 #include "ifo/interferometer.hpp"
-#include "ifo/squeezed_light.hpp"
+#include "ifo/network.hpp"
 
 namespace straytrace {
 

@@ -49,4 +49,8 @@ std::vector<double> shot_psd(Detector const& d, std::span<double const> hz) {
   return psd_of(d, held, hz);
 }
 
+double quantum_limit(double length, double mass, double hz) {
+  return std::sqrt(8 * hbar / mass) / (2 * pi * hz * length);
+}
+
 }  // namespace straytrace

@@ -11,7 +11,6 @@
 #include "base/math/constants.hpp"
 #include "noise/interpolate/spectrum_interpolator.hpp"
 #include "noise/noise.hpp"
-#include "noise/project/family_noise.hpp"
 #include "noise/project/route_noise.hpp"
 #include "noise/time_domain/motion_series.hpp"
 #include "noise/wrapped/phase_spectra.hpp"

@@ -4,17 +4,39 @@
 // fringe wrapping, and over the full dynamic range of doubles.
 #pragma once
 
+#include <complex>
 #include <functional>
+#include <map>
 #include <span>
 #include <vector>
 
 #include "noise/classes/motion_classes.hpp"
 #include "noise/noise.hpp"
-#include "noise/wrapped/class_covariances.hpp"
-#include "noise/wrapped/sidebands.hpp"
 #include "noise/wrapped/wrapped_spectrum.hpp"
 
 namespace straytrace {
+// Autocovariances of the classes of motion, shared by all paths of about the same fringe rate.
+
+// R(tau) = sum over classes of kappa_c r_c(tau), of the Gaussian motion below a frequency. What many paths ask for is
+// kept: power on the lines of the transform, and r_c; of more than `few` classes at once R is transformed itself. Not
+// for several threads at once.
+class ClassCovariances {
+ public:
+  Covariance sum(std::span<MotionClass const>, std::span<double const> kappa, double highest_hz, LagGrid const&);
+
+ private:
+  static constexpr std::size_t few = 3;
+  using Band = std::vector<Covariance>;  // per class, empty where not needed so far
+  Covariance const& of_class(Band&, std::span<MotionClass const>, std::size_t c, double highest_hz, LagGrid const&);
+  std::vector<double> const& line_powers(MotionClass const&, std::size_t c, double spacing, std::size_t count);
+  std::vector<double> lines(std::span<MotionClass const>, std::span<double const> kappa, double highest_hz,
+                            double spacing);
+
+  double spacing_ = 0;
+  std::vector<std::vector<double>> power_;                // per class, at k > 0 from (k - 1/2) to (k + 1/2) spacing
+  std::map<std::pair<double, std::size_t>, Band> bands_;  // by highest frequency and samples
+  std::size_t kept_ = 0;                                  // numbers in them
+};
 
 // One-sided PSD of Im s, which is also that of Re s, mean over the static phase. PSDs are averages over the bins of the
 // grid, 1/Hz.
@@ -94,5 +116,39 @@ class PhaseSpectra {
   std::vector<std::vector<double>> above_grid_;   // per class: integral from the upper edge of each bin upwards
   mutable ClassCovariances covariances_;
 };
+
+// Fields whose static phases are known: coherent families (docs/theory/ghosts.md, eq. 10.5).
+
+// One term weight * exp(-(own R(0) - cross R(tau))) of a correlation, summed over the classes in the exponent; a tone
+// is a factor J_0(sqrt(2 own - 2 cross cos(2 pi f tau))), a drift that both paths share a factor cos(sqrt(own) tau).
+// own = cross = kappa is a path by itself (eq. 1.11). PSDs of motion come in through kappa, so that part of a
+// cross-covariance that is odd in tau is left out: nothing, unless two paths see one input through transfers of
+// different phase.
+struct PhasePair {
+  double weight = 1;
+  std::vector<double> own, cross;  // per class; |cross| <= own
+};
+
+// Averages over the bins of the grid of the one-sided PSD, 1/Hz; single terms may be negative. Zero: below what a
+// transform resolves.
+struct PairSpectrum {
+  std::vector<double> psd;
+  std::vector<double> linear;  // of it: first order in the motion of the bin, as in PhaseSpectrum; between 0 and psd
+  double constant =
+      0;  // power at f = 0; with all psd the sum of the weights over two, times one less cross/own at tau = 0
+};
+// Slow motion by one transform, weak fast motion to first order (eq. 7.14). Of two paths that drift apart the term is
+// left out: the mean of its phase over a long time is zero.
+PairSpectrum pair_spectrum(PhaseSpectra const&, std::span<PhasePair const>);
+
+// A specular path: its field, root of its recoupled power times exp(i phase), and its phase sensitivities.
+struct CoherentPath {
+  std::complex<double> field;
+  std::vector<PhaseSensitivity> phase_sensitivities;
+};
+// Fields added, the common phase averaged. At most `most_coherent` paths.
+constexpr std::size_t most_coherent = 64;
+std::vector<PhasePair> coherent_family(MotionSet const&, std::vector<MotionClass> const&,
+                                       std::span<CoherentPath const>);
 
 }  // namespace straytrace

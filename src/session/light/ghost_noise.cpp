@@ -10,7 +10,7 @@
 #include <map>
 #include <span>
 
-#include "noise/wrapped/phase_pairs.hpp"
+#include "noise/wrapped/phase_spectra.hpp"
 #include "results/curves/band.hpp"
 #include "trace/deterministic/deterministic_classes.hpp"
 

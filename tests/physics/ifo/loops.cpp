@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "ifo/linear_response.hpp"
+#include "ifo/network.hpp"
 #include "spectra/transfer_function.hpp"
 #include "support/recorded.hpp"
 

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "ifo/cavity.hpp"
-#include "ifo/linear_response.hpp"
+#include "ifo/network.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_response {

@@ -6,7 +6,6 @@
 #include <boost/math/distributions/gamma.hpp>
 
 #include "base/math/rng.hpp"
-#include "noise/bands/percentiles.hpp"
 #include "noise/bands/speckle_band.hpp"
 #include "physics/noise/support.hpp"
 #include "spectra/welch.hpp"

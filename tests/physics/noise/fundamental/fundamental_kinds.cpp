@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "noise/fundamental/budget.hpp"
-#include "noise/fundamental/closed_forms.hpp"
+#include "support/closed_forms.hpp"
 #include "noise/fundamental/fundamental.hpp"
 #include "noise/fundamental/suspension.hpp"
 #include "physics/noise/support.hpp"

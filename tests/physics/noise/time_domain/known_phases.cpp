@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Static phases that are known: one quadrature of one realisation, and coherent families (docs/theory/spectra.md,
 // eq. 7.3, 7.4, 10.5).
-#include "noise/wrapped/phase_pairs.hpp"
+#include "noise/wrapped/phase_spectra.hpp"
 #include "physics/noise/support.hpp"
 #include "physics/noise/time_domain/time_series.hpp"
 
