@@ -49,6 +49,6 @@ std::complex<double> strain_at_antisymmetric_port(double dark_fringe_offset, dou
 // fields do: exact plane waves, eq. 9.10. s_arm joins the round trip, s_in the light from the splitter.
 double equivalent_length(ArmCavity const&, double wavelength, std::complex<double> s_arm, std::complex<double> s_in);
 
-constexpr double least_transmission = 1e-12, most_transmission = 1 - 1e-9;  // of power, of a mirror that stands there
+constexpr double least_transmission = 1e-12, most_transmission = 1 - 1e-9;  // of power, of a mirror that exists
 
 }  // namespace straytrace

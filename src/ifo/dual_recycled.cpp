@@ -319,7 +319,7 @@ constexpr double rounding = 1e-12;  // of a field: what is below may be rounding
 
 std::array<double, 3> probes(Band const& band) { return {band.low, std::sqrt(band.low * band.high), band.high}; }
 
-// A read-out that does not see DARM calibrates nothing.
+// A read-out that does not see DARM cannot be calibrated.
 void refuse_a_blind_readout(Node const& table, DualRecycled const& model, Band const& band) {
   if (model.parameters().dark_fringe_offset != 0 && !(model.reference(InjectionPoint::as_port) > rounding))
     return table["dark_fringe_offset"].problem("with so small an offset no light of the carrier leaves the dark port",
@@ -331,7 +331,7 @@ void refuse_a_blind_readout(Node const& table, DualRecycled const& model, Band c
                    "write 'homodyne_angle: 90 deg', or give a 'dark_fringe_offset'");
 }
 
-// Keys that would be read and do nothing, or nothing that can be built.
+// Keys without effect, and lengths that cannot be built.
 void refuse_keys_at_odds(Node const& table, P const& p) {
   if (table.has("homodyne_angle") && p.dark_fringe_offset != 0)
     table["homodyne_angle"].problem("the read-out is the power at the dark port, where 'homodyne_angle' does nothing",

@@ -60,7 +60,7 @@ struct DualRecycledParameters {
   // rad, one way, positive: longer; 0: resonant sideband extraction, pi/2: signal recycling.
   double signal_recycling_tuning = 0;
   double beam_splitter_loss = 0;  // of a round trip between the recycling mirror and the arms, as in eq. 6.11
-  double signal_cavity_loss = 0;  // of a round trip between the splitter and the signal-recycling mirror, besides
+  double signal_cavity_loss = 0;  // additional, of a round trip between the splitter and the signal-recycling mirror
   double splitter_transmission = 0.5;
   double power_recycling_length = 0, signal_recycling_length = 0;  // recycling mirror to splitter
   double short_arm = 0, schnupp_asymmetry = 0;                     // mean of the short arms, lx - ly
@@ -104,7 +104,7 @@ class DualRecycled {
   LinearResponse response(Readout const& r, double hz) const { return {network_, *field_, r, hz}; }
   Phasor to_freedom(LinearResponse const&, Freedom) const;  // per m
   Injection injection(InjectionPoint) const;
-  // Of the field s of this place, what 1 of the injection stands for: light that passed the end mirror twice has
+  // The field s at this place that an injection of 1 represents: light that passed the end mirror twice has
   // s = T_E s_bench (eq. 9.3), and is injected behind that mirror.
   double share_outside(InjectionPoint) const;
   // Field that a stray field at this place is relative to, over that in arm x. Without light there: rounding.
@@ -182,7 +182,7 @@ class RecycledInterferometer final : public Interferometer {
   DetectorNumbers numbers() const override;
   std::string description() const override;
   DualRecycled const& model() const { return *model_; }
-  // Strain per relative field in the larger of both quadratures, without what the port and servos take of it.
+  // Strain per relative field in the larger of both quadratures, without attenuation by the port and servos.
   double largest_response(InjectionPoint, double hz) const;
 
  private:

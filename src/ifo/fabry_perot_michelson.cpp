@@ -103,7 +103,7 @@ std::string FabryPerotMichelson::description() const {
 
 namespace {
 
-// Ports at which light has no closed form of its own.
+// Ports without a closed form.
 void refuse_without_closed_form(Node const& table, FabryPerotMichelson::Parameters const& p,
                                 std::vector<PortEntry> const& entries) {
   for (PortEntry const& e : entries) {

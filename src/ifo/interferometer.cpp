@@ -33,7 +33,7 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
   std::string const name = table.choice("preset", names);
   auto const network = std::find_if(networks.begin(), networks.end(), [&](auto const& p) { return p.name == name; });
   bool const solves = network != networks.end();
-  if (!solves && name != closed_forms) return nullptr;  // said by choice()
+  if (!solves && name != closed_forms) return nullptr;  // choice() reported it
   std::unique_ptr<Interferometer> ifo = solves ? read_recycled_interferometer(table, *network, ports, wavelength, band)
                                                : read_closed_forms(table, ports, wavelength, band);
   ifo = with_responses(std::move(ifo), table, ports, band);
@@ -42,7 +42,7 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
 }
 
 // Detectors of docs/theory/sensitivity.md; sources and marks in docs/reference/interferometer.md. Where budgets of the
-// same detectors (data/detectors) differ, tests/unit/results/presets.cpp says why.
+// same detectors (data/detectors) differ, tests/unit/results/presets.cpp gives the reason.
 
 std::span<DualRecycledPreset const> dual_recycled_presets() {
   static std::array<DualRecycledPreset, 6> const presets = {{

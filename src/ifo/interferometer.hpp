@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a stray field does to h (docs/theory/interferometer.md).
+// Response of h to a stray field (docs/theory/interferometer.md).
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ enum class InjectionPoint : std::uint8_t {
 constexpr std::array<std::string_view, 10> entrance_names = {
     "arm",           "end-mirror", "through-end",    "end-bench",  "short-arm", "recycling-cavity",
     "signal-cavity", "as-port",    "symmetric-port", "input-bench"};
-// One of two equal arms has it, not the whole interferometer.
+// The place is in one of two equal arms.
 constexpr bool is_of_an_arm(InjectionPoint e) { return e <= InjectionPoint::short_arm; }
 constexpr bool is_behind_the_end(InjectionPoint e) {
   return e == InjectionPoint::through_end || e == InjectionPoint::end_bench;
@@ -44,14 +44,14 @@ constexpr bool is_inside_an_arm(InjectionPoint e) { return e <= InjectionPoint::
 // A port of the scene, as the interferometer finds it.
 struct TracedPort {
   std::string name;
-  InjectionPoint injection_point = InjectionPoint::arm;  // where its light joins when the table does not say
+  InjectionPoint injection_point = InjectionPoint::arm;  // where its light joins unless the table says otherwise
   double power = 0;                                      // W, of its beam; 0: not stated
   double cavity_length = 0;                              // m, between the mirrors of its beam; 0: no cavity
   // `lit` followed its light through a mirror of the cavity: the coupling holds the transmission already, twice.
   bool through_mirror = false;
 };
 
-// What a detector is known by, of its arms and its recycling. NaN: not known.
+// Numbers of the arms and of recycling that characterise a detector. NaN: not known.
 struct DetectorNumbers {
   double arm_length = not_a_number, arm_power = not_a_number;  // m; W that circulate in one arm
   double mirror_mass = not_a_number;                           // kg, each mirror of the arm
@@ -66,7 +66,7 @@ class Interferometer {
   // (Im s, phase) and the part in phase (Re s, radiation pressure).
   virtual std::complex<double> strain_per_phase(PortId, double hz) const = 0;
   virtual std::complex<double> strain_per_amplitude(PortId, double hz) const = 0;
-  // How many equal, independent copies of what was traced at this port the detector has (two arms: 2). Powers add.
+  // Number of equal, independent copies of the traced port in the detector (two arms: 2). Powers add.
   virtual double copies(PortId) const = 0;
   virtual DetectorNumbers numbers() const { return {}; }
   virtual std::string description() const = 0;  // one line for reports: formulas and numbers used

@@ -48,9 +48,7 @@ void for_each_way(Network::Component const& c, Eigen::MatrixXcd const& scatterin
 }
 
 // Phase along a space, rad, of light at `hz` from the laser.
-double phase_along(Network::Space const& s, double hz) {
-  return s.phase + 2 * pi * hz * s.length / speed_of_light;
-}
+double phase_along(Network::Space const& s, double hz) { return s.phase + 2 * pi * hz * s.length / speed_of_light; }
 
 using Sparse = Eigen::SparseMatrix<Phasor>;
 using Entries = std::vector<Eigen::Triplet<Phasor>>;
@@ -216,14 +214,13 @@ SteadyField::SteadyField(Network const& network) : carriers_(network.carriers())
   std::size_t const laser = *carrier_at(carriers_, 0);
   for (Network::Component const& c : network.components()) {
     source[Eigen::Index(laser) * ports + c.first_port] += c.emits;
-    for_each_way(
-        c, c.scattering_at_place(network.wavenumber()), carriers_,
-        [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Phasor amplitude) {
-          auto const [from, space] = other[c.first_port + in];
-          if (from == network.ports()) return;  // nothing comes in here
-          entries.emplace_back(Eigen::Index(m) * ports + c.first_port + out, Eigen::Index(n) * ports + from,
-                               -amplitude * arriving(c.first_port + in, n));
-        });
+    for_each_way(c, c.scattering_at_place(network.wavenumber()), carriers_,
+                 [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Phasor amplitude) {
+                   auto const [from, space] = other[c.first_port + in];
+                   if (from == network.ports()) return;  // no light enters here
+                   entries.emplace_back(Eigen::Index(m) * ports + c.first_port + out, Eigen::Index(n) * ports + from,
+                                        -amplitude * arriving(c.first_port + in, n));
+                 });
   }
   Sparse matrix(size, size);
   matrix.setFromTriplets(entries.begin(), entries.end());
@@ -326,7 +323,7 @@ struct Layout {
 
 Phasor sided(int side, Phasor z) { return side == 0 ? z : std::conj(z); }
 
-// The equations, transposed: the read-out asks for all causes at once.
+// The equations, transposed: one solution gives the response to all causes.
 class System {
  public:
   System(Network const& network, SteadyField const& field, double hz)
@@ -355,17 +352,17 @@ class System {
     Network::Component const& c = network_.components()[number];
     double const k = network_.wavenumber();
     Eigen::MatrixXcd const scattering = c.scattering_at_place(k);
-    for_each_way(
-        c, scattering, field_.carriers(),
-        [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Phasor amplitude) {
-          Phasor const carrier = amplitude * field_.in(c.first_port + in, n);
-          for (int side : {0, 1}) {
-            Eigen::Index const leaving = at_.field(true, side, m, c.first_port + out);
-            depends(leaving, at_.field(false, side, n, c.first_port + in), sided(side, amplitude));
-            if (c.path(out, in) != 0)
-              depends(leaving, at_.displacement(number), sided(side, i_unit * k * c.path(out, in) / 2.0 * carrier));
-          }
-        });
+    for_each_way(c, scattering, field_.carriers(),
+                 [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Phasor amplitude) {
+                   Phasor const carrier = amplitude * field_.in(c.first_port + in, n);
+                   for (int side : {0, 1}) {
+                     Eigen::Index const leaving = at_.field(true, side, m, c.first_port + out);
+                     depends(leaving, at_.field(false, side, n, c.first_port + in), sided(side, amplitude));
+                     if (c.path(out, in) != 0)
+                       depends(leaving, at_.displacement(number),
+                               sided(side, i_unit * k * c.path(out, in) / 2.0 * carrier));
+                   }
+                 });
     if (c.suspension.mass < infinity) add_push(number, c);
   }
   // Force along the displacement: power that comes and goes at the front, less that at the back; P = |E|^2 changes by

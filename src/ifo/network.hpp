@@ -82,7 +82,7 @@ class Network {
     double modulation = 0;      // Hz; 0: none
     std::vector<Phasor> bands;  // of a modulator: bands[s + order] of band s
     bool moves() const { return suspension.mass < infinity; }
-    // The scattering matrix where the component stands.
+    // The scattering matrix at the place of the component.
     Eigen::MatrixXcd scattering_at_place(double wavenumber) const;
   };
   struct Space {
@@ -107,7 +107,7 @@ class Network {
   std::vector<Space> spaces_;
 };
 
-// The light that stands in a network.
+// The steady light in a network.
 class SteadyField {
  public:
   explicit SteadyField(Network const&);                              // NumericalError when there is no single answer
@@ -124,12 +124,12 @@ class SteadyField {
   std::vector<Eigen::VectorXcd> in_, out_;
 };
 
-// What small motion, stray light, forces and the vacuum do to a read-out of an interferometer, at one Fourier frequency
-// (docs/theory/arm.md and docs/theory/interferometer.md). Around each carrier stand two sidebands; light pushes mirrors
-// and moving mirrors change light, so radiation pressure, optical springs and recycling are in. Quantities go as Re(X
-// exp(-2 pi i f t)).
+// Response of a read-out of an interferometer to small motion, stray light, forces and the vacuum, at one Fourier
+// frequency (docs/theory/arm.md and docs/theory/interferometer.md). Each carrier has two sidebands; light pushes
+// mirrors and moving mirrors change light, so radiation pressure, optical springs and recycling are included.
+// Quantities go as Re(X exp(-2 pi i f t)).
 
-// Squeezed vacuum, and what filter cavities make of it, at one Fourier frequency.
+// Squeezed vacuum before and after filter cavities, at one Fourier frequency.
 
 // Of the two quadratures of a field, in units of the vacuum.
 using QuadratureCovariance = Eigen::Matrix2cd;

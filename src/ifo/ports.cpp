@@ -11,7 +11,7 @@
 namespace straytrace {
 namespace {
 
-constexpr double faintest = 1e-30;  // of light that a port lets back: nothing at all is no port
+constexpr double faintest = 1e-30;  // of the light that a port returns: without any it is not a port
 constexpr double same_power = 0.1;  // relative: powers nearer than this may be rounded, or with and without a loss
 constexpr double same_length = 0.01;
 
@@ -200,16 +200,16 @@ void warn_of_other_arms(Node const& interferometer, std::vector<TracedPort> cons
 std::string describe(std::vector<PortEntry> const& entries, Interferometer const& ifo, Band const& band) {
   double const low = band.clamped(10), high = band.clamped(100);
   std::string text;
-  std::vector<bool> told(entries.size(), false);
+  std::vector<bool> listed(entries.size(), false);
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    if (told[i]) continue;
+    if (listed[i]) continue;
     PortEntry const& e = entries[i];
     std::vector<std::string> names;
     for (std::size_t j = i; j < entries.size(); ++j)
       if (entries[j].injection_point == e.injection_point && entries[j].field_share == e.field_share &&
           entries[j].copies == e.copies) {
         names.push_back(entries[j].name);
-        told[j] = true;
+        listed[j] = true;
       }
     PortId const port{std::uint32_t(i)};
     text += fmt::format("; {}: {}{}, {:g} {}, at {:.4g} and {:.4g} Hz h per Im s {} and {}, per Re s {} and {}",

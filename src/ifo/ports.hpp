@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the table `interferometer` says about each port of a scene: where its light joins again, and responses measured
-// or computed elsewhere.
+// The ports of a scene in the table `interferometer`: where their light joins again, and responses measured or computed
+// elsewhere.
 #pragma once
 
 #include <memory>
@@ -19,14 +19,14 @@ struct PortEntry {
   double copies = 2;       // equal, independent ones of the traced port; powers add
 };
 
-// The sub-table `ports`; what it leaves out is as the scene has it. `arms`: copies of what an arm has.
+// The sub-table `ports`; defaults come from the scene. `arms`: number of copies of a port in an arm.
 std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector<TracedPort> const& ports, double arms);
-// Where the table says how light of this port joins; the nearest table above when it does not.
+// The node that states where light of this port joins; the nearest table above when there is none.
 Node place_of_entrance(Node const& interferometer, std::string const& port);
-// Whether files say what light of this port does, whatever the model of the interferometer says.
+// Whether files give the response of this port instead of the model of the interferometer.
 bool has_response_files(Node const& interferometer, std::string const& port);
-// W that circulate in an arm, as the beams of ports inside an arm say it; 0: none does. Beams that say different powers
-// are a problem of the table.
+// Power in W that circulates in an arm, stated by the beams of ports inside an arm; 0: not stated. Beams with different
+// powers are a problem of the table.
 double beam_power_in_arm(Node const& interferometer, std::vector<TracedPort> const&, std::vector<PortEntry> const&);
 // Warns of beams of ports inside an arm that state another power than the arms have (W), or whose cavity has another
 // length (m).

@@ -27,26 +27,30 @@ struct NoiseTrace {
   std::uint64_t hash = 0;     // route hash; 0 for totals
   std::vector<double> asd;    // 1/sqrt(Hz)
   std::vector<double> sigma;  // one standard error of asd, Monte Carlo only
-  // Whence it comes: what it would be if only the power of the routes, only the second moments of their phase
+  // Its parts: the error if only the power of the routes, only the second moments of their phase
   // sensitivities or only the spectra of the kept paths were uncertain. They are correlated: their squares do not sum
   // to its square. Empty when not known.
   std::vector<double> power_sigma, phase_sensitivities_sigma, paths_sigma;
   std::vector<double> phase_asd, amplitude_asd;  // the two quadratures alone (eq. 9.1 and 9.2)
-  // Share of the PSD that motion of about this frequency makes to first order; the rest is fringe wrapping of slower
-  // motion. NaN where there is no noise.
+  // Share of the PSD from motion of about this frequency to first order; the rest is fringe wrapping of slower motion.
+  // NaN where there is no noise.
   std::vector<double> linear_share;
-  // Of routes: what stated brackets and uncertainties of materials and motion leave open; empty when not made. That of
-  // the total is in NoiseBands.
+  // Of routes: the range allowed by stated brackets and uncertainties of materials and motion; empty when not computed.
+  // NoiseBands holds that of the total.
   std::vector<double> input_low, input_high;
   double mean_square_phase = 0;  // rad^2, mean over the paths by power: linear below 1e-2, fringe wrapping above 1
   bool resolved = true;
   std::string why_not;
-  bool faint = false;               // unresolved, but what was seen of it is below `faint_limit`
+  bool faint = false;               // unresolved, but its observed part is below `faint_limit`
   bool upper_bound = false;         // of routes: computed as the most there can be (kind edge)
-  std::vector<double> bound_share;  // of the total: share of the PSD that such routes make; empty: nobody asked
+  std::vector<double> bound_share;  // of the total: share of the PSD that such routes make; empty: not computed
+
+  // strain^2/Hz, from the ASD that run files hold: a budget just made and one read from a file agree to the last bit.
+  double psd(std::size_t bin) const { return asd[bin] * asd[bin]; }
+  double psd_sigma(std::size_t bin) const { return 2 * asd[bin] * sigma[bin]; }
 };
-// An unresolved route whose noise, as far as seen, is below this share of the total PSD in every bin cannot move the
-// total by 1 % even if ten times more of it was missed.
+// An unresolved route whose observed noise is below this share of the total PSD in every bin cannot change the total by
+// 1 %, even if the trace missed ten times more.
 constexpr double faint_limit = 1e-3;
 
 struct DesignCurve {
@@ -54,16 +58,16 @@ struct DesignCurve {
   std::vector<double> asd;  // on the grid's centres, 1/sqrt(Hz); NaN outside its range
 };
 
-// One thing that is not exactly known, and what it does to the total (docs/theory/errors.md).
+// An uncertain input and its effect on the total (docs/theory/errors.md).
 struct InputSource {
   std::string name;          // "material steel", "motion of tube"
   std::string statement;     // "bracket x 0.33 to 3.3 (assumed)", "one sigma: factor 1.3"
   double low = 1, high = 1;  // least and largest factor on the ASD of the total, over the band
-  double share = 0;          // of the noise power of the band on routes that it acts on
+  double share = 0;          // of the noise power of the band that comes by routes it affects
 };
 // Uncertainties of the total besides its Monte-Carlo error; 1/sqrt(Hz), empty when not computed.
 struct NoiseBands {
-  std::vector<double> input_low, input_high;               // what materials and motion leave open
+  std::vector<double> input_low, input_high;               // uncertainty of materials and motion
   std::vector<double> speckle_05, speckle_50, speckle_95;  // percentiles of one realisation of the static phases
   std::vector<double> coherent;                            // linear sum of the ASDs of all routes: upper bound
   std::vector<InputSource> sources;                        // those with a stated spread
@@ -79,19 +83,19 @@ struct NoiseSettings {
 
 struct NoiseBudget {
   FrequencyGrid grid;
-  // All resolved classes, and of unresolved ones what was seen of them, with an error as large: that of a mean that
-  // rests on one history. A lower bound when `unresolved` is not empty; NaN when nothing is resolved.
+  // All resolved classes, and the observed part of unresolved ones with an error as large as itself (the error of a
+  // mean over one history). A lower bound when `unresolved` is not empty; NaN when no class is resolved.
   NoiseTrace total;
   std::vector<NoiseTrace> routes;       // one per coupling class, same order as the table
   std::vector<std::string> unresolved;  // names, with reason, of those that could matter
   std::vector<std::string> faint;       // names, with reason, of the faint ones
-  double faint_share = 0;               // largest ratio, over bins, of what was seen of the faint to the total
+  double faint_share = 0;               // largest ratio, over bins, of the observed faint noise to the total
   double unresolved_hint = 0;           // largest ratio unresolved / total in PSD over the band, as a hint
   std::vector<DesignCurve> design;
   double margin = 0.1;
   double seconds = 0;
   NoiseBands bands;  // of the total
-  // That drawn paths stand for all (StrengthNodes), with what that adds to the error: which `sigma` holds.
+  // Where drawn paths represent all (SpectrumInterpolator): how much this adds to the error. `sigma` includes it.
   std::vector<std::string> warnings;
 };
 

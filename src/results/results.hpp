@@ -15,7 +15,7 @@
 #include "base/memory/storage.hpp"
 #include "motion/motion.hpp"
 #include "noise/noise.hpp"
-#include "results/run_file/projection_inputs.hpp"
+#include "results/projection_inputs.hpp"
 #include "scene/scene.hpp"
 #include "trace/result.hpp"
 #include "world/model/receiver.hpp"
@@ -57,7 +57,7 @@ struct RunContent {
   std::vector<Receiver> receivers;    // in the order of CouplingTable::receivers
   Storage cells;                      // of their maps, where they were read from a file
   ImportanceMap importance;
-  double beam_power = 0;  // W, of the main mode; 0: not stated
+  double beam_power = 0;                       // W, of the main mode; 0: not stated
   std::optional<ProjectionInputs> projection;  // absent in files of schema 1
   Provenance provenance;
   std::map<std::string, double> timing;  // s, by stage, besides those of trace and noise

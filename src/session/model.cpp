@@ -228,7 +228,8 @@ void warn_of_gaps(MotionSet const& motion, NoiseSettings const& noise, Node cons
   }
 }
 
-void replace_motion(ProjectionModel& model, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses) {
+void replace_motion(ProjectionModel& model, std::string const& file, FileTexts const* texts, FileTexts* read,
+                    bool responses) {
   Scene const other = read_scene(file, {}, texts);
   Node const bodies = other.table("bodies"), noise = other.table("noise");
   if (bodies) model.motion = read_bodies(bodies, model.traced, true);

@@ -14,7 +14,7 @@
 #include "motion/motion.hpp"
 #include "noise/bands/input_band.hpp"
 #include "noise/noise.hpp"
-#include "results/run_file/projection_inputs.hpp"
+#include "results/projection_inputs.hpp"
 #include "scene/model_tree.hpp"
 #include "scene/scene.hpp"
 #include "world/model/world.hpp"
@@ -47,8 +47,8 @@ double parse_duration(std::string const&);
 inline constexpr std::uint64_t no_limit = 1ull << 36;    // histories
 inline constexpr std::uint64_t fewest_histories = 1000;  // for numbers with errors
 
-// What turns a coupling table into strain noise: motion, interferometer, band and design curves. It holds no surfaces and
-// no search structure, so a run file is opened without them.
+// What turns a coupling table into strain noise: motion, interferometer, band and design curves. It holds no surfaces
+// and no search structure, so a run file is opened without them.
 struct ProjectionModel {
   Scene scene;
   ProjectionInputs traced;  // `materials` and the texts are there once the model has no problems
@@ -88,7 +88,8 @@ ProjectionModel read_projection_model(std::string const& file, std::vector<std::
 // The same with motion, noise and interferometer, or responses of its ports alone, taken from another file where it
 // gives them. `texts`: of a run file, instead of disk; `read`: gets the texts that were read; `responses`: it must hold
 // some.
-void replace_motion(ProjectionModel&, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses = false);
+void replace_motion(ProjectionModel&, std::string const& file, FileTexts const* texts, FileTexts* read,
+                    bool responses = false);
 // The motion in a file with nothing to trace, as far as it can be judged without a run: with all problems that
 // `straytrace noise --motion` tells of any run. Warnings are left in the scene.
 MotionSet read_motion_file(Scene const&);

@@ -21,7 +21,9 @@ inline double shot(double wavelength, double length, double finesse, double powe
 }
 
 // 1/s, eq. 12.3
-inline double photon_rate(double wavelength, double power) { return power * wavelength / (2 * pi * hbar * speed_of_light); }
+inline double photon_rate(double wavelength, double power) {
+  return power * wavelength / (2 * pi * hbar * speed_of_light);
+}
 
 // W/sqrt(Hz): sqrt(2 h nu P)
 inline double power_noise(double wavelength, double power) {
@@ -29,14 +31,16 @@ inline double power_noise(double wavelength, double power) {
 }
 
 // eq. 12.4: plain Michelson; with cavities whose mirrors are both free: times 4 F/pi and the pole (finesse > 0).
-inline double radiation_pressure(double wavelength, double length, double mass, double power, double hz, double finesse = 0) {
+inline double radiation_pressure(double wavelength, double length, double mass, double power, double hz,
+                                 double finesse = 0) {
   double const w = 2 * pi * hz, light = 2 * pi * speed_of_light / wavelength;
   double const plain = std::sqrt(8 * hbar * light * power) / (speed_of_light * mass * length * w * w);
   return finesse > 0 ? plain * 4 * finesse / pi / pole_factor(length, finesse, hz) : plain;
 }
 
 // eq. 12.6 (Kimble et al. 2001): both, with their ratio K; arm power in W.
-inline double quantum(double wavelength, double length, double mass, double input_transmission, double arm_power, double hz) {
+inline double quantum(double wavelength, double length, double mass, double input_transmission, double arm_power,
+                      double hz) {
   double const w = 2 * pi * hz, light = 2 * pi * speed_of_light / wavelength,
                gamma = input_transmission * speed_of_light / (4 * length);
   double const k = 16 * light * arm_power * gamma / (mass * speed_of_light * length * w * w * (gamma * gamma + w * w));
@@ -48,8 +52,8 @@ inline double substrate_brownian(double temperature, double young, double poisso
   return std::sqrt(2 * boltzmann * temperature * (1 - poisson * poisson) * loss / (std::pow(pi, 1.5) * hz * w * young));
 }
 
-inline double coating_brownian(double temperature, double young, double poisson, double loss, double thickness, double w,
-                        double hz) {
+inline double coating_brownian(double temperature, double young, double poisson, double loss, double thickness,
+                               double w, double hz) {
   return std::sqrt(4 * boltzmann * temperature / (pi * pi * hz) * (1 + poisson) * (1 - 2 * poisson) * thickness * loss /
                    (w * w * young));
 }

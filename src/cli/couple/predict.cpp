@@ -152,8 +152,8 @@ struct Prediction {
   nlohmann::json result;
 };
 
-void add_motion(Prediction& out, PredictOptions const& o, RunFile const& file, ProjectionModel const& model, BodyAxis where,
-                FrequencyGrid const& grid) {
+void add_motion(Prediction& out, PredictOptions const& o, RunFile const& file, ProjectionModel const& model,
+                BodyAxis where, FrequencyGrid const& grid) {
   char const* const unit = where.axis > 2 ? "rad" : "m";
   CouplingTable const& table = file.trace.coupling;
   if (!o.amplitude.empty()) {

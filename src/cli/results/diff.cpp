@@ -43,18 +43,34 @@ Side read_side(std::string const& file, std::vector<std::string> const& override
     if (!overrides.empty())
       throw InputError("-p sets parameters of a model, and a run has its own", "compare models, or leave -p out");
     side.run = read_run(file);
-    RunContent const& about = side.run->about;
-    side.scene = read_by_all(about.main_file, about.overrides, &about.files);
   } else {
     side.scene = read_by_all(file, overrides);
   }
   return side;
 }
 
+// Two runs of the same texts have the same model: it is not built.
+bool same_texts(Side const& before, Side const& after) {
+  if (!before.run || !after.run) return false;
+  RunContent const &b = before.run->about, &a = after.run->about;
+  return b.main_file == a.main_file && b.overrides == a.overrides && b.files == a.files;
+}
+
+void read_scene_of(Side& side) {
+  if (!side.run) return;
+  RunContent const& about = side.run->about;
+  side.scene = read_by_all(about.main_file, about.overrides, &about.files);
+}
+
 int diff(DiffOptions const& options) {
   std::vector<std::string> const& files = options.files;
-  Side const before = read_side(files[0], options.overrides), after = read_side(files[1], options.overrides);
-  std::vector<Difference> const models = differences(before.scene, after.scene);
+  Side before = read_side(files[0], options.overrides), after = read_side(files[1], options.overrides);
+  std::vector<Difference> models;
+  if (!same_texts(before, after)) {
+    read_scene_of(before);
+    read_scene_of(after);
+    models = differences(before.scene, after.scene);
+  }
   bool const runs = before.run && after.run;
   std::vector<Difference> const parameters = models.empty() ? models : parameter_differences(before.scene, after.scene);
   nlohmann::ordered_json out{{"parameters", as_json(parameters)}, {"models", as_json(models)}};

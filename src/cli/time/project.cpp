@@ -101,7 +101,7 @@ int project(ProjectOptions const& o) {
   ProgressLine progress(o.data.quiet);
   auto const start = std::chrono::steady_clock::now();
   TimeLeft left;
-  settings.told = [&](double share) {
+  settings.progress = [&](double share) {
     double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
                  done = (settings.paths.realisation + share) / o.realisations;
     double const more = left.at(seconds, done);

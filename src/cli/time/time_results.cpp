@@ -30,7 +30,7 @@ class ExactSpectrum {
     for (std::size_t i = 0; i < grid_.size(); ++i) {
       hz.push_back(grid_.centre(i));
       psd.push_back(0);
-      for (std::uint32_t r : in.routes) psd.back() += in.exact.routes[r].asd[i] * in.exact.routes[r].asd[i];
+      for (std::uint32_t r : in.routes) psd.back() += in.exact.routes[r].psd(i);
     }
     bins_ = psd;
     hz.push_back(grid_.edges.back());

@@ -19,7 +19,7 @@ Doubles psd_of(NoiseTrace const& t, double factor) {
   return psd;
 }
 
-// PSD of the routes, each times a factor of its own; of unresolved ones what was seen, as in the total.
+// Sum of the PSDs of the routes, each times its own factor; unresolved ones with their observed part, as in the total.
 template <class Factor>
 Doubles total_psd(NoiseBudget const& b, Factor const& factor) {
   Doubles sum(b.grid.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What uncertain scatter and uncertain motion do to the total (docs/theory/errors.md).
+// Effect of uncertain scatter and uncertain motion on the total (docs/theory/errors.md).
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace straytrace {
 
-// How well one material is known, as ratios to what was traced, and where it stands.
+// How well a material is known, as ratios to the traced value, and which groups have it.
 struct MaterialSpread {
   std::string name, status;
   double low = 1, high = 1;  // bracket: a range
@@ -20,8 +20,8 @@ struct MaterialSpread {
 // Times that a route scatters on the material (reflects, where its reflectance is meant).
 int scatters_on(MaterialSpread const&, std::vector<PathStep> const& steps);
 
-// Factor on the coupling of a class when the BRDF of the material is `ratio` times what was traced: ratio^scatters. Of
-// a row `other` or a coherent family: the mean over those of its routes that have names, once when none has.
+// Factor on the coupling of a class when the BRDF of the material is `ratio` times the traced value: ratio^scatters.
+// For a row `other` or a coherent family: the mean over its named routes, 1 when none has a name.
 double coupling_factor(MaterialSpread const&, CouplingClass const&, double ratio);
 
 // Fills the input band of the total and of each route, its sources and `taken_as_exact`. Brackets of all materials go

@@ -35,7 +35,7 @@ struct Inversion {
 Inversion invert_scatter(NoiseBudget const&, CouplingTable const&, MaterialSpread const&,
                          std::vector<double> const& line);
 
-// The ASD of the total, with its standard error, when the motion of a body is `scale` times what it is.
+// The ASD of the total, with its standard error, with the motion of a body multiplied by `scale`.
 using Projected = std::function<NoiseTrace(double scale)>;
 // Largest factor up to which ALL smaller ones meet the line: noise of wrapped fringes does not grow with every motion.
 // Looks between 1e-4 and 100 in 8 steps per decade and at the crossing more closely.

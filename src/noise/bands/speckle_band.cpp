@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "noise/bands/speckle_band.hpp"
 
-#include <algorithm>
 #include <boost/math/special_functions/erf.hpp>
+
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
@@ -248,7 +249,7 @@ class SpeckleLaw {
   }
 
   void add(Part const& p, std::size_t bin, Metrics const& metrics, SpeckleMoments& moments, RandomVector& v) const {
-    double const psd = std::pow(b_.routes[p.route].asd[bin], 2);
+    double const psd = b_.routes[p.route].psd(bin);
     if (!(psd > 0)) return;
     auto const power = [&](MatrixXcd const& m) { return MatrixXcd(m * p.directions * m.adjoint()); };
     MatrixXcd to_inputs = matrix(p, metrics.in_bin);

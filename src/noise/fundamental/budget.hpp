@@ -12,7 +12,7 @@ namespace straytrace {
 
 // Uncertainties of stray light besides its Monte-Carlo error, 1/sqrt(Hz); empty where not computed.
 struct BudgetBands {
-  std::vector<double> input_low, input_high;               // what stated inputs leave open
+  std::vector<double> input_low, input_high;               // range allowed by the stated inputs
   std::vector<double> speckle_05, speckle_50, speckle_95;  // percentiles of one realisation of the static phases
 };
 // A band and the name of its columns in files.
@@ -33,7 +33,7 @@ struct BudgetEntry {
   Kind kind = Kind::fundamental;
   std::vector<double> asd;
   std::vector<double> sigma;  // one standard error, Monte Carlo; empty: none
-  std::string note;           // what cannot be seen in the numbers: a lower bound
+  std::string note;           // not visible in the numbers: a lower bound
   std::vector<BudgetEntry> parts;
   BudgetBands bands{};
   std::vector<bool> at_most{};  // where the ASD is an upper bound; empty: nowhere
@@ -50,11 +50,11 @@ struct NoiseTable {
   // The total with every entry at the low or the high end of its input band, since equal materials are in all runs;
   // empty when no entry states inputs.
   std::vector<double> total_at(std::vector<double> BudgetBands::*end) const;
-  // Above it an entry is not small beside the reference: margin times reference.
+  // Above it an entry is not small compared to the reference: margin times reference.
   static bool exceeds(double asd, double reference, double margin) { return asd > margin * reference; }
 };
 
-// What the detector states enough for, and the names of the noises that are left out, with what they need.
+// The noises whose parameters the detector states, and the names of the others with the parameters that they need.
 struct FundamentalEntries {
   std::vector<BudgetEntry> entries;
   std::vector<std::string> left_out;

@@ -55,7 +55,7 @@ constexpr double et_d_asd[] = {3.50e-17, 2.22e-23, 3.56e-24, 1.16e-24, 9.39e-25,
 DesignCurve from_file(Node const& where, std::string const& name, FrequencyGrid const& grid) {
   DesignCurve design{name, std::vector<double>(grid.size(), not_a_number)};
   std::string const text = where.data_file(name);
-  if (text.empty() && !where.document()->optional_file(where, name)) return design;  // said by data_file()
+  if (text.empty() && !where.document()->optional_file(where, name)) return design;  // data_file() reported it
   Curve const curve = parse_named_curve(text, strain_columns);
   if (!curve.error.empty())
     where.problem(fmt::format("'{}' is not a design curve: {}", name, curve.error),

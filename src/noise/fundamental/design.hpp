@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Built-in design sensitivities (docs/theory/sensitivity.md). The name says the source: curves of one detector differ
+// Built-in design sensitivities (docs/theory/sensitivity.md). The name states the source: curves of one detector differ
 // by factors.
 #pragma once
 

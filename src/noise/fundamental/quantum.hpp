@@ -17,6 +17,6 @@ DualRecycledParameters dual_recycled(Detector const&);
 // Strain PSD, 1/Hz, one-sided.
 std::vector<double> quantum_psd(Detector const&, std::span<double const> hz);
 std::vector<double> shot_psd(Detector const&, std::span<double const> hz);  // mirrors held: no radiation pressure
-double quantum_limit(double length, double mass, double hz);  // strain ASD, eq. 12.5
+double quantum_limit(double length, double mass, double hz);                // strain ASD, eq. 12.5
 
 }  // namespace straytrace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What reaches test masses and beams from outside: ground motion, gravity of ground and air, residual gas.
+// Disturbances of test masses and beams from outside: ground motion, gravity of ground and air, residual gas.
 #pragma once
 
 #include <span>

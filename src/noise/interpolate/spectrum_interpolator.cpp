@@ -395,7 +395,7 @@ void SpectrumInterpolator::use_sample(std::size_t most) {
 }
 
 // Also, no drawn path may be off by more than a tenth of the mean: where some are, rare ones that were not drawn are
-// off by more than the draws can tell.
+// off by more than the draws resolve.
 std::vector<bool> SpectrumInterpolator::interpolated_bins(std::vector<Basis> const& own,
                                                           std::vector<Basis> const& shared) const {
   std::vector<double> weight(sample_->strata().size());

@@ -32,7 +32,7 @@ class SpectrumInterpolator {
   struct Options {
     double step = 0.25;         // of ln kappa, at first
     std::size_t most = 400;     // nodes
-    bool refine = true;         // else nodes stay as first placed, whatever the checks show
+    bool refine = true;         // false: nodes stay as first placed, even when checks fail
     std::size_t checks = 24;    // paths whose own spectra are computed
     std::size_t direct = 2000;  // paths that are computed by themselves where checks fail; 0: none are
   };
@@ -59,7 +59,7 @@ class SpectrumInterpolator {
   std::vector<SpotCheck> const& checks() const { return found_; }  // empty where paths are their own nodes
   // checks() is then why, or empty where a node was beyond reach of a transform.
   bool sampled() const { return sample_.has_value(); }
-  std::size_t drawn() const;  // spectra of single paths that stand for all
+  std::size_t drawn() const;  // spectra of single paths that represent all
   // Variance of the PSD that the draws leave in the sum of basis spectra with these weights, those of whole routes.
   void add_variance(std::span<double const> weights, std::vector<double>& variance) const;
 

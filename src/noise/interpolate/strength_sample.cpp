@@ -192,7 +192,7 @@ SpotChecks::SpotChecks(PhaseSpectra const& spectra, Strengths const& paths, std:
     own_.push_back({path, chosen.route[path], at_random, spectra(paths.of(path))});
 }
 
-// Over the paths at equal steps, which stand for all; a route without one has its strongest.
+// Over the paths at equal steps, which represent all; a route without one has its strongest.
 std::vector<double> SpotChecks::mean(std::size_t route) const {
   auto const has = [&](Own const& o, bool only_random) { return o.route == route && (o.at_random || !only_random); };
   bool const random = std::any_of(own_.begin(), own_.end(), [&](Own const& o) { return has(o, true); });

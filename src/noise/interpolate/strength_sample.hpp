@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Few paths drawn to stand for many, where no nodes of strength follow the spectra.
+// A few drawn paths represent many, where no grid of strengths interpolates the spectra.
 #pragma once
 
 #include <cstddef>
@@ -84,7 +84,7 @@ class SpotChecks {
  private:
   struct Own {
     std::size_t path, route;
-    bool at_random;  // stands for its route
+    bool at_random;  // represents its route
     PhaseSpectrum spectrum;
   };
   std::vector<double> mean(std::size_t route) const;

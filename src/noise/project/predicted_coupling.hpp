@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one coordinate of one body does to h, from the coupling table: the coupling function of small motion, and the
+// Response of h to one coordinate of one body, from the coupling table: the coupling function of small motion, and the
 // response to a large one (docs/theory/spectra.md, eq. 7.2, 7.4, 7.9).
 #pragma once
 
@@ -36,7 +36,7 @@ struct PredictedCoupling {
 };
 
 // h^2(f)/x^2(f) = sum over paths of f_p |J_p|^2/2 (|T_phase|^2 + |T_amplitude|^2): exact for motion so small that no
-// phase reaches 1e-3 rad. The other bodies stand still.
+// phase reaches 1e-3 rad. The other bodies are at rest.
 PredictedCoupling predict_coupling(CouplingTable const&, std::vector<std::string> const& bodies, Interferometer const&,
                                    FrequencyGrid const&, BodyAxis);
 
@@ -50,12 +50,12 @@ struct DrivenResponse {
   NoiseBudget budget;  // with the sine alone: averages over bins, 1/sqrt(Hz)
   std::vector<DrivenRoute> routes;
 };
-// The same body driven by a sine of this peak amplitude (m, rad) at f_m, others still: exact at any strength.
+// The same body driven by a sine of this peak amplitude (m, rad) at f_m, others at rest: exact at any amplitude.
 DrivenResponse drive_body(CouplingTable const&, std::vector<std::string> const& bodies, Interferometer const&,
                           FrequencyGrid const&, BodyAxis, double peak, double hz);
 
 // The body's own motion along this coordinate, of a scene: its input spectra, through their transfer functions. Other
-// bodies and coordinates stand still.
+// bodies and coordinates are at rest.
 MotionSet motion_along(MotionSet const&, BodyAxis);
 double rms_of(MotionSet const&, BodyAxis);  // m (rad); tones with their rms, drifts left out
 

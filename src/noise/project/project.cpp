@@ -65,7 +65,7 @@ struct PowerSum {
     power += coupling;
     (route.exact ? exact : sampled) = true;
   }
-  // What was seen of a class that is not resolved, with an error as large as itself.
+  // The observed part of an unresolved class, with an error as large as itself.
   void add_hint(PowerSum const& seen) {
     guessed.resize(phase.size());
     for (std::size_t i = 0; i < phase.size(); ++i) {
@@ -97,8 +97,8 @@ double variance_at(Replicas const& without, std::size_t bin) {
   return jackknife_variance(values);
 }
 
-// Root, with the standard error sigma_asd = sigma_psd / (2 asd). Which paths were found, which of them were drawn, and
-// what is missing from hints are independent: their variances add.
+// ASD, with the standard error sigma_asd = sigma_psd / (2 asd). The variances of the paths found, of the paths drawn
+// among them and of hints are independent and add.
 NoiseTrace finished(std::string name, PowerSum const& sum) {
   NoiseTrace t;
   t.name = std::move(name);
@@ -136,11 +136,11 @@ std::string objection(CouplingTable const& table, CouplingClass const& c, RouteS
   return {};
 }
 
-// A class that is not resolved: what was seen, with its error.
+// An unresolved class: its observed part, with its error.
 PowerSum hint_of(PowerSum const& seen) {
   PowerSum hint(seen.phase.size());
   hint.add_hint(seen);
-  hint.exact = true;  // the replicas say nothing of it
+  hint.exact = true;  // replicas give no error of it
   hint.mean_square_phase = seen.mean_square_phase;
   hint.power = seen.power;
   return hint;
@@ -221,7 +221,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   budget.total.resolved = budget.unresolved.empty();
   bool const nothing =
       std::none_of(budget.routes.begin(), budget.routes.end(), [](auto const& t) { return t.resolved; });
-  if (nothing && !budget.unresolved.empty())  // no answer is not zero
+  if (nothing && !budget.unresolved.empty())  // unresolved is not zero
     for (Bins NoiseTrace::*curve :
          {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::phase_sensitivities_sigma,
           &NoiseTrace::paths_sigma, &NoiseTrace::phase_asd, &NoiseTrace::amplitude_asd, &NoiseTrace::linear_share})
@@ -242,11 +242,11 @@ void find_bounds(NoiseBudget& b, CouplingTable const& table) {
   for (std::size_t r = 0; r < b.routes.size() && r < table.classes.size(); ++r) {
     NoiseTrace& t = b.routes[r];
     t.upper_bound = table.classes[r].kind == ClassKind::edge;
-    for (std::size_t i = 0; t.upper_bound && i < bins; ++i) bound[i] += t.asd[i] * t.asd[i];
+    for (std::size_t i = 0; t.upper_bound && i < bins; ++i) bound[i] += t.psd(i);
   }
   b.total.bound_share.clear();
   for (std::size_t i = 0; i < bins; ++i) {
-    double const all = b.total.asd[i] * b.total.asd[i];
+    double const all = b.total.psd(i);
     b.total.bound_share.push_back(all > 0 ? std::min(bound[i] / all, 1.0) : 0);
   }
 }
@@ -295,7 +295,7 @@ double kaiser(double u) { return u * u < 1 ? std::cyl_bessel_i(0, beta * std::sq
 
 double sinc(double x) { return std::fabs(x) < 1e-9 ? 1 : std::sin(pi * x) / (pi * x); }
 
-// Beyond the ends the series goes on as its point reflection there: value and slope are continuous.
+// Beyond its ends the series is continued by point reflection: value and slope are continuous.
 double sample(std::vector<double> const& x, std::ptrdiff_t i) {
   auto const last = static_cast<std::ptrdiff_t>(x.size()) - 1;
   if (i < 0) return 2 * x.front() - x[static_cast<std::size_t>(std::min(-i, last))];

@@ -15,7 +15,7 @@
 #include "trace/coupling.hpp"
 
 namespace straytrace {
-// What second moments of the phase sensitivities say about the noise of a route that its kept paths do not
+// Correction of the noise of a route by second moments of the phase sensitivities, which all paths contribute to
 // (docs/theory/errors.md, Second moments of the phase sensitivities).
 
 // PSD of a route to first order in the motion, per bin: from the second moments over from the kept paths. The part of
@@ -47,8 +47,8 @@ class FirstOrderRatio {
 
 using Bins = std::vector<double>;
 
-// Whence the Monte-Carlo error of a curve comes: all of it, and what it would be if only the power of the routes, only
-// the second moments of their phase sensitivities or only their kept paths were uncertain.
+// Parts of the Monte-Carlo error of a curve: all of it, and the error if only the power of the routes, only the second
+// moments of their phase sensitivities or only their kept paths were uncertain.
 enum class ErrorPart : std::uint8_t { all, power, phase_sensitivities, paths };
 constexpr std::size_t error_parts = 4;
 using Replicas = std::array<Bins, replica_count>;  // without one replica each; empty where one has no histories
@@ -58,7 +58,7 @@ struct RouteSpectrum {
   Bins psd;
   Bins linear;  // part of psd, as in PhaseSpectrum
   std::array<Replicas, error_parts> without;
-  Bins drawn;  // variance of psd that drawn paths leave, StrengthNodes::add_variance; empty where all are computed
+  Bins drawn;  // variance of psd by drawn paths, SpectrumInterpolator::add_variance; empty where all are computed
   bool exact = false;            // of a deterministic class: no replica changes it, so `without` is empty
   double mean_square_phase = 0;  // rad^2, mean over the paths, weighted by power
   // Kept paths, counted as equal ones, that carry the power and that carry the noise: (sum x)^2 / sum x^2. A row of
@@ -68,7 +68,7 @@ struct RouteSpectrum {
 };
 
 // psd = mean * sum over records of (their share) * (their spectrum), its first-order part times `ratio`; each class
-// mean, the shares of its records and the ratio are taken anew without each replica. `first`: number of its first
+// mean, the shares of its records and the ratio are computed again without each replica. `first`: number of its first
 // record among the paths of `nodes`.
 RouteSpectrum route_spectrum(CouplingTable const&, CouplingClass const&, std::size_t first,
                              SpectrumInterpolator const& nodes, std::span<double const> mean_square_phase,
@@ -80,15 +80,16 @@ std::size_t replica_of(std::uint64_t history, std::uint64_t block_size);
 // Squared standard error of a mean from its delete-one values; NaN with fewer than two.
 double jackknife_variance(std::span<double const> without);
 
-// Drawn paths that stand for all, in words.
+// The note about drawn paths that represent all.
 
 struct DrawnError {
   double share = 0;  // standard error over the ASD of the total
   std::size_t bin = 0;
 };
 
-// How many paths were drawn, what that adds to the error of h, and why: the spot check that was off most, its route and
-// the motion that moves its path most. Paths are the records of the table in its order; nodes.sampled() must hold.
+// How many paths were drawn, how much this adds to the error of h, and why: the spot check with the largest deviation,
+// its route and the motion that moves its path most. Paths are the records of the table in its order; nodes.sampled()
+// must hold.
 std::string sharing_note(CouplingTable const&, MotionSet const&, PhaseSpectra const&, Strengths const&,
                          SpectrumInterpolator const&, DrawnError const&);
 

@@ -159,18 +159,18 @@ std::size_t only_mover(PhaseTerms const& t, std::size_t path, std::size_t none) 
 
 }  // namespace
 
-std::vector<std::complex<double>> direct_phase_sum(PhaseTerms const& t, unsigned threads, SumProgress const& told) {
+std::vector<std::complex<double>> direct_phase_sum(PhaseTerms const& t, unsigned threads, SumProgress const& progress) {
   static Version const version = version_for_this_processor();
   std::size_t const samples = t.coordinate.empty() ? 0 : t.coordinate.front().size();
   std::vector<std::complex<double>> out(samples);
   std::atomic<std::size_t> next{0};
-  auto const work = [&](bool tells) {
+  auto const work = [&](bool reports) {
     Block b;
     for (std::size_t from = block * next++; from < samples; from = block * next++) {
       std::size_t const n = std::min(block, samples - from);
       version(t, from, n, b);
       for (std::size_t i = 0; i < n; ++i) out[from + i] = {b.real[i], b.imag[i]};
-      if (tells && told) told(double(from + n) / double(samples));
+      if (reports && progress) progress(double(from + n) / double(samples));
     }
   };
   std::vector<std::jthread> workers;
@@ -181,9 +181,9 @@ std::vector<std::complex<double>> direct_phase_sum(PhaseTerms const& t, unsigned
 }
 
 std::vector<std::complex<double>> phase_sum(PhaseTerms const& t, unsigned threads, DirectSum const& direct,
-                                            SumProgress const& told) {
+                                            SumProgress const& progress) {
   if (!direct)
-    return phase_sum(t, threads, [&](PhaseTerms const& some) { return direct_phase_sum(some, threads, told); });
+    return phase_sum(t, threads, [&](PhaseTerms const& some) { return direct_phase_sum(some, threads, progress); });
   std::size_t const none = t.coordinate.size();
   std::vector<std::vector<std::size_t>> moved(none + 1);  // by their only coordinate; the rest behind
   for (std::size_t j = 0; j < t.paths(); ++j) moved[only_mover(t, j, none)].push_back(j);

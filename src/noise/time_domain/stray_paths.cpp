@@ -137,7 +137,7 @@ std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer co
     double const copies = ifo.copies(c.port), drawn = std::max(1.0, std::round(copies));
     std::vector<Pick> const picks = picked(c, choice.per_route, draws.of_route(c.hash));
     for (std::uint32_t copy = 0; copy < std::uint32_t(drawn); ++copy) {
-      std::uint32_t repeat = 0;  // of a record that stands for several fields
+      std::uint32_t repeat = 0;  // of a record that represents several fields
       for (std::size_t p = 0; p < picks.size(); ++p) {
         PathRecord const& r = c.records[picks[p].record];
         repeat = p > 0 && picks[p - 1].record == picks[p].record ? repeat + 1 : 0;

@@ -15,7 +15,7 @@ namespace straytrace {
 
 struct StrayPath {
   PortId port;
-  double amplitude = 0;                                   // root of the recoupled power that it stands for
+  double amplitude = 0;                                   // root of the recoupled power that it represents
   double turns = 0;                                       // static phase over 2 pi
   double length = 0;                                      // m, optical
   std::span<PhaseSensitivity const> phase_sensitivities;  // in the table
@@ -39,7 +39,7 @@ std::vector<StrayPath> stray_paths(CouplingTable const&, Interferometer const&, 
 
 enum class Delay : std::uint8_t { none, half_path };
 // What phase_sum wants, for paths of one motion; coordinates that move none of them are left out. `half_path`: each
-// path sees the motion as it was half of its optical length ago, to first order in the delay (docs/theory/phase.md,
+// path sees the motion delayed by half of its optical length, to first order in the delay (docs/theory/phase.md,
 // eq. 2.6).
 PhaseTerms phase_terms(std::span<StrayPath const>, MotionSeries const&, Delay = Delay::none);
 

@@ -69,7 +69,7 @@ double SamplingRule::automatic() const {
 }
 
 std::vector<PortField> stray_fields(std::span<StrayPath const> paths, MotionSeries const& motion, Delay delay,
-                                    unsigned threads, DirectSum const& direct, SumProgress const& told) {
+                                    unsigned threads, DirectSum const& direct, SumProgress const& progress) {
   std::vector<PortField> fields;
   std::vector<std::vector<StrayPath>> by_port;
   for (StrayPath const& p : paths) {
@@ -80,7 +80,7 @@ std::vector<PortField> stray_fields(std::span<StrayPath const> paths, MotionSeri
   for (std::uint32_t port = 0; port < by_port.size(); ++port) {
     if (by_port[port].empty()) continue;
     auto const of_all = [&](double share) {
-      if (told) told((double(done) + share * double(by_port[port].size())) / double(paths.size()));
+      if (progress) progress((double(done) + share * double(by_port[port].size())) / double(paths.size()));
     };
     PortField field{PortId{port}, phase_sum(phase_terms(by_port[port], motion, delay), threads, direct, of_all)};
     done += by_port[port].size();
@@ -135,7 +135,7 @@ StrayLight stray_light(CouplingTable const& table, MotionSet const& motion, Inte
   light.moving_route = route_name(table, table.classes[light.moving.route]);
   for (StrayPath const& p : paths)
     if (p.length > 0) light.longest_delay = std::max(light.longest_delay, p.length / speed_of_light);
-  light.fields = stray_fields(paths, light.motion, s.delay, s.threads, s.direct, s.told);
+  light.fields = stray_fields(paths, light.motion, s.delay, s.threads, s.direct, s.progress);
   light.h = strain(light.fields, ifo, light.times.rate, s.band_low, s.band_high);
   for (double x : light.h)
     if (!std::isfinite(x)) throw NumericalError("the strain of these paths is not finite");

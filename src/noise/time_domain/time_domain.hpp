@@ -30,7 +30,7 @@ struct TimeDomainSettings {
   Delay delay = Delay::none;
   unsigned threads = 0;  // 0: all cores; the same bits for any number
   DirectSum direct;      // see phase_sum.hpp
-  SumProgress told;      // the share of the sums over paths that is done, port after port
+  SumProgress progress;  // the share of the sums over paths that is done, port after port
 };
 
 struct PortField {
@@ -58,7 +58,7 @@ StrayLight stray_light(CouplingTable const&, MotionSet const&, Interferometer co
 
 // s(t) of each port that has paths.
 std::vector<PortField> stray_fields(std::span<StrayPath const>, MotionSeries const&, Delay = Delay::none,
-                                    unsigned threads = 0, DirectSum const& = {}, SumProgress const& told = {});
+                                    unsigned threads = 0, DirectSum const& = {}, SumProgress const& progress = {});
 
 // h = T_ph * Im s + T_am * Re s (eq. 1.13), in the band; responses act on one period that is closed smoothly, so the
 // first and last 1/band_low are touched by each other.

@@ -190,7 +190,7 @@ class Pairs {
       Values weight = {p.weight * (1 - fast_power(p))};
       for (std::size_t const c : fast_) weight.push_back(p.weight * p.cross[c]);
       Values const moving = drifts(p, lags);
-      double const still = moving.empty() ? unmoved(p) : 0;  // a drift makes a line of it
+      double const still = moving.empty() ? unmoved(p) : 0;  // a drift turns it into a line
       for (std::size_t k = 0; k < parts.size(); ++k) {
         parts[k].constant += weight[k] * still;
         parts[k].largest += std::fabs(weight[k]);

@@ -17,7 +17,7 @@
 namespace straytrace {
 // Autocovariances of the classes of motion, shared by all paths of about the same fringe rate.
 
-// R(tau) = sum over classes of kappa_c r_c(tau), of the Gaussian motion below a frequency. What many paths ask for is
+// R(tau) = sum over classes of kappa_c r_c(tau), of the Gaussian motion below a frequency. What many paths use is
 // kept: power on the lines of the transform, and r_c; of more than `few` classes at once R is transformed itself. Not
 // for several threads at once.
 class ClassCovariances {
@@ -45,7 +45,7 @@ struct PhaseSpectrum {
   // Of it: first order in the motion of the bin, on a field that slower motion may wrap. Under a drift the motion that
   // it moves into the bin.
   std::vector<double> linear;
-  // Sidebands that a weak class adds, per unit of its kappa; empty where not asked for. They are taken from the rest:
+  // Sidebands that a weak class adds, per unit of its kappa; empty where not requested. They are taken from the rest:
   // psd becomes psd (1 - kappa variance) + kappa response, first order in this class.
   std::vector<std::vector<double>> response;
   double constant = 0;  // power of the unmoved light, at f = 0
@@ -81,7 +81,7 @@ class PhaseSpectra {
   std::vector<MotionClass> const& classes() const { return classes_; }
   // PSD of a bin [1/Hz] to first order in weak motion, per unit of kappa (eq. 7.9); none of a drift.
   double first_order_weight(std::size_t c, std::size_t bin) const;
-  double variance(std::size_t c) const { return variance_[c]; }  // of a class, kept: it is asked for by every path
+  double variance(std::size_t c) const { return variance_[c]; }  // of a class, kept because every path needs it
   FrequencyGrid const& grid() const { return grid_; }
   // Mean of power(low, high) over the bands that drifts of the phase bring into one of them [Hz]: each drift f_d brings
   // half of what is at f + f_d and half of what is at |f - f_d| (C(tau) cos(2 pi f_d tau),
@@ -122,7 +122,7 @@ class PhaseSpectra {
 // One term weight * exp(-(own R(0) - cross R(tau))) of a correlation, summed over the classes in the exponent; a tone
 // is a factor J_0(sqrt(2 own - 2 cross cos(2 pi f tau))), a drift that both paths share a factor cos(sqrt(own) tau).
 // own = cross = kappa is a path by itself (eq. 1.11). PSDs of motion come in through kappa, so that part of a
-// cross-covariance that is odd in tau is left out: nothing, unless two paths see one input through transfers of
+// cross-covariance that is odd in tau is left out. It is zero unless two paths see one input through transfers of
 // different phase.
 struct PhasePair {
   double weight = 1;

@@ -278,12 +278,12 @@ class Sweep {
 // Neighbouring bins of a width that hardly differs.
 struct Octave {
   double high, narrowest;
-  // How finely the low part must be known at a frequency that reaches these bins: a quarter of a bin, or half a step
-  // of the modulation (1.1 % of its frequency) where that comes from far above.
+  // How finely the wrapped spectrum must be known at a frequency that reaches these bins: a quarter of a bin, or half a
+  // step of the modulation (1.1 % of its frequency) where that comes from far above.
   double step(double hz) const { return std::max(narrowest / 4, 0.0055 * (hz - high)); }
 };
 
-// The low part as lines at their centres of power, and what counts as unshifted.
+// The wrapped spectrum as lines at their centres of power, and the part that counts as unshifted.
 struct Condensed {
   Kernel lines;
   double at_zero;

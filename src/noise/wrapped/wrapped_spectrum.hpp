@@ -106,15 +106,15 @@ struct Steps {
 // by S: 1/2 p [S(|f - g|) + S(f + g)]. No transform: relative precision is kept however small S is.
 void add_sidebands(Kernel const&, Steps const&, std::span<double const> edges, std::span<double> bin_power);
 
-// Power of the low part in each bin, its lines taken as wide as their spacing.
+// Power of a wrapped spectrum in each bin, its lines taken as wide as their spacing.
 void add_lines(WrappedSpectrum const&, std::span<double const> edges, std::span<double> bin_power);
 
-// The same as add_sidebands for all of a low part, its constant power included; `unshifted`: power of the modulation in
+// add_sidebands() for a whole wrapped spectrum, its constant power included; `unshifted`: power of the modulation in
 // each bin, exact where S is a coarser description of it.
 void modulate(WrappedSpectrum const&, Steps const& fast, std::span<double const> unshifted,
               std::span<double const> edges, std::span<double> bin_power);
 
-// A low part as a density that a line can shift.
+// A wrapped spectrum as a density that a line can shift.
 Steps as_steps(WrappedSpectrum const&);
 
 }  // namespace straytrace

@@ -91,8 +91,8 @@ WithError band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double 
   WithError power;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid.centre(i) < low || grid.centre(i) > high) continue;
-    power.value += trace.asd.at(i) * trace.asd.at(i) * grid.width(i);
-    power.sigma += 2 * trace.asd.at(i) * trace.sigma.at(i) * grid.width(i);
+    power.value += trace.psd(i) * grid.width(i);
+    power.sigma += trace.psd_sigma(i) * grid.width(i);
   }
   return power;
 }

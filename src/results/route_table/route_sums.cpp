@@ -36,7 +36,7 @@ Curves curves_without(std::set<std::uint64_t> const& left_out, CouplingTable con
     ReplicaPattern const pattern = t.resolved ? pattern_of(coupling, coupling.classes[r]) : ReplicaPattern{};
     bool const stays = !left_out.contains(t.hash);
     for (std::size_t i = 0; i < b.grid.size(); ++i) {
-      ReplicaSum const power({t.asd[i] * t.asd[i], 2 * t.asd[i] * t.sigma[i]}, pattern);
+      ReplicaSum const power({t.psd(i), t.psd_sigma(i)}, pattern);
       all[i].add(power);
       if (stays) rest[i].add(power);
       if (stays && t.upper_bound) bound[i] += power.value();

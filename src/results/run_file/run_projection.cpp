@@ -73,8 +73,8 @@ void read_materials(hdf5::Reader const& in, std::size_t group_count, ProjectionI
   Counts const offset = read_offsets(in, "/projection/material_group_offset", n, groups.size());
   p.scattered = in.rows<double>("/projection/material_scattered", n);
   for (std::size_t i = 0; i < n; ++i) {
-    MaterialSpread m{names[i],          status[i], spread[3 * i], spread[3 * i + 1], spread[3 * i + 2],
-                     of_reflection[i] != 0, {}};
+    MaterialSpread m{names[i], status[i], spread[3 * i], spread[3 * i + 1], spread[3 * i + 2], of_reflection[i] != 0,
+                     {}};
     for (std::size_t k = offset[i]; k < offset[i + 1]; ++k) {
       if (groups[k] >= group_count) damaged_run("'/projection/material_group' names a group that is not there");
       m.groups.push_back({groups[k]});

@@ -26,9 +26,9 @@ WithError band_rms(NoiseTrace const& t, FrequencyGrid const& grid, double low, d
   for (std::size_t i = 0; i < grid.size(); ++i) {
     double const width = std::min(high, grid.edges[i + 1]) - std::max(low, grid.edges[i]);
     if (!(width > 0)) continue;
-    power += t.asd[i] * t.asd[i] * width;
+    power += t.psd(i) * width;
     bound += (t.upper_bound ? 1 : i < t.bound_share.size() ? t.bound_share[i] : 0) * t.asd[i] * t.asd[i] * width;
-    error += 2 * t.asd[i] * t.sigma[i] * width;
+    error += t.psd_sigma(i) * width;
   }
   double const h = std::sqrt(power), sigma = h > 0 ? error / (2 * h) : 0;
   return {h, sigma, h > 0 && at_most(h, sigma, bound / power)};

@@ -37,8 +37,8 @@ struct Requirement {
   std::string against;           // design curve by name or file; of the model where empty
 };
 void apply(Requirement const&, ProjectionModel&);
-std::string name_of_line(ProjectionModel const&);                                       // "0.1 x adv-lal"; empty without a curve
-std::vector<double> line_of(ProjectionModel const&);                                    // ASD per bin; NaN: none
+std::string name_of_line(ProjectionModel const&);                             // "0.1 x adv-lal"; empty without a curve
+std::vector<double> line_of(ProjectionModel const&);                          // ASD per bin; NaN: none
 void judge(ScanPoint&, NoiseBudget const&, std::vector<double> const& line);  // ratio, worst_hz, unresolved
 
 // Of the run file of a model under `runs/`, without its ending.

@@ -2,9 +2,9 @@
 // Textbook forms of fundamental noises: numbers of R2.16, R2.18 to R2.21, R2.23 and of case A23, to
 // 1e-3 where they are given with four digits. Controls: the formulas as the thesis of 1997 prints them.
 #include "noise/fundamental/budget.hpp"
-#include "support/closed_forms.hpp"
 #include "noise/fundamental/surroundings.hpp"
 #include "physics/noise/support.hpp"
+#include "support/closed_forms.hpp"
 
 namespace straytrace::testing::noise_fundamental_forms {
 namespace {

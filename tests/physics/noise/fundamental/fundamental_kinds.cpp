@@ -5,10 +5,10 @@
 #include <algorithm>
 
 #include "noise/fundamental/budget.hpp"
-#include "support/closed_forms.hpp"
 #include "noise/fundamental/fundamental.hpp"
 #include "noise/fundamental/suspension.hpp"
 #include "physics/noise/support.hpp"
+#include "support/closed_forms.hpp"
 
 namespace straytrace::testing::noise_fundamental_kinds {
 namespace {
