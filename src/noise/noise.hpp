@@ -63,7 +63,7 @@ struct InputSource {
   std::string name;          // "material steel", "motion of tube"
   std::string statement;     // "bracket x 0.33 to 3.3 (assumed)", "one sigma: factor 1.3"
   double low = 1, high = 1;  // least and largest factor on the ASD of the total, over the band
-  double share = 0;          // of the noise power of the band that comes by routes it affects
+  double share = 0;          // of the noise power of the band that arrives on routes it affects
 };
 // Uncertainties of the total besides its Monte-Carlo error; 1/sqrt(Hz), empty when not computed.
 struct NoiseBands {

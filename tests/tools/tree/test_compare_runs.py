@@ -43,6 +43,17 @@ class Files(unittest.TestCase):
     def test_equal_but_for_the_build(self):
         self.assertEqual(self.differences(lambda file: None), [])     # other times, NaN equal to itself
 
+    def test_groups_that_old_programs_do_not_write(self):
+        def added(name):
+            def change(file):
+                file[f"{name}/notes"] = 1.0
+                file[name].attrs["meaning"] = "new"
+            return change
+        self.assertEqual(self.differences(added("projection")), [])
+        self.assertEqual(len(self.differences(added("other"))), 2)     # negative control
+        old, new = self.written("old", added("projection")), self.written("new")
+        self.assertEqual(len(list(compare_runs.differences(old, new))), 2)     # a lost group is a difference
+
     def test_one_bit_differs(self):
         def change(file):
             file["classes/mean"][1] = np.nextafter(1.5, 2)
