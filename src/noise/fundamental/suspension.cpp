@@ -8,7 +8,7 @@
 namespace straytrace {
 namespace {
 
-using Complexes = std::complex<double>;
+using Complex = std::complex<double>;
 
 struct Wire {
   double section, end_section, inertia;  // m^2, m^2, m^4 where it bends
@@ -53,7 +53,7 @@ double blade_loss(SuspensionStage const& s, double w) {
 
 // Spring between a mass and what it hangs from; its losses at the upper and the lower joints.
 struct Spring {
-  Complexes constant;           // N/m
+  Complex constant;           // N/m
   double upper = 0, lower = 0;  // imaginary parts, N/m
 };
 
@@ -66,23 +66,23 @@ Spring horizontal(SuspensionStage const& s, double weight, bool last, double w) 
     double const bend = std::sqrt(s.lower.young * wire.inertia / tension), k = weight / s.length,
                  dilution = std::isfinite(s.dilution) ? s.dilution : s.length / bend;
     Spring spring{k, k * upper / dilution / 2, k * lower / dilution / 2};
-    spring.constant += Complexes(0, spring.upper + spring.lower);
+    spring.constant += Complex(0, spring.upper + spring.lower);
     return spring;
   }
   // Stiff string under tension, Gonzalez 2000 eq. 8 and 9.
   double const k = std::sqrt(s.lower.density * wire.section / tension) * w;
-  Complexes const bend = std::sqrt(s.lower.young * Complexes(1, (upper + lower) / 2) * wire.inertia / tension);
+  Complex const bend = std::sqrt(s.lower.young * Complex(1, (upper + lower) / 2) * wire.inertia / tension);
   double const c = std::cos(k * s.length), sn = std::sin(k * s.length);
-  Complexes const constant = weight * k * (c + k * bend * sn) / (sn - 2.0 * k * bend * c);
+  Complex const constant = weight * k * (c + k * bend * sn) / (sn - 2.0 * k * bend * c);
   double const share = upper / (upper + lower);
   return {constant, share * constant.imag(), (1 - share) * constant.imag()};
 }
 
 // Longitudinal wave in N fibres; tapered ones are three in series.
-Complexes stretch(SuspensionStage const& s, Wire const& wire, double w) {
-  Complexes const young =
-      s.lower.young * Complexes(1, s.lower.loss * (1 + wire.surface_stretch * s.lower.surface_depth));
-  Complexes const k = std::sqrt(s.lower.density / young) * w;
+Complex stretch(SuspensionStage const& s, Wire const& wire, double w) {
+  Complex const young =
+      s.lower.young * Complex(1, s.lower.loss * (1 + wire.surface_stretch * s.lower.surface_depth));
+  Complex const k = std::sqrt(s.lower.density / young) * w;
   auto const part = [&](double section, double length) { return s.wires * section * young * k / std::tan(k * length); };
   if (!std::isfinite(s.end_length)) return part(wire.section, s.length);
   return 1.0 / (2.0 / part(wire.end_section, s.end_length) + 1.0 / part(wire.section, s.length - 2 * s.end_length));
@@ -90,10 +90,10 @@ Complexes stretch(SuspensionStage const& s, Wire const& wire, double w) {
 
 Spring vertical(SuspensionStage const& s, bool last, double w) {
   bool const blades = std::isfinite(s.vertical_spring);
-  Complexes constant =
-      blades ? s.vertical_spring * Complexes(1, std::isfinite(s.blade) ? blade_loss(s, w) : s.blades.loss) : 0.0;
+  Complex constant =
+      blades ? s.vertical_spring * Complex(1, std::isfinite(s.blade) ? blade_loss(s, w) : s.blades.loss) : 0.0;
   if (last || !blades) {
-    Complexes const fibres = stretch(s, wire_of(s), w);
+    Complex const fibres = stretch(s, wire_of(s), w);
     constant = blades ? 1.0 / (1.0 / fibres + 1.0 / constant) : fibres;
   }
   return {constant, constant.imag(), 0};
