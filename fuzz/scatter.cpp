@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Measured scatter in all formats, and lists of materials.
 #include "fuzz.hpp"
-#include "world/build/read_newmtl.hpp"
-#include "world/scatter_data/scatter_audit.hpp"
+#include "world/import/newmtl.hpp"
 #include "world/scatter_data/scatter_file.hpp"
+#include "world/scatter_data/scatter_fit.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
   using namespace straytrace;

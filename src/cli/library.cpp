@@ -18,7 +18,7 @@
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
 #include "scene/library.hpp"
-#include "world/build/read_media.hpp"
+#include "world/build/read_parts.hpp"
 
 namespace straytrace {
 namespace {

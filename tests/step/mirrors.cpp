@@ -2,7 +2,7 @@
 // Curved faces of STEP files are exact: a spherical mirror focuses like the closed form, and its triangles do not.
 #include "base/math/rng.hpp"
 #include "step/support.hpp"
-#include "world/build/read_cad.hpp"
+#include "world/build/read_files.hpp"
 #include "world/import/mesh_file.hpp"
 
 namespace straytrace::test {

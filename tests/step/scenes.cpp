@@ -2,7 +2,7 @@
 // Scene entries that name a STEP file: units, rules, what the run file keeps, and that no light leaks through seams.
 #include "base/math/rng.hpp"
 #include "step/support.hpp"
-#include "world/build/read_cad.hpp"
+#include "world/build/read_files.hpp"
 
 namespace straytrace::test {
 namespace {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <complex>
 
 #include "support/trace_support.hpp"
@@ -34,6 +35,19 @@ struct Row {
   SurfaceId on;
   GhostAlignment standing;
 };
+
+// Spots of the main beam and of ghosts up to `limits`, the strongest first within each order.
+inline std::vector<BeamSpot> beam_spots(World const& world, BeamLaunch const& launch, TreeLimits const& limits) {
+  struct Spots final : BeamSink {
+    void arrived(BeamSpot const& spot, std::uint32_t, std::span<BeamStep const>) override { all.push_back(spot); }
+    std::vector<BeamSpot> all;
+  } spots;
+  grow_tree(world, launch, limits, spots);
+  std::stable_sort(spots.all.begin(), spots.all.end(), [](BeamSpot const& a, BeamSpot const& b) {
+    return a.order != b.order ? a.order < b.order : a.power > b.power;
+  });
+  return std::move(spots.all);
+}
 
 class Rows final : public BeamSink {
  public:

@@ -26,6 +26,9 @@ inline std::string lower_case(std::string_view text) {
   return out;
 }
 
+// Whether `text` fits `pattern`, in which each * stands for any characters.
+bool matches(std::string_view pattern, std::string_view text);
+
 // Escapes untrusted text for terminal output: control characters except line ends and tabs become '?', and lines are
 // cut after 8000 bytes.
 std::string printable(std::string_view text);

@@ -24,9 +24,9 @@
 #include "session/diagnostics.hpp"
 #include "session/open_run.hpp"
 #include "world/build/read_materials.hpp"
-#include "world/build/read_newmtl.hpp"
 #include "world/build/read_parts.hpp"
-#include "world/model/material_view.hpp"
+#include "world/import/newmtl.hpp"
+#include "world/model/material.hpp"
 
 namespace straytrace {
 namespace {

@@ -17,7 +17,7 @@
 #include "cli/inspect/inspect.hpp"
 #include "cli/render/render_paint.hpp"
 #include "results/text/png.hpp"
-#include "world/build/read_cad.hpp"
+#include "world/build/read_files.hpp"
 #include "world/import/cad_file.hpp"
 #include "world/import/mesh_doctor.hpp"
 

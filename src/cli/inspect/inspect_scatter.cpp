@@ -15,7 +15,6 @@
 #include "io/delimited_text.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"
-#include "world/model/degree.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
 namespace straytrace {

@@ -13,13 +13,13 @@
 #include <memory>
 
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "cli/render/render_paint.hpp"
 #include "results/text/png.hpp"
-#include "world/model/degree.hpp"
 
 namespace straytrace {
 namespace {

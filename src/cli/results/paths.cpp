@@ -15,6 +15,7 @@
 #include <set>
 
 #include "base/errors.hpp"
+#include "base/text/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/data_options.hpp"
 #include "cli/options.hpp"
@@ -23,7 +24,6 @@
 #include "session/light/first_order.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
-#include "world/build/file_parts.hpp"
 
 namespace straytrace {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "world/build/read_laws.hpp"
-#include "world/model/material_view.hpp"
+#include "world/model/material.hpp"
 
 namespace straytrace {
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "trace/step/step.hpp"
-#include "world/model/surface_chart.hpp"
+#include "world/model/cell_map.hpp"
 
 namespace straytrace {
 namespace {

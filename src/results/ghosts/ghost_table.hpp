@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "trace/coupling.hpp"
-#include "world/ghosts/ghost_rows.hpp"
+#include "world/ghosts/main_beam.hpp"
 
 namespace straytrace {
 

@@ -12,9 +12,9 @@
 #include <stdexcept>
 
 #include "base/text/bounded_regex.hpp"
+#include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "results/route_table/route_columns.hpp"
-#include "world/build/file_parts.hpp"
 
 namespace straytrace {
 namespace {

@@ -219,7 +219,6 @@ struct Unit {
   double factor;
   char const* name;
 };
-constexpr double degree = 0.017453292519943295;
 // Of one dimension the largest first; the last one is for all that is smaller.
 constexpr std::array<Unit, 15> units{
     Unit{dim::length, 1e3, "km"}, {dim::length, 1, "m"},     {dim::length, 1e-2, "cm"},   {dim::length, 1e-3, "mm"},

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "world/model/world.hpp"
+#include "world/model/view.hpp"
 
 namespace straytrace {
 

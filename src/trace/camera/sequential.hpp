@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "trace/coupling.hpp"
-#include "world/model/world.hpp"
+#include "world/model/view.hpp"
 
 namespace straytrace {
 

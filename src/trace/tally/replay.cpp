@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "trace/tally/route.hpp"
-#include "world/model/phase_sensitivities.hpp"
+#include "world/model/body.hpp"
 
 namespace straytrace {
 namespace {

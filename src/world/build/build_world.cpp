@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "base/text/words.hpp"
+#include "optics/media_presets.hpp"
 #include "scene/library.hpp"
 #include "world/build/read_parts.hpp"
+#include "world/ghosts/obstacle.hpp"
 
 namespace straytrace {
 
@@ -42,6 +49,172 @@ World build_world(Scene const& scene) {
     check_faces(scene, world);
   }
   return world;
+}
+
+// The table `media`: what volumes are filled with. Also the wavelength, which indices and films need first.
+
+namespace {
+
+// A preset at the wavelength of the scene; nothing, and a problem, when it is not known there.
+std::optional<Medium> from_preset(Node const& where, MediumPreset const& preset, double wavelength) {
+  if (auto const index = index_of(preset, wavelength)) return Medium{*index, 0};
+  where.problem(fmt::format("the index of '{}' is known from {:.0f} nm to {:.0f} nm only", preset.name,
+                            preset.shortest * 1e9, preset.longest * 1e9),
+                "give the index at the wavelength of the beams: 'media: {name: {index: 1.45}}'");
+  return {};
+}
+
+MediumPreset const* find_preset(std::string_view name) {
+  for (MediumPreset const& p : medium_presets())
+    if (p.name == name) return &p;
+  return nullptr;
+}
+
+}  // namespace
+
+void read_media(Scene const& scene, World& world, Registry& names) {
+  for (auto const& [name, beam] : scene.table("beams").items()) {
+    double const wavelength = beam.number("wavelength", dim::length, 1.064e-6, 1e-7, 1e-4);
+    if (!std::isnan(wavelength)) world.wavelength = wavelength;
+    break;  // one for all beams
+  }
+  for (auto const& [name, node] : scene.table("media").items()) {
+    Medium medium;
+    if (node.has("preset")) {
+      if (node.has("index")) node.problem("'preset' and 'index' say the same thing twice", "keep one of them");
+      auto const found = find_medium(node["preset"], world, Registry{});
+      if (found) medium = *found;
+    } else {
+      medium.index = node.number("index", dim::plain, required, 0.1, 10);
+    }
+    medium.absorption = node.number("absorption", dim::per_metre, 0, 0, 1e9);
+    node.has("source");
+    node.refuse_unknown(fmt::format("medium '{}'", name));
+    names.media[name] = medium;
+  }
+}
+
+bool is_medium(std::string_view name, Registry const& names) {
+  return name == "vacuum" || find_preset(name) || names.media.contains(std::string(name));
+}
+
+std::optional<Medium> find_medium(Node const& where, World const& world, Registry const& names) {
+  std::string const name = where.as_word();
+  if (name.empty()) return {};
+  if (auto const own = names.media.find(name); own != names.media.end()) return own->second;
+  if (name == "vacuum") return Medium{};
+  if (MediumPreset const* const preset = find_preset(name)) return from_preset(where, *preset, world.wavelength);
+  std::vector<std::string> known{"vacuum"};
+  for (MediumPreset const& p : medium_presets()) known.emplace_back(p.name);
+  for (auto const& [own, medium] : names.media) known.push_back(own);
+  std::string const near = nearest_word(name, known);
+  std::string all;
+  for (std::string const& k : known) all += (all.empty() ? "" : ", ") + k;
+  where.problem(fmt::format("no medium is called '{}'", name),
+                near.empty() ? "known media: " + all : fmt::format("did you mean '{}'?", near));
+  return {};
+}
+
+std::vector<KnownMedium> known_media() {
+  std::vector<KnownMedium> all;
+  for (MediumPreset const& p : medium_presets())
+    for (double const wavelength : {1064e-9, 1550e-9})
+      if (auto const index = index_of(p, wavelength)) {
+        all.push_back({std::string(p.name), std::string(p.source), *index, wavelength});
+        break;
+      }
+  return all;
+}
+
+// The table `edges`: rims that diffract light from one mirror of a cavity to the other (docs/theory/diffraction.md).
+
+namespace {
+
+std::vector<std::string> groups_with_rims(World const& world) {
+  std::vector<std::string> found;
+  for (std::uint32_t id = 0; id < world.surfaces().size(); ++id) {
+    std::string const& group = world.groups()[world.surfaces()[id].group.value];
+    bool const known = std::find(found.begin(), found.end(), group) != found.end();
+    if (!known && rim_of(world, {id})) found.push_back(group);
+  }
+  return found;
+}
+
+void read_group(Node const& node, World& world, std::vector<std::string> const& with_rims) {
+  std::string const pattern = node.as_word();
+  std::vector<std::string>& chosen = world.edges.groups;
+  bool any = false;
+  for (std::string const& group : with_rims) {
+    if (!matches(pattern, group)) continue;
+    any = true;
+    if (std::find(chosen.begin(), chosen.end(), group) == chosen.end()) chosen.push_back(group);
+  }
+  if (any) return;
+  auto const& all = world.groups();
+  bool const solid = std::any_of(all.begin(), all.end(), [&](auto const& group) { return matches(pattern, group); });
+  std::string const near = nearest_word(pattern, with_rims);
+  node.problem(
+      solid ? fmt::format("'{}' has no inner rim", pattern) : fmt::format("'{}' is not an entry of 'scene'", pattern),
+      !near.empty() && !solid
+          ? fmt::format("did you mean '{}'?", near)
+          : (with_rims.empty() ? std::string("rims are those of disks, caps and cones with an inner radius")
+                               : fmt::format("entries with inner rims: {}", fmt::join(with_rims, ", "))));
+}
+
+// Of the smallest rim that is chosen, m.
+double smallest_rim(World const& world) {
+  double radius = infinity;
+  auto const& chosen = world.edges.groups;
+  for (std::uint32_t id = 0; id < world.surfaces().size(); ++id)
+    if (auto const rim = rim_of(world, {id}))
+      if (std::find(chosen.begin(), chosen.end(), world.groups()[world.surfaces()[id].group.value]) != chosen.end())
+        radius = std::min(radius, rim->radius);
+  return radius;
+}
+
+// Teeth and offsets that the smallest rim has no room for.
+void check_sizes(Node const& table, World const& world) {
+  double const radius = smallest_rim(world);
+  if (!(radius < infinity)) return;
+  EdgeSettings const& edges = world.edges;
+  auto const refuse = [&](std::string_view key, double size, double most, char const* of) {
+    if (!table.has(key) || !(size >= most)) return;
+    table[key].problem(fmt::format("{} of {:.4g} m does not fit a rim of radius {:.4g} m", key, size, radius),
+                       fmt::format("take less than {:.4g} m, {} of the smallest rim in 'surfaces'", most, of));
+  };
+  refuse("offset", length(edges.offset), radius, "the radius");
+  refuse("tooth_height", edges.tooth_height, radius, "the radius");
+  refuse("tooth_width", edges.tooth_width, 2 * pi * radius, "the circumference");
+}
+
+bool has_cavity(World const& world) {
+  return std::any_of(world.footprints().begin(), world.footprints().end(), [](auto const& f) { return f.standing; });
+}
+
+}  // namespace
+
+void read_edges(Scene const& scene, World& world) {
+  Node const table = scene.table("edges");
+  if (!table) return;
+  EdgeSettings& edges = world.edges;
+  std::vector<std::string> const with_rims = groups_with_rims(world);
+  std::vector<Node> const surfaces = table.list("surfaces");
+  if (surfaces.empty())
+    table.problem("'edges' names no surfaces", "add 'surfaces: \"baffles*\"', entries of 'scene' with inner rims");
+  for (Node const& node : surfaces) read_group(node, world, with_rims);
+  if (table.has("offset")) edges.offset = read_vector(table["offset"], dim::length);
+  edges.tooth_height = table.number("tooth_height", dim::length, 0, 0, 1);
+  if (table.has("tooth_width") && !table.has("tooth_height"))
+    table["tooth_width"].problem("'tooth_width' without 'tooth_height'", "give both, or neither");
+  if (table.has("tooth_height")) edges.tooth_width = table.number("tooth_width", dim::length, required, 1e-5, 1);
+  check_sizes(table, world);
+  static constexpr std::array<std::string_view, 3> sums = {"independent", "geometric", "in-phase"};
+  std::string const sum = table.choice("sum", sums, "independent");
+  edges.sum = EdgeSettings::Sum(std::find(sums.begin(), sums.end(), sum) - sums.begin());
+  if (!has_cavity(world) && table.healthy())
+    table.problem("no beam is the mode of a cavity, between whose mirrors rims could diffract",
+                  "add 'beams: {arm: {cavity: [ITM, ETM]}}', or leave 'edges' out");
+  table.refuse_unknown("'edges'");
 }
 
 }  // namespace straytrace

@@ -11,9 +11,9 @@
 
 #include "base/errors.hpp"
 #include "base/input/document.hpp"
+#include "base/text/words.hpp"
 #include "beams/aperture.hpp"
 #include "beams/cavity_mode.hpp"
-#include "world/build/file_parts.hpp"
 #include "world/build/read_parts.hpp"
 
 namespace straytrace {

@@ -9,13 +9,13 @@
 #include <map>
 
 #include "base/input/document.hpp"
+#include "base/math/constants.hpp"
 #include "io/delimited_text.hpp"
 #include "optics/coating/coating.hpp"
 #include "optics/coating/film.hpp"
 #include "optics/coating/specular.hpp"
 #include "optics/scatter/angle_weight.hpp"
 #include "world/build/read_parts.hpp"
-#include "world/model/degree.hpp"
 
 namespace straytrace {
 namespace {

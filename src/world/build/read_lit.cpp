@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
+#include "base/text/words.hpp"
 #include "beams/overlap.hpp"
-#include "world/build/file_parts.hpp"
 #include "world/build/read_beams.hpp"
 #include "world/ghosts/lit_surfaces.hpp"
 

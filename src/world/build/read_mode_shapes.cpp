@@ -9,7 +9,6 @@
 
 #include "io/delimited_text.hpp"
 #include "world/build/read_parts.hpp"
-#include "world/model/mode_shapes.hpp"
 
 namespace straytrace {
 namespace {
@@ -188,6 +187,69 @@ Shape read_tube(Node const& t) {
   return shape;
 }
 
+// Shapes as tables of points, from a finite-element program or a tapping test.
+
+struct ModePoint {
+  Vec3 place, displacement;  // m; per unit of the coordinate
+};
+
+// A plane through the nearest points, weighted by 1/(distance^2 + (1e-6 of the farthest)^2): it reproduces fields that
+// are linear in the place exactly, if the points span the directions in which the shape is evaluated.
+class PointsShape final : public ModeShape {
+ public:
+  explicit PointsShape(std::vector<ModePoint> points)
+      : points_(std::move(points)), neighbours_(std::min<std::size_t>(12, points_.size())) {}
+
+  Vec3 at(Vec3 r) const override {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < points_.size(); ++i) order.emplace_back(length2(points_[i].place - r), i);
+    std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(neighbours_), order.end());
+    double const farthest = order[neighbours_ - 1].first;
+    auto const n = Eigen::Index(neighbours_);
+    Eigen::MatrixXd a(n, 4), b(n, 3);
+    double const size = farthest > 0 ? std::sqrt(farthest) : 1;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      auto const& [distance2, at] = order[std::size_t(i)];
+      double const w = 1 / std::sqrt(distance2 / (size * size) + 1e-12);
+      Vec3 const d = (1 / size) * (points_[at].place - r), psi = points_[at].displacement;
+      a.row(i) << w, w * d.x, w * d.y, w * d.z;
+      b.row(i) << w * psi.x, w * psi.y, w * psi.z;
+    }
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+    solver.setThreshold(1e-9);
+    solver.compute(a);
+    Eigen::RowVector3d const value = solver.solve(b).row(0);
+    return {value[0], value[1], value[2]};
+  }
+
+ private:
+  std::vector<ModePoint> points_;
+  std::size_t neighbours_;
+};
+
+// {points: FILE, unit: m}: rows x, y, z, psi_x, psi_y, psi_z. Adds what it reads to `description`.
+Shape read_mode_points(Node const& shape, std::string& description) {
+  Node const file = shape["points"];
+  std::string const name = file.as_word(), unit_text = shape.word("unit");
+  auto const unit = parse_unit(unit_text);
+  if (!unit_text.empty() && (!unit || unit->dimension != dim::length))
+    shape["unit"].problem(fmt::format("\"{}\" is not a unit of length", unit_text), "write 'm' or 'mm'");
+  if (name.empty() || !unit || unit->dimension != dim::length) return {};
+  auto const table = read_numbers(file, 6, "write x, y, z of the point and the three components of its displacement");
+  if (!table) return {};
+  if (table->rows() < 4) {
+    file.file_problem(name, 0, 0, "a shape needs four points at least", "give more lines");
+    return {};
+  }
+  std::vector<ModePoint> points;
+  for (std::size_t i = 0; i < table->rows(); ++i) {
+    auto const v = table->row(i);
+    points.push_back({unit->si * Vec3{v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
+  }
+  description += unit_text + file.data_file(name);
+  return std::make_shared<PointsShape>(std::move(points));
+}
+
 // Every scalar of a table, in the order of the file.
 std::string written(Node const& node) {
   if (node.kind() == Node::Kind::scalar) return node.text() + " ";
@@ -235,68 +297,6 @@ ElasticMode read_elastic_mode(Node const& node) {
                  "write {beam: ...}, {plate: ...}, {tube: ...}, {polynomial: ...} or {points: FILE}");
   node.refuse_unknown("the shape of a mode");
   return mode;
-}
-
-namespace {
-
-class PointsShape final : public ModeShape {
- public:
-  PointsShape(std::vector<ModePoint> points, std::size_t neighbours)
-      : points_(std::move(points)), neighbours_(std::min(neighbours, points_.size())) {}
-
-  Vec3 at(Vec3 r) const override {
-    std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t i = 0; i < points_.size(); ++i) order.emplace_back(length2(points_[i].place - r), i);
-    std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(neighbours_), order.end());
-    double const farthest = order[neighbours_ - 1].first;
-    auto const n = Eigen::Index(neighbours_);
-    Eigen::MatrixXd a(n, 4), b(n, 3);
-    double const size = farthest > 0 ? std::sqrt(farthest) : 1;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      auto const& [distance2, at] = order[std::size_t(i)];
-      double const w = 1 / std::sqrt(distance2 / (size * size) + 1e-12);
-      Vec3 const d = (1 / size) * (points_[at].place - r), psi = points_[at].displacement;
-      a.row(i) << w, w * d.x, w * d.y, w * d.z;
-      b.row(i) << w * psi.x, w * psi.y, w * psi.z;
-    }
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(1e-9);
-    solver.compute(a);
-    Eigen::RowVector3d const value = solver.solve(b).row(0);
-    return {value[0], value[1], value[2]};
-  }
-
- private:
-  std::vector<ModePoint> points_;
-  std::size_t neighbours_;
-};
-
-}  // namespace
-
-std::shared_ptr<ModeShape const> mode_of_points(std::vector<ModePoint> points, std::size_t neighbours) {
-  return std::make_shared<PointsShape>(std::move(points), neighbours);
-}
-
-std::shared_ptr<ModeShape const> read_mode_points(Node const& shape, std::string& description) {
-  Node const file = shape["points"];
-  std::string const name = file.as_word(), unit_text = shape.word("unit");
-  auto const unit = parse_unit(unit_text);
-  if (!unit_text.empty() && (!unit || unit->dimension != dim::length))
-    shape["unit"].problem(fmt::format("\"{}\" is not a unit of length", unit_text), "write 'm' or 'mm'");
-  if (name.empty() || !unit || unit->dimension != dim::length) return {};
-  auto const table = read_numbers(file, 6, "write x, y, z of the point and the three components of its displacement");
-  if (!table) return {};
-  if (table->rows() < 4) {
-    file.file_problem(name, 0, 0, "a shape needs four points at least", "give more lines");
-    return {};
-  }
-  std::vector<ModePoint> points;
-  for (std::size_t i = 0; i < table->rows(); ++i) {
-    auto const v = table->row(i);
-    points.push_back({unit->si * Vec3{v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
-  }
-  description += unit_text + file.data_file(name);
-  return mode_of_points(std::move(points));
 }
 
 }  // namespace straytrace

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/scene.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace {
@@ -33,6 +34,8 @@ void read_specular(Node const& material, World&, Registry const&, Optic&);
 void prescribe_scatter(Node const& material, World&, Optic&);
 void read_materials(Scene const&, World&, Registry&);
 void read_bodies(Scene const&, World&, Registry&);
+// `shape` of an elastic mode (docs/reference/scene.md). Empty after a problem.
+ElasticMode read_elastic_mode(Node const& shape);
 void read_surfaces(Scene const&, World&, Registry&);
 void read_receivers(Scene const&, World&, Registry const&);  // before the beams: with receivers no port is needed
 void read_beams(Scene const&, World&, Registry const&);
@@ -63,5 +66,13 @@ Vec3 read_vector(Node const& list, Dimension);
 bool some_missing(std::vector<double> const&);  // NaN among numbers that were read: reported where it stands
 // A unit vector; none, with a problem at the list or at what it names, where it has no direction.
 std::optional<Vec3> read_direction(Node const& list);
+
+// The media that scenes know without stating them, each at a wavelength of the detectors that it holds for.
+
+struct KnownMedium {
+  std::string name, source;
+  double index, wavelength;  // m, vacuum: 1064 nm, or 1550 nm where that is out of range
+};
+std::vector<KnownMedium> known_media();
 
 }  // namespace straytrace

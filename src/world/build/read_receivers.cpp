@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "world/build/read_parts.hpp"
-#include "world/model/surface_chart.hpp"
+#include "world/model/cell_map.hpp"
 
 namespace straytrace {
 namespace {

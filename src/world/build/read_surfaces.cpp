@@ -8,8 +8,7 @@
 
 #include "base/input/document.hpp"
 #include "geometry/shape_types.hpp"
-#include "world/build/read_cad.hpp"
-#include "world/build/read_mesh.hpp"
+#include "world/build/read_files.hpp"
 #include "world/build/read_parts.hpp"
 
 namespace straytrace {

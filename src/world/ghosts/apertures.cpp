@@ -9,7 +9,7 @@
 
 #include "beams/aperture.hpp"
 #include "world/ghosts/beam_tree.hpp"
-#include "world/ghosts/rim.hpp"
+#include "world/ghosts/obstacle.hpp"
 
 namespace straytrace {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "geometry/common/shape.hpp"
 #include "optics/coating/specular.hpp"
+#include "world/ghosts/obstacle.hpp"
 
 namespace straytrace {
 namespace {
@@ -371,35 +372,6 @@ std::vector<BeamLaunch> launches(World const& world) {
   return all;
 }
 
-// Sums and lists of what a beam tree brings.
-
-namespace {
-
-class SpotList final : public BeamSink {
- public:
-  explicit SpotList(std::size_t most) : most_(most) {}
-  void arrived(BeamSpot const& spot, std::uint32_t, std::span<BeamStep const>) override {
-    spots_.push_back(spot);
-    if (spots_.size() >= 2 * most_) keep();
-  }
-  std::vector<BeamSpot> take() {
-    keep();
-    return std::move(spots_);
-  }
-
- private:
-  void keep() {
-    std::stable_sort(spots_.begin(), spots_.end(), [](BeamSpot const& a, BeamSpot const& b) {
-      return a.order != b.order ? a.order < b.order : a.power > b.power;
-    });
-    if (spots_.size() > most_) spots_.resize(most_);
-  }
-  std::size_t most_;
-  std::vector<BeamSpot> spots_;
-};
-
-}  // namespace
-
 char const* name_of(BeamEnd end) {
   static constexpr char const* names[] = {"landed", "escaped", "rejoined", "faint", "longest", "wide"};
   return names[std::size_t(end)];
@@ -415,13 +387,6 @@ double BeamEnergyBalance::total() const {
     sum += o.beside;
   }
   return sum;
-}
-
-std::vector<BeamSpot> beam_spots(World const& world, BeamLaunch const& launch, TreeLimits const& limits,
-                                 std::size_t most) {
-  SpotList list(most);
-  grow_tree(world, launch, limits, list);
-  return list.take();
 }
 
 }  // namespace straytrace

@@ -23,6 +23,7 @@
 #include "beams/spot.hpp"
 #include "world/ghosts/screens.hpp"
 #include "world/model/vertex.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace {
 
@@ -140,11 +141,5 @@ struct BeamEnergyBalance {
 
 // Grows the tree of one launch. The memory needed is that of the longest way.
 BeamEnergyBalance grow_tree(World const&, BeamLaunch const&, TreeLimits const&, BeamSink&);
-
-// Spots of the main beam and of ghosts up to `limits`, strongest first within each order, at most `most` of them.
-std::vector<BeamSpot> beam_spots(World const&, BeamLaunch const&, TreeLimits const&, std::size_t most = 100000);
-
-// Share of a beam that passes beside the surface which its chief ray meets: of lines parallel to the chief ray.
-double beside_rim(WorldView const&, SurfaceId, Mode const&);
 
 }  // namespace straytrace

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "world/ghosts/rim.hpp"
-#include "world/model/phase_sensitivities.hpp"
+#include "world/ghosts/obstacle.hpp"
+#include "world/model/body.hpp"
 
 namespace straytrace {
 namespace {

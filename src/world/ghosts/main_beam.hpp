@@ -5,7 +5,10 @@
 
 #include <array>
 #include <complex>
+#include <cstdint>
+#include <functional>
 #include <map>
+#include <vector>
 
 #include "world/ghosts/beam_tree.hpp"
 
@@ -67,5 +70,26 @@ class MainBeam {
 
 // Phase Jacobians of the steps, rad/m and rad: each hit k (n_in in - n_out out) (eq. 2.2).
 void add_phase_sensitivities(std::vector<PhaseSensitivity>&, World const&, std::span<BeamStep const>);
+
+// Ghosts one by one: a beam of the tree from its last departure to where it ends.
+
+struct Ghost {
+  std::uint64_t number = 0;  // in the order of the tree; the main beam counts as well
+  BeamEnd end = BeamEnd::landed;
+  std::uint32_t order = 0;
+  GroupId where;           // landed, faint or longest: on this
+  bool front = true;       // side of it
+  Vec3 point, travel;      // m; where it ends, or leaves its last surface; direction there
+  double power = 0;        // arriving there, over the launched power
+  double clipped = 0;      // share of it beside the rim of what it lands on
+  Spot spot;               // across the beam, m
+  double path_length = 0;  // optical, from the launch, m
+  GhostAlignment standing;
+  std::span<BeamStep const> way;  // all surfaces before the end; valid during the call
+};
+
+// Grows the tree and hands over each beam that has ended; order 0 is the main beam.
+BeamEnergyBalance find_ghosts(World const&, BeamLaunch const&, TreeLimits const&, MainBeam const&,
+                              std::function<void(Ghost const&)> const& each);
 
 }  // namespace straytrace

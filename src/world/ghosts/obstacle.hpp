@@ -1,13 +1,83 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One surface in the way of a beam: which of the lines of the beam meet it, and where.
+// A surface in the way of a beam: which of the lines parallel to the chief ray meet it, where, and what share of the
+// power passes beside its rim (docs/theory/beams.md, eq. 5.5, 5.6, for any rim at any angle).
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
 
-#include "world/ghosts/rim.hpp"
+#include "base/math/functions.hpp"
+#include "beams/mode.hpp"
 #include "world/ghosts/screens.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace {
+
+// Coordinates in which the beam is round: the share exp(-2 rho^2) of its power lies beyond rho.
+class BeamLines {
+ public:
+  static constexpr double farthest = 4.5;  // rho: 3e-18 of the power lie beyond
+  explicit BeamLines(Mode const&);         // across the beam, at the origin of the mode
+  Vec3 towards(SinCos azimuth) const;      // from the chief ray, m per unit of rho
+  Vec3 origin, travel;
+
+ private:
+  Vec3 across_, up_;
+};
+
+// Lines of one azimuth, from rho to rho.
+struct Stripe {
+  double from = 0, to = infinity;
+  bool empty() const { return !(from < to); }
+  double share() const { return std::exp(-2 * from * from) - std::exp(-2 * to * to); }
+};
+using Stripes = std::vector<Stripe>;  // disjoint, in order
+Stripes without(Stripes const&, Stripes const& gone);
+Stripes together(Stripes const&, Stripes const&);
+double share_of(Stripes const&);
+
+struct PlanePoint {
+  double x = 0, y = 0;
+};
+
+// Convex outline about the origin of a plane.
+struct Outline {
+  double semi_x = 0, semi_y = 0;  // m; of the ellipse, or half sizes of the rectangle
+  double sides = 0;               // 0: ellipse; 4 with `rectangle`; otherwise a regular polygon
+  double rotation = 0;            // rad, azimuth of the first corner
+  double apothem = 0;             // m
+  bool rectangle = false;
+  // The part of the line p + rho v, rho >= 0, inside the outline.
+  Stripe inside(PlanePoint p, PlanePoint v) const;
+};
+
+struct FlatRim {
+  Vec3 centre, e1, e2, axis;
+  Outline outer, inner;
+  bool hole = false;
+  Stripes met(Vec3 start, Vec3 step, Vec3 travel) const;  // lines start + rho step along `travel` that meet it
+};
+// Of disks, plane figures and the faces of boxes; of caps and conics, taken as flat at the height of their hole, or of
+// their rim. Empty for all other shapes.
+std::vector<FlatRim> flat_rims(WorldView const&, SurfaceId);
+
+// Inner rim of a disk, cap or cone with a hole: it cuts a beam that passes through.
+struct InnerRim {
+  SurfaceId surface;
+  Vec3 centre, axis, e1, e2;  // of the circle of the tips; unit vectors
+  double radius = 0;          // m, of the tips
+  double tooth_depth = 0;     // m, from tip to valley across the axis; the teeth are triangular
+  double slope = 0;           // m along `axis` per m of radius, in the teeth
+  double teeth = 0, phase = 0;
+};
+std::optional<InnerRim> rim_of(World const&, SurfaceId);  // empty: the surface has no hole
+double rim_radius(InnerRim const&, double azimuth);       // m
+Vec3 rim_point(InnerRim const&, double azimuth);          // from e1 towards e2
+
+// Share of a beam that passes beside the surface which its chief ray meets.
+double beside_rim(WorldView const&, SurfaceId, Mode const&);
 
 // Where lines start and end: distance along the travel from the start of the flight over the offset, m.
 struct Slant {
@@ -24,27 +94,26 @@ struct Fan {
   Vec3 middle, low, high;
 };
 
-// How closely the lines lie, and how closely the edges of stripes are found where they are searched for.
+// How closely the lines lie, and how closely the search finds the edges of stripes.
 struct Fineness {
   int azimuths, most_azimuths, rings, halvings;
 };
 
-// rho beyond which lies the least share that is looked for.
-double reach_of(Flight const&);
+double reach_of(Flight const&);  // rho that leaves the smallest share of interest beyond it
 
 Box bounds_of(WorldView const&, SurfaceId);
 double diagonal(Box const&);  // m
-// Least and largest distance of it along the lines, m, from the plane across the beam in which they are given.
+// Least and largest distance of the surface along the lines, m, from the plane across the beam at their origin.
 std::array<double, 2> heights(WorldView const&, SurfaceId, BeamLines const&);
 
-// Beside it the lines run straight from where the beam has the width of its one end to the width of its other; parallel
-// to the chief ray for flat ones.
+// Along a surface that is not flat the lines run straight from the width of the beam at its one end to the width at its
+// other; along flat ones they are parallel to the chief ray.
 class Obstacle {
  public:
   Obstacle(WorldView const&, SurfaceId, Flight const&, double along, Stretch const&);
   SurfaceId id() const { return id_; }
   double along() const { return along_; }  // m, of the plane across the beam in which offsets are taken
-  int azimuths() const;                    // enough for what is small and beside the chief ray
+  int azimuths() const;                    // enough for a small surface far from the chief ray
   bool possible(double reach) const;       // whether lines to `reach` may meet it on the stretch at all
   Fan fan(SinCos azimuth) const;
   Stripes met(Fan const&) const;  // lines that meet it on the stretch
@@ -68,8 +137,8 @@ class Obstacle {
   BeamLines lines_;
   Stretch const* stretch_;
   Fineness fine_;
-  int rings_;                  // as far as there is light of account
-  std::vector<FlatRim> rims_;  // empty: it is not flat
+  int rings_;                  // out to the smallest share of interest
+  std::vector<FlatRim> rims_;  // empty: the surface is not flat
   BeamLines low_, high_;       // at its two ends, when the lines spread
   double from_ = 0, to_ = 0;   // m, from the start of the flight to these
   Vec3 aside_;                 // m, of the ball around it from the chief ray

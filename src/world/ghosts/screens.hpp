@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "world/ghosts/beam_lines.hpp"
-#include "world/model/world.hpp"
+#include "beams/mode.hpp"
+#include "world/model/view.hpp"
 
 namespace straytrace {
 

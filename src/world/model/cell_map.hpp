@@ -5,12 +5,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/math/functions.hpp"
 #include "base/memory/ids.hpp"
 
 namespace straytrace {
+
+struct WorldView;
 
 // What u and v are. plane: x, y across an axis [m]; polar: distance from the axis [m], angle about it [rad]; unrolled:
 // along the axis, arc about it [m].
@@ -73,5 +76,14 @@ class CellTree {
   std::vector<Extent> extents_;  // by node
   std::vector<MapCell> cells_;
 };
+
+// The chart that suits surfaces laid over one another: polar on round ones, unrolled where they are longer than wide or
+// a cylinder, else x and y across the axis.
+
+struct SurfaceChart {
+  Chart chart = Chart::plane;
+  MapCell whole;  // about reference() and `axis` of the shapes; contains all of them
+};
+SurfaceChart chart_of(WorldView const&, std::span<SurfaceId const>);
 
 }  // namespace straytrace

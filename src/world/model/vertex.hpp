@@ -5,7 +5,7 @@
 
 #include "geometry/shape_types.hpp"
 #include "optics/media_stack.hpp"
-#include "world/model/world.hpp"
+#include "world/model/view.hpp"
 
 namespace straytrace {
 

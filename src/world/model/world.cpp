@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
-#include "world/search/search_item.hpp"
+#include "world/search/surface_pack.hpp"
 
 namespace straytrace {
 namespace {

@@ -10,7 +10,6 @@
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "io/delimited_text.hpp"
-#include "world/model/degree.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
 namespace straytrace {

@@ -11,7 +11,6 @@
 #include "base/math/constants.hpp"
 #include "base/math/vec3.hpp"
 #include "io/delimited_text.hpp"
-#include "world/model/degree.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
 namespace straytrace {

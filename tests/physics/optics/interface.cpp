@@ -12,7 +12,7 @@
 namespace straytrace::optics_interface {
 namespace {
 
-constexpr double silica = 1.45003, degree = pi / 180;
+constexpr double silica = 1.45003;
 
 Amplitudes bare(double degrees, double n_in, double n_out) {
   return Fresnel{}.amplitudes(std::cos(degrees * degree), n_in, n_out, true);

@@ -14,8 +14,6 @@
 namespace straytrace::optics_interface_coating {
 namespace {
 
-constexpr double degree = pi / 180;
-
 Coating steel(Storage& storage) { return make_coating(coating_presets()[0].rows, true, storage); }
 double reflect(Coating const& c, double degrees) {
   return c.amplitudes(std::cos(degrees * degree), 1, 1, true).reflectance();

@@ -11,7 +11,6 @@
 
 #include "base/math/constants.hpp"
 #include "support/recorded.hpp"
-#include "world/scatter_data/scatter_audit.hpp"
 
 namespace straytrace::testing::world_scatter_fit {
 namespace {

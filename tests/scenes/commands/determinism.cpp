@@ -57,7 +57,7 @@ receivers: {photodiode: {on: photodiode, side: front, map: {width: 4 mm, pixels:
 trace: {order_limit: 8, window: no}
 )";
 
-// The instruction set of search and meshes (world/model/search_kernels.hpp, geometry/mesh/triangle_mesh.cpp); what a
+// The instruction set of search and meshes (world/search/search_kernels.hpp, geometry/mesh/triangle_mesh.cpp); what a
 // processor lacks is replaced by what it has.
 TEST(Determinism, InstructionSetsDoNotMatter) {
   Folder const folder;

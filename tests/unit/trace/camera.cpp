@@ -7,8 +7,6 @@
 namespace straytrace::testing::trace_camera {
 namespace {
 
-constexpr double degree = pi / 180;
-
 // A few of everything, piled up.
 World pile() {
   World world;

@@ -5,9 +5,9 @@
 
 #include "base/files/embedded.hpp"
 #include "scene/library.hpp"
+#include "support/ghost_support.hpp"
 #include "support/message_of.hpp"
 #include "unit/world/built_scene.hpp"
-#include "world/ghosts/beam_tree.hpp"
 
 namespace straytrace::world_glass {
 namespace {
@@ -59,7 +59,7 @@ TEST(Glass, ViewportLetsLightThroughAndRefracts) {
   auto const arrives = [](std::string const& words) {
     World const world = read(entry(words)).world;
     BeamSpot at;
-    for (BeamSpot const& s : beam_spots(world, launches(world).front(), {}))
+    for (BeamSpot const& s : testing::beam_spots(world, launches(world).front(), {}))
       if (s.order == 0 && world.groups()[world.surfaces()[s.surface.value].group.value] == "screen") at = s;
     return at;
   };
@@ -76,7 +76,7 @@ TEST(Glass, LensFocusesWithoutAMedium) {
   auto const width = [](std::string const& medium) {
     World const world = read(entry("use: lens, radius_1: 0.1 m, radius_2: 0.1 m, material: clear" + medium)).world;
     double found = 0;
-    for (BeamSpot const& s : beam_spots(world, launches(world).front(), {}))
+    for (BeamSpot const& s : testing::beam_spots(world, launches(world).front(), {}))
       if (s.order == 0 && world.groups()[world.surfaces()[s.surface.value].group.value] == "screen")
         found = spot(s.mode).major;
     return found;

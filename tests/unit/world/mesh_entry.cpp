@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scene entries with `file` (docs/reference/scene.md) and material lists.
+#include "base/text/words.hpp"
 #include "unit/scene/support.hpp"
 #include "unit/world/mesh_texts.hpp"
-#include "world/build/read_mesh.hpp"
-#include "world/build/read_newmtl.hpp"
+#include "world/build/read_files.hpp"
+#include "world/import/newmtl.hpp"
 
 namespace straytrace::test::world_mesh_entry {
 namespace {

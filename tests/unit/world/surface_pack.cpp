@@ -11,7 +11,6 @@
 
 #include "base/math/rng.hpp"
 #include "support/shapes.hpp"
-#include "world/search/search_item.hpp"
 
 namespace straytrace::world_surface_pack {
 namespace {

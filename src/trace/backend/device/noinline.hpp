@@ -29,13 +29,11 @@
 #include "optics/media_stack.hpp"
 #include "optics/polarisation.hpp"
 #include "trace/result.hpp"
-#include "world/model/mode_shapes.hpp"
 #include "world/model/receiver.hpp"
-#include "world/model/scatter_spread.hpp"
-#include "world/model/search_kernels.hpp"
 #include "world/model/steering.hpp"
 #include "world/search/hit.hpp"
 #include "world/search/search.hpp"
+#include "world/search/search_kernels.hpp"
 
 #pragma push_macro("STRAY_HD")
 #undef STRAY_HD
@@ -45,7 +43,7 @@
 #include "trace/step/scatter.hpp"
 #include "trace/step/specular_connection.hpp"
 #include "world/model/vertex.hpp"
-#include "world/model/world.hpp"
+#include "world/model/view.hpp"
 #pragma pop_macro("STRAY_HD")
 #endif
 

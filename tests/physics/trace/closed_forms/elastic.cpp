@@ -7,8 +7,7 @@
 #include "scene/scene.hpp"
 #include "support/trace_support.hpp"
 #include "trace/tally/replay.hpp"
-#include "world/model/mode_shapes.hpp"
-#include "world/model/phase_sensitivities.hpp"
+#include "world/model/body.hpp"
 
 namespace straytrace::testing::trace_elastic {
 namespace {

@@ -6,8 +6,6 @@
 namespace straytrace::testing::trace_flash {
 namespace {
 
-constexpr double degree = pi / 180;
-
 // A disc of 1 m at z = 2, whose normal is tilted by `tilt` from the line of sight; the eye is at the origin.
 World disc_of(double reflect, double albedo, double tilt) {
   World world;

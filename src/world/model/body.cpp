@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "world/model/phase_sensitivities.hpp"
+#include "world/model/body.hpp"
 
 #include <algorithm>
+
+#include "world/model/world.hpp"
 
 namespace straytrace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "world/build/read_newmtl.hpp"
+#include "world/import/newmtl.hpp"
 
 #include <fmt/format.h>
 

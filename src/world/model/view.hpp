@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What light sees: surfaces, optics, footprints of the beams, and the fast search for the closest hit, as pointers and
+// sizes that are passed by value to whatever traces. World (world.hpp) owns the arrays.
+#pragma once
+
+#include "base/math/vec3.hpp"
+#include "base/memory/ids.hpp"
+#include "base/memory/storage.hpp"
+#include "beams/footprint.hpp"
+#include "geometry/shape_types.hpp"
+#include "optics/coating/specular_types.hpp"
+#include "optics/scatter/mixture.hpp"
+#include "world/model/receiver.hpp"
+#include "world/model/steering.hpp"
+#include "world/search/hit.hpp"
+#include "world/search/search.hpp"
+#include "world/search/search_kernels.hpp"
+
+namespace straytrace {
+
+using ShapePool = Pool<ShapeTypes>;
+
+struct Surface {
+  PoolRef shape;
+  static constexpr std::uint32_t none = 0xffffffffu;
+  std::uint32_t front = 0, back = 0;  // optic on the side the normal points to, and on the other
+  BodyId body;
+  GroupId group;
+  std::uint32_t volume = none;  // filled volume behind it: the normal points out of it
+  bool clear = false;           // a measuring plane: neither hit nor hiding anything
+  double scale = 0;             // m, the largest length from which hits on it are computed
+};
+
+// A filled volume: glass of one lens. Volumes of instances of one part are different.
+struct Volume {
+  std::uint32_t medium = 0;
+};
+
+struct Medium {
+  double index = 1;
+  double absorption = 0;  // of power, 1/m
+};
+
+// How the walk is bounded and whether the search structure is used; part of what decides a result.
+struct WalkLimits {
+  std::uint32_t max_order = 64;      // surface events after the source; light beyond is booked as `limit`
+  double roulette_below = 0.1;       // of the power first scattered: below it paths survive by chance (unbiased)
+  std::uint32_t route_vertices = 5;  // routes with more vertices than this are summed in the class `other`
+  bool targets = true;               // aim at what the adjoint tables call important (docs/theory/sampling.md)
+  double law_share = 0.25;           // of directions, that the scatter law keeps at least beside the targets (alpha)
+  bool window = true;                // split and weed paths by power x adjoint (docs/theory/sampling.md)
+  std::uint32_t children = 1;        // paths that go on from the first vertex
+  bool brute_force = false;          // test every surface: must give the same bits
+};
+
+struct WorldView {
+  ShapePool shapes;
+  LawPool laws;
+  SpecularPool interfaces;
+  View<Volume const> volumes;
+  View<Medium const> media;
+  View<Surface const> surfaces;
+  View<Optic const> optics;
+  View<Footprint const> lit;                 // all footprints
+  View<std::uint32_t const> lit_of_surface;  // first receiving footprint on this surface, or none
+  View<std::uint32_t const> emitters;        // footprints that emit
+  View<Receiver const> receivers;
+  View<std::uint32_t const> receiver_of_surface;  // the first, or none; measuring planes are not listed
+  bool polarised = false;                         // the walk carries the state of polarisation
+  SearchView tree;
+  Steering steering;  // empty: the scatter law alone
+  WalkLimits limits;
+  double wavelength = 0;  // m
+  std::uint64_t block_size = largest_block;
+  static constexpr std::uint32_t none = 0xffffffffu;
+
+  // The smallest positive double distance, ties to the lower SurfaceId; `from` is the surface the ray starts on.
+  STRAY_HD Hit closest(Ray const& ray, Departure from) const {
+#if defined(__CUDA_ARCH__)
+    auto const cross_one = [this](SurfaceRef r, Ray const& bounded, Departure const& f) {
+      return cross(r.surface, bounded, f);
+    };
+    NearestQuery<decltype(cross_one)> query(ray, from, cross_one, {{}, ray.t_max});
+    search(ray, query);
+    return query.best();
+#else
+    return search_kernels->closest(*this, ray, from);
+#endif
+  }
+  // The same for several rays at once: in meshes they take turns, so that none waits for memory alone.
+  void closest_together(RayQuery const* queries, Hit* hits, std::uint32_t count) const {
+    search_kernels->closest_together(*this, queries, hits, count);
+  }
+  // Whether anything lies between the origin and ray.t_max. `to_itself`: the ray ends on the surface it starts on; a
+  // quadric has nothing in between.
+  STRAY_HD bool occluded(Ray const& ray, Departure from, bool to_itself = false) const {
+#if defined(__CUDA_ARCH__)
+    auto const cross_one = [this](SurfaceRef r, Ray const& bounded, Departure const& f) {
+      return cross(r.surface, bounded, f);
+    };
+    return search(ray, AnyQuery<decltype(cross_one)>{cross_one, from, ray, to_itself});
+#else
+    return search_kernels->occluded(*this, ray, from, to_itself);
+#endif
+  }
+  STRAY_HD Crossing cross(std::uint32_t id, Ray const& ray, Departure from) const {
+    return shapes.visit(surfaces[id].shape,
+                        [&](auto const& s) { return crossing_of(s, ray, from.on(id), from.piece); });
+  }
+  // How much earlier than a point drawn on a surface, `way` m away, a line may meet that surface, m (eq. 1.14).
+  STRAY_HD double slack(SurfaceId id, double way, double cosine) const {
+    return hit_slack(surfaces[id.value].scale, way, cosine);
+  }
+  STRAY_HD Vec3 normal(SurfaceId id, Vec3 p, std::uint32_t piece = 0) const {
+    return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return normal_of(s, p, piece); });
+  }
+  STRAY_HD Vec3 project(SurfaceId id, Vec3 p, std::uint32_t piece = 0) const {
+    return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return projected_on(s, p, piece); });
+  }
+
+  // Asks about all that the ray may hit, until the answer is true; says whether it was.
+  template <class Query>
+  STRAY_INLINE bool search(Ray const& ray, Query&& query) const {
+    return limits.brute_force ? search_all(ray, query) : tree.traverse(ray, ray.t_max, query);
+  }
+  template <class Query>
+  STRAY_INLINE bool search_all(Ray const& ray, Query&& query) const {
+    double limit = ray.t_max;
+    for (std::uint32_t id = 0; id < surfaces.size; ++id)
+      if (!surfaces[id].clear && query.cross(SurfaceRef::of(id, surfaces[id].shape), limit)) return true;
+    return false;
+  }
+};
+
+}  // namespace straytrace
