@@ -11,6 +11,7 @@
 #include <time.h>
 #include <vector>
 
+#include "scene/scene.hpp"
 #include "support/baffled_tube.hpp"
 #include "support/trace_received.hpp"
 

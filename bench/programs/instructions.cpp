@@ -10,6 +10,7 @@
 #include "noise/wrapped/phase_spectra.hpp"
 #include "optics/scatter/shift_invariant.hpp"
 #include "optics/scatter/diffuse.hpp"
+#include "scene/scene.hpp"
 #include "scenes.hpp"
 #include "spectra/shapes.hpp"
 #include "trace/backend/backend.hpp"

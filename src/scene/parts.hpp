@@ -70,7 +70,7 @@ class InPart : public Document {
     ProblemRedirect const now(whole_, blame_);
     whole_.add(std::move(p));
   }
-  bool healthy() const override { return whole_.healthy(); }
+  std::size_t errors() const override { return whole_.errors(); }
   std::optional<Value> evaluate(NodeData const& node, Scope const* scope) override {
     ProblemRedirect const now(whole_, blame_);
     return whole_.evaluate(node, scope);

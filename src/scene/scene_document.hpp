@@ -36,7 +36,7 @@ class SceneDocument : public Document {
   SceneDocument(std::filesystem::path folder, FileTexts const* texts, std::vector<std::string> const& overrides);
 
   void add(Problem) override;
-  bool healthy() const override { return errors_ == 0; }
+  std::size_t errors() const override { return errors_; }
   std::optional<Value> evaluate(NodeData const&, Scope const*) override;
   std::optional<Value> evaluate(NodeData const&, ParameterLookup const&);
   std::string data_file(Node const& from, std::string const& name) override;

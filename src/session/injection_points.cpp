@@ -86,7 +86,7 @@ void check_entrances(Node const& interferometer, std::vector<TracedPort> const& 
 // (docs/theory/interferometer.md, eq. 9.5).
 void refuse_input_mirrors(Scene const& scene, World const& world) {
   auto const beams = scene.table("beams").items();
-  auto const name = [&](Footprint const& f) { return world.groups()[world.surfaces()[f.surface.value].group.value]; };
+  auto const name = [&](Footprint const& f) { return world.name_of(f.surface); };
   for (BeamLaunch const& launch : launches(world)) {
     if (!launch.through_input_mirror() || launch.beam >= beams.size()) continue;
     std::set<std::string> lit;

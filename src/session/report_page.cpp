@@ -60,7 +60,7 @@ std::string seen_from(World const& world, Footprint const& lit) {
   std::string const name = lit.port.valid() ? world.ports()[lit.port.value] : "";
   if (!lit.surface.valid()) return name;
   return fmt::format("{}{}the light on {}", name, name.empty() ? "" : ", by ",
-                     world.groups()[world.surfaces()[lit.surface.value].group.value]);
+                     world.name_of(lit.surface));
 }
 
 PageJson first_order_json(Model const& model, std::vector<FirstOrderList> const& lists) {

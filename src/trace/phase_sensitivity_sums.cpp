@@ -12,6 +12,7 @@
 #include "base/errors.hpp"
 #include "trace/result.hpp"
 #include "trace/tally/replay.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace {
 namespace {

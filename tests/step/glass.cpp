@@ -3,6 +3,7 @@
 #include <complex>
 #include <unistd.h>
 
+#include "scene/scene.hpp"
 #include "step/support.hpp"
 #include "world/model/world.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scene entries that name a STEP file: units, rules, what the run file keeps, and that no light leaks through seams.
 #include "base/math/rng.hpp"
+#include "scene/scene.hpp"
 #include "step/support.hpp"
 #include "world/build/read_files.hpp"
 

@@ -93,7 +93,8 @@ class Document {
  public:
   virtual ~Document() = default;
   virtual void add(Problem) = 0;
-  virtual bool healthy() const = 0;
+  virtual std::size_t errors() const = 0;  // so far
+  bool healthy() const { return errors() == 0; }
   // Value of a scalar with the parameters of a scope; records a problem when it has none.
   virtual std::optional<Value> evaluate(NodeData const&, Scope const*) = 0;
   virtual std::string data_file(Node const& from, std::string const& name) = 0;

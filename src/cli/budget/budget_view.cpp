@@ -76,8 +76,11 @@ std::string band_rows(BudgetEntry const& e) {
   BudgetBands const& b = e.bands;
   if (e.inputs_stated) text += row("  inputs leave open", ranges(b.input_low, b.input_high));
   if (b.speckle_50.empty()) return text;
+  std::vector<std::string> medians = numbers(b.speckle_50, "{:.1e}");
+  for (std::size_t i = 0; i < medians.size(); ++i)
+    if (b.speckle_50[i] == 0) medians[i] = "none";
   return text + row("  one realisation, 5..95 %", ranges(b.speckle_05, b.speckle_95)) +
-         row("  one realisation, 50 %", numbers(b.speckle_50, "{:.1e}"));
+         row("  one realisation, 50 %", medians);
 }
 
 bool unknown_somewhere(BudgetEntry const& e) {

@@ -132,13 +132,21 @@ std::string test_text(FringeFit const& fit, double false_alarm) {
 std::string clock_text(FitAnswer const& a) {
   ClockCheck const& c = a.fit.clock;
   if (c.range == 0) return "";
-  if (!c.better) return fmt::format("clocks: no delay within {:g} ms fits better than none\n", 1e3 * c.range);
+  if (!c.better)
+    return fmt::format(
+        "clocks: no delay within {:g} ms fits better than none; a clock that is wrong by more was not searched for\n",
+        1e3 * c.range);
   std::string out = fmt::format("{}: noise that comes {} behind the witness takes {:.1f} more from chi^2\n",
                                 c.doubtful ? "clock?" : "clocks", value_text(scaled(c.delay, 1e3), "ms"), c.gain);
   for (std::size_t i = 0; i < c.paths.size(); ++i)
     out += fmt::format("  {}: {} {} with that delay, {} without; W {} and {}\n", c.paths[i].name, a.field ? "f_r" : "G",
                        strength_text(a, c.paths[i]), strength_text(a, a.fit.paths[i]),
                        value_text(c.paths[i].multiplicity, ""), value_text(a.fit.paths[i].multiplicity, ""));
+  if (c.delay.at_end || std::fabs(c.delay.value) > 0.95 * c.range)
+    out += fmt::format(
+        "  this delay lies at the end of the {:g} ms searched to either side: the clock may be wrong by more; search "
+        "further, as with --delay \"{:g} s..{:g} s\"\n",
+        1e3 * c.range, -4 * c.range, 4 * c.range);
   return out + (c.doubtful ? "  write --free delay, or --delay \"0 ms\" where the clocks are one\n" : "");
 }
 

@@ -20,6 +20,7 @@
 #include "cli/options.hpp"
 #include "cli/render/render_paint.hpp"
 #include "results/text/png.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace {
 namespace {
@@ -125,7 +126,7 @@ Stand stand_on(World const& world, std::string const& name) {
   }
   SurfaceId on;
   for (std::uint32_t id = 0; id < world.surfaces().size() && !on.valid(); ++id)
-    if (belongs(world.groups()[world.surfaces()[id].group.value], name)) on = {id};
+    if (belongs(world.name_of({id}), name)) on = {id};
   for (std::size_t i = 0; i < world.receivers().size(); ++i)
     if (world.receiver_names()[i] == name) on = world.receivers()[i].surface;
   if (!on.valid()) unknown_name(world, "from", name);
@@ -158,7 +159,7 @@ Framing choose_view(World const& world, RenderOptions const& w) {
   }
   WorldView const view = world.view();
   Box const box = bounds_of(view, [&](SurfaceId id) {
-    return w.at.empty() || belongs(world.groups()[world.surfaces()[id.value].group.value], w.at);
+    return w.at.empty() || belongs(world.name_of(id), w.at);
   });
   if (!(box.lower.x <= box.upper.x)) unknown_name(world, "at", w.at);
   if (w.eye.empty()) {
@@ -318,7 +319,7 @@ Drawn draw_flash(World const& world, Camera const& camera, LookSettings const& s
     brightest = std::max(brightest, light.scattered);
     glint = std::max(glint, light.glint);
     if (!light.first.valid()) continue;
-    Shine& object = objects[object_of(world.groups()[world.surfaces()[light.first.value].group.value])];
+    Shine& object = objects[object_of(world.name_of(light.first))];
     double const angle = solid_angle(camera, std::uint32_t(i % camera.columns), std::uint32_t(i / camera.columns));
     object.scattered += light.scattered * angle;
     object.glint += light.glint * angle;

@@ -10,6 +10,7 @@
 #include "results/results.hpp"
 #include "results/text/colour_bar.hpp"
 #include "trace/camera/flash_camera.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace {
 

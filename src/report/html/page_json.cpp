@@ -125,12 +125,12 @@ PageJson lit_json(World const& world) {
 namespace {
 
 // Densities of the cells of a map; null where nothing was seen.
-PageJson cells_json(Chart chart, CellValues const& map, double scale, bool per_area) {
+PageJson cells_json(CellValues const& map, double scale, bool per_area) {
   std::vector<double> places, value, error;
   for (std::size_t i = 0; i < map.cells.size(); ++i) {
     MapCell const& c = map.cells[i];
     places.insert(places.end(), {c.u_low, c.u_high, c.v_low, c.v_high});
-    double const factor = map.count[i] == 0 ? not_a_number : per_area ? scale / area_of(chart, c) : scale;
+    double const factor = map.count[i] == 0 ? not_a_number : per_area ? scale / map.area[i] : scale;
     value.push_back(factor * map.value[i]);
     error.push_back(factor * map.error[i]);
   }
@@ -158,8 +158,8 @@ PageJson maps_json(std::vector<SurfaceMap> const& maps, double beam_power) {
                    {"y_axis", numbers({m.y_axis.x, m.y_axis.y, m.y_axis.z})},
                    {"surfaces", m.surfaces},
                    {"noise_sum", number(100 * m.noise_sum)},
-                   {"noise", cells_json(m.chart, m.noise, percent_per_cm2, true)},
-                   {"light", cells_json(m.chart, m.light, watts, false)},
+                   {"noise", cells_json(m.noise, percent_per_cm2, true)},
+                   {"light", cells_json(m.light, watts, false)},
                    {"histories", m.histories},
                    {"light_unit", beam_power > 0 ? "W/m²" : "1/m² per W of the main mode"},
                    {"places", places},

@@ -2,12 +2,12 @@
 #include "report/html/surface_maps.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "trace/step/step.hpp"
-#include "world/model/cell_map.hpp"
 
 namespace straytrace {
 namespace {
@@ -40,6 +40,7 @@ SurfaceMap empty_map(World const& world, GroupId group, std::vector<SurfaceId> c
   WorldView const view = world.view();
   SurfaceMap map;
   map.name = world.groups()[group.value];
+  map.group = group;
   map.surfaces = surfaces.size();
   for (SurfaceId const id : surfaces) {
     map.places.push_back(view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) { return s.reference(); }));
@@ -54,6 +55,42 @@ SurfaceMap empty_map(World const& world, GroupId group, std::vector<SurfaceId> c
   map.chart = chart;
   map.whole = whole;
   return map;
+}
+
+// Surfaces of equal shape count once, with their number.
+std::vector<std::pair<SurfaceId, double>> distinct(WorldView const& view, std::vector<SurfaceId> const& surfaces) {
+  std::map<std::array<double, 6>, std::pair<SurfaceId, double>> all;
+  for (SurfaceId const id : surfaces) {
+    PoolRef const shape = view.surfaces[id.value].shape;
+    auto const size = view.shapes.visit(shape, [&](auto const& s) {
+      double low = 0, high = 0, r_min = 0, r_max = 0;
+      s.extent(low, high, r_min, r_max);
+      return std::array<double, 6>{double(shape.kind), low, high, r_min, r_max, s.area()};
+    });
+    ++all.try_emplace(size, id, 0).first->second.second;
+  }
+  std::vector<std::pair<SurfaceId, double>> list;
+  for (auto const& [size, entry] : all) list.push_back(entry);
+  return list;
+}
+
+// Areas of the cells; leaves out cells beyond the rims of all surfaces.
+void trim(World const& world, std::vector<SurfaceId> const& surfaces, Chart chart, CellValues& map) {
+  WorldView const view = world.view();
+  auto const shapes = distinct(view, surfaces);
+  CellValues kept;
+  for (std::size_t i = 0; i < map.cells.size(); ++i) {
+    double share = 0;
+    for (auto const& [id, number] : shapes)
+      share += filled_share(view, id, chart, map.cells[i]) * number / double(surfaces.size());
+    if (share == 0 && map.count[i] == 0) continue;
+    kept.cells.push_back(map.cells[i]);
+    kept.value.push_back(map.value[i]);
+    kept.error.push_back(map.error[i]);
+    kept.count.push_back(map.count[i]);
+    kept.area.push_back(area_of(chart, map.cells[i]) * (share > 0 ? share : 1));
+  }
+  map = std::move(kept);
 }
 
 bool counts(NoisyPath const& n, PathPoint const& p) { return p.surface.valid() && p.body == n.body; }
@@ -93,6 +130,7 @@ SurfaceMap noise_map(World const& world, GroupId group, std::vector<NoisyPath> c
   }
   for (auto* errors : {&map.noise.error, &map.noise_by_place_error})
     for (double& e : *errors) e = std::sqrt(e);
+  trim(world, surfaces, map.chart, map.noise);
   return map;
 }
 
@@ -124,9 +162,7 @@ class ArrivalSink {
   ArrivalSink(World const& world, WorldView const& view, std::vector<SurfaceMap> const& maps, Each each)
       : view_(view), maps_(maps), each_(each) {
     of_group_.resize(world.groups().size(), none);
-    for (std::size_t i = 0; i < maps.size(); ++i)
-      for (std::size_t g = 0; g < world.groups().size(); ++g)
-        if (world.groups()[g] == maps[i].name) of_group_[g] = i;
+    for (std::size_t i = 0; i < maps.size(); ++i) of_group_[maps[i].group.value] = i;
   }
   template <class... T>
   void emitted(T const&...) {}
@@ -184,8 +220,9 @@ void add_light(World const& world, std::uint64_t seed, std::uint64_t histories, 
   auto const n = double(histories);
   for (SurfaceMap& map : maps) {
     map.histories = histories;
+    trim(world, surfaces_of(world, map.group), map.chart, map.light);
     for (std::size_t i = 0; i < map.light.cells.size(); ++i) {
-      double const area = area_of(map.chart, map.light.cells[i]) * double(map.surfaces);
+      double const area = map.light.area[i] * double(map.surfaces);
       double const mean = map.light.value[i] / n, mean2 = map.light.error[i] / n;
       map.light.value[i] = mean / area;
       map.light.error[i] = std::sqrt(std::max(mean2 - mean * mean, 0.0) / (n - 1)) / area;

@@ -13,6 +13,7 @@ namespace straytrace {
 struct CellValues {
   std::vector<MapCell> cells;
   std::vector<double> value, error;  // one standard error
+  std::vector<double> area;          // m^2 of the map, of one surface on average: what lies beyond its rim is left out
   std::vector<std::uint32_t> count;  // of paths or arrivals; 0: none seen
 };
 
@@ -21,6 +22,7 @@ struct CellValues {
 // the map. Cells and values are functions of the run alone, however it was traced.
 struct SurfaceMap {
   std::string name;
+  GroupId group;
   Chart chart = Chart::plane;
   MapCell whole;
   Vec3 x_axis, y_axis;       // of the first instance, in the scene; unrolled: the arc begins at x and grows towards y

@@ -101,7 +101,11 @@ WithError band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double 
 
 namespace {
 
-std::string strain_number(double h) { return std::isnan(h) ? "-" : fmt::format("{:.2e}", h); }
+// A zero is no number of a noise: either no route makes noise there, or none is resolved.
+std::string strain_number(NoiseBudget const& b, double h) {
+  if (h == 0) return b.unresolved.empty() ? "none" : "not resolved";
+  return std::isnan(h) ? "-" : fmt::format("{:.2e}", h);
+}
 
 std::string sources(NoiseBands const& bands) {
   Columns c;
@@ -122,11 +126,10 @@ std::string ranges(NoiseBudget const& b, std::vector<double> const& frequencies,
   std::string text;
   for (double const hz : frequencies) {
     double const from = band_at(low, b.grid, hz), to = band_at(high, b.grid, hz);
-    bool const nothing = from == 0 && to == 0;
     text += text.empty() ? "" : ", ";
-    text += !nothing               ? fmt::format("{} to {}", strain_number(from), strain_number(to))
-            : b.unresolved.empty() ? "none"
-                                   : "not resolved";
+    text += from == 0 && to == 0 ? strain_number(b, 0)
+            : from == 0          ? fmt::format("up to {}", strain_number(b, to))
+                                 : fmt::format("{} to {}", strain_number(b, from), strain_number(b, to));
   }
   return text;
 }
@@ -168,7 +171,7 @@ std::string band_text(NoiseBudget const& b, std::vector<double> const& frequenci
     std::vector<std::string> row{fmt::format("{:g}", hz)};
     for (auto const* curve : {&b.bands.input_low, &b.bands.input_high, &b.bands.speckle_05, &b.bands.speckle_50,
                               &b.bands.speckle_95, &b.total.asd, &b.bands.coherent})
-      row.push_back(strain_number(band_at(*curve, b.grid, hz)));
+      row.push_back(strain_number(b, band_at(*curve, b.grid, hz)));
     c.rows.push_back(std::move(row));
   }
   std::string text = aligned(c);

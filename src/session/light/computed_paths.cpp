@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "world/ghosts/obstacle.hpp"
+
 namespace straytrace {
 namespace {
 

@@ -26,7 +26,7 @@ std::string name_of(Model const& model, Ending ending) {
   if (!ending.port) return "receiver " + model.world.receiver_names()[ending.index];
   Footprint const& f = model.world.footprints()[ending.index];
   return fmt::format("port {} at {}", model.world.ports()[f.port.value],
-                     model.world.groups()[model.world.surfaces()[f.surface.value].group.value]);
+                     model.world.name_of(f.surface));
 }
 std::string group_name(Model const& model, FirstOrderRow const& row) { return model.world.groups()[row.group.value]; }
 

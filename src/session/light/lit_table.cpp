@@ -13,7 +13,7 @@ namespace straytrace {
 namespace {
 
 std::string name_of(World const& world, Footprint const& f) {
-  return world.groups()[world.surfaces()[f.surface.value].group.value];
+  return world.name_of(f.surface);
 }
 std::string port_of(World const& world, Footprint const& f) {
   return f.port.valid() ? world.ports()[f.port.value] : "";

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "trace/coupling.hpp"
-#include "world/model/world.hpp"
+#include "world/ghosts/obstacle.hpp"
 
 namespace straytrace {
 

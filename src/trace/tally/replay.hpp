@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "trace/step/step.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace {
 

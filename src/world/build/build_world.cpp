@@ -39,7 +39,7 @@ World build_world(Scene const& scene) {
   world.settle_pivots();
   read_receivers(scene, world, names);
   read_beams(scene, world, names);
-  read_edges(scene, world);
+  read_edges(scene, world, names);
   read_trace_limits(scene, world);
   if (scene.root().healthy()) {  // shapes with missing numbers cannot be searched
     world.finish();
@@ -133,14 +133,14 @@ namespace {
 std::vector<std::string> groups_with_rims(World const& world) {
   std::vector<std::string> found;
   for (std::uint32_t id = 0; id < world.surfaces().size(); ++id) {
-    std::string const& group = world.groups()[world.surfaces()[id].group.value];
+    std::string const& group = world.name_of({id});
     bool const known = std::find(found.begin(), found.end(), group) != found.end();
     if (!known && rim_of(world, {id})) found.push_back(group);
   }
   return found;
 }
 
-void read_group(Node const& node, World& world, std::vector<std::string> const& with_rims) {
+void read_group(Node const& node, World& world, Registry const& names, std::vector<std::string> const& with_rims) {
   std::string const pattern = node.as_word();
   std::vector<std::string>& chosen = world.edges.groups;
   bool any = false;
@@ -149,7 +149,7 @@ void read_group(Node const& node, World& world, std::vector<std::string> const& 
     any = true;
     if (std::find(chosen.begin(), chosen.end(), group) == chosen.end()) chosen.push_back(group);
   }
-  if (any) return;
+  if (any || is_refused(pattern, names)) return;
   auto const& all = world.groups();
   bool const solid = std::any_of(all.begin(), all.end(), [&](auto const& group) { return matches(pattern, group); });
   std::string const near = nearest_word(pattern, with_rims);
@@ -167,7 +167,7 @@ double smallest_rim(World const& world) {
   auto const& chosen = world.edges.groups;
   for (std::uint32_t id = 0; id < world.surfaces().size(); ++id)
     if (auto const rim = rim_of(world, {id}))
-      if (std::find(chosen.begin(), chosen.end(), world.groups()[world.surfaces()[id].group.value]) != chosen.end())
+      if (std::find(chosen.begin(), chosen.end(), world.name_of({id})) != chosen.end())
         radius = std::min(radius, rim->radius);
   return radius;
 }
@@ -193,7 +193,7 @@ bool has_cavity(World const& world) {
 
 }  // namespace
 
-void read_edges(Scene const& scene, World& world) {
+void read_edges(Scene const& scene, World& world, Registry const& names) {
   Node const table = scene.table("edges");
   if (!table) return;
   EdgeSettings& edges = world.edges;
@@ -201,7 +201,7 @@ void read_edges(Scene const& scene, World& world) {
   std::vector<Node> const surfaces = table.list("surfaces");
   if (surfaces.empty())
     table.problem("'edges' names no surfaces", "add 'surfaces: \"baffles*\"', entries of 'scene' with inner rims");
-  for (Node const& node : surfaces) read_group(node, world, with_rims);
+  for (Node const& node : surfaces) read_group(node, world, names, with_rims);
   if (table.has("offset")) edges.offset = read_vector(table["offset"], dim::length);
   edges.tooth_height = table.number("tooth_height", dim::length, 0, 0, 1);
   if (table.has("tooth_width") && !table.has("tooth_height"))

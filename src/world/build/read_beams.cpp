@@ -26,7 +26,7 @@ void warn_of_closed_ends(Scene const& scene, World const& world) {
     if (f.standing && !f.receives && !world.ports().empty())
       scene.table("ports").warning(
           fmt::format("no port is open at '{}', a mirror of a cavity: light that rejoins there is not counted",
-                      world.groups()[world.surfaces()[f.surface.value].group.value]),
+                      world.name_of(f.surface)),
           "open a port at each mirror of the cavity");
 }
 
@@ -163,7 +163,7 @@ void read_cavity(Node const& beam, Node const& cavity, Registry const& names, Wo
     if (id != one.id.value && id != two.id.value && !world.surfaces()[id].clear &&
         view.shapes.visit(world.surfaces()[id].shape,
                           [&](auto const& s) { return crossing_of(s, chief, false, 0).distance; }) < infinity) {
-      beam.problem(fmt::format("'{}' stands in the beam '{}'", world.groups()[world.surfaces()[id].group.value], name),
+      beam.problem(fmt::format("'{}' stands in the beam '{}'", world.name_of({id}), name),
                    "give it a hole or move it");
       return;
     }

@@ -10,7 +10,7 @@
 
 namespace straytrace {
 
-// What a beam hands to all its footprints.
+// Common properties of all footprints of a beam.
 struct Lighting {
   std::string name;
   std::uint32_t number = 0;
@@ -21,14 +21,14 @@ void read_cavity(Node const& beam, Node const& cavity, Registry const&, World&, 
 void read_free(Node const& beam, Registry const&, World&, Lighting const&);  // key `from`
 void read_spot(Node const& beam, Registry const&, World&, Lighting const&);  // key `on`
 
-// Beams as far as they were read; `broken` ones have a problem of their own, which ports need not repeat.
+// The beams read so far; for `broken` ones a problem is already reported.
 struct Beams {
   std::vector<std::string> names;
   std::vector<bool> broken;
 };
 void read_ports(Scene const&, World&, Registry const&, Beams const&);
 
-// The key `lit` of a beam: whether it is followed through the scene, and what of it counts.
+// The key `lit` of a beam: whether it propagates through the scene, and which of its spots count.
 struct LitWish {
   bool wanted = false;
   double floor = 1e-9;                    // weakest beam followed, over the one launched
@@ -36,16 +36,15 @@ struct LitWish {
   std::vector<std::string> only, except;  // patterns of names; `only` empty: all
 };
 LitWish read_lit(Node const& beam, Registry const&);
-// Lights every surface that the beam meets, from the footprints it has so far. Nothing happens while the document has
-// problems.
+// Adds footprints on every surface that the beam meets, starting from its footprints so far. Does nothing while the
+// document has problems.
 void light_up(Node const& beam, LitWish const&, Registry const&, World&, Lighting const&);
 
-// Where a stated spot lies on a surface that its light would cross more than once: tubes, spheres, boxes.
-
-// Sets `backoff` of a footprint so that its lines start after the crossing before the one that is lit, and moves its
-// centre along the chief ray to that one. Lit is the crossing at the centre, within the radius of the spot; otherwise
-// the first, in the direction of travel, on a side that does more than absorb. Where the chief ray crosses once or not
-// at all, nothing is changed.
+// Places a stated spot on a surface that its light crosses more than once: tubes, spheres, boxes. Sets `backoff` of the
+// footprint so that its lines start after the crossing before the illuminated one, and moves its centre along the chief
+// ray to that one. The illuminated crossing is the one within the radius of the spot about its centre; otherwise the
+// first, in the direction of travel, on a side that does not only absorb. Changes nothing if the chief ray crosses at
+// most once.
 void place_spot(World const&, Footprint&);
 
 }  // namespace straytrace

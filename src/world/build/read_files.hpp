@@ -17,21 +17,21 @@
 
 namespace straytrace {
 
-// A part as its file names it. Rules see the whole name, "tower/dump", and its last piece, "dump".
+// A part as its file names it. Rules match the complete name, "tower/dump", or its last piece, "dump".
 struct PartLabel {
-  std::string name, material, colour;  // colour "#rrggbb"; empty: the file says none
+  std::string name, material, colour;  // colour "#rrggbb"; empty: not in the file
 };
 
-// Rows of a table of an entry, `surfaces` or `medium`, in the order of the scene, then its default, then for `surfaces`
-// the `material` of the entry: the first that fits counts.
+// Rows of the table `surfaces` or `medium` of an entry, in the order of the scene, then its default, then for `surfaces`
+// the `material` of the entry: the first match counts.
 class PartRules {
  public:
   PartRules(Scene::Instance const&, std::string_view table, bool first_time);
-  // What the rules say of a part; empty when none fits.
+  // The value for a part; empty: no rule matches.
   Node of(PartLabel const&);
-  // The optic of a part; everything black, and a note for report(), when no rule fits.
+  // The optic of a part; if no rule matches, the black one, and report() says so.
   std::uint32_t optic(PartLabel const&, Registry const&);
-  // What fits nothing, and parts without material, in one problem each. `parts`: all of the file `name`.
+  // One problem for rules that match nothing, one for parts without material. `parts`: all parts of the file `name`.
   void report(Scene::Instance const&, std::string const& name, std::vector<PartLabel> const& parts) const;
 
  private:
@@ -47,18 +47,16 @@ class PartRules {
   std::vector<std::string> bare_;
 };
 
-// The volume of a part that is filled with the medium that a node names.
+// The volume of a part, filled with the medium that a node names.
 using FillPart = std::function<std::uint32_t(Node const& medium, std::string const& part)>;
 
-// m per unit of the file; 0, and a problem, when it is not known. `box`: in units of the file. `stated`: m, 0 when the
-// file says none. `source` for messages: "its format says m".
+// m per unit of the file; 0 after a problem. `box`: in units of the file. `stated`: m, the unit that the file states, or
+// 0. `source` for messages: "its format says m".
 double read_file_unit(Scene::Instance const&, Box const& box, double stated, std::string const& source,
                       bool first_time);
 
 // A warning about the file that `file` names.
 void warn_of_file(Node const& file, std::string const& what, std::string const& suggestion);
-
-// Scene entries with `file`: every named part of a mesh file becomes one surface.
 
 // Mesh files read so far, by name; instances share the arrays.
 struct LoadedMesh {
@@ -68,19 +66,16 @@ struct LoadedMesh {
 };
 using MeshLibrary = std::map<std::string, std::shared_ptr<LoadedMesh const>>;
 
-// Adds one surface per part. `file` is the name as written; `as` says body and volume; `side` which sides scatter, the
-// other absorbs. FillPart: for parts with a medium of their own. `first_time`: of several instances of one entry.
+// Adds one surface per part of a mesh file. `file`: its name in the scene. `as`: body and volume. `side`: which sides
+// scatter, the other absorbs. FillPart: for parts with a medium of their own. `first_time`: first instance of an entry.
 void add_mesh(Scene::Instance const&, Node const& file, Pose const&, Surface as, std::string const& side,
               FillPart const&, bool first_time, World&, Registry&, MeshLibrary&);
 
-// Scene entries whose `file` is a STEP file or one that straytrace-step has converted.
-
-// Faces of a CAD file as shapes: full cylinders, cones, caps and disks become those, all others a CadFace. All normals
-// point out of the part.
-
+// Faces of a STEP file, as converted by straytrace-step: complete cylinders, cones, caps and disks become those shapes,
+// all others a CadFace. All normals point out of the part.
 using CadShape = std::variant<CadFace, Disk, Cap, Sphere, Zone, Cylinder, Cone, Torus>;
 
-// A shape with where it stands in the frame of the file.
+// A shape and its place in the frame of the file.
 struct PlacedCadShape {
   CadShape shape;
   Pose frame;
@@ -89,7 +84,7 @@ struct PlacedCadShape {
 // `scale`: m per metre of the file.
 PlacedCadShape cad_shape(CadFileFace const&, double scale, Storage&);
 
-// What rules choose materials for: the faces of one name and colour.
+// The faces of one name and colour, for which rules choose the material.
 struct CadPart {
   PartLabel label;
   std::vector<PlacedCadShape> faces;
@@ -101,7 +96,7 @@ struct LoadedCad {
 };
 using CadLibrary = std::map<std::string, std::shared_ptr<LoadedCad>>;
 
-// The converted text of a STEP file, or the file itself when it is converted; kept with the other texts of the model.
+// The converted text of a STEP file, or the file itself if it is converted; stored with the other texts of the model.
 // Empty after a problem.
 std::string cad_text(Node const& file);
 

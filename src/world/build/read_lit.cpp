@@ -28,10 +28,7 @@ std::vector<std::string> patterns(Node const& table, std::string_view key, Regis
   for (Node const& word : table.list(key)) {
     std::string const pattern = all.emplace_back(word.as_word());
     auto const fits = [&](std::string const& name) { return names_surface(pattern, name); };
-    bool const refused = std::any_of(names.refused.begin(), names.refused.end(), [&](std::string const& entry) {
-      return fits(entry) || pattern.starts_with(entry + "/") || pattern.starts_with(entry + "[");
-    });
-    if (refused || std::any_of(known.begin(), known.end(), fits)) continue;
+    if (is_refused(pattern, names) || std::any_of(known.begin(), known.end(), fits)) continue;
     std::string const near = nearest_word(pattern, known);
     word.problem(fmt::format("'{}' is not a surface of the scene", pattern),
                  near.empty() ? "name entries of 'scene', or write a pattern such as \"bench/*\""
@@ -119,7 +116,7 @@ void warn_of_recombining(Node const& beam, std::string const& name, World const&
       BeamSpot const &a = met[i].spot, &b = met[j].spot;
       if (a.order != 0 || b.order != 0 || a.surface != b.surface || a.front != b.front) continue;
       if (!(dot(a.mode.travel, b.mode.travel) > 0.9) || !(power_overlap(a.mode, b.mode) > alike)) continue;
-      surfaces.insert(world.groups()[world.surfaces()[a.surface.value].group.value]);
+      surfaces.insert(world.name_of(a.surface));
     }
   if (surfaces.empty()) return;
   std::string names;

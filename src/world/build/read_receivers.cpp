@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/text/words.hpp"
 #include "world/build/read_parts.hpp"
 #include "world/model/cell_map.hpp"
 
@@ -185,11 +186,17 @@ Pose turned_about_normal(Pose const& p, double angle) {
   return {p.origin, c * p.e1 + s * p.e2, c * p.e2 - s * p.e1, p.e3};
 }
 
+bool is_refused(std::string const& pattern, Registry const& names) {
+  return std::any_of(names.refused.begin(), names.refused.end(), [&](std::string const& entry) {
+    return matches(pattern, entry) || pattern.starts_with(entry + "/") || pattern.starts_with(entry + "[");
+  });
+}
+
 SurfaceId find_surface(Node const& node, Registry const& names) {
   std::string const name = node.as_word();
+  if (is_refused(name, names)) return {};
   auto const found = names.surfaces.find(name);
   if (found != names.surfaces.end()) return found->second;
-  if (names.refused.contains(name.substr(0, name.find_first_of("/[")))) return {};
   std::vector<std::string> known, faces;
   for (auto const& [n, id] : names.surfaces) {
     known.push_back(n);

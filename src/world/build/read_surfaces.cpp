@@ -136,7 +136,12 @@ std::set<std::string> clear_parts(Scene const& scene, World const& world, Regist
 
 bool is_entry(Scene::Instance const& instance) { return instance.node.data() == instance.placement.data(); }
 
-// Its name counts as defined.
+std::size_t errors_of(Scene const& scene) {
+  Document const* const document = scene.root().document();
+  return document ? document->errors() : 0;
+}
+
+// Its name counts as defined, and messages about what names it would only repeat its own problem.
 void refuse(Scene::Instance const& instance, Registry& names) { names.refused.insert(entry_of(instance)); }
 
 // Names in an entry with problems are still looked up.
@@ -238,7 +243,9 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
   Shared shared;
   shared.clear = clear_parts(scene, world, names);
   for (Scene::Instance const& instance : scene.instances()) {
+    std::size_t const before = errors_of(scene);
     add_instance(instance, world, names, shared);
+    if (errors_of(scene) > before) refuse(instance, names);
     if (is_entry(instance)) continue;  // its keys are those of the entry, below
     if (shared.complained.insert("keys of " + instance.group).second)
       instance.node.refuse_unknown(fmt::format("'{}'", instance.group));

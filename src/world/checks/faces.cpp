@@ -26,7 +26,7 @@ struct SharedSpace {
 std::map<std::pair<std::string, std::string>, SharedSpace> by_group(World const& world,
                                                                     std::vector<FacePair> const& pairs) {
   std::map<std::pair<std::string, std::string>, SharedSpace> all;
-  auto const group = [&](SurfaceId id) { return world.groups()[world.surfaces()[id.value].group.value]; };
+  auto const group = [&](SurfaceId id) { return world.name_of(id); };
   for (FacePair const& p : pairs) {
     SharedSpace& s = all[std::minmax(group(p.first), group(p.second))];
     if (s.pairs++ == 0 || p.depth > s.deepest.depth) s.deepest = p;
@@ -46,7 +46,7 @@ std::string place_of(SharedSpace const& s) {
 
 // The entry of the scene that the later one of the two comes from.
 Node entry_of(Scene const& scene, World const& world, SharedSpace const& shared) {
-  std::string const& group = world.groups()[world.surfaces()[shared.deepest.second.value].group.value];
+  std::string const& group = world.name_of(shared.deepest.second);
   for (Scene::Instance const& instance : scene.instances())
     if (group == instance.group || group.rfind(instance.group + '/', 0) == 0) return instance.placement;
   return scene.root()["scene"];
@@ -59,7 +59,7 @@ void check_faces(Scene const& scene, World const& world) {
     entry_of(scene, world, shared)
         .problem(fmt::format("faces of '{}' and '{}' lie on each other {}: rounding decides which of them light meets",
                              names.first, names.second, place_of(shared)),
-                 "keep one of them, or move one by more than a nanometre");
+                 "keep one of them, or move one by more than a nanometre: a wider gap counts as drawn");
   for (auto const& [names, shared] : by_group(world, crossing_faces(world, least_depth))) {
     bool const one_entry =
         names.first.substr(0, names.first.find('/')) == names.second.substr(0, names.second.find('/'));
@@ -194,7 +194,7 @@ class ClosedBodies {
 
 // The entry of the scene that a surface comes from.
 std::string entry_of(World const& world, std::uint32_t surface) {
-  std::string const& group = world.groups()[world.surfaces()[surface].group.value];
+  std::string const& group = world.name_of({surface});
   return group.substr(0, group.find('/'));
 }
 

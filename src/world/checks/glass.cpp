@@ -9,6 +9,7 @@
 
 #include "optics/coating/specular.hpp"
 #include "world/build/read_parts.hpp"
+#include "world/ghosts/beam_tree.hpp"
 
 namespace straytrace {
 namespace {
@@ -32,7 +33,7 @@ SpecularShares shares(World const& world, std::uint32_t optic, bool front) {
 }
 
 std::string const& name_of(World const& world, std::uint32_t surface) {
-  return world.groups()[world.surfaces()[surface].group.value];
+  return world.name_of({surface});
 }
 
 void warn_of_bare_boundaries(Scene const& scene, World const& world) {
@@ -94,6 +95,7 @@ struct Solid {
   std::vector<std::uint32_t> faces;
   std::size_t clear = 0;  // faces that let light in
   bool filled = false;
+  bool optic = false;  // a part that glass fills as soon as a face lets light in
 };
 
 std::map<std::string, Solid> solids(Scene const& scene, World const& world, Registry const& names) {
@@ -111,6 +113,7 @@ std::map<std::string, Solid> solids(Scene const& scene, World const& world, Regi
       solid.medium = medium;
     solid.faces.push_back(found->second.value);
     solid.filled = solid.filled || s.volume != Surface::none;
+    solid.optic = solid.optic || instance.usual_medium;
     solid.clear += lets_light_in(world, s.front);
   }
   return all;
@@ -135,6 +138,45 @@ void warn_of_solids(Scene const& scene, World const& world, Registry const& name
   }
 }
 
+// Surfaces on which the main beam of a launch ends: nothing of it goes on from there.
+class LastSurfaces final : public BeamSink {
+ public:
+  explicit LastSurfaces(BeamLaunch const& launch) : launch_(launch) {}
+  void ended(BeamEnd how, BeamSpot const* spot, LeavingBeam const&, std::span<BeamStep const> way) override {
+    bool const mirror_of_cavity = way.empty() && launch_.arrives_at.valid();
+    if (how == BeamEnd::landed && spot && spot->order == 0 && !mirror_of_cavity) all.insert(spot->surface.value);
+  }
+  std::set<std::uint32_t> all;
+
+ private:
+  BeamLaunch const& launch_;
+};
+
+// A lens or mirror substrate without a face that lets light in has no medium: a beam that meets it ends there.
+void warn_of_opaque_optics(Scene const& scene, World const& world, Registry const& names) {
+  std::map<std::uint32_t, Solid const*> opaque;  // by surface
+  auto const parts = solids(scene, world, names);
+  for (auto const& [name, solid] : parts)
+    if (solid.optic && !solid.filled && !solid.medium && solid.clear == 0)
+      for (std::uint32_t const face : solid.faces) opaque[face] = &solid;
+  if (opaque.empty()) return;
+  constexpr double floor = 1e-6;  // of the launched power
+  std::set<std::string> told;
+  for (BeamLaunch const& launch : launches(world)) {
+    LastSurfaces last(launch);
+    grow_tree(world, launch, {floor, 0}, last);
+    for (std::uint32_t const surface : last.all) {
+      auto const found = opaque.find(surface);
+      if (found == opaque.end() || !told.insert(found->second->entry).second) continue;
+      found->second->where.warning(
+          fmt::format("'{}' is opaque: beam '{}' ends on it and is not refracted, as none of its faces lets light in",
+                      found->second->entry, scene.table("beams").items().at(launch.beam).first),
+          "give its faces a material with 'specular: {reflect: ..., transmit: ...}', or write 'medium: none' where the "
+          "beam should end");
+    }
+  }
+}
+
 }  // namespace
 
 bool lets_light_in(World const& world, std::uint32_t optic) {
@@ -147,6 +189,7 @@ void check_glass(Scene const& scene, World const& world, Registry const& names) 
   warn_of_bare_boundaries(scene, world);
   warn_of_traps(scene, world, names);
   warn_of_solids(scene, world, names);
+  warn_of_opaque_optics(scene, world, names);
 }
 
 // Grooves without a direction: their lay is the normal of a flat surface.

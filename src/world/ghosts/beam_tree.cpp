@@ -361,7 +361,7 @@ std::vector<BeamLaunch> launches(World const& world) {
       launch.arrives_at = f.surface;
       launch.piece = met.piece;
       launch.mode = propagated(launch.mode, met.distance - f.backoff);
-      launch.name = world.groups()[world.surfaces()[f.surface.value].group.value];
+      launch.name = world.name_of(f.surface);
       if (f.standing)
         for (Footprint const& other : world.footprints())
           if (other.standing && other.beam == f.beam) launch.cavity.push_back(other.surface);

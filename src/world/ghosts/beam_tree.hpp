@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tree of beams that one launched beam makes: at every surface it is reflected and transmitted with the real
-// amplitudes there, and each part is followed as a Gaussian mode to the next surface, which is searched as for the rays
-// of the trace. Nothing is drawn and nothing is merged. docs/theory/ghosts.md.
+// The tree of beams that one launched beam makes (docs/theory/ghosts.md). At every surface the beam splits with the
+// amplitudes of reflection and transmission there, and each part propagates as a Gaussian mode to the next surface, which
+// the search of the trace finds. Nothing is sampled and nothing is merged.
 //
-// Order: the way that carries the main part of the light at a surface goes on in the order it has; a way that carries
-// less than half of what the other one does is a departure and adds 1. So is a reflection of less than a tenth of what
-// arrives; transmission behind it is none, however faint (an attenuator). The main beam is order 0. Where neither way
-// is a departure (a splitter) both go on. A ghost that returns into the cavity it comes from keeps its order; the main
-// beam then is a ghost of order 1. Light that goes round inside glass is a ghost: where it meets a face from inside as
-// it has done k times on its way, its order is k at least.
+// Order: at a surface the stronger of the two ways keeps its order. A way with less than half of the power of the other
+// one is a departure and adds 1; so is a reflection of less than a tenth of the arriving power, but the transmission
+// behind it is not, however faint (an attenuator). The main beam has order 0. Where neither way is a departure (a
+// splitter) both keep their order. A ghost that returns into the cavity that it left keeps its order; the main beam then
+// is a ghost of order 1. Light that circulates inside glass is a ghost: where it meets a face from inside for the k-th
+// time after the first, its order is at least k.
 //
-// A beam of which less than 1 % falls on the surface that its chief ray meets is no Gaussian beam behind it, and ends.
+// A beam of which less than 1 % falls on the surface that its chief ray meets is no longer Gaussian, and ends.
 #pragma once
 
 #include <atomic>
@@ -30,30 +30,29 @@ namespace straytrace {
 // What is launched, with power 1.
 struct BeamLaunch {
   std::string name;             // of the beam
-  std::uint32_t footprint = 0;  // of World::footprints() that says so
+  std::uint32_t footprint = 0;  // in World::footprints()
   std::uint32_t beam = 0;       // number of the beam
   Mode mode;                    // at the plane of the launch
   BeamField field;
-  SurfaceId arrives_at;           // it starts where it meets this surface, at the origin of the mode; invalid: in space
+  SurfaceId arrives_at;           // it starts on this surface, at the origin of the mode; invalid: in space
   std::uint32_t piece = 0;        // of that surface
-  std::vector<SurfaceId> cavity;  // it stands between these mirrors, and what is reflected at `arrives_at` is the mode
-                                  // itself; what passes into the cavity has rejoined it
+  std::vector<SurfaceId> cavity;  // between these mirrors: the light reflected at `arrives_at` is the mode itself, and
+                                  // light that passes into the cavity has rejoined it
   double passes = 1;              // share of the power that leaves the cavity through `arrives_at`; 1: no cavity
 
-  // Behind an input mirror the light interferes with what comes from the splitter (docs/theory/interferometer.md),
-  // which is not launched: end mirrors pass some ppm, input mirrors of detectors 0.4 % and more.
+  // Behind an input mirror the light interferes with light from the splitter (docs/theory/interferometer.md), which is
+  // not launched. End mirrors transmit some ppm, input mirrors of detectors 0.4 % and more.
   bool through_input_mirror() const { return !cavity.empty() && passes > 1e-3; }
 };
 // Every Gaussian beam of the scene in its order; a cavity is launched once through each of its mirrors.
 std::vector<BeamLaunch> launches(World const&);
 
 struct TreeLimits {
-  double floor = 1e-15;  // of the launched power; what leaves a surface with less is not followed, but for what
-                         // returns into the cavity
+  double floor = 1e-15;  // of the launched power: weaker beams end, except those that return into the cavity
   std::uint32_t order = 0xffffffffu;
   std::uint32_t longest = 1000;             // surfaces on one way
-  std::uint64_t beams = ~0ull;              // after so many have ended the rest is not followed
-  std::atomic<bool> const* stop = nullptr;  // once true, the same
+  std::uint64_t beams = ~0ull;              // the tree stops after so many have ended
+  std::atomic<bool> const* stop = nullptr;  // stops it once true
 };
 
 // One surface on the way of a beam.
@@ -66,10 +65,10 @@ struct BeamStep {
   bool front = true;              // met on the side the normal points to
   Event event = Event::transmit;  // or reflect
   bool departure = false;
-  bool split = false;  // the other way goes on too
+  bool split = false;  // both ways keep their order
 };
 
-// A beam behind the last step of its way.
+// A beam after the last step of its way.
 struct LeavingBeam {
   Mode mode;  // its origin is on the surface left, or in the plane of the launch
   BeamField field;
@@ -77,40 +76,40 @@ struct LeavingBeam {
   std::uint32_t order = 0;
 };
 
-// Light of a beam on a screen beside its chief ray.
+// Light of a beam on a screen.
 struct ScreenSpot {
   Screened screen;
   bool front = true;       // lit on the side its normal points to
-  double power = 0;        // of the beam before any screen of this flight, over the launched power
-  double path_length = 0;  // optical, from the launch to where the chief ray passes, m
+  double power = 0;        // of the beam before the screens of this flight, over the launched power
+  double path_length = 0;  // m, optical, from the launch to the point of the chief ray beside it
   double index = 1;        // of the medium there
   BeamField field;         // |.|^2 = power
   std::uint32_t order = 0;
 };
 
 enum class BeamEnd : std::uint8_t {
-  landed,    // no way goes on in the order it has
-  escaped,   // met nothing
+  landed,    // no way keeps its order
+  escaped,   // meets nothing
   rejoined,  // back in the cavity it was launched from
-  faint,     // what goes on is below the floor
+  faint,     // below the floor
   longest,   // too many surfaces
   wide       // far wider than the surface
 };
 char const* name_of(BeamEnd);
 
-// Listens to the tree. `way`: all surfaces passed so far; the last one is left by `beam`. Ways are followed depth
-// first, the stronger one at a surface before the other.
+// Receives the events of the tree. `way`: all surfaces passed so far; `beam` leaves the last one. The tree grows depth
+// first, the stronger way at a surface before the other.
 class BeamSink {
  public:
   virtual ~BeamSink() = default;
   virtual void left(LeavingBeam const& /*beam*/, std::span<BeamStep const> /*way*/) {}
   virtual void screened(ScreenSpot const&, std::span<BeamStep const> /*way*/) {}
   virtual void arrived(BeamSpot const&, std::uint32_t /*number*/, std::span<BeamStep const> /*way*/) {}
-  // A beam is over: on the surface of `spot`, or behind the last step of its way (null: escaped, rejoined, faint).
+  // A beam ends on the surface of `spot`, or after the last step of its way (null: escaped, rejoined, faint).
   virtual void ended(BeamEnd, BeamSpot const* /*spot*/, LeavingBeam const&, std::span<BeamStep const> /*way*/) {}
 };
 
-// A sum of millions of small terms whose error does not grow with their number (Neumaier).
+// Compensated sum (Neumaier): the error does not grow with the number of terms.
 class LongSum {
  public:
   LongSum& operator+=(double x) {
@@ -125,13 +124,13 @@ class LongSum {
   double sum_ = 0, rest_ = 0;
 };
 
-// Where the launched power has gone, in shares of it.
+// Where the launched power goes, in shares of it.
 struct BeamEnergyBalance {
   struct Object {
-    LongSum landed;     // neither reflected nor transmitted there: absorbed or scattered; all that a screen takes
+    LongSum landed;     // neither reflected nor transmitted: absorbed or scattered; on screens everything
     LongSum scattered;  // part of `landed`
     LongSum beside;     // passed beside the rim (docs/theory/beams.md, eq. 5.5, 5.6)
-    LongSum ghosts;     // part of landed + beside that ghosts brought
+    LongSum ghosts;     // part of landed + beside from ghosts
   };
   std::vector<Object> objects;  // by group
   LongSum media, escaped, rejoined, floor, order, longest, wide, stopped;
@@ -139,7 +138,7 @@ struct BeamEnergyBalance {
   double total() const;                // 1 to rounding
 };
 
-// Grows the tree of one launch. The memory needed is that of the longest way.
+// Grows the tree of one launch. It needs memory for the longest way only.
 BeamEnergyBalance grow_tree(World const&, BeamLaunch const&, TreeLimits const&, BeamSink&);
 
 }  // namespace straytrace

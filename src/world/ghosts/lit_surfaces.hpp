@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Surfaces that a beam lights on its way through the scene (docs/theory/recoupling.md): spots of the beam tree ->
+// Surfaces that a beam illuminates on its way through the scene (docs/theory/recoupling.md): spots of the beam tree become
 // footprints, where light leaves the mode and rejoins it.
 #pragma once
 
@@ -13,17 +13,15 @@ namespace straytrace {
 // Place, profile and wavefront of a mode that arrives in a medium of this index.
 Footprint footprint_of(Mode const&, double index);
 
-// What the surfaces on the way of a beam do to its phase: phase sensitivities over the wave number, by body
-// (eq. 2.2, 2.3).
+// Phase sensitivities of a beam to the surfaces on its way, over the wave number, by body (eq. 2.2, 2.3).
 std::vector<PhaseSensitivity> phase_sensitivities_of_way(World const&, std::span<BeamStep const>);
 
 // Adds the footprint of a spot. `share`: q of the launched beam; `mirror`: footprint of the cavity mirror that the beam
-// was launched through, or Feed::none. On a side that scatters nothing it neither emits nor receives.
+// was launched through, or Feed::none. On a side without scatter it neither emits nor receives.
 void add_lit_surface(World&, std::uint32_t beam, double share, std::uint32_t mirror, BeamSpot const&,
                      std::span<BeamStep const> way);
 
-// The same of a screen that the beam touches: lit by the mode outside of the hole, with the power that the energy
-// balance of the tree has for it.
+// The same for a screen: the mode illuminates it outside of the hole, with the power of the energy balance of the tree.
 void add_lit_screen(World&, std::uint32_t beam, double share, std::uint32_t mirror, ScreenSpot const&,
                     std::span<BeamStep const> way);
 
@@ -31,7 +29,7 @@ void add_lit_screen(World&, std::uint32_t beam, double share, std::uint32_t mirr
 struct LitRow {
   std::uint32_t footprint = 0;
   double major = 0, minor = 0;  // m, 1/e^2 intensity radii across the beam
-  double incidence = 0;         // rad, of the chief ray; NaN: that passes beside a surface which is not flat
+  double incidence = 0;         // rad, of the chief ray; NaN: it passes beside a surface that is not flat
   double clipped = 0;           // share that passes beside the surface; smaller than `resolution`: not resolved
   double resolution = 0;
   bool scatters = true;

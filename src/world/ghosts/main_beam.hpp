@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The main beam as its ghosts meet it again: how much of a ghost that leaves a surface of the main beam is in the mode
-// of the main beam (docs/theory/ghosts.md, eq. 5.4), and with which phase sensitivities (eq. 2.3, 2.5).
+// Recoupling of ghosts into the main beam: which part of a ghost that leaves a surface of the main beam is in the mode of
+// the main beam (docs/theory/ghosts.md, eq. 5.4), and with which phase sensitivities (eq. 2.3, 2.5).
 #pragma once
 
 #include <array>
@@ -14,12 +14,12 @@
 
 namespace straytrace {
 
-// Where the main beam meets a surface, and the one or two ways it goes on.
+// Where the main beam meets a surface, and the one or two ways in which it leaves.
 struct MainNode {
   struct Way {
     LeavingBeam beam;
     Event event = Event::transmit;
-    std::vector<PhaseSensitivity> phase_sensitivities;  // of the way to here, this surface with it, rad/m and rad
+    std::vector<PhaseSensitivity> phase_sensitivities;  // of the way to here including this surface, rad/m and rad
   };
   BeamSpot spot;
   std::vector<BeamStep> way;                          // to here, without this surface
@@ -27,10 +27,10 @@ struct MainNode {
   std::vector<Way> ways;
 };
 
-// A ghost that has come into the line of the main beam.
+// A ghost that is aligned with the main beam.
 struct Recoupling {
-  // The plane is the surface itself. `against`: it runs back along the main beam, and the share is that of the
-  // light that reaches the plane of the launch in the reversed mode, over the launched power; otherwise it runs with
+  // The plane is the surface itself. `against`: the ghost travels back along the main beam, and the share is that of the
+  // light which reaches the plane of the launch in the reversed mode, over the launched power. Otherwise it travels with
   // the main beam, and the share is over the power of the main beam there.
   bool any = false, against = false;
   std::uint32_t node = 0, way = 0;              // of the main beam; way: not against
@@ -39,12 +39,12 @@ struct Recoupling {
   double share() const { return std::norm(field[0]) + std::norm(field[1]); }
 };
 
-// Where a ghost stands to the main beam, at the last surface that both have left.
+// Alignment of a ghost with the main beam at the last surface that both have left.
 struct GhostAlignment {
   bool known = false, against = false;
-  double angle = 0;       // between it and the main beam leaving that surface; against: and the one arriving; rad
+  double angle = 0;       // rad, to the main beam that leaves that surface; against: to the one that arrives
   double difference = 0;  // of optical path: behind the main beam; against: from the launch and back to it; m
-  Recoupling recoupled;   // the last time it came into line: it counts once
+  Recoupling recoupled;   // the last time it was aligned: it counts once
 };
 
 class MainBeam {
@@ -53,10 +53,10 @@ class MainBeam {
   MainBeam(World const&, BeamLaunch const&, TreeLimits);
 
   std::vector<MainNode> const& nodes() const { return nodes_; }
-  bool complete() const { return complete_; }  // false: it meets more surfaces than are kept
+  bool complete() const { return complete_; }  // false: it meets more surfaces than most_nodes
   // After the last step of `way`; `before`: at the surface before.
   GhostAlignment standing(GhostAlignment const& before, LeavingBeam const&, std::span<BeamStep const> way) const;
-  // Of a ghost relative to the main mode; empty without recoupling.
+  // Phase sensitivities of a ghost relative to the main mode; empty without recoupling.
   std::vector<PhaseSensitivity> phase_sensitivities(Recoupling const&, std::span<BeamStep const> way) const;
 
  private:
@@ -68,27 +68,26 @@ class MainBeam {
   bool complete_ = true;
 };
 
-// Phase Jacobians of the steps, rad/m and rad: each hit k (n_in in - n_out out) (eq. 2.2).
+// Adds the phase Jacobians of the steps, rad/m and rad: k (n_in in - n_out out) for each hit (eq. 2.2).
 void add_phase_sensitivities(std::vector<PhaseSensitivity>&, World const&, std::span<BeamStep const>);
 
-// Ghosts one by one: a beam of the tree from its last departure to where it ends.
-
+// A beam of the tree from its last departure to its end.
 struct Ghost {
-  std::uint64_t number = 0;  // in the order of the tree; the main beam counts as well
+  std::uint64_t number = 0;  // in the order of the tree, including the main beam
   BeamEnd end = BeamEnd::landed;
   std::uint32_t order = 0;
   GroupId where;           // landed, faint or longest: on this
   bool front = true;       // side of it
-  Vec3 point, travel;      // m; where it ends, or leaves its last surface; direction there
+  Vec3 point, travel;      // m; its end, or where it leaves its last surface; direction there
   double power = 0;        // arriving there, over the launched power
-  double clipped = 0;      // share of it beside the rim of what it lands on
+  double clipped = 0;      // share beside the rim of the surface that it lands on
   Spot spot;               // across the beam, m
   double path_length = 0;  // optical, from the launch, m
   GhostAlignment standing;
   std::span<BeamStep const> way;  // all surfaces before the end; valid during the call
 };
 
-// Grows the tree and hands over each beam that has ended; order 0 is the main beam.
+// Grows the tree and calls `each` for every beam that ends; order 0 is the main beam.
 BeamEnergyBalance find_ghosts(World const&, BeamLaunch const&, TreeLimits const&, MainBeam const&,
                               std::function<void(Ghost const&)> const& each);
 

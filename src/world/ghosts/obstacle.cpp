@@ -195,7 +195,6 @@ namespace {
 
 constexpr double reach = BeamLines::farthest;
 constexpr double flat_rim_cosine = 0.02;  // of incidence; below it a rim does not count as flat
-constexpr int azimuths = 64, rings = 32, halvings = 40;
 
 // Largest 1/e^2 radius, m.
 double widest(Mode const& m) {
@@ -233,6 +232,7 @@ class Scan {
   }
 
  private:
+  static constexpr int azimuths = 64, rings = 32, halvings = 40;
   bool meets(Vec3 direction, double rho) const {
     Ray const line{lines_.origin + rho * direction - back_ * lines_.travel, lines_.travel};
     return world_.cross(surface_.value, line, {}).distance < infinity;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Surfaces off the chief ray of a beam that clip it between one surface and the next: the
-// screen around a hole, the edge of something beside the beam (docs/theory/beams.md, eq. 5.5, 5.6).
-// docs/theory/ghosts.md.
+// Screens: surfaces beside the chief ray that clip a beam between one surface and the next, such as the plate around a
+// hole or an edge beside the beam (docs/theory/ghosts.md; docs/theory/beams.md, eq. 5.5, 5.6).
 #pragma once
 
 #include <cstdint>
@@ -17,24 +16,24 @@ struct Flight {
   Mode mode;  // at its start
   Departure from;
   Hit to;
-  std::uint32_t volume = Surface::none;  // that it lies in: inside glass, nothing but the walls of it counts
-  double least = 1e-17;                  // smaller shares are not looked for
+  std::uint32_t volume = Surface::none;  // that contains it; inside glass only the faces of the glass count
+  double least = 1e-17;                  // smaller shares are ignored
 };
 
 struct Screened {
   SurfaceId surface;
-  double share = 0;    // of the power that starts, which this surface takes and none before it
-  double alone = 0;    // and if it stood alone
-  double nearest = 0;  // rho (BeamLines) within which it takes nothing
+  double share = 0;    // of the power at the start: taken by this surface and by none before it
+  double alone = 0;    // the same without the other screens
+  double nearest = 0;  // rho (BeamLines) below which it takes nothing
   double along = 0;    // m, from the start
-  Mode mode;           // there; its origin is on the chief ray
-  Vec3 point;          // of the surface, in the light
+  Mode mode;           // at that distance; its origin is on the chief ray
+  Vec3 point;          // an illuminated point of the surface
   std::uint32_t piece = 0;
 };
 
 struct FlightLoss {
   std::vector<Screened> screens;  // in the order in which the beam passes them
-  double beside = -1;             // share of what arrives that passes beside the next surface; < 0: not known
+  double beside = -1;             // share of the arriving power that passes beside the next surface; < 0: unknown
   double taken() const {
     double sum = 0;
     for (Screened const& s : screens) sum += s.share;
@@ -46,8 +45,8 @@ struct FlightLoss {
 class Screens {
  public:
   explicit Screens(WorldView const&);
-  // Each line of the beam is taken by the first screen that it meets; at the next surface the beam is a whole Gaussian
-  // again. Features narrower than 0.14 radii of the beam may be missed on surfaces that are not flat.
+  // The first screen that a line of the beam meets takes that line; at the next surface the beam counts as a complete
+  // Gaussian again. On surfaces that are not flat, features narrower than 0.14 beam radii may be missed.
   FlightLoss loss(Flight const&) const;
   // Surfaces that beams of this flight may meet within `reach` radii.
   std::vector<SurfaceId> near(Flight const&, double reach) const;
@@ -62,7 +61,7 @@ class Screens {
   struct Node {
     Vec3 centre;
     double radius = 0;
-    std::uint32_t first = 0, count = 0, right = 0;  // count 0: the left one follows, `right` is the other
+    std::uint32_t first = 0, count = 0, right = 0;  // count 0: the left child follows, `right` is the other
   };
   struct Tube;
   std::uint32_t build(std::uint32_t first, std::uint32_t count);

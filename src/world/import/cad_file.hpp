@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// CAD geometry as straytrace-step converts it from STEP: exact faces, by part and colour. Lengths in m as the STEP file
-// states its unit. Format: docs/reference/cad.md.
+// CAD geometry converted from STEP by straytrace-step: exact faces, by part and colour. Lengths in m, by the unit that the
+// STEP file states. Format: docs/reference/cad.md.
 #pragma once
 
 #include <string>
@@ -22,11 +22,11 @@ struct CadFileFace {
 };
 
 struct CadFilePart {
-  std::string name, colour;  // "tower/dump"; "#202020", empty: the file says none
+  std::string name, colour;  // "tower/dump"; "#202020", empty: not in the file
   std::vector<CadFileFace> faces;
-  std::vector<MeshVertex> vertices;  // of faces that became triangles, m
+  std::vector<MeshVertex> vertices;  // m, of faces converted to triangles
   std::vector<MeshTriangle> triangles;
-  std::size_t freeform = 0;  // how many faces they stand for
+  std::size_t freeform = 0;  // number of these faces
 };
 
 struct CadFile {
@@ -46,15 +46,14 @@ bool is_converted(std::string const& name);  // *.cad.json
 
 MeshFault read_cad_file(std::string const& text, CadFile& out);
 
-// Starts straytrace-step on a STEP file and keeps what it makes, by content, in the cache of the user.
-
+// Runs straytrace-step on a STEP file and caches the result, by content, for the user.
 struct StepConversion {
   std::string text;  // a *.cad.json; empty: see fault
   MeshFault fault;
 };
 
-// `name` for messages. The converter is STRAYTRACE_STEP, or straytrace-step beside this program or in PATH. Cache:
-// straytrace/step in XDG_CACHE_HOME or ~/.cache; without either nothing is kept.
+// `name` for messages. The converter is STRAYTRACE_STEP, or straytrace-step next to this program or in PATH. Cache:
+// straytrace/step in XDG_CACHE_HOME or ~/.cache; without either there is no cache.
 StepConversion convert_step(std::string const& name, std::string const& bytes);
 
 }  // namespace straytrace

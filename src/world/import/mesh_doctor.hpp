@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is odd about a mesh: holes, edges of more than two triangles, flipped, doubled and flat triangles, scale. That
-// triangles pass through each other is not checked.
+// Defects of a mesh: holes, edges of more than two triangles, flipped, doubled and flat triangles, wrong scale.
+// Self-intersections are not detected.
 #pragma once
 
 #include <string>
@@ -13,29 +13,29 @@ namespace straytrace {
 struct MeshHealth {
   struct Part {
     double area = 0;    // unit of the file, squared
-    double volume = 0;  // cubed; of the closed body it belongs to, by the divergence theorem: negative when inside out
+    double volume = 0;  // cubed; of its closed body, by the divergence theorem: negative if inside out
     bool closed = false;
     std::size_t open_edges = 0;
   };
   std::vector<Part> parts;            // as in the file
-  std::size_t open_edges = 0;         // of one triangle only, corners of all parts compared by position
+  std::size_t open_edges = 0;         // of one triangle only, with corners of all parts compared by position
   std::size_t crowded_edges = 0;      // of more than two
-  std::size_t opposed_edges = 0;      // of two triangles that show different sides there
+  std::size_t opposed_edges = 0;      // of two triangles with opposite orientation
   std::size_t doubled = 0;            // triangles on the corners of another one
   std::size_t flat = 0;               // triangles without area
-  std::vector<std::string> inverted;  // parts of closed bodies whose normals look inwards
+  std::vector<std::string> inverted;  // parts of closed bodies with inward normals
   Vec3 first_open;                    // middle of one open edge, unit of the file
 };
 MeshHealth examine(MeshFile const&);
 
-// Takes away triangles with two equal corners and turns closed bodies that are inside out; true: something was done.
+// Removes triangles with two equal corners and inverts closed bodies that are inside out; true: the mesh changed.
 bool repair(MeshFile&, MeshHealth const&);
 
 struct MeshAdvice {
   std::string what, suggestion;
 };
 std::vector<MeshAdvice> advice(MeshFile const&, MeshHealth const&);
-// Whether a box of this size, in units of `unit` metres, is likely to be what was meant. Empty: it is.
+// Advice on an implausible size, in units of `unit` metres; empty: plausible.
 MeshAdvice scale_advice(Box const&, double unit);
 
 std::string size_text(Box const&, double unit);  // "1.2 m x 300 mm x 5 mm"

@@ -19,11 +19,11 @@ struct NewmtlMaterial {
   std::uint32_t line = 0;
 };
 
-// Problems have line and column but no file. A sum above 1 is a problem: it is not made smaller silently.
+// Problems have line and column but no file. A sum above 1 is a problem.
 std::vector<NewmtlMaterial> read_newmtl(std::string_view text, std::vector<Problem>& problems);
 
-// The same as the tables `media:` (indices that are not 1) and `materials:` of a scene. Scatter becomes lambertian: the
-// list does not say how it spreads.
+// The same as the tables `media:` (indices other than 1) and `materials:` of a scene. Scatter becomes lambertian, as the
+// list does not state its distribution.
 std::string materials_table(std::vector<NewmtlMaterial> const&);
 
 }  // namespace straytrace

@@ -124,4 +124,52 @@ SurfaceChart chart_of(WorldView const& view, std::span<SurfaceId const> surfaces
   return {Chart::plane, {-r, r, -r, r}};
 }
 
+namespace {
+
+// Whether a line across the map at this place meets the surface; `far`: m, more than the surface extends.
+template <class Meets>
+bool is_filled(Chart chart, MapPlace p, double far, Meets const& meets) {
+  if (chart != Chart::unrolled) {
+    SinCos const a = chart == Chart::polar ? sincos_turn(p.v / (2 * pi)) : SinCos{0, 1};
+    Vec3 const at = chart == Chart::polar ? Vec3{p.u * a.cos, p.u * a.sin, -far} : Vec3{p.u, p.v, -far};
+    return meets(at, Vec3{0, 0, 1}, 2 * far) < infinity;
+  }
+  double angle = 0;
+  for (int i = 0; i < 2; ++i) {  // the arc counts at the radius of the surface there
+    SinCos const a = sincos_turn(angle / (2 * pi));
+    double const radius = meets(Vec3{0, 0, p.u}, Vec3{a.cos, a.sin, 0}, far);
+    if (!(radius < infinity)) return false;
+    angle = p.v / radius;
+  }
+  return std::fabs(angle) <= pi;
+}
+
+}  // namespace
+
+double filled_share(WorldView const& view, SurfaceId id, Chart chart, MapCell const& c) {
+  Reach const reach = reach_of(view, id);
+  double const far = 2 * (std::fabs(reach.low) + std::fabs(reach.high) + reach.r_max) + 1e-3;
+  auto const [origin, frame] = view.shapes.visit(
+      view.surfaces[id.value].shape, [](auto const& s) { return std::pair(s.reference(), Frame::around(s.axis)); });
+  auto const meets = [&, at = origin, f = frame](Vec3 from, Vec3 dir, double end) {
+    return view.cross(id.value, {at + f.to_world(from), f.to_world(dir), end}, {}).distance;
+  };
+  auto const filled = [&](int lines) {  // of lines x lines places, spread evenly over the area of the cell
+    int count = 0;
+    for (int i = 0; i < lines; ++i)
+      for (int k = 0; k < lines; ++k) {
+        double const x = (i + 0.5) / lines, y = (k + 0.5) / lines;
+        double const u = chart == Chart::polar
+                             ? std::sqrt(c.u_low * c.u_low + x * (c.u_high * c.u_high - c.u_low * c.u_low))
+                             : c.u_low + x * (c.u_high - c.u_low);
+        count += is_filled(chart, {u, c.v_low + y * (c.v_high - c.v_low)}, far, meets);
+      }
+    return count;
+  };
+  constexpr int coarse = 8, fine = 64;
+  int const first = filled(coarse);
+  if (first == 0) return 0;
+  return first == coarse * coarse ? 1 : double(filled(fine)) / (fine * fine);
+}
+
 }  // namespace straytrace

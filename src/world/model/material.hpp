@@ -23,12 +23,12 @@ struct ScatterSpread {
   std::string status;          // "assumed", "measured", ... of presets; empty: the scene's own numbers
 
   bool stated() const { return low < 1 || high > 1 || factor > 1; }
-  // Two statements about one material: the wider of each kind.
+  // Combines two statements about one material: the wider of each kind.
   void widen(ScatterSpread const& other);
 };
 
 // `bracket: [low, mid, high]` (BRDF in 1/sr, or shares of the light) and `uncertainty: 30 %` or `factor 1.5` of a
-// material or law. Problems go to the document.
+// material or BSDF model. Adds its problems to the document.
 ScatterSpread read_spread(Node const& table);
 
 // Where the numbers of a material come from.
@@ -42,23 +42,23 @@ struct MaterialInfo {
   ScatterSpread spread;
 };
 
-// A material that is used, with the groups whose surfaces have it on either side.
+// A material in use, with the groups whose surfaces have it on either side.
 struct PlacedMaterial {
   std::string name;
   ScatterSpread spread;
   std::vector<GroupId> groups;
 };
-std::vector<PlacedMaterial> placed_materials(World const&);  // those that scatter or reflect, in the order of the scene
+std::vector<PlacedMaterial> placed_materials(World const&);  // that scatter or reflect, in the order of the scene
 
 struct MaterialShares {
   double degrees;            // of incidence, in vacuum, vacuum behind
-  std::vector<double> laws;  // scattered by each law
+  std::vector<double> laws;  // scattered by each BSDF model
   double scattered, reflect, transmit, absorbed;
 };
 MaterialShares shares_at(WorldView const&, Optic const&, double degrees);
 
 // BSDF in the plane of incidence at a distance |alpha - alpha_0| from the specular direction, towards the normal and
-// past it; `side` 1: reflected, -1: transmitted. Negative: no such direction.
+// past it; `side` 1: reflected, -1: transmitted. Negative result: no such direction.
 double bsdf_at(WorldView const&, Optic const&, double degrees, double offset, int side);
 
 // Share of the light at normal incidence that a material scatters, to both sides together.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where light is counted in watts: photodiodes, quadrants, cameras, measuring planes. Any surface can be one.
+// Receivers count light in watts: photodiodes, quadrants, cameras, measuring planes. Any surface can be one.
 #pragma once
 
 #include "base/math/vec3.hpp"
@@ -11,11 +11,9 @@ namespace straytrace {
 struct Receiver {
   SurfaceId surface;
   bool front = true, back = false;  // sides of the surface that count
-  bool clear = false;  // a measuring plane: light passes as if it were not there (such surfaces hide nothing)
-  bool behind_glass =
-      false;  // also reached by sub-paths through lenses and mirrors (trace/step/specular_connection.hpp)
-  // Mirrors and glass that sub-paths start towards, and the share of them that does; the others start by the cosine
-  // law.
+  bool clear = false;  // a measuring plane: light passes, and it hides nothing
+  bool behind_glass = false;  // sub-paths through lenses and mirrors reach it (trace/step/specular_connection.hpp)
+  // Mirrors and glass that sub-paths aim at, and the share of sub-paths that does; the others start by the cosine law.
   static constexpr std::uint32_t most_aims = 8;
   static constexpr double aimed_share = 0.75;
   std::uint32_t aims = 0;
@@ -24,8 +22,8 @@ struct Receiver {
   // Map over the surface: columns x rows pixels over 2 half_width x 2 half_height, m, along e1 and e2. 0: none.
   std::uint32_t columns = 0, rows = 0;
   double half_width = 0, half_height = 0;
-  // A map without stated pixels: cells of a chart about `frame`, as small as the light of a pilot allows
-  // (trace/tally/map_cells.hpp); none until that has run. With a half_width light beyond the whole is left out.
+  // A map without stated pixels: cells of a chart about `frame`, as small as the light of a pilot run allows
+  // (trace/tally/map_cells.hpp); no cells before that run. With a half_width, light outside `whole` does not count.
   bool by_light = false;
   Chart chart = Chart::plane;
   MapCell whole;
@@ -34,7 +32,7 @@ struct Receiver {
   // Map over directions of arrival: direction cosines along e1 and e2 within +-half_angle_sine, square pixels. 0: none.
   std::uint32_t angle_bins = 0;
   double half_angle_sine = 1;
-  // Quadrants: signs of x and y in a frame of their own; what falls within half the gap of its axes is in none.
+  // Quadrants: signs of x and y in a frame of their own; light within half the gap of an axis is in none.
   bool quadrants = false;
   Pose quadrant_frame;
   double gap = 0;                                     // m, full width
@@ -48,7 +46,7 @@ struct Receiver {
     if (by_light) return map_cell(place_in(chart, q));
     return cell(q.x / half_width, q.y / half_height, columns, rows);
   }
-  // Of the map by light: without a half_width it has the whole surface, rims that are rounded outwards too.
+  // For maps by light: without a half_width the map covers the whole surface, including rims rounded outwards.
   STRAY_HD bool inside(MapPlace p) const {
     return half_width == 0 || (p.u >= whole.u_low && p.u < whole.u_high && p.v >= whole.v_low && p.v < whole.v_high);
   }

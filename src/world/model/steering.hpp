@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What steers the walk towards light that will count: patches made of strips of surfaces, the adjoint of each side of a
-// patch, and the list of patches worth aiming at from there (docs/theory/sampling.md). Any table gives the right
-// answer; a good one gives it soon. Made by trace/importance/importance.hpp.
+// Importance tables that steer the walk: patches made of strips of surfaces, the adjoint of each side of a patch, and the
+// patches that are worth aiming at from there (docs/theory/sampling.md). Every table gives an unbiased result; good ones
+// lower the variance. trace/importance/importance.hpp makes them.
 #pragma once
 
 #include <cmath>
@@ -18,28 +18,28 @@ struct Strip {
   std::uint32_t patch = 0;
 };
 
-// Strips that share a row of the tables: one, or in scenes of many surfaces several neighbours. Points are drawn evenly
-// over its whole area.
+// Strips that share a row of the tables: one, or several neighbours in scenes with many surfaces. Points are sampled
+// uniformly over its area.
 struct Patch {
   double area = 0;                     // m^2
   std::uint32_t first = 0, count = 0;  // its members
 };
 struct Member {
   std::uint32_t strip = 0;
-  double before = 0;  // area of the members listed before it, m^2
+  double before = 0;  // m^2, area of the members before it
 };
 
-// One side of a patch. `adjoint`: mean score that one unit of power arriving there will still make, all receivers in
-// units of their own total.
+// One side of a patch. `adjoint`: mean future score of one unit of power that arrives there, each receiver in units of
+// its own total.
 struct PatchSide {
   double adjoint = 0;
-  double alpha = 1;                    // share of directions drawn from the scatter law; 1: no targets
+  double alpha = 1;                    // share of directions sampled from the BSDF; 1: no targets
   std::uint32_t first = 0, count = 0;  // its targets
 };
 
 struct Target {
   std::uint32_t patch = 0;
-  double share = 0;       // probability, given that a target is drawn
+  double share = 0;       // probability, if a target is sampled
   double cumulative = 0;  // of the shares up to and including this one
 };
 
@@ -62,7 +62,7 @@ struct Steering {
     }
     return low;
   }
-  // A point drawn evenly on a patch by the number u in (0, 1): its strip and first sample coordinate there.
+  // Maps u in (0, 1) uniformly to a point of the patch: its strip and first sample coordinate there.
   struct Place {
     std::uint32_t strip = 0;
     double u = 0;
@@ -79,7 +79,7 @@ struct Steering {
     double const within = p.count == 1 ? u : std::fmin((x - members[low].before) / s.area, 1);
     return {members[low].strip, s.u_low + within * (s.u_high - s.u_low)};
   }
-  // Density per area on the patch with which the targets of `side` are drawn, 1/m^2.
+  // Density per area on the patch with which the targets of `side` are sampled, 1/m^2.
   STRAY_HD double density(PatchSide const& side, std::uint32_t patch) const {
     std::uint32_t low = side.first, high = side.first + side.count;  // targets are sorted by patch
     while (low < high) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A point on a surface that light has reached: its frame, and the media on both sides. Rays of the trace and beams of
-// the beam tree stand on the same vertices.
+// A point on a surface that light has reached: its frame, and the media on both sides. The trace and the beam tree share
+// this type.
 #pragma once
 
 #include "geometry/shape_types.hpp"
@@ -13,15 +13,15 @@ struct Vertex {
   SurfaceId surface;
   std::uint32_t piece = 0;
   bool front = true;           // lit on the side its normal points to
-  Vec3 point;                  // put back on its surface
+  Vec3 point;                  // projected onto its surface
   Frame frame;                 // e3 = normal on the lit side
-  Vec3 wi;                     // towards where the light came from, local
+  Vec3 wi;                     // towards the previous vertex, local
   double leg = 0;              // m from the previous vertex
   double n_in = 1, n_out = 1;  // indices on the lit side and behind it
   MediaStack before, after;    // volumes there
   SurfaceId contact;           // a second surface that touches this one here
   Optic const* optic = nullptr;
-  double albedo = 0, reflect = 0, transmit = 0;  // shares scattered, reflected and transmitted for this incidence
+  double albedo = 0, reflect = 0, transmit = 0;  // shares scattered, reflected and transmitted at this incidence
   std::uint32_t patch = WorldView::none;         // of the steering tables
   STRAY_HD double kept() const { return albedo + reflect + transmit; }
   STRAY_HD std::uint32_t side() const {
@@ -36,7 +36,7 @@ STRAY_HD std::uint32_t patch_of(WorldView const& world, SurfaceId id, Vec3 point
   return world.steering.strips[world.steering.strip_at(id, u)].patch;
 }
 
-// Turns the frame about its normal so that e2 runs along the grooves; where they have no direction it stays.
+// Turns the frame about its normal so that e2 runs along the grooves; keeps it where they have no direction.
 STRAY_HD void lay_frame(WorldView const& world, Surface const& surface, Vec3 point, Optic const& optic, Frame& frame) {
   Vec3 run = optic.lay_direction;
   if (optic.lay != Lay::given)
@@ -70,7 +70,7 @@ STRAY_HD double index_of(WorldView const& world, std::uint32_t volume) {
   return volume == Passage::none ? 1 : world.media[world.volumes[volume].medium].index;
 }
 
-// Media on both sides of the vertex; a surface within a nanometre counts as in contact with it.
+// Media on both sides of the vertex; a surface within a nanometre counts as in contact.
 STRAY_HD void find_media(WorldView const& world, MediaStack const& media, Vec3 travel, Vertex& v) {
   if (world.volumes.size == 0) return;
   Passage const here{world.surfaces[v.surface.value].volume, v.front};
@@ -90,7 +90,7 @@ STRAY_HD void find_media(WorldView const& world, MediaStack const& media, Vec3 t
   v.n_out = index_of(world, found.out);
 }
 
-// Share of power left after a leg in the medium that fills these volumes.
+// Share of the power that remains after a leg in the medium of these volumes.
 STRAY_HD double kept_along(WorldView const& world, MediaStack const& media, double leg) {
   if (media.depth == 0) return 1;
   return kept_on_the_way(world.media[world.volumes[media.current()].medium].absorption, leg);

@@ -27,8 +27,8 @@ struct Surface {
   BodyId body;
   GroupId group;
   std::uint32_t volume = none;  // filled volume behind it: the normal points out of it
-  bool clear = false;           // a measuring plane: neither hit nor hiding anything
-  double scale = 0;             // m, the largest length from which hits on it are computed
+  bool clear = false;           // a measuring plane: light passes, and it hides nothing
+  double scale = 0;             // m, the largest length in the computation of hits on it
 };
 
 // A filled volume: glass of one lens. Volumes of instances of one part are different.
@@ -41,15 +41,15 @@ struct Medium {
   double absorption = 0;  // of power, 1/m
 };
 
-// How the walk is bounded and whether the search structure is used; part of what decides a result.
+// Limits of the walk, and whether it uses the search structure. They are part of what determines a result.
 struct WalkLimits {
-  std::uint32_t max_order = 64;      // surface events after the source; light beyond is booked as `limit`
+  std::uint32_t max_order = 64;      // surface events after the source; light beyond counts as `limit`
   double roulette_below = 0.1;       // of the power first scattered: below it paths survive by chance (unbiased)
   std::uint32_t route_vertices = 5;  // routes with more vertices than this are summed in the class `other`
-  bool targets = true;               // aim at what the adjoint tables call important (docs/theory/sampling.md)
-  double law_share = 0.25;           // of directions, that the scatter law keeps at least beside the targets (alpha)
-  bool window = true;                // split and weed paths by power x adjoint (docs/theory/sampling.md)
-  std::uint32_t children = 1;        // paths that go on from the first vertex
+  bool targets = true;               // aim at patches that the adjoint tables rate important (docs/theory/sampling.md)
+  double law_share = 0.25;           // least share of directions from the BSDF, the others go to the targets (alpha)
+  bool window = true;                // split and kill paths by power x adjoint (docs/theory/sampling.md)
+  std::uint32_t children = 1;        // paths that leave the first vertex
   bool brute_force = false;          // test every surface: must give the same bits
 };
 
@@ -68,7 +68,7 @@ struct WorldView {
   View<std::uint32_t const> receiver_of_surface;  // the first, or none; measuring planes are not listed
   bool polarised = false;                         // the walk carries the state of polarisation
   SearchView tree;
-  Steering steering;  // empty: the scatter law alone
+  Steering steering;  // empty: sample the BSDF alone
   WalkLimits limits;
   double wavelength = 0;  // m
   std::uint64_t block_size = largest_block;
@@ -87,7 +87,7 @@ struct WorldView {
     return search_kernels->closest(*this, ray, from);
 #endif
   }
-  // The same for several rays at once: in meshes they take turns, so that none waits for memory alone.
+  // The same for several rays at once: in meshes they take turns, which hides the latency of the memory.
   void closest_together(RayQuery const* queries, Hit* hits, std::uint32_t count) const {
     search_kernels->closest_together(*this, queries, hits, count);
   }
@@ -107,7 +107,7 @@ struct WorldView {
     return shapes.visit(surfaces[id].shape,
                         [&](auto const& s) { return crossing_of(s, ray, from.on(id), from.piece); });
   }
-  // How much earlier than a point drawn on a surface, `way` m away, a line may meet that surface, m (eq. 1.14).
+  // Tolerance of visibility: how much before a sampled point, `way` m away, a line may meet its surface, m (eq. 1.14).
   STRAY_HD double slack(SurfaceId id, double way, double cosine) const {
     return hit_slack(surfaces[id.value].scale, way, cosine);
   }
@@ -118,7 +118,7 @@ struct WorldView {
     return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return projected_on(s, p, piece); });
   }
 
-  // Asks about all that the ray may hit, until the answer is true; says whether it was.
+  // Calls the query for every surface that the ray may hit until it returns true; returns whether it did.
   template <class Query>
   STRAY_INLINE bool search(Ray const& ray, Query&& query) const {
     return limits.brute_force ? search_all(ray, query) : tree.traverse(ray, ray.t_max, query);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The model of a scene: owns what WorldView (view.hpp) points to, and what only people and later steps ask for: names,
-// bodies, materials, how beams came to their footprints.
+// The model of a scene. It owns what WorldView (view.hpp) points to, and what only reports and later steps need: names,
+// bodies, materials, and how beams reached their footprints.
 #pragma once
 
 #include <string>
@@ -15,14 +15,14 @@ namespace straytrace {
 
 class Scene;
 
-// How the beam came to a footprint: its chief ray from where it was launched. Light that rejoins goes the same way
-// back, and by eq. 2.2 with the same phase sensitivities.
+// How a beam reached a footprint: its chief ray from the launch. Light that rejoins travels the same way back, by eq. 2.2
+// with the same phase sensitivities.
 struct Feed {
   static constexpr std::uint32_t none = 0xffffffffu;
-  bool propagated = false;  // the footprint was found by propagation; false: stated, at its place from the start
+  bool propagated = false;  // found by propagation; false: stated in the scene
   double path_length = 0;   // optical, m
   std::vector<PhaseSensitivity> phase_sensitivities;  // of the surfaces passed, over the wave number: 1 and m, by body
-  std::uint32_t mirror = none;  // footprint of the cavity mirror it leaked through: the reference of eq. 2.5
+  std::uint32_t mirror = none;  // footprint of the cavity mirror that the beam leaked through: the reference of eq. 2.5
   std::uint32_t order = 0;      // of the ghost; 0: the beam itself
   double clipped = 0;           // share of the light that passes beside the surface
 };
@@ -76,27 +76,27 @@ class World {
   BodyId add_mode(BodyId of, std::string name, ElasticMode);
   GroupId add_group(std::string const& name);  // the same id for the same name
   PortId add_port(std::string name);
-  void add_footprint(Footprint, Feed = {});  // needs its surface to exist; sets backoff, to what is given at most
+  void add_footprint(Footprint, Feed = {});  // its surface must exist; limits backoff to the value given
   void add_receiver(std::string name, Receiver);
-  // Whether sub-paths serve it, and what they start towards (`most_aims` surfaces at most).
+  // Whether sub-paths connect to it, and the surfaces that they aim at (at most `most_aims`).
   void cover_receiver(std::uint32_t receiver, bool behind_glass, std::vector<SurfaceId> const& aims = {}) {
     Receiver& r = receivers_[receiver];
     r.behind_glass = behind_glass;
     r.aims = 0;
     for (SurfaceId const id : aims) r.aim[r.aims++] = id;
   }
-  // Of a receiver whose map has no stated pixels.
+  // For a receiver whose map has no stated pixels.
   void set_map_cells(std::uint32_t receiver, CellTree const& tree) {
     receivers_[receiver].nodes = storage.keep(tree.nodes());
     receivers_[receiver].cells = storage.keep(tree.cells());
   }
-  // Lets light rejoin at every footprint of a beam on a surface; false when there is none.
+  // Lets light rejoin at every footprint of a beam on a surface; false: there is none.
   bool open_port(SurfaceId, std::uint32_t beam, std::string const& name);
   void open_port(std::string const& name, std::vector<std::uint32_t> const& footprints);
   void anchor(BodyId, Vec3 place);  // its pivot, m, when none is given and no surface is on it yet
-  void settle_pivots();             // bodies without a given pivot turn about the place of their first surface
-  void build_search();              // of all surfaces there are
-  void finish();                    // the same, unless it was done, and the lists of footprints; call last
+  void settle_pivots();             // bodies without a stated pivot rotate about the reference point of their first surface
+  void build_search();              // over all surfaces added so far
+  void finish();                    // search structure, if not up to date, and lists of footprints; call last
   void steer(SteeringTables tables) { steering_ = std::move(tables); }
   SteeringTables const& steering() const { return steering_; }
 
@@ -106,11 +106,12 @@ class World {
   std::vector<Feed> const& feeds() const { return feeds_; }  // by footprint
   std::vector<Body> const& bodies() const { return bodies_; }
   std::vector<std::string> const& groups() const { return groups_; }
+  std::string const& name_of(SurfaceId id) const { return groups_[surfaces_[id.value].group.value]; }
   std::vector<std::string> const& ports() const { return ports_; }
   std::vector<Receiver> const& receivers() const { return receivers_; }
   std::vector<std::string> const& receiver_names() const { return receiver_names_; }
   std::vector<std::string> body_names() const;
-  // Bytes of everything that can change a trace, and of nothing else (not of motion, not of the search structure).
+  // Bytes of everything that can change a trace, and of nothing else: neither motion nor the search structure.
   std::string fingerprint() const;
 
   Storage storage;  // tables that shapes, laws and coatings point into
@@ -119,12 +120,12 @@ class World {
   bool polarised = false;
   bool reverse_routes = true;  // apply C_rev (docs/theory/path_integral.md)
   double wavelength = 1.064e-6;
-  // Histories: how they are dealt to sources. Of the run, not of the scene: no part of the fingerprint.
+  // Histories per block. It belongs to the run, not to the scene: not part of the fingerprint.
   std::uint64_t block_size = largest_block;
-  double beam_power = 0;            // W, of the first beam that states one; 0: none does. For reports, not the trace
+  double beam_power = 0;            // W, of the first beam with a stated power; 0: none. For reports, not for the trace
   std::vector<double> beam_powers;  // W, by beam; 0: not stated. For the interferometer
   std::vector<MaterialInfo> materials;  // in the order of the scene
-  std::vector<std::string> notes;       // what was assumed or computed on the way, for reports
+  std::vector<std::string> notes;       // assumptions and intermediate results, for reports
 
  private:
   [[noreturn]] void too_many_shapes(std::string_view kind) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of measured scatter in whatever format: what they say, as points of a BSDF with the directions from the normal.
+// Files of measured scatter of all formats, as points of a BSDF with directions from the normal.
 // Formats: docs/reference/scatter/measured_files.md.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace straytrace {
 
-// What a file, a scene or a command line declares of a measurement.
+// Declarations about a measurement in a file, a scene or a command line.
 struct ScatterDeclared {
   double wavelength = 0;                                    // m; 0: not declared
   std::string angles = {};                                  // from_normal, from_specular; empty: not declared
@@ -24,8 +24,7 @@ struct ScatterDeclared {
 
 struct ScatterPoint {
   double theta_i = 0;  // rad, 0 to below pi/2
-  double theta_s =
-      0;              // rad from the normal, positive on the side of the specular direction; NaN: only the offset known
+  double theta_s = 0;  // rad from the normal, positive on the side of the specular direction; NaN: only offset known
   double phi = 0;     // rad, azimuth of scatter; 0 in the plane of incidence
   double offset = 0;  // |alpha - alpha_0| in direction cosines
   double value = 0;   // BSDF in 1/sr, 0 and up
@@ -34,7 +33,7 @@ struct ScatterPoint {
   std::uint32_t line = 0, column = 0;  // of the value in the file
 };
 
-// The total that a file states for an incidence, beside the integral of its own table over the hemisphere.
+// The total that a file states for an incidence, and the integral of its own table over the hemisphere.
 struct StatedTis {
   double theta_i = 0, stated = 0, integral = 0;  // rad, share of the power
 };
@@ -43,27 +42,27 @@ struct ScatterFile {
   std::string format;  // "laboratory CSV"; empty: not read
   ScatterDeclared declared;
   bool transmitted = false;        // a BTDF
-  std::vector<std::string> notes;  // what was understood, a sentence each
+  std::vector<std::string> notes;  // how the file was read, a sentence each
   std::vector<ScatterPoint> points;
   std::vector<StatedTis> stated;
-  std::size_t incidences_left_out = 0;  // where there are more than the law holds
+  std::size_t incidences_left_out = 0;  // beyond the limit of the BSDF model
 };
 
-// Directions: incidence and scatter in rad from the normal, azimuth of scatter (0: the side of the specular direction).
+// Incidence and scatter in rad from the normal, azimuth of scatter (0: on the side of the specular direction).
 ScatterPoint scatter_point(double theta_i, double theta_s, double phi, double value);
 
-// Name of the format by the content; empty where it is none of those known.
+// Name of the format, by content; empty: unknown.
 std::string scatter_format(std::string_view text);
-// Problems carry line and column; what `given` declares counts where the file is silent, and may not contradict it.
+// Problems carry line and column. `given` counts where the file declares nothing, and must not contradict the file.
 ScatterFile read_scatter_file(std::string_view text, ScatterDeclared const& given, std::vector<Problem>& problems);
 
 // Points of one incidence each, in increasing incidence, in the order of the file.
 std::vector<std::vector<ScatterPoint>> by_incidence(std::vector<ScatterPoint> const&);
 
-// Several angles of scatter for each incidence.
+// Requires several angles of scatter for each incidence.
 void check_scatter_points(std::vector<ScatterPoint> const&, std::vector<Problem>&);
 
-// As SSDD, on the grid of the measured directions; empty, and `why`, where they form neither a grid nor planes.
+// As SSDD, on the grid of the measured directions. Empty, with `why`, if they form neither a grid nor planes.
 std::string ssdd_text(ScatterFile const&, std::string_view beyond, std::string& why);
 
 // --- readers of single formats ---------------------------------------------------------------------------------------
@@ -74,12 +73,10 @@ void read_abg_catalogue(std::string_view text, ScatterFile&, std::vector<Problem
 void read_astm(std::string_view text, ScatterFile&, std::vector<Problem>&);
 void read_ssdd(std::string_view text, ScatterFile&, std::vector<Problem>&);
 
-// The law that measured points make.
-
-// Beyond this relative difference the total a file states and the integral of its values are said to disagree.
+// A warning follows where the stated total and the integral of the values differ by more, relative.
 constexpr double stated_tis_tolerance = 0.05;
 
-// Without its lobe: the caller prepares it when it samples. `beyond`: constant, power or zero.
+// The BSDF model of measured points, without its sampling table, which prepare() makes. `beyond`: constant, power or zero.
 Measured law_of_points(std::vector<ScatterPoint> const&, std::string_view beyond, MeasuredSummary&);
 
 }  // namespace straytrace

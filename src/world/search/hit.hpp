@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a ray finds, what it starts on, and what a search asks on its way.
+// What a ray hits, what it starts on, and the queries of a search.
 #pragma once
 
 #include "geometry/shape_types.hpp"
@@ -13,7 +13,7 @@ struct Hit {
   std::uint32_t piece = 0;     // of a surface made of pieces
 };
 
-// What a ray starts on: there the root at zero is not a hit.
+// What a ray starts on: the root at zero is not a hit there.
 struct Departure {
   SurfaceId surface;
   std::uint32_t piece = 0;
@@ -28,21 +28,21 @@ struct RayQuery {
   Departure from;
 };
 
-// Whether a hit at t on surface `id` is nearer than the best so far (none: an invalid surface); ties to the lower id.
+// Whether a hit at t on surface `id` is nearer than the best so far (invalid surface: none); ties to the lower id.
 STRAY_HD bool nearer(double t, std::uint32_t id, double distance, std::uint32_t surface) {
   return t < distance || (t == distance && surface != SurfaceId{}.value && id < surface);
 }
-// The least limit that lets ties with t count.
+// The least limit that still admits ties with t.
 STRAY_HD double just_beyond(double t) { return t * (1 + 0x1p-52); }
 
-// What a search asks: the nearest hit, ties to the lower surface. `Cross` says where a ray crosses one surface. Plain
-// numbers only, so that they stay in registers.
+// Query for the nearest hit, ties to the lower surface. `Cross` computes where a ray crosses one surface. Holds plain
+// numbers only, which stay in registers.
 template <class Cross>
 struct NearestQuery {
   Cross const& cross_one;
   Departure const& from;
   Ray const& ray;
-  double distance, reach;  // m: of the best hit; just beyond it, so that ties count
+  double distance, reach;  // m: of the best hit; just beyond it, to admit ties
   std::uint32_t surface, piece = 0;
   STRAY_HD NearestQuery(Ray const& r, Departure const& f, Cross const& c, Hit const& known)
       : cross_one(c),
@@ -79,13 +79,13 @@ struct NearestQuery {
   }
 };
 
-// What a search asks: whether anything is hit at all.
+// Query whether the ray hits anything.
 template <class Cross>
 struct AnyQuery {
   Cross const& cross_one;
   Departure const& from;
   Ray const& ray;
-  bool to_itself;  // the ray ends on the surface it starts on, and quadrics have nothing in between
+  bool to_itself;  // the ray ends on the surface it starts on; a quadric cannot hide itself
   STRAY_HD bool leaves(std::uint32_t surface) const { return from.on(surface); }
   STRAY_HD double end() const { return ray.t_max; }
   STRAY_INLINE bool cross(SurfaceRef ref, double&) {

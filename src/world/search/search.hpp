@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a ray may hit: tubes (tube.hpp) for long coaxial things, eight-wide trees (geometry/mesh/bvh8.hpp) for all else.
-// Trees are local: each holds things of one size class from one neighbourhood, so that float boxes stay tight; a tree
-// over the trees is searched in order of distance. The structure only proposes surfaces; who hits is decided by their
-// shapes, in double, so it cannot change a result.
+// Search structure: tubes (tube.hpp) for long coaxial surfaces, eight-wide trees (geometry/mesh/bvh8.hpp) for all others.
+// Trees are local: each holds surfaces of one size class from one neighbourhood, which keeps float boxes tight; a tree
+// over the trees is searched in order of distance. The structure only proposes surfaces; their shapes decide about hits,
+// in double, so it cannot change a result.
 #pragma once
 
 #include <vector>
@@ -13,8 +13,7 @@
 
 namespace straytrace {
 
-// One local tree: a slice of the flat array of nodes. Its leaves name packs, those of the tree over trees name
-// clusters.
+// One local tree: a slice of the flat array of nodes. Its leaves are packs; those of the tree over the trees are clusters.
 struct ClusterRecord {
   Vec3 origin;
   double largest = 0;
@@ -28,8 +27,8 @@ struct SearchView {
   View<Bvh8::Node const> nodes;
   View<SurfacePack const> packs;
 
-  // Asks query.cross(ref, limit) about every surface that may be hit before `limit` (m), and what else TubeArrays asks.
-  // It may lower the limit and returns true to end the search; so do these.
+  // Calls query.cross(ref, limit) for every surface that may be hit before `limit` (m), and the other functions that
+  // TubeArrays needs. A call may lower the limit and returns true to end the search; so do these functions.
   template <class Query>
   STRAY_INLINE bool traverse(Ray const& ray, double limit, Query&& query) const {
     return traverse_tubes(ray, limit, query) || traverse_trees(ray, limit, query);
@@ -85,7 +84,7 @@ class SearchTree {
   TubeData const& tubes() const { return tubes_; }
 
  private:
-  std::vector<SearchItem> take_tubes(std::vector<SearchItem> const& items);  // returns what is left
+  std::vector<SearchItem> take_tubes(std::vector<SearchItem> const& items);  // returns the others
   void add_cluster(std::vector<SearchItem> const& content);
   void add_tree(Bvh8 const&);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The questions a trace asks of a world, compiled for each instruction set and chosen when the program starts.
-// Every set gives the same bits: no operation is contracted, and lanes do what a loop would do.
+// The searches of the trace, compiled for each instruction set; the program selects one when it starts. All sets give the
+// same bits: no operation is contracted, and vector lanes do what a loop would do.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +21,10 @@ struct SearchKernels {
   bool (*occluded)(WorldView const&, Ray const&, Departure const& from, bool to_itself);
 };
 
-// The fastest this processor can run, or the one named by the environment variable STRAYTRACE_ISA.
+// The fastest that this processor supports, or the one in the environment variable STRAYTRACE_ISA.
 extern SearchKernels const* search_kernels;
 
-// "portable", "avx2" or "avx512"; nullptr: unknown, or this processor cannot run it.
+// "portable", "avx2" or "avx512"; nullptr: unknown, or not supported by this processor.
 SearchKernels const* find_search_kernels(std::string_view name);
 
 }  // namespace straytrace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The surfaces of one leaf, side by side, each in a ring about its own axis: between two heights and two radii. A box
-// along x, y, z holds much more than a tilted disc or barrel; the ring holds little more, and eight rings take about as
-// long as one shape. Floats, widened: a surface that is sorted out was certainly not hit.
+// along x, y, z is much larger than a tilted disc or barrel; the ring fits closely, and the test of eight rings takes
+// about as long as that of one shape. Floats are widened: the ray certainly misses a surface that the test rejects.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace straytrace {
 
-// What the structure is told about a surface: a box, and heights along its axis and distances from it that contain it.
+// Bounds of a surface: a box, and heights along its axis and distances from it that contain it.
 struct SearchItem {
   SurfaceRef ref;
   Box box;
@@ -38,7 +38,7 @@ struct alignas(64) SurfacePack {
   STRAY_INLINE unsigned may_be_hit(bvh8_detail::Probe const& probe, float limit) const;
 
  private:
-  // The same for one lane or for all: F is a float or eight of them, M what a comparison of such gives.
+  // For one lane or for all: F is a float or eight of them, M the result of comparing two F.
   template <class F, class M>
   STRAY_INLINE static void test(F const (&c)[3], F const (&n)[3], F const& low, F const& high, F const& inner2,
                                 F const& outer2, bvh8_detail::Probe const& p, float limit, M& missed);

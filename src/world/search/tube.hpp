@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Search structure for coaxial things along a line: walls, baffles, rims, end discs of a beam tube, sorted by height.
+// Search structure for coaxial surfaces along a line: walls, baffles, rims, end discs of a beam tube, sorted by height.
 // Along a ray r^2(t) is a convex quadratic, so "inside the clear aperture" is one interval in t, known in closed form:
 // a ray passes whole groups of baffles in one step, where a box tree tests every one of them, because the box of an
-// annulus includes its hole (docs/develop/performance.md). A skipped surface was certainly not hit, so the answer
-// equals brute force bit by bit: heights and radii are widened by more than everything that rounding can do.
+// annulus includes its hole (docs/develop/performance.md). A ray certainly misses a skipped surface, so the result equals
+// brute force bit by bit: heights and radii are widened by more than all rounding errors.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace straytrace {
 
-// A surface and its shape, packed: what a search hands out.
+// A surface and its shape, packed: the result of a search.
 struct SurfaceRef {
   static constexpr std::uint32_t most_shapes = 1u << 24;  // of one kind
   std::uint32_t surface = 0, packed = 0;
@@ -35,7 +35,7 @@ struct TubePlain {
 
 struct TubeItem {
   double low, high;       // m along the direction of travel, low < high
-  double clear2, reach2;  // m^2; nothing of it lies inside the one or outside the other
+  double clear2, reach2;  // m^2; the surface lies between these two
   double skip2[3];        // least clear2 from here to the end of the group of 8, of 64, of the run
   double run_high;        // m, largest `high` of the rest of the run
   SurfaceRef ref;
@@ -43,7 +43,7 @@ struct TubeItem {
   std::uint32_t plain_kind;
 };
 
-// Items in the order in which rays meet them; one list for rays up the axis, one for rays down (heights negated).
+// Items in the order in which rays meet them: one list for rays up the axis, one for rays down (heights negated).
 struct TubeSide {
   std::uint32_t first = 0, count = 0, first_start = 0;
   double z0 = 0, scale = 0, slots = 0;  // start number of height z: (z - z0) scale, below `slots`
@@ -52,11 +52,11 @@ struct TubeSide {
 struct TubeRecord {
   Vec3 origin, axis;                        // m, unit
   double bound[2][2] = {};                  // m, [up, down][least, largest] height along the direction of travel
-  double reach2 = 0, far2 = 0;              // m^2: largest radius; distance from where rounding has no bound
+  double reach2 = 0, far2 = 0;              // m^2: largest radius; distance beyond which rounding is unbounded
   bool along_z = false;                     // axis is exactly (0, 0, 1), origin on the z axis
-  std::uint32_t sole_wall = 0xffffffffu;    // surface of the only long part, when that is a plain wall
-  std::uint32_t first_wall = 0, walls = 0;  // long parts, when they are few
-  TubeSide side[2][2];                      // [long parts when they are many, all else][up, down]
+  std::uint32_t sole_wall = 0xffffffffu;    // surface of the only long part, if that is a plain wall
+  std::uint32_t first_wall = 0, walls = 0;  // long parts, if they are few
+  TubeSide side[2][2];                      // [long parts if they are many, all others][up, down]
 };
 
 struct TubeProbe {
@@ -68,8 +68,8 @@ struct TubeProbe {
     return -b > a * near && -b < a * far && r2 * a - b * b <= a * inner2;
   }
   STRAY_HD double radius2(double t) const { return r2 + t * (2 * b + t * a); }
-  // Where the ray leaves the radius whose square is given, or a little before; it is inside at some t >= 0. The less of
-  // two forms, each exact for one sign of b: whether a ray approaches the axis cannot be guessed.
+  // Where the ray leaves the radius whose square is given, or a little before; it is inside at some t >= 0. The smaller of
+  // two forms, each exact for one sign of b: a branch on the sign would be mispredicted.
   STRAY_HD double leaves(double outer2) const {
     double const beyond = outer2 - r2, square = b * b + a * beyond, root = square > 0 ? std::sqrt(square) : 0;
     double const one = beyond / (b + root), two = (root - b) / a;
@@ -82,19 +82,19 @@ struct TubeArrays {
   View<TubeItem const> items;
   View<TubePlain const> plain;       // by item
   View<double const> behind;         // m, by item: largest `high` of the items up to this one
-  View<std::uint32_t const> starts;  // by side: item to begin with
+  View<std::uint32_t const> starts;  // by side: first item to test
 
-  // Asks `query` about every surface of the tube that may be hit before `limit` (m):
+  // Calls `query` for every surface of the tube that may be hit before `limit` (m):
   //   cross(ref, limit)         test this surface
   //   offer(surface, t, limit)  it is crossed at t, or not at all (infinity)
   //   leaves(surface)           whether the ray starts on it
-  //   end()                     m, its ray's own end
-  // The first two may lower the limit and return true to end the search; so does this.
+  //   end()                     m, end of the ray itself
+  // The first two may lower the limit and return true to end the search; so does this function.
   template <class Query>
   STRAY_INLINE bool traverse(TubeRecord const& tube, Ray const& ray, double& limit, Query&& query) const;
 
-  // For a ray that starts on tube.sole_wall: m to where it meets that wall again with nothing in between, as most rays
-  // of a diffuse walk do. Infinity: something else may be met.
+  // For a ray that starts on tube.sole_wall: m to the next hit on that wall if nothing lies in between, as for most rays
+  // of a diffuse walk. Infinity: the ray may hit something else.
   STRAY_INLINE double along_wall(TubeRecord const& tube, Ray const& ray) const {
     TubeProbe p;
     across_z(tube, ray.origin, ray.dir, p);
@@ -129,7 +129,7 @@ struct TubeArrays {
     p.b = dot(op, dp);
     p.a = length2(dp);
   }
-  // The first item that is not wholly behind height z, or one a little before it.
+  // The first item that does not end before height z, or one a little before it.
   STRAY_INLINE std::uint32_t item_at(TubeSide const& side, double z) const {
     double const place = (z - side.z0) * side.scale;
     if (!(place < side.slots)) return side.count;
@@ -154,7 +154,7 @@ struct TubeArrays {
         if (query.cross(items[tube.side[kind][0].first + i].ref, limit)) return true;
     return false;
   }
-  // From item k to the first one that is not wholly inside the radius whose square is given; false: that is k itself.
+  // Moves item k to the first one that the ray may meet after it leaves the radius whose square is given; false: k itself.
   STRAY_INLINE bool jump(TubeSide const& side, TubeProbe const& p, double outer2, std::uint32_t past,
                          std::uint32_t& k) const {
     std::uint32_t const next = item_at(side, p.z + p.leaves(outer2) * p.dz);
@@ -223,7 +223,7 @@ STRAY_INLINE bool TubeArrays::walk(TubeSide const& side, Ray const& ray, TubePro
     if (!(near > 0)) near = 0;
     double const r2 = p.radius2(near);
     if (r2 > reach2 && p.b + near * p.a > 0) return false;  // outside for good
-    // Branches, not selections: a guess of the way on lets the next item be fetched before the numbers are known.
+    // Branches instead of selections: branch prediction fetches the next item before the numbers are known.
     if (STRAY_LIKELY(r2 < item.skip2[2])) {
       if (p.radius2((item.run_high - p.z) * p.slope) < item.skip2[2]) {
         k = item.run_end;
@@ -265,7 +265,7 @@ STRAY_INLINE bool TubeArrays::follow(TubeRecord const& tube, Ray const& ray, Tub
   p.dz = std::fabs(p.dz);
   p.slope = 1 / p.dz;
   if (p.z > tube.bound[down][1]) return false;
-  // A wall that the ray starts on bounds the search cheaply; others come last and are mostly not needed.
+  // The wall that the ray starts on bounds the search cheaply; other walls come last and are rarely tested.
   std::uint32_t const first = tube.walls > 0 && query.leaves(items[tube.first_wall].ref.surface);
   if (first && ask(tube.first_wall, ray, p, limit, query)) return true;
   if (walk(tube.side[1][down], ray, p, tube.reach2, limit, query)) return true;
@@ -298,7 +298,7 @@ STRAY_INLINE bool TubeArrays::traverse(TubeRecord const& tube, Ray const& ray, d
   return follow<true>(tube, ray, p, limit, query);
 }
 
-// What the structure knows of a surface: heights along the tube's axis, least and largest distance from it, m.
+// Bounds of a surface: heights along the axis of the tube, least and largest distance from it, m.
 struct TubePart {
   double low = 0, high = 0, clear = 0, reach = 0;
   SurfaceRef ref;

@@ -5,6 +5,7 @@
 #include <complex>
 #include <random>
 
+#include "scene/scene.hpp"
 #include "support/trace_support.hpp"
 #include "trace/tally/replay.hpp"
 

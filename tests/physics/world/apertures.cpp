@@ -6,6 +6,7 @@
 
 #include "beams/aperture.hpp"
 #include "support/ghost_support.hpp"
+#include "world/ghosts/obstacle.hpp"
 
 namespace straytrace::testing::world_apertures {
 namespace {

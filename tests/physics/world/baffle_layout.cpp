@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/math/rng.hpp"
+#include "scene/scene.hpp"
 #include "support/recorded.hpp"
 #include "world/model/world.hpp"
 

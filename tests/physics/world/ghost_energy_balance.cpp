@@ -8,6 +8,7 @@
 
 #include "beams/aperture.hpp"
 #include "support/ghost_support.hpp"
+#include "world/ghosts/obstacle.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/rng.hpp"
+#include "scene/scene.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::world_parts {

@@ -39,6 +39,12 @@ TEST(ReportBands, ABandOfZeroIsNotANumber) {
   EXPECT_THAT(band_summary(b, {10, 30}), AllOf(HasSubstr(": none, 2.00e-24 to 2.00e-24"), Not(HasSubstr("0.00e+00"))));
   b.unresolved = {"A > B: only 3 histories have scored"};
   EXPECT_THAT(band_summary(b, {10, 30}), HasSubstr(": not resolved, 2.00e-24 to 2.00e-24"));
+  b.bands.coherent = b.total.asd;
+  EXPECT_THAT(band_text(b, {10, 30}), AllOf(HasSubstr("not resolved"), HasSubstr("2.00e-24")));
+  b.unresolved = {};
+  EXPECT_THAT(band_text(b, {10, 30}), AllOf(HasSubstr("none"), HasSubstr("2.00e-24"), Not(HasSubstr("0.00e+00"))));
+  b.bands.speckle_05[1] = 0;
+  EXPECT_THAT(band_summary(b, {30}), AllOf(HasSubstr(": up to 2.00e-24"), Not(HasSubstr("0.00e+00"))));
 }
 
 }  // namespace

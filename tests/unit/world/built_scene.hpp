@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
+#include "scene/scene.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::testing {

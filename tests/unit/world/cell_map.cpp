@@ -11,6 +11,7 @@
 #include <random>
 
 #include "base/math/functions.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace {
 namespace {
@@ -61,6 +62,61 @@ std::vector<Case> cases() {
           {Chart::polar, {0.4, 0.5, -pi, pi}, even(0.4, 0.5, 4000)},
           {Chart::polar, {0, 0.01, -pi, pi}, spot(0.003, -0.002, 1e-4, 4000, true)},
           {Chart::unrolled, {0, 1e4, -pi, pi}, {{{1, 1}}, {{1, 1}}, {{1, 1}}, {{9e3, -3}}}}};
+}
+
+// Area of a surface from the filled parts of its cells: the closed form to 0.5 %. Control: whole cells, which reach
+// beyond the rim.
+TEST(CellMap, CellsEndAtTheRim) {
+  World world;
+  std::uint32_t const optic = world.add_optic({});
+  Pose const pose{{0.3, -0.2, 5}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
+  auto const add = [&](auto shape) {
+    shape.place(pose);
+    return world.add_surface(shape, optic, optic, {}, world.add_group("g"));
+  };
+  Ellipse ellipse;
+  ellipse.semi_x = 0.04;
+  ellipse.semi_y = 0.03;
+  Conic conic;
+  conic.outer_radius = 0.05;
+  conic.inner_radius = 0.02;
+  Disk ring;
+  ring.outer_radius = 0.05;
+  ring.inner_radius = 0.02;
+  Cylinder wall;
+  wall.radius = 0.1;
+  wall.to = 2;
+  Cone cone;
+  cone.inner_radius = 0.02;
+  cone.outer_radius = 0.05;
+  cone.half_angle = 0.1;
+  double const annulus = pi * (0.05 * 0.05 - 0.02 * 0.02);
+  struct Expected {
+    SurfaceId id;
+    double area;
+    bool exact;  // whole cells are right already
+  };
+  double const length = 0.03 / std::tan(0.1);  // m, of the cone along its axis; unrolled without its slope
+  for (auto const& [id, area, exact] :
+       {Expected{add(ellipse), pi * 0.04 * 0.03, false}, Expected{add(conic), annulus, false},
+        Expected{add(ring), annulus, true}, Expected{add(wall), 2 * pi * 0.1 * 2, true},
+        Expected{add(cone), 2 * pi * 0.035 * length, false}}) {
+    WorldView const view = world.view();
+    auto const [chart, whole] = chart_of(view, std::span(&id, 1));
+    CellTree tree(chart, whole);
+    tree.refine(spot(0.2 * whole.u_high, 0, 0.1 * whole.u_high, 4000, false), 20, 200);
+    double filled = 0, all = 0;
+    std::size_t beyond = 0;
+    for (MapCell const& c : tree.cells()) {
+      double const share = filled_share(view, id, chart, c);
+      filled += share * area_of(chart, c);
+      all += area_of(chart, c);
+      beyond += share == 0;
+    }
+    EXPECT_NEAR(filled / area, 1, 5e-3);
+    EXPECT_EQ(std::fabs(all / area - 1) < 5e-3, exact) << "control: whole cells";
+    EXPECT_EQ(beyond > 0, !exact && chart == Chart::plane) << "corners of the square";
+  }
 }
 
 }  // namespace

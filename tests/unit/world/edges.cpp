@@ -6,6 +6,7 @@
 #include "support/message_of.hpp"
 #include "unit/world/built_scene.hpp"
 #include "world/ghosts/apertures.hpp"
+#include "world/ghosts/obstacle.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -87,6 +87,18 @@ TEST(Faces, BackToBackDisksAreErrorsWhereLightArrives) {
               coincide);
 }
 
+// What docs/reference/scene.md promises: 1 nm of distance, and some percent of one of the two faces. Control: wider gaps
+// and faces side by side.
+TEST(Faces, ResolutionOfParallelDisks) {
+  auto const pair = [](std::string const& place) {
+    return said(disk("one", "material: steel") + disk("two", "at: [" + place + "], material: dark"));
+  };
+  for (std::string const place : {"0 m, 0 m, 0.5 nm", "0 m, 0 m, -0.5 nm", "10 cm, 0 m, 0 m", "17 cm, 0 m, 0 m"})
+    EXPECT_THAT(pair(place), coincide) << place;  // at 17 cm they share 4 % of their area
+  for (std::string const place : {"0 m, 0 m, 3 nm", "0 m, 0 m, 0.1 mm", "5 cm, 0 m, 0.1 mm", "20.001 cm, 0 m, 0 m"})
+    EXPECT_THAT(pair(place), nothing_shared) << place;
+}
+
 TEST(Faces, SolidsMayTouchAndLensesMayBeCemented) {
   EXPECT_THAT(said(box("lower", "0 m, 0 m, 0 m") + box("upper", "0 m, 0 m, 20 cm")), nothing_shared);
   EXPECT_THAT(said(box("lower", "0 m, 0 m, 0 m", "outer") + box("upper", "0 m, 0 m, 20 cm", "outer")), nothing_shared);

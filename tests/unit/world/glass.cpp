@@ -126,8 +126,21 @@ TEST(Glass, SolidsWithoutGlassAreAWarning) {
 TEST(Glass, GlassThatNoLightEntersIsAWarning) {
   std::string const said = "'x' is filled with 'bk7', but none of its faces lets light in";
   EXPECT_THAT(read(entry("use: lens, material: white, medium: bk7")).warnings, HasSubstr(said));
-  EXPECT_EQ(read(entry("use: lens, material: white")).warnings, "");
+  EXPECT_EQ(read(entry("use: lens, material: white, medium: none")).warnings, "");
   EXPECT_EQ(read(entry("use: lens, material: clear, medium: bk7")).warnings, "");
+}
+
+// A lens or mirror substrate of opaque faces takes the whole beam without a word about the missing medium. Controls: a
+// medium that is none on purpose, faces that transmit or reflect, a lens beside the beam.
+TEST(Glass, AnOpaqueOpticThatEndsTheBeamIsAWarning) {
+  std::string const said = "'x' is opaque: beam '";
+  for (std::string const part : {"lens", "thick_mirror", "plate"}) {
+    EXPECT_THAT(read(entry("use: " + part + ", material: white")).warnings, HasSubstr(said)) << part;
+    EXPECT_EQ(read(entry("use: " + part + ", material: white, medium: none")).warnings, "") << part;
+    EXPECT_THAT(read(entry("use: " + part + ", material: clear")).warnings, Not(HasSubstr(said))) << part;
+  }
+  EXPECT_THAT(read(entry("use: thick_mirror, material: hr")).warnings, Not(HasSubstr(said)));
+  EXPECT_THAT(read(entry("use: lens, material: white, at: [1 m, 0 m, 0 m]")).warnings, Not(HasSubstr(said)));
 }
 
 // Light that misses one object many times is reported once, with the worst case.

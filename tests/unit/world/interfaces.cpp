@@ -6,6 +6,7 @@
 #include <string>
 
 #include "optics/coating/specular.hpp"
+#include "scene/scene.hpp"
 #include "world/build/read_parts.hpp"
 
 namespace straytrace::world_interfaces {

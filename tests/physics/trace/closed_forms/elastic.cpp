@@ -7,6 +7,7 @@
 #include "scene/scene.hpp"
 #include "support/trace_support.hpp"
 #include "trace/tally/replay.hpp"
+#include "world/build/read_parts.hpp"
 #include "world/model/body.hpp"
 
 namespace straytrace::testing::trace_elastic {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // White furnace (docs/theory/sampling.md): an enclosure of unit radiance is seen with radiance 1
 // wherever one looks, by a lens, by a film, by rough surfaces: what they do not reflect they transmit.
+#include "scene/scene.hpp"
 #include "support/trace_support.hpp"
 
 namespace straytrace::testing {

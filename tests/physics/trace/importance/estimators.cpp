@@ -3,6 +3,7 @@
 // the same mean. Walk and connections are written here once more without any weights, on the histories of the program.
 #include <random>
 
+#include "scene/scene.hpp"
 #include "support/trace_support.hpp"
 
 namespace straytrace::testing::trace_estimators {

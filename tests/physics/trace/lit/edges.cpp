@@ -9,6 +9,7 @@
 #include <complex>
 
 #include "support/trace_support.hpp"
+#include "world/ghosts/obstacle.hpp"
 
 namespace straytrace::testing::trace_edges {
 namespace {

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An entry of the scene with an error of its own: what names it says nothing more.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/built_scene.hpp"
+
+namespace straytrace::world_refused {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string mirror(std::string const& name, std::string const& z, std::string const& facing, std::string const& shape) {
+  return "  - {name: " + name + ", " + shape + ", at: [0 m, 0 m, " + z + "], facing: " + facing +
+         ", body: b, material: m}\n";
+}
+
+std::string const cap = "shape: {cap: {curvature: 5e-4 /m, outer_radius: 10 cm}}";
+
+// A cavity of ITM and ETM, which everything that can name a surface names as well.
+std::string said(std::string const& facing, std::string const& shape, std::string const& cavity = "[ITM, ETM]") {
+  return testing::said_of(
+      "straytrace: 1\nmaterials: {m: {scatter: {model: lambertian, tis: 10 ppm}}}\nbodies: {b: {motion: still}}\n"
+      "scene:\n" +
+      mirror("ITM", "0 m", "[0, 0, 1]", cap) + mirror("ETM", "3 km", facing, shape) +
+      mirror("rim", "1 km", "[0, 0, 1]", "shape: {disk: {inner_radius: 30 cm, outer_radius: 40 cm}}") +
+      "beams:\n  arm: {cavity: " + cavity +
+      "}\n  spot: {on: ETM, radius: 1 cm}\n"
+      "  seen: {from: [1 m, 0 m, 1 m], facing: [0, 0, 1], radius: 1 mm, lit: {only: [\"ETM*\"]}}\n"
+      "ports: {in: {beam: arm, at: ITM}, out: {beam: arm, at: ETM}}\nreceivers: {PD: {on: ETM}}\n"
+      "edges: {surfaces: [rim, ETM]}\n");
+}
+
+TEST(RefusedEntries, OnlyTheirOwnErrorIsPrinted) {
+  struct Damage {
+    std::string facing, shape, error;
+  };
+  for (Damage const& d : std::vector<Damage>{
+           {"[0, 0, 0]", cap, "a direction of length zero"},
+           {"[0, 0, nothing]", cap, "cannot understand 'nothing'"},
+           {"[0, 0, -1]", "shape: {capp: {curvature: 5e-4 /m, outer_radius: 10 cm}}", "unknown shape 'capp'"},
+           {"[0, 0, -1]", "shape: {cap: {curvature: 5e-4 /m, outer_radius: 3000 km}}", "'outer_radius' must be"},
+           {"[0, 0, -1]", "shape: {cap: {curvature: 5e-4 /m}}", "key 'outer_radius' (a length) is missing"},
+           {"[0, 0, -1]", "shape: {cap: {curvature: 1 /m, outer_radius: 2 m}}", "error"},
+           {"[0, 0, -1]", "file: missing.obj, units: mm, surfaces: {default: m}", "cannot read file 'missing.obj'"},
+           {"[0, 0, -1]", "use: no_such_part", "part 'no_such_part' is not defined"}})
+    EXPECT_THAT(said(d.facing, d.shape), AllOf(HasSubstr(d.error), HasSubstr("1 error."))) << d.shape << d.facing;
+}
+
+// Negative control: of sound entries each name that is wrong is an error of its own.
+TEST(RefusedEntries, SoundEntriesHideNoError) {
+  std::string const none = said("[0, 0, -1]", cap, "[ITM, EMT]");
+  EXPECT_THAT(none, AllOf(HasSubstr("'EMT' is not a surface"), HasSubstr("did you mean 'ETM'?")));
+  EXPECT_THAT(said("[0, 0, 1]", cap), HasSubstr("do not face each other"));
+  EXPECT_THAT(said("[0, 0, 0]", cap, "[ITM, EMT]"), AllOf(HasSubstr("length zero"), HasSubstr("'EMT' is not a surface")));
+}
+
+}  // namespace
+}  // namespace straytrace::world_refused
