@@ -55,7 +55,7 @@ World build_world(Scene const& scene) {
 
 namespace {
 
-// A preset at the wavelength of the scene; nothing, and a problem, when it is not known there.
+// A preset at the wavelength of the scene; empty after a problem, if the wavelength is out of range.
 std::optional<Medium> from_preset(Node const& where, MediumPreset const& preset, double wavelength) {
   if (auto const index = index_of(preset, wavelength)) return Medium{*index, 0};
   where.problem(fmt::format("the index of '{}' is known from {:.0f} nm to {:.0f} nm only", preset.name,

@@ -228,7 +228,7 @@ void read_free(Node const& beam, Registry const& names, World& world, Lighting c
   f.profile = read_profile(beam);
   f.centre = read_vector(beam["from"], dim::length);
   if (!beam.has("facing"))
-    beam.problem(fmt::format("beam '{}' goes nowhere", light.name), "give 'facing', for example [0, 0, 1]");
+    beam.problem(fmt::format("beam '{}' has no direction", light.name), "give 'facing', for example [0, 0, 1]");
   auto const facing = read_direction(beam["facing"]);
   f.travel = facing.value_or(Vec3{0, 0, 1});
   read_wavefront(beam, world, f);
@@ -377,7 +377,7 @@ bool read_place(Port& port, Registry const& names) {
   return true;
 }
 
-// Footprints that the port stands for. Surfaces that scatter nothing count only where they are named themselves.
+// Footprints of a port. Surfaces that do not scatter count only if the port names them.
 std::vector<std::uint32_t> footprints_of(Port const& port, World const& world) {
   std::vector<std::uint32_t> all;
   for (std::uint32_t i = 0; i < world.footprints().size(); ++i) {
@@ -434,7 +434,7 @@ void read_ports(Scene const& scene, World& world, Registry const& names, Beams c
     node.refuse_unknown(fmt::format("port '{}'", name));
     if (known && placed) ports.push_back(port);
   }
-  // The more is said about a port, the sooner it takes its spots; otherwise in the order of the scene.
+  // More specific ports take their spots first; otherwise in the order of the scene.
   for (Port::At const at : {Port::At::surface, Port::At::pattern, Port::At::everywhere})
     for (Port const& port : ports)
       if (port.at == at) open(port, world, beams);

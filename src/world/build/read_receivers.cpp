@@ -134,7 +134,7 @@ bool read_place(std::string const& name, Node const& node, World& world, Registr
   }
   if (node.has("shape")) return read_own(name, node, world, names, frame, r);
   if (!on) {
-    node.problem(fmt::format("receiver '{}' stands nowhere", name),
+    node.problem(fmt::format("receiver '{}' has no place", name),
                  "give 'on: SURFACE', or 'shape: {disk: {outer_radius: 5 cm}}' with 'at' and 'facing'");
     return false;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Beams that can put no light into the scene: their light meets a side that only absorbs, or nothing at all.
+// Beams that bring no light into the scene: they meet only absorbing sides, or no surface at all.
 #include <fmt/format.h>
 
 #include <set>
@@ -85,8 +85,8 @@ void warn_of_light_counted_twice(Scene const& scene, World const& world) {
             "if it is the same light, keep one of them: it is counted twice");
 }
 
-// A beam that loses much at a rim is no Gaussian beam behind it. What falls beside surfaces of a followed beam is said
-// where it is lit.
+// A beam that loses much power at a rim is no longer Gaussian behind it. read_lit.cpp reports the losses beside surfaces
+// for beams with `lit`.
 void warn_of_clipping(Scene const& scene, World const& world) {
   auto const beams = scene.table("beams").items();
   std::set<std::pair<std::uint32_t, std::uint32_t>> said;

@@ -15,7 +15,7 @@
 namespace straytrace {
 namespace {
 
-constexpr double least_depth = 1e-5;  // m: what is drawn with less care than this is left alone
+constexpr double least_depth = 1e-5;  // m: shallower crossings count as inaccurate drawing
 
 struct SharedSpace {
   int pairs = 0;
@@ -142,8 +142,8 @@ class ClosedBodies {
     if (is_new) known->second = closes(faces);
     return known->second;
   }
-  // By the divergence theorem, integral x_i n_j dA = V delta_ij for normals out of a closed body. Which way is out is
-  // not asked of the normals, as faces of a part may have theirs either way, but of a line that leaves the point.
+  // By the divergence theorem, integral x_i n_j dA = V delta_ij for normals out of a closed body. A line that
+  // leaves the point tells which way is out, since the normals of the faces of a part may point either way.
   bool closes(std::vector<std::uint32_t> const& faces) const {
     double moment[3][3] = {}, size = 0;
     Vec3 const origin = face_samples(view_, faces[0], 1)[0].point;
@@ -307,7 +307,7 @@ std::optional<Meeting> meeting(WorldView const& view, FaceSample a, FaceSample b
   return Meeting{a, {{other}, c.piece, there, view.normal({other}, there, c.piece)}};
 }
 
-// How far the surface goes on from `p` along the tangent `along`, m, to 1 %, at most `most`; 0: less than `least`.
+// How far the surface extends from `p` along the tangent `along`, m, to 1 %, at most `most`; 0: less than `least`.
 double extent_along(WorldView const& view, FaceSample const& p, Vec3 along, double least, double most) {
   auto const goes_on = [&](double d) { return on_face(view, p, p.point + d * along, d).has_value(); };
   double reached = 0, missed = least;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Glass that does nothing: boundaries without glass, glass that no light gets into, or none out of.
+// Glass without effect: boundaries without a medium, glass that light cannot enter or leave, opaque lenses; grooves
+// without a direction; closed volumes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -60,7 +61,7 @@ Node entry_of(Scene const& scene, Registry const& names, std::uint32_t surface) 
   return scene.root()["scene"];
 }
 
-// Glass whose faces all send back most of the light: what gets in runs between them, and next to nothing comes out.
+// Glass whose faces all reflect most of the light: light inside circulates between them, and hardly any leaves.
 void warn_of_traps(Scene const& scene, World const& world, Registry const& names) {
   std::set<std::string> told;
   for (std::vector<std::uint32_t> const& faces : faces_of_volumes(world)) {
@@ -91,7 +92,7 @@ void warn_of_traps(Scene const& scene, World const& world, Registry const& names
 struct Solid {
   std::string entry;
   Node where;
-  Node medium;  // as it is said
+  Node medium;  // as stated
   std::vector<std::uint32_t> faces;
   std::size_t clear = 0;  // faces that let light in
   bool filled = false;
@@ -138,7 +139,7 @@ void warn_of_solids(Scene const& scene, World const& world, Registry const& name
   }
 }
 
-// Surfaces on which the main beam of a launch ends: nothing of it goes on from there.
+// Surfaces on which the main beam of a launch ends, neither reflected nor transmitted.
 class LastSurfaces final : public BeamSink {
  public:
   explicit LastSurfaces(BeamLaunch const& launch) : launch_(launch) {}
@@ -223,13 +224,13 @@ void check_lays(Scene const& scene, World const& world) {
 // Do the surfaces of a filled volume close, with normals out of it? By the divergence theorem a closed body has
 //   integral n dA = 0   and   integral x_i n_j dA = V delta_ij   with V > 0
 // for normals n that point out. The integrals are sums over the samples of each surface at points of a regular lattice.
-// A few samples settle it for most bodies; those that they leave open are asked with many.
+// A few samples decide for most bodies; the others need many.
 
 namespace {
 
 constexpr int few = 1 << 10, many = 1 << 14;  // samples per surface
 constexpr double tolerance = 0.01;            // of the integrals of the magnitudes; `many` give them to about 1e-3
-constexpr double clearly = 0.25;              // of the tolerance: `few` samples and `many` say the same
+constexpr double clearly = 0.25;              // of the tolerance: `few` samples decide as `many` would
 
 struct Sum {
   double value = 0, size = 0;  // with signs, without

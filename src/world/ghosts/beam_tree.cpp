@@ -12,8 +12,8 @@
 namespace straytrace {
 namespace {
 
-constexpr double weaker = 0.5, slight = 0.1;  // what makes a departure: of the other way; reflected, of what arrives
-constexpr double least_met = 0.01;            // share of a beam that has to meet a surface for it to go on
+constexpr double weaker = 0.5, slight = 0.1;  // limits of a departure: relative to the other way; reflected, to the arriving power
+constexpr double least_met = 0.01;            // share of a beam that must meet a surface for it to continue
 
 void scale(BeamField& field, double power) {
   double const factor = std::sqrt(power);
@@ -27,7 +27,7 @@ struct Branch {
   Departure from;
   MediaStack media;
   std::size_t depth = 0;  // steps on its way; 0: the launched beam
-  double beside = -1;     // share of what arrives that passes beside the next surface; < 0: not known
+  double beside = -1;     // share of the arriving power that passes beside the next surface; < 0: unknown
 };
 
 struct Way {
@@ -205,7 +205,7 @@ class Tree {
   }
 
   static bool beyond_critical(Vertex const& v) { return v.n_in * v.n_in * (1 - v.wi.z * v.wi.z) >= v.n_out * v.n_out; }
-  // A coating of stated shares has no critical angle: light that cannot pass is reflected.
+  // A coating of stated shares does not include the critical angle: beyond it all light is reflected.
   static void turn_back(std::array<Way, 2>& both) {
     double const all = both[0].power + both[1].power;
     if (both[0].power > 0)
@@ -333,7 +333,7 @@ BeamField field_of(Footprint const& f, bool polarised) {
   return field;
 }
 
-// What goes on from the mirror of the launch: a tree of no step.
+// Share that leaves the mirror of the launch: a tree without steps.
 double passed_at_launch(World const& world, BeamLaunch const& launch) {
   BeamSink nobody;
   return grow_tree(world, launch, {0, 0, 0}, nobody).longest;

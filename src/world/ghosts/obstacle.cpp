@@ -217,6 +217,27 @@ double beside_round(Rim const& rim, Mode const& mode) {
   return std::min(share, 1.0);
 }
 
+// Where `meets(rho)` changes, from its value at rho = 0: steps of farthest/per_farthest, then bisection.
+template <class Meets>
+std::vector<double> edges(int steps, int per_farthest, int halvings, bool before, Meets const& meets) {
+  std::vector<double> all;
+  double last = 0;
+  for (int i = 1; i <= steps; ++i) {
+    double const rho = BeamLines::farthest * i / per_farthest;
+    if (bool const now = meets(rho); now != before) {
+      double low = last, high = rho;
+      for (int h = 0; h < halvings; ++h) {
+        double const middle = 0.5 * (low + high);
+        (meets(middle) == before ? low : high) = middle;
+      }
+      all.push_back(high);
+      before = now;
+    }
+    last = rho;
+  }
+  return all;
+}
+
 // Any shape: the lines parallel to the chief ray that miss it.
 class Scan {
  public:
@@ -247,21 +268,11 @@ class Scan {
   static double beyond(double rho) { return std::exp(-2 * rho * rho); }
   double along(double turn) const {
     Vec3 const direction = towards(turn);
-    double missed = 0, last = 0;
+    double missed = 0;
     bool before = true;  // the chief ray meets it
-    for (int i = 1; i <= rings; ++i) {
-      double const rho = reach * i / rings;
-      bool const now = meets(direction, rho);
-      if (now != before) {
-        double low = last, high = rho;
-        for (int h = 0; h < halvings; ++h) {
-          double const middle = 0.5 * (low + high);
-          (meets(direction, middle) == before ? low : high) = middle;
-        }
-        missed += (before ? 1 : -1) * beyond(high);
-        before = now;
-      }
-      last = rho;
+    for (double const edge : edges(rings, rings, halvings, before, [&](double rho) { return meets(direction, rho); })) {
+      missed += (before ? 1 : -1) * beyond(edge);
+      before = !before;
     }
     return missed;
   }
@@ -421,20 +432,11 @@ Stripes Obstacle::searched(Fan const& fan) const {
   Stripes all;
   auto const meets = [&](double rho) { return meeting(fan, rho).along < infinity; };
   bool before = meets(0);
-  double last = 0, entered = 0;
-  for (int i = 1; i <= rings_; ++i) {
-    double const rho = BeamLines::farthest * i / fine_.rings;
-    if (bool const now = meets(rho); now != before) {
-      double low = last, high = rho;
-      for (int h = 0; h < fine_.halvings; ++h) {
-        double const middle = 0.5 * (low + high);
-        (meets(middle) == before ? low : high) = middle;
-      }
-      if (before) all.push_back({entered, high});
-      entered = high;
-      before = now;
-    }
-    last = rho;
+  double entered = 0;
+  for (double const edge : edges(rings_, fine_.rings, fine_.halvings, before, meets)) {
+    if (before) all.push_back({entered, edge});
+    entered = edge;
+    before = !before;
   }
   if (before) all.push_back({entered, infinity});
   return all;

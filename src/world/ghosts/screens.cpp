@@ -141,7 +141,7 @@ void Screens::collect(Tube const& tube, std::uint32_t number, std::vector<Surfac
   }
 }
 
-// Whether the beam certainly passes a surface by: within its hole, inside of it, or beside it. The surface lies between
+// Whether the beam certainly misses a surface: through its hole, inside it, or beside it. The surface lies between
 // two heights along its axis and two distances from that.
 bool Screens::clear(Tube const& tube, Bounds const& b, double low, double high) const {
   if (!(high < infinity)) high = low;  // never: balls are finite
@@ -255,8 +255,8 @@ class Sharing {
   std::vector<Stripes> met_;
 };
 
-// What no screen takes passes beside `last`, or meets it. Lines that miss `first`, the surface left, are dark from the
-// start; shares are of the light that is not. Gives what passes beside.
+// Distributes the lines over the screens; the others meet `last` or pass beside it. Lines that miss `first`, the surface
+// that the beam leaves, are dark from the start; shares are of the other lines. Returns the share that passes beside.
 double share_out(std::vector<Obstacle> const& screens, Obstacle const* first, Obstacle const* last,
                  std::vector<Screened>& found) {
   int count = first || last ? (first ? first : last)->azimuths() : 1;

@@ -53,7 +53,7 @@ class MemoryStream : public Assimp::IOStream {
   std::size_t at_ = 0;
 };
 
-// The mesh file itself, and files beside or below it that it names; never the disk.
+// The mesh file itself, and files in its folder or below that it names; never the disk.
 class MemoryFiles : public Assimp::IOSystem {
  public:
   MemoryFiles(std::string main, std::string const& bytes, CompanionFile const& companion)
@@ -73,7 +73,7 @@ class MemoryFiles : public Assimp::IOSystem {
     if (name.starts_with("./")) name.erase(0, 2);
     bool const leaves = name.empty() || name.starts_with('/') || name.find('\\') != std::string::npos ||
                         name.find(':') != std::string::npos || name.find("..") != std::string::npos;
-    // Material libraries and textures are not needed: material names stand in the file itself.
+    // Material libraries and textures are not needed: the file itself contains the names of materials.
     return leaves || !name.ends_with(".bin") || !companion_ ? "" : companion_(name);
   }
 
@@ -217,12 +217,6 @@ std::string ending(std::string const& name) {
 
 }  // namespace
 
-std::size_t MeshFile::triangle_count() const {
-  std::size_t n = 0;
-  for (MeshPart const& p : parts) n += p.triangles.size();
-  return n;
-}
-
 Box MeshFile::box() const {
   Box box;
   for (MeshPart const& p : parts)
@@ -256,7 +250,7 @@ MeshFault import_mesh(std::string const& bytes, CompanionFile const& companion, 
   return {};
 }
 
-// A mesh file read in a copy of the process; what it holds comes back as bytes.
+// Reads a mesh file in a sandboxed copy of the process, which returns the content as bytes.
 
 namespace {
 
@@ -298,7 +292,7 @@ MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companio
   MeshFault fault;
   fault.what = in.text();
   fault.suggestion = in.text();
-  for (std::uint64_t n = in.count(); n > 0; --n) (void)companion(in.text());  // what it asked for is noted here too
+  for (std::uint64_t n = in.count(); n > 0; --n) (void)companion(in.text());  // registers the files that the copy read
   out.stated_unit = in.value<double>();
   out.left_out = in.count();
   out.parts.resize(in.count());

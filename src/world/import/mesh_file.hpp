@@ -26,7 +26,6 @@ struct MeshFile {
   std::vector<MeshPart> parts;  // in file order; equal corners are one vertex
   std::size_t left_out = 0;     // points and lines
 
-  std::size_t triangle_count() const;
   Box box() const;  // in the unit of the file
 };
 

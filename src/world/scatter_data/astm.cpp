@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Text after ASTM E1392 and E2387: keywords, a line VARS with the names of the columns, rows. Angles are spherical, of
-// both directions about the normal, in radian where the names of the columns do not say otherwise.
+// both directions about the normal, in radian unless the names of the columns state a unit.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -50,7 +50,7 @@ class AstmReader {
     started_ = columns(cells);
   }
 
-  // The channel: the only one, or the one at the wavelength that is asked for.
+  // The channel: the only one, or the one at the requested wavelength.
   bool columns(std::vector<TextCell> const& cells) {
     TextCell const& first = cells[0];
     auto const refuse = [&](std::string what, std::string suggestion) {
@@ -73,7 +73,7 @@ class AstmReader {
       double const asked = file_.declared.wavelength;
       if (channels_ > 1 && !(asked > 0 && std::fabs(wavelength / asked - 1) < 1e-3)) continue;
       if (wavelength > 0 && asked > 0 && std::fabs(wavelength / asked - 1) > 1e-3)
-        return refuse(fmt::format("the file is at {:g} nm, but {:g} nm is asked for", wavelength * 1e9, asked * 1e9),
+        return refuse(fmt::format("the file is at {:g} nm, but {:g} nm is requested", wavelength * 1e9, asked * 1e9),
                       "give the wavelength of the file, or leave it out");
       if (wavelength > 0) file_.declared.wavelength = wavelength;
       channel_ = i;

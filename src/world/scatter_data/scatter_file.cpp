@@ -77,7 +77,7 @@ Format const* known_format(std::string_view text) {
 void adopt(ScatterFile& file, ScatterDeclared const& given, std::vector<Problem>& problems) {
   ScatterDeclared& d = file.declared;
   auto const differ = [&](std::string_view key, std::string const& in_file, std::string const& said) {
-    complain(problems, {}, fmt::format("the file declares {} {}, but {} is asked for", key, in_file, said),
+    complain(problems, {}, fmt::format("the file declares {} {}, but {} is requested", key, in_file, said),
              "keep one of them");
   };
   if (d.wavelength > 0 && given.wavelength > 0 && std::fabs(d.wavelength / given.wavelength - 1) > 1e-3)

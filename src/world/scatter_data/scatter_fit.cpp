@@ -109,7 +109,7 @@ LeastSquaresMinimum best_of(Model model, std::vector<Datum> const& data, std::si
   return floored.at.size() == 4 && plain.cost - floored.cost > one_in_a_thousand * spare ? floored : plain;
 }
 
-// Covariance of the parameters, or infinity along what the data do not tell.
+// Covariance of the parameters; huge along directions that the data do not determine.
 Eigen::MatrixXd covariance(Model model, std::vector<Datum> const& data, Eigen::VectorXd const& p) {
   Eigen::Index const n = p.size();
   Eigen::MatrixXd const slope = derivatives(problem_of(model, data, n), p);
@@ -152,7 +152,7 @@ void name_parameters(Model model, Eigen::VectorXd const& p, Eigen::MatrixXd cons
   if (p.size() > 3) fit.parameters.push_back(from_log("floor", "/sr", p[3], c(3, 3)));
 }
 
-// What the reader of the law accepts (world/build/read_laws.cpp).
+// Ranges that the reader of the model accepts (world/build/read_laws.cpp).
 std::string outside_of_law(ScatterFit const& fit) {
   auto const out = [&](std::size_t i, double low, double high) {
     return !(fit.parameters[i].value >= low && fit.parameters[i].value <= high);

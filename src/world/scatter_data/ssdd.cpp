@@ -70,7 +70,7 @@ class SsddReader {
 
   std::string word(TextCell const& key) {
     auto const words = in_.rest_of_line(key);
-    if (words.empty()) in_.refuse(key, fmt::format("'{}' says nothing", key.text), "write its value behind it");
+    if (words.empty()) in_.refuse(key, fmt::format("'{}' has no value", key.text), "write its value behind it");
     return words.empty() ? "" : std::string(words[0].text);
   }
 
@@ -185,7 +185,7 @@ void read_ssdd(std::string_view text, ScatterFile& file, std::vector<Problem>& p
 }
 
 // SSDD in the specular coordinate system. Data in the plane of incidence are written at the union of their angles, each
-// measured value at its own place and the others between their neighbours; data on a grid as they stand.
+// measured value at its own place and the others between their neighbours; data on a grid unchanged.
 
 namespace {
 

@@ -64,7 +64,7 @@ class ZemaxReader {
   }
   void word(TextCell const& key) {
     auto const words = in_.rest_of_line(key);
-    if (words.empty()) return in_.refuse(key, fmt::format("'{}' says nothing", key.text), "write its value behind it");
+    if (words.empty()) return in_.refuse(key, fmt::format("'{}' has no value", key.text), "write its value behind it");
     if (key.text == "Symmetry") symmetry_ = words[0].text;
     if (key.text == "SpectralContent") spectral_ = words[0].text;
     if (key.text == "ScatterType") type_ = words[0].text;
@@ -132,7 +132,7 @@ class ZemaxReader {
       if (stated >= 0) file_.stated.push_back({t * degree, stated, integral(t * degree, values)});
     }
     if (!in_.is_next("DataEnd"))
-      in_.refuse(in_.peek(), "'DataEnd' should stand here: the numbers of values and of angles differ",
+      in_.refuse(in_.peek(), "'DataEnd' is expected here: the numbers of values and of angles differ",
                  fmt::format("give {} values for each incidence", azimuth_.size() * radial_.size()));
   }
 
@@ -275,7 +275,7 @@ Entry const* chosen(std::vector<Entry> const& all, std::string const& wanted, st
            wanted.empty() ? fmt::format("the catalogue has {} entries", all.size())
                           : fmt::format("the catalogue has no entry '{}'", wanted),
            !near.empty() ? fmt::format("did you mean '{}'?", near)
-                         : fmt::format("say which: entry (--entry in a command): {}", fmt::join(names, ", ")));
+                         : fmt::format("name one with 'entry' (--entry in a command): {}", fmt::join(names, ", ")));
   return nullptr;
 }
 

@@ -47,7 +47,7 @@ struct Family {
   double deviation = 0;  // m, of the items' axes from the line
 };
 
-// Items whose axis is the line, as far as rounding can tell.
+// Items whose axis is the line, within rounding errors.
 Family family_along(std::vector<SearchItem const*> const& candidates) {
   Family f;
   f.line = line_of(*candidates.front());
@@ -79,7 +79,7 @@ bool is_tube(Family const& f) {
   return high - low > 8 * reach && 2 * open >= f.parts.size();
 }
 
-constexpr std::size_t most_tubes = 8;  // each is asked by every ray
+constexpr std::size_t most_tubes = 8;  // every ray searches each
 
 double largest_side(Box const& b) {
   Vec3 const size = b.upper - b.lower;

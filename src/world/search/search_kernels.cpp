@@ -48,7 +48,7 @@ struct CrossAllButMeshes {
 template <int Width>
 class RayAmongMeshes {
  public:
-  // Takes the next ray from the list, or the next mesh of its ray; false: nothing is left.
+  // Takes the next ray from the list, or the next mesh of its ray; false: none remains.
   STRAY_INLINE bool begin(WorldView const& world, RayQuery const* queries, Hit const* hits, MeshesAhead const& ahead,
                           int& taken) {
     for (;;) {
@@ -207,7 +207,7 @@ STRAY_INLINE Hit closest_of_all(WorldView const& world, Ray const& ray, Departur
 
 using Closest = Hit (*)(WorldView const&, Ray const&, Departure const&);
 
-// Without meshes nothing waits for memory for long.
+// Without meshes no search waits long for memory.
 template <int width, CrossOne others, Closest closest>
 STRAY_INLINE void together(WorldView const& world, RayQuery const* queries, Hit* hits, std::uint32_t count) {
   bool const meshes = std::get<View<TriangleMesh const>>(world.shapes.arrays).size > 0;

@@ -71,7 +71,7 @@ TEST(ReadReceivers, EveryMistakeHasAPlaceAndARemedy) {
   auto const receiver = [](std::string const& keys) { return complaint(beam + ("receivers: {PD: {" + keys + "}}\n")); };
   EXPECT_THAT(receiver("on: dett"), HasSubstr("did you mean 'det'?"));
   EXPECT_THAT(receiver("on: dett"), HasSubstr("a.yaml:7"));
-  EXPECT_THAT(receiver("side: front"), HasSubstr("stands nowhere"));
+  EXPECT_THAT(receiver("side: front"), HasSubstr("has no place"));
   EXPECT_THAT(receiver("on: det, passes: yes"), HasSubstr("for a plane of its own"));
   EXPECT_THAT(receiver("on: det, map: {pixels: [0, 4], width: 1 cm}"), HasSubstr("whole numbers"));
   EXPECT_THAT(receiver("on: det, map: {centre: [1 mm, 0 m]}"), HasSubstr("'centre' is for a map with a 'width'"));
@@ -111,7 +111,7 @@ TEST(ReadFreeBeams, Keys) {
   EXPECT_TRUE(w.polarised);
   EXPECT_NEAR(two.polarisation.axis.x, 1, 1e-15);
   EXPECT_EQ(two.polarisation.q, 1);
-  EXPECT_THAT(complaint("beams: {b: {from: [0 m, 0 m, 0 m], radius: 1 mm}}\n" + end), HasSubstr("goes nowhere"));
+  EXPECT_THAT(complaint("beams: {b: {from: [0 m, 0 m, 0 m], radius: 1 mm}}\n" + end), HasSubstr("has no direction"));
   EXPECT_THAT(complaint("beams: {det: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 1 mm}}\n" + end),
               HasSubstr("called 'det' already"));
   EXPECT_THAT(

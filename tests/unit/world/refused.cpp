@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An entry of the scene with an error of its own: what names it says nothing more.
+// An entry of the scene with an error of its own: names of this entry elsewhere cause no further errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "support/built_scene.hpp"
+#include "unit/world/built_scene.hpp"
 
 namespace straytrace::world_refused {
 namespace {

@@ -138,8 +138,8 @@ TEST(ScatterFiles, ZemaxMistakes) {
   EXPECT_THAT(error_text(edited(good, "ScatterType  BRDF\n", ""), green), HasSubstr("'ScatterType' is missing"));
   EXPECT_THAT(error_text(edited(good, "0.200000 0.200000", "0.200000"), green),
               HasSubstr("is not a number; value 70 of 70"));
-  EXPECT_THAT(error_text(edited(good, "DataEnd", "0.2 DataEnd"), green), HasSubstr("'DataEnd' should stand here"));
-  EXPECT_THAT(error_text(edited(good, "\nDataEnd", ""), green), HasSubstr("'DataEnd' should stand here"));
+  EXPECT_THAT(error_text(edited(good, "DataEnd", "0.2 DataEnd"), green), HasSubstr("'DataEnd' is expected here"));
+  EXPECT_THAT(error_text(edited(good, "\nDataEnd", ""), green), HasSubstr("'DataEnd' is expected here"));
   EXPECT_THAT(error_text(edited(good, "0.200000", "0,200000"), green), HasSubstr("decimal commas"));
   EXPECT_THAT(error_text(edited(good, "0.200000", "-0.200000"), green), HasSubstr("18:1: BRDF -0.2"));
   EXPECT_THAT(error_text(edited(good, "0 45 90", "0 90 45"), green), HasSubstr("do not increase"));
