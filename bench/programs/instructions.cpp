@@ -8,8 +8,8 @@
 
 #include "base/math/rng.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
-#include "optics/scatter/shift_invariant.hpp"
 #include "optics/scatter/diffuse.hpp"
+#include "optics/scatter/shift_invariant.hpp"
 #include "scene/scene.hpp"
 #include "scenes.hpp"
 #include "spectra/shapes.hpp"

@@ -59,8 +59,7 @@ std::vector<NoisyPath> noisy_paths(CouplingTable const& coupling, PathTable cons
 std::string seen_from(World const& world, Footprint const& lit) {
   std::string const name = lit.port.valid() ? world.ports()[lit.port.value] : "";
   if (!lit.surface.valid()) return name;
-  return fmt::format("{}{}the light on {}", name, name.empty() ? "" : ", by ",
-                     world.name_of(lit.surface));
+  return fmt::format("{}{}the light on {}", name, name.empty() ? "" : ", by ", world.name_of(lit.surface));
 }
 
 PageJson first_order_json(Model const& model, std::vector<FirstOrderList> const& lists) {

@@ -158,9 +158,7 @@ Framing choose_view(World const& world, RenderOptions const& w) {
     return f;
   }
   WorldView const view = world.view();
-  Box const box = bounds_of(view, [&](SurfaceId id) {
-    return w.at.empty() || belongs(world.name_of(id), w.at);
-  });
+  Box const box = bounds_of(view, [&](SurfaceId id) { return w.at.empty() || belongs(world.name_of(id), w.at); });
   if (!(box.lower.x <= box.upper.x)) unknown_name(world, "at", w.at);
   if (w.eye.empty()) {
     if (!w.look.empty()) throw InputError("--look without --eye", "say where the eye stands: --eye 0,0,-1m");

@@ -55,9 +55,7 @@ std::map<std::string, NamedColour> colours_of(World const& world) {
 
 std::uint32_t id_colour(GroupId group) { return (group.value + 1) * 0x9e3779u & 0xffffffu; }  // odd: no two alike
 
-std::string group_of(World const& world, SurfaceId id) {
-  return world.name_of(id);
-}
+std::string group_of(World const& world, SurfaceId id) { return world.name_of(id); }
 
 std::array<std::uint8_t, 3> bytes(Rgb const& c) {
   auto const byte = [](double x) { return std::uint8_t(std::lround(255 * std::clamp(x, 0.0, 1.0))); };

@@ -25,8 +25,7 @@ std::string cell(Estimate const& e) {
 std::string name_of(Model const& model, Ending ending) {
   if (!ending.port) return "receiver " + model.world.receiver_names()[ending.index];
   Footprint const& f = model.world.footprints()[ending.index];
-  return fmt::format("port {} at {}", model.world.ports()[f.port.value],
-                     model.world.name_of(f.surface));
+  return fmt::format("port {} at {}", model.world.ports()[f.port.value], model.world.name_of(f.surface));
 }
 std::string group_name(Model const& model, FirstOrderRow const& row) { return model.world.groups()[row.group.value]; }
 

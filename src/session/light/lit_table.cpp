@@ -12,9 +12,7 @@
 namespace straytrace {
 namespace {
 
-std::string name_of(World const& world, Footprint const& f) {
-  return world.name_of(f.surface);
-}
+std::string name_of(World const& world, Footprint const& f) { return world.name_of(f.surface); }
 std::string port_of(World const& world, Footprint const& f) {
   return f.port.valid() ? world.ports()[f.port.value] : "";
 }

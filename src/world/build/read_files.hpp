@@ -22,8 +22,8 @@ struct PartLabel {
   std::string name, material, colour;  // colour "#rrggbb"; empty: not in the file
 };
 
-// Rows of the table `surfaces` or `medium` of an entry, in the order of the scene, then its default, then for `surfaces`
-// the `material` of the entry: the first match counts.
+// Rows of the table `surfaces` or `medium` of an entry, in the order of the scene, then its default, then for
+// `surfaces` the `material` of the entry: the first match counts.
 class PartRules {
  public:
   PartRules(Scene::Instance const&, std::string_view table, bool first_time);
@@ -50,8 +50,8 @@ class PartRules {
 // The volume of a part, filled with the medium that a node names.
 using FillPart = std::function<std::uint32_t(Node const& medium, std::string const& part)>;
 
-// m per unit of the file; 0 after a problem. `box`: in units of the file. `stated`: m, the unit that the file states, or
-// 0. `source` for messages: "its format says m".
+// m per unit of the file; 0 after a problem. `box`: in units of the file. `stated`: m, the unit that the file states,
+// or 0. `source` for messages: "its format says m".
 double read_file_unit(Scene::Instance const&, Box const& box, double stated, std::string const& source,
                       bool first_time);
 

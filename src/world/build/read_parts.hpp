@@ -41,7 +41,7 @@ void read_receivers(Scene const&, World&, Registry const&);  // before the beams
 void read_beams(Scene const&, World&, Registry const&);
 void read_edges(Scene const&, World&, Registry const&);  // after the beams
 void read_trace_limits(Scene const&, World&);
-// Checks of a finished world: direction of grooves; light that cannot enter or leave glass; beams that light nothing;
+// Checks of a finished world: direction of grooves; light that cannot enter or leave glass; beams that illuminate no surface;
 // surfaces that share space.
 void check_lays(Scene const&, World const&);
 void check_glass(Scene const&, World const&, Registry const&);

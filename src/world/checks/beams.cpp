@@ -85,8 +85,8 @@ void warn_of_light_counted_twice(Scene const& scene, World const& world) {
             "if it is the same light, keep one of them: it is counted twice");
 }
 
-// A beam that loses much power at a rim is no longer Gaussian behind it. read_lit.cpp reports the losses beside surfaces
-// for beams with `lit`.
+// A beam that loses much power at a rim is no longer Gaussian behind it. read_lit.cpp reports the losses beside
+// surfaces for beams with `lit`.
 void warn_of_clipping(Scene const& scene, World const& world) {
   auto const beams = scene.table("beams").items();
   std::set<std::pair<std::uint32_t, std::uint32_t>> said;

@@ -33,9 +33,7 @@ SpecularShares shares(World const& world, std::uint32_t optic, bool front) {
   return specular_shares(view.interfaces, view.optics[optic], 1, front ? 1 : glass, front ? glass : 1, front);
 }
 
-std::string const& name_of(World const& world, std::uint32_t surface) {
-  return world.name_of({surface});
-}
+std::string const& name_of(World const& world, std::uint32_t surface) { return world.name_of({surface}); }
 
 void warn_of_bare_boundaries(Scene const& scene, World const& world) {
   std::set<std::uint32_t> told;

@@ -32,8 +32,8 @@ struct BeamAperture {
 // Beam by beam, in the order along each.
 std::vector<BeamAperture> apertures_of(World const&);
 
-// Where the main beam loses more than the share `least` of its remaining power, down to a tenth of the launched power, or
-// of the power that the mirror of a cavity transmits.
+// Where the main beam loses more than the share `least` of its remaining power, down to a tenth of the launched power,
+// or of the power that the mirror of a cavity transmits.
 struct MainLoss {
   std::uint32_t beam = 0;
   SurfaceId surface;

@@ -12,8 +12,9 @@
 namespace straytrace {
 namespace {
 
-constexpr double weaker = 0.5, slight = 0.1;  // limits of a departure: relative to the other way; reflected, to the arriving power
-constexpr double least_met = 0.01;            // share of a beam that must meet a surface for it to continue
+constexpr double weaker = 0.5,
+                 slight = 0.1;  // limits of a departure: relative to the other way; reflected, to the arriving power
+constexpr double least_met = 0.01;  // share of a beam that must meet a surface for it to continue
 
 void scale(BeamField& field, double power) {
   double const factor = std::sqrt(power);

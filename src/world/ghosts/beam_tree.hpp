@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tree of beams that one launched beam makes (docs/theory/ghosts.md). At every surface the beam splits with the
-// amplitudes of reflection and transmission there, and each part propagates as a Gaussian mode to the next surface, which
-// the search of the trace finds. Nothing is sampled and nothing is merged.
+// amplitudes of reflection and transmission there, and each part propagates as a Gaussian mode to the next surface,
+// which the search of the trace finds. Nothing is sampled and nothing is merged.
 //
 // Order: at a surface the stronger of the two ways keeps its order. A way with less than half of the power of the other
 // one is a departure and adds 1; so is a reflection of less than a tenth of the arriving power, but the transmission
 // behind it is not, however faint (an attenuator). The main beam has order 0. Where neither way is a departure (a
-// splitter) both keep their order. A ghost that returns into the cavity that it left keeps its order; the main beam then
-// is a ghost of order 1. Light that circulates inside glass is a ghost: where it meets a face from inside for the k-th
-// time after the first, its order is at least k.
+// splitter) both keep their order. A ghost that returns into the cavity that it left keeps its order; the main beam
+// then is a ghost of order 1. Light that circulates inside glass is a ghost: where it meets a face from inside for the
+// k-th time after the first, its order is at least k.
 //
 // A beam of which less than 1 % falls on the surface that its chief ray meets is no longer Gaussian, and ends.
 #pragma once

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recoupling of ghosts into the main beam: which part of a ghost that leaves a surface of the main beam is in the mode of
-// the main beam (docs/theory/ghosts.md, eq. 5.4), and with which phase sensitivities (eq. 2.3, 2.5).
+// Recoupling of ghosts into the main beam: which part of a ghost that leaves a surface of the main beam is in the mode
+// of the main beam (docs/theory/ghosts.md, eq. 5.4), and with which phase sensitivities (eq. 2.3, 2.5).
 #pragma once
 
 #include <array>
@@ -29,9 +29,9 @@ struct MainNode {
 
 // A ghost that is aligned with the main beam.
 struct Recoupling {
-  // The plane is the surface itself. `against`: the ghost travels back along the main beam, and the share is that of the
-  // light which reaches the plane of the launch in the reversed mode, over the launched power. Otherwise it travels with
-  // the main beam, and the share is over the power of the main beam there.
+  // The plane is the surface itself. `against`: the ghost travels back along the main beam, and the share is that of
+  // the light which reaches the plane of the launch in the reversed mode, over the launched power. Otherwise it travels
+  // with the main beam, and the share is over the power of the main beam there.
   bool any = false, against = false;
   std::uint32_t node = 0, way = 0;              // of the main beam; way: not against
   std::size_t steps = 0;                        // of the ghost, up to that surface

@@ -255,8 +255,9 @@ class Sharing {
   std::vector<Stripes> met_;
 };
 
-// Distributes the lines over the screens; the others meet `last` or pass beside it. Lines that miss `first`, the surface
-// that the beam leaves, are dark from the start; shares are of the other lines. Returns the share that passes beside.
+// Distributes the lines over the screens; the others meet `last` or pass beside it. Lines that miss `first`, the
+// surface that the beam leaves, are dark from the start; shares are of the other lines. Returns the share that passes
+// beside.
 double share_out(std::vector<Obstacle> const& screens, Obstacle const* first, Obstacle const* last,
                  std::vector<Screened>& found) {
   int count = first || last ? (first ? first : last)->azimuths() : 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// CAD geometry converted from STEP by straytrace-step: exact faces, by part and colour. Lengths in m, by the unit that the
-// STEP file states. Format: docs/reference/cad.md.
+// CAD geometry converted from STEP by straytrace-step: exact faces, by part and colour. Lengths in m, by the unit that
+// the STEP file states. Format: docs/reference/cad.md.
 #pragma once
 
 #include <string>

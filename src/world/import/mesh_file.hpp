@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files: STL (text, binary), OBJ, PLY, glTF and GLB, read from bytes in memory. Polygons become triangles. Names of
-// parts and materials, and colours, serve rules of the scene; normals and textures are ignored.
+// Mesh files: STL (text, binary), OBJ, PLY, glTF and GLB, read from bytes in memory. Polygons become triangles. Names
+// of parts and materials, and colours, serve rules of the scene; normals and textures are ignored.
 #pragma once
 
 #include <assimp/scene.h>

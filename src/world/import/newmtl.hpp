@@ -22,8 +22,8 @@ struct NewmtlMaterial {
 // Problems have line and column but no file. A sum above 1 is a problem.
 std::vector<NewmtlMaterial> read_newmtl(std::string_view text, std::vector<Problem>& problems);
 
-// The same as the tables `media:` (indices other than 1) and `materials:` of a scene. Scatter becomes lambertian, as the
-// list does not state its distribution.
+// The same as the tables `media:` (indices other than 1) and `materials:` of a scene. Scatter becomes lambertian, as
+// the list does not state its distribution.
 std::string materials_table(std::vector<NewmtlMaterial> const&);
 
 }  // namespace straytrace

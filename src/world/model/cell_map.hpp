@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Maps of a surface with adaptive cells, as small as the number of arrivals allows: a spot of 0.1 mm shows on a sensor of
-// 2 cm.
+// Maps of a surface with adaptive cells, as small as the number of arrivals allows: a spot of 0.1 mm shows on a sensor
+// of 2 cm.
 #pragma once
 
 #include <cmath>
@@ -59,8 +59,8 @@ class CellTree {
  public:
   CellTree(Chart, MapCell const& whole);
   // Halves the fullest cell, ties to the older one, until no cell holds more than `most_in_cell` places or there are
-  // `most_cells`. Weighted places count as their effective number, (sum w)^2 / sum w^2. Cells are a function of the list
-  // alone.
+  // `most_cells`. Weighted places count as their effective number, (sum w)^2 / sum w^2. Cells are a function of the
+  // list alone.
   void refine(std::vector<WeightedPlace> const&, double most_in_cell, std::size_t most_cells);
   std::size_t at(MapPlace p) const { return cell_at({nodes_.data(), nodes_.size()}, p); }
   std::vector<MapCell> const& cells() const { return cells_; }

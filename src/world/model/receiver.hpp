@@ -11,7 +11,7 @@ namespace straytrace {
 struct Receiver {
   SurfaceId surface;
   bool front = true, back = false;  // sides of the surface that count
-  bool clear = false;  // a measuring plane: light passes, and it hides nothing
+  bool clear = false;               // a measuring plane: light passes, and it hides nothing
   bool behind_glass = false;  // sub-paths through lenses and mirrors reach it (trace/step/specular_connection.hpp)
   // Mirrors and glass that sub-paths aim at, and the share of sub-paths that does; the others start by the cosine law.
   static constexpr std::uint32_t most_aims = 8;

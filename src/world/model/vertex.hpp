@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A point on a surface that light has reached: its frame, and the media on both sides. The trace and the beam tree share
-// this type.
+// A point on a surface that light has reached: its frame, and the media on both sides. The trace and the beam tree
+// share this type.
 #pragma once
 
 #include "geometry/shape_types.hpp"

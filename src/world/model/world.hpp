@@ -15,12 +15,12 @@ namespace straytrace {
 
 class Scene;
 
-// How a beam reached a footprint: its chief ray from the launch. Light that rejoins travels the same way back, by eq. 2.2
-// with the same phase sensitivities.
+// How a beam reached a footprint: its chief ray from the launch. Light that rejoins travels the same way back, by
+// eq. 2.2 with the same phase sensitivities.
 struct Feed {
   static constexpr std::uint32_t none = 0xffffffffu;
-  bool propagated = false;  // found by propagation; false: stated in the scene
-  double path_length = 0;   // optical, m
+  bool propagated = false;                            // found by propagation; false: stated in the scene
+  double path_length = 0;                             // optical, m
   std::vector<PhaseSensitivity> phase_sensitivities;  // of the surfaces passed, over the wave number: 1 and m, by body
   std::uint32_t mirror = none;  // footprint of the cavity mirror that the beam leaked through: the reference of eq. 2.5
   std::uint32_t order = 0;      // of the ghost; 0: the beam itself
@@ -94,9 +94,9 @@ class World {
   bool open_port(SurfaceId, std::uint32_t beam, std::string const& name);
   void open_port(std::string const& name, std::vector<std::uint32_t> const& footprints);
   void anchor(BodyId, Vec3 place);  // its pivot, m, when none is given and no surface is on it yet
-  void settle_pivots();             // bodies without a stated pivot rotate about the reference point of their first surface
-  void build_search();              // over all surfaces added so far
-  void finish();                    // search structure, if not up to date, and lists of footprints; call last
+  void settle_pivots();  // bodies without a stated pivot rotate about the reference point of their first surface
+  void build_search();   // over all surfaces added so far
+  void finish();         // search structure, if not up to date, and lists of footprints; call last
   void steer(SteeringTables tables) { steering_ = std::move(tables); }
   SteeringTables const& steering() const { return steering_; }
 

@@ -25,11 +25,11 @@ struct ScatterDeclared {
 struct ScatterPoint {
   double theta_i = 0;  // rad, 0 to below pi/2
   double theta_s = 0;  // rad from the normal, positive on the side of the specular direction; NaN: only offset known
-  double phi = 0;     // rad, azimuth of scatter; 0 in the plane of incidence
-  double offset = 0;  // |alpha - alpha_0| in direction cosines
-  double value = 0;   // BSDF in 1/sr, 0 and up
-  double error = 0;   // one standard error, 1/sr; 0: not given
-  bool limit = false;                  // an upper limit: at or below the noise floor
+  double phi = 0;      // rad, azimuth of scatter; 0 in the plane of incidence
+  double offset = 0;   // |alpha - alpha_0| in direction cosines
+  double value = 0;    // BSDF in 1/sr, 0 and up
+  double error = 0;    // one standard error, 1/sr; 0: not given
+  bool limit = false;  // an upper limit: at or below the noise floor
   std::uint32_t line = 0, column = 0;  // of the value in the file
 };
 
@@ -76,7 +76,8 @@ void read_ssdd(std::string_view text, ScatterFile&, std::vector<Problem>&);
 // A warning follows where the stated total and the integral of the values differ by more, relative.
 constexpr double stated_tis_tolerance = 0.05;
 
-// The BSDF model of measured points, without its sampling table, which prepare() makes. `beyond`: constant, power or zero.
+// The BSDF model of measured points, without its sampling table, which prepare() makes. `beyond`: constant, power or
+// zero.
 Measured law_of_points(std::vector<ScatterPoint> const&, std::string_view beyond, MeasuredSummary&);
 
 }  // namespace straytrace

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// BSDF models of three parameters fitted to measured points: ABg (docs/theory/surfaces.md, eq. 3.16), Harvey (eq. 3.14),
-// and k-correlation by Rayleigh-Rice (eq. 3.13, 3.8), with a constant floor (eq. 3.18) where the points show one. One set
-// of parameters for all incidences; least squares in ln(BSDF), with Huber's loss beyond 2.5 standard errors, and upper
-// limits by the probability that the measured value lies below them. Also an audit of the points themselves
-// (docs/reference/scatter/measured_files.md).
+// BSDF models of three parameters fitted to measured points: ABg (docs/theory/surfaces.md, eq. 3.16), Harvey
+// (eq. 3.14), and k-correlation by Rayleigh-Rice (eq. 3.13, 3.8), with a constant floor (eq. 3.18) where the points
+// show one. One set of parameters for all incidences; least squares in ln(BSDF), with Huber's loss beyond 2.5 standard
+// errors, and upper limits by the probability that the measured value lies below them. Also an audit of the points
+// themselves (docs/reference/scatter/measured_files.md).
 #pragma once
 
 #include <string>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Search structure: tubes (tube.hpp) for long coaxial surfaces, eight-wide trees (geometry/mesh/bvh8.hpp) for all others.
-// Trees are local: each holds surfaces of one size class from one neighbourhood, which keeps float boxes tight; a tree
-// over the trees is searched in order of distance. The structure only proposes surfaces; their shapes decide about hits,
-// in double, so it cannot change a result.
+// Search structure: tubes (tube.hpp) for long coaxial surfaces, eight-wide trees (geometry/mesh/bvh8.hpp) for all
+// others. Trees are local: each holds surfaces of one size class from one neighbourhood, which keeps float boxes tight;
+// a tree over the trees is searched in order of distance. The structure only proposes surfaces; their shapes decide
+// about hits, in double, so it cannot change a result.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,8 @@
 
 namespace straytrace {
 
-// One local tree: a slice of the flat array of nodes. Its leaves are packs; those of the tree over the trees are clusters.
+// One local tree: a slice of the flat array of nodes. Its leaves are packs; those of the tree over the trees are
+// clusters.
 struct ClusterRecord {
   Vec3 origin;
   double largest = 0;

@@ -2,8 +2,8 @@
 // Search structure for coaxial surfaces along a line: walls, baffles, rims, end discs of a beam tube, sorted by height.
 // Along a ray r^2(t) is a convex quadratic, so "inside the clear aperture" is one interval in t, known in closed form:
 // a ray passes whole groups of baffles in one step, where a box tree tests every one of them, because the box of an
-// annulus includes its hole (docs/develop/performance.md). A ray certainly misses a skipped surface, so the result equals
-// brute force bit by bit: heights and radii are widened by more than all rounding errors.
+// annulus includes its hole (docs/develop/performance.md). A ray certainly misses a skipped surface, so the result
+// equals brute force bit by bit: heights and radii are widened by more than all rounding errors.
 #pragma once
 
 #include <cstdint>
@@ -68,8 +68,8 @@ struct TubeProbe {
     return -b > a * near && -b < a * far && r2 * a - b * b <= a * inner2;
   }
   STRAY_HD double radius2(double t) const { return r2 + t * (2 * b + t * a); }
-  // Where the ray leaves the radius whose square is given, or a little before; it is inside at some t >= 0. The smaller of
-  // two forms, each exact for one sign of b: a branch on the sign would be mispredicted.
+  // Where the ray leaves the radius whose square is given, or a little before; it is inside at some t >= 0. The smaller
+  // of two forms, each exact for one sign of b: a branch on the sign would be mispredicted.
   STRAY_HD double leaves(double outer2) const {
     double const beyond = outer2 - r2, square = b * b + a * beyond, root = square > 0 ? std::sqrt(square) : 0;
     double const one = beyond / (b + root), two = (root - b) / a;
@@ -93,8 +93,8 @@ struct TubeArrays {
   template <class Query>
   STRAY_INLINE bool traverse(TubeRecord const& tube, Ray const& ray, double& limit, Query&& query) const;
 
-  // For a ray that starts on tube.sole_wall: m to the next hit on that wall if nothing lies in between, as for most rays
-  // of a diffuse walk. Infinity: the ray may hit something else.
+  // For a ray that starts on tube.sole_wall: m to the next hit on that wall if nothing lies in between, as for most
+  // rays of a diffuse walk. Infinity: the ray may hit something else.
   STRAY_INLINE double along_wall(TubeRecord const& tube, Ray const& ray) const {
     TubeProbe p;
     across_z(tube, ray.origin, ray.dir, p);
@@ -154,7 +154,8 @@ struct TubeArrays {
         if (query.cross(items[tube.side[kind][0].first + i].ref, limit)) return true;
     return false;
   }
-  // Moves item k to the first one that the ray may meet after it leaves the radius whose square is given; false: k itself.
+  // Moves item k to the first one that the ray may meet after it leaves the radius whose square is given; false: k
+  // itself.
   STRAY_INLINE bool jump(TubeSide const& side, TubeProbe const& p, double outer2, std::uint32_t past,
                          std::uint32_t& k) const {
     std::uint32_t const next = item_at(side, p.z + p.leaves(outer2) * p.dz);

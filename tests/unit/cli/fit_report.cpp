@@ -28,8 +28,7 @@ TEST(FitReport, AClockMayBeWrongByMoreThanTheSearchLooks) {
   auto const beyond = HasSubstr("the clock may be wrong by more");
   EXPECT_THAT(said({0.25, {}, 0, {}, false, false}),
               AllOf(HasSubstr("no delay within 250 ms"), HasSubstr("wrong by more was not searched for")));
-  for (double const delay : {0.24, -0.24})
-    EXPECT_THAT(said({0.25, {delay, 1e-3, false}, 50, {}, true, true}), beyond);
+  for (double const delay : {0.24, -0.24}) EXPECT_THAT(said({0.25, {delay, 1e-3, false}, 50, {}, true, true}), beyond);
   EXPECT_THAT(said({0.25, {0.2, 1e-3, true}, 50, {}, true, true}), beyond);
   EXPECT_THAT(said({0.25, {0.031, 1e-3, false}, 50, {}, true, true}), Not(beyond));
   EXPECT_THAT(said({}), Not(HasSubstr("clock")));

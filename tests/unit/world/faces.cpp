@@ -87,8 +87,8 @@ TEST(Faces, BackToBackDisksAreErrorsWhereLightArrives) {
               coincide);
 }
 
-// What docs/reference/scene.md promises: 1 nm of distance, and some percent of one of the two faces. Control: wider gaps
-// and faces side by side.
+// What docs/reference/scene.md promises: 1 nm of distance, and some percent of one of the two faces. Control: wider
+// gaps and faces side by side.
 TEST(Faces, ResolutionOfParallelDisks) {
   auto const pair = [](std::string const& place) {
     return said(disk("one", "material: steel") + disk("two", "at: [" + place + "], material: dark"));

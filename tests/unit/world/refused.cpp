@@ -54,7 +54,8 @@ TEST(RefusedEntries, SoundEntriesHideNoError) {
   std::string const none = said("[0, 0, -1]", cap, "[ITM, EMT]");
   EXPECT_THAT(none, AllOf(HasSubstr("'EMT' is not a surface"), HasSubstr("did you mean 'ETM'?")));
   EXPECT_THAT(said("[0, 0, 1]", cap), HasSubstr("do not face each other"));
-  EXPECT_THAT(said("[0, 0, 0]", cap, "[ITM, EMT]"), AllOf(HasSubstr("length zero"), HasSubstr("'EMT' is not a surface")));
+  EXPECT_THAT(said("[0, 0, 0]", cap, "[ITM, EMT]"),
+              AllOf(HasSubstr("length zero"), HasSubstr("'EMT' is not a surface")));
 }
 
 }  // namespace
