@@ -328,7 +328,7 @@ Stripes negative(double a, double b) {
 
 }  // namespace
 
-double reach_of(Flight const& f) { return std::sqrt(-0.5 * std::log(f.least)); }
+double reach_of(BeamFlight const& f) { return std::sqrt(-0.5 * std::log(f.least)); }
 Box bounds_of(WorldView const& view, SurfaceId id) {
   return view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) { return s.bounds(); });
 }
@@ -342,7 +342,7 @@ std::array<double, 2> heights(WorldView const& view, SurfaceId id, BeamLines con
   return {middle - size, middle + size};
 }
 
-Obstacle::Obstacle(WorldView const& view, SurfaceId id, Flight const& flight, double along, Stretch const& stretch)
+Obstacle::Obstacle(WorldView const& view, SurfaceId id, BeamFlight const& flight, double along, Stretch const& stretch)
     : view_(&view),
       id_(id),
       along_(along),

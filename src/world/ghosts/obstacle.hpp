@@ -99,7 +99,7 @@ struct Fineness {
   int azimuths, most_azimuths, rings, halvings;
 };
 
-double reach_of(Flight const&);  // rho that leaves the smallest share of interest beyond it
+double reach_of(BeamFlight const&);  // rho that leaves the smallest share of interest beyond it
 
 Box bounds_of(WorldView const&, SurfaceId);
 double diagonal(Box const&);  // m
@@ -110,7 +110,7 @@ std::array<double, 2> heights(WorldView const&, SurfaceId, BeamLines const&);
 // other; along flat ones they are parallel to the chief ray.
 class Obstacle {
  public:
-  Obstacle(WorldView const&, SurfaceId, Flight const&, double along, Stretch const&);
+  Obstacle(WorldView const&, SurfaceId, BeamFlight const&, double along, Stretch const&);
   SurfaceId id() const { return id_; }
   double along() const { return along_; }  // m, of the plane across the beam in which offsets are taken
   int azimuths() const;                    // enough for a small surface far from the chief ray

@@ -53,7 +53,7 @@ struct Screens::Tube {
   double reach, end;
   SurfaceId from, contact, to;
   std::uint32_t volume;
-  Tube(WorldView const& view, Flight const& f, double radii)
+  Tube(WorldView const& view, BeamFlight const& f, double radii)
       : start(f.mode.origin),
         travel(f.mode.travel),
         width(f.mode),
@@ -181,7 +181,7 @@ bool Screens::clear(Tube const& tube, Bounds const& b, double low, double high) 
   });
 }
 
-std::vector<SurfaceId> Screens::near(Flight const& flight, double reach) const {
+std::vector<SurfaceId> Screens::near(BeamFlight const& flight, double reach) const {
   std::vector<SurfaceId> found;
   if (!nodes_.empty()) collect(Tube(view_, flight, reach), 0, found);
   return found;
@@ -278,7 +278,7 @@ double share_out(std::vector<Obstacle> const& screens, Obstacle const* first, Ob
 }
 
 // Between the surface left and the next one.
-Stretch stretch_of(WorldView const& view, Flight const& f) {
+Stretch stretch_of(WorldView const& view, BeamFlight const& f) {
   Vec3 const travel = f.mode.travel;
   Stretch s{{contact_distance, {}}, {infinity, {}}};
   if (f.from.surface.valid())
@@ -308,8 +308,8 @@ double along_of(WorldView const& view, SurfaceId id, Mode const& start, double e
   return std::clamp(along, 0.0, end);
 }
 
-std::vector<Obstacle> obstacles(WorldView const& view, Flight const& flight, std::vector<SurfaceId> const& candidates,
-                                Stretch const& stretch, double reach) {
+std::vector<Obstacle> obstacles(WorldView const& view, BeamFlight const& flight,
+                                std::vector<SurfaceId> const& candidates, Stretch const& stretch, double reach) {
   double const end = flight.to.surface.valid() ? flight.to.distance : infinity;
   std::vector<Obstacle> all;
   for (SurfaceId const id : candidates) {
@@ -324,7 +324,7 @@ std::vector<Obstacle> obstacles(WorldView const& view, Flight const& flight, std
 
 }  // namespace
 
-FlightLoss Screens::loss(Flight const& flight) const {
+FlightLoss Screens::loss(BeamFlight const& flight) const {
   FlightLoss loss;
   SurfaceId const from = flight.from.surface, to = flight.to.surface;
   double const reach = reach_of(flight), end = to.valid() ? flight.to.distance : 0;

@@ -12,7 +12,7 @@
 namespace straytrace {
 
 // From the surface left (invalid: from space) to the next one (invalid: the beam leaves the scene).
-struct Flight {
+struct BeamFlight {
   Mode mode;  // at its start
   Departure from;
   Hit to;
@@ -47,9 +47,9 @@ class Screens {
   explicit Screens(WorldView const&);
   // The first screen that a line of the beam meets takes that line; at the next surface the beam counts as a complete
   // Gaussian again. On surfaces that are not flat, features narrower than 0.14 beam radii may be missed.
-  FlightLoss loss(Flight const&) const;
+  FlightLoss loss(BeamFlight const&) const;
   // Surfaces that beams of this flight may meet within `reach` radii.
-  std::vector<SurfaceId> near(Flight const&, double reach) const;
+  std::vector<SurfaceId> near(BeamFlight const&, double reach) const;
 
  private:
   struct Bounds {
