@@ -10,7 +10,6 @@
 #include "session/options.hpp"
 #include "world/import/cad_file.hpp"
 #include "world/model/world.hpp"
-#include "world/scatter_data/scatter_audit.hpp"
 #include "world/scatter_data/scatter_fit.hpp"
 
 namespace straytrace {
