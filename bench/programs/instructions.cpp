@@ -104,7 +104,7 @@ COUNTED counted_noise_spectrum(PhaseSpectra const& spectra, int rounds) {
   for (int k = 0; k < rounds; ++k) spectrum(spectra);
 }
 COUNTED counted_arm_history(Backend const& backend, World const& world, int rounds) {
-  for (int k = 0; k < rounds; ++k) result += double(backend.run_block(world, 1, 0).rays);
+  for (int k = 0; k < rounds; ++k) result += double(backend.run_block(SteeredWorld::as_given(world), 1, 0).rays);
 }
 
 int main(int argc, char** argv) {

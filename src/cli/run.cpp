@@ -22,12 +22,12 @@ namespace {
 
 // All files of a result; what could not be drawn.
 std::string write_with_page(std::string const& folder, RunContent const& content, PathTable const& paths,
-                            Model const& model) {
+                            Model const& model, SteeredWorld const& world) {
   std::string undrawn = write_results(folder, content, paths, model);
   Picture const picture{"png", undrawn.empty() ? read_file(folder + "/report.png") : ""};
   ReportWanted wanted;
   wanted.pictures = read_pictures(model.scene.table("report"));
-  write_file(folder + "/report.html", report_page(content, paths, model, wanted, picture));
+  write_file(folder + "/report.html", report_page(content, paths, model, world, wanted, picture));
   return undrawn;
 }
 
@@ -54,8 +54,8 @@ int run(RunOptions const& options) {
   if (!alone) folder.emplace(options.out);
   std::optional<FolderLock> const lock = alone ? std::nullopt : std::optional<FolderLock>(std::in_place, options.out);
   std::string const run_file = alone ? options.out : options.out + "/run.h5";
-  TraceResult const traced = trace_model(model, options, run_file);  // world -> coupling table
-  std::optional<NoiseBudget> budget;                                 // from here on nothing is expensive
+  auto const [world, traced] = trace_model(model, options, run_file);  // world -> coupling table
+  std::optional<NoiseBudget> budget;                                   // from here on nothing is expensive
   if (model.detector) budget = model.project_with_bands(traced.coupling);
   if (budget) print_warnings(*budget, options);
   PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
@@ -64,7 +64,7 @@ int run(RunOptions const& options) {
   if (alone)
     write_run(run_file, content);
   else
-    undrawn = write_with_page(options.out, content, paths, model);
+    undrawn = write_with_page(options.out, content, paths, model, world);
 
   if (options.json()) {
     std::cout << summary_json(content, paths) << '\n';

@@ -81,7 +81,7 @@ void check_parts(std::string const& folder, Model const& model, std::uint64_t jo
 void write_input(std::string const& file, RunInput const& earlier, Model const& model) {
   TraceSettings settings;
   settings.seed = model.seed;
-  TraceResult nothing = result_of(model.world, settings, SumTree{});
+  TraceResult nothing = result_of(SteeredWorld::as_given(model.world), settings, SumTree{});
   nothing.all_blocks = blocks_of(model.histories, model.world.block_size);
   nothing.stopped = Stopped::by_gaps;
   write_run(file, earlier.completed(content_of(model, nothing, nullptr)));

@@ -56,7 +56,7 @@ int trace_only(TraceCommandOptions options, Transport* transport) {
     return done;
   }
   print_warnings(model, options);
-  TraceResult const traced = trace_model(model, options, options.out, transport);
+  TraceResult const traced = trace_model(model, options, options.out, transport).result;
   RunContent const content = earlier.completed(content_of(model, traced, nullptr));
   write_run(options.out, content);
   print_traced(content, model, options.out, options);
@@ -85,8 +85,8 @@ int print_history(TraceOptions const& options, std::uint64_t number) {
   RunInput const earlier(options.input);
   Model model = earlier.read(options.overrides);
   if (options.seed) model.seed = *options.seed;
-  steer(model.world, options.threads);
-  std::vector<HistoryEvent> const events = replay_history_events(model.world, model.seed, number);
+  std::vector<HistoryEvent> const events =
+      replay_history_events(steer(model.world, options.threads), model.seed, number);
   if (options.json()) {
     std::cout << told_json(events).dump() << '\n';
     return done;

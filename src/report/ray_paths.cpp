@@ -99,7 +99,8 @@ class TellingSink {
 
 }  // namespace
 
-std::vector<DrawnPath> paths_of(World const& world, std::uint64_t seed, CouplingClass const& c, std::size_t most) {
+std::vector<DrawnPath> paths_of(SteeredWorld const& world, std::uint64_t seed, CouplingClass const& c,
+                                std::size_t most) {
   std::vector<DrawnPath> all;
   double sum = 0, before = 0;
   for (PathRecord const& r : c.records) sum += r.weight;
@@ -121,7 +122,8 @@ std::vector<DrawnPath> paths_of(World const& world, std::uint64_t seed, Coupling
   return all;
 }
 
-std::vector<RaySegment> sample_rays(World const& world, Box const& box, std::uint64_t seed, std::uint64_t histories) {
+std::vector<RaySegment> sample_rays(SteeredWorld const& world, Box const& box, std::uint64_t seed,
+                                    std::uint64_t histories) {
   std::vector<RaySegment> all;
   WorldView const view = world.view();
   NullSink sink;
@@ -135,7 +137,7 @@ std::vector<RaySegment> sample_rays(World const& world, Box const& box, std::uin
   return all;
 }
 
-std::vector<HistoryEvent> replay_history_events(World const& world, std::uint64_t seed, std::uint64_t history) {
+std::vector<HistoryEvent> replay_history_events(SteeredWorld const& world, std::uint64_t seed, std::uint64_t history) {
   WorldView const view = world.view();
   TellingSink sink(world, view);
   follow(view, seed, history, sink, [](PathState const&, Hit const&) {});

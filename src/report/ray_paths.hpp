@@ -8,7 +8,7 @@
 
 #include "results/results.hpp"
 #include "trace/coupling.hpp"
-#include "world/model/world.hpp"
+#include "trace/steered_world.hpp"
 
 namespace straytrace {
 
@@ -32,9 +32,8 @@ struct DrawnPath {
 };
 
 // Paths of one route: all that were kept, or, of more, at most so many, spread evenly over its coupling, whose weights
-// sum to that of all; none for routes that were computed, not
-// sampled. The world must be steered as for the trace.
-std::vector<DrawnPath> paths_of(World const&, std::uint64_t seed, CouplingClass const&, std::size_t most);
+// sum to that of all; none for routes that were computed, not sampled.
+std::vector<DrawnPath> paths_of(SteeredWorld const&, std::uint64_t seed, CouplingClass const&, std::size_t most);
 
 // A straight piece of light of a sample history.
 struct RaySegment {
@@ -45,7 +44,7 @@ struct RaySegment {
   GroupId on;               // what it meets
   std::uint64_t history = 0;
 };
-std::vector<RaySegment> sample_rays(World const&, Box const&, std::uint64_t seed, std::uint64_t histories);
+std::vector<RaySegment> sample_rays(SteeredWorld const&, Box const&, std::uint64_t seed, std::uint64_t histories);
 
 // Every event of one history, in order. Its terms sum to what it emits, the power scattered out
 // of the mode.
@@ -56,6 +55,6 @@ struct HistoryEvent {
   Vec3 point;               // m; NaN without a place
   double power = 0;         // relative to the main mode
 };
-std::vector<HistoryEvent> replay_history_events(World const&, std::uint64_t seed, std::uint64_t history);
+std::vector<HistoryEvent> replay_history_events(SteeredWorld const&, std::uint64_t seed, std::uint64_t history);
 
 }  // namespace straytrace

@@ -37,7 +37,7 @@ std::map<std::uint64_t, CouplingClass const*> by_hash(CouplingTable const& coupl
 }
 
 // Paths with their part of the noise of the band, of the rows that make all but a hundredth of it.
-std::vector<NoisyPath> noisy_paths(CouplingTable const& coupling, PathTable const& table, World const& world) {
+std::vector<NoisyPath> noisy_paths(CouplingTable const& coupling, PathTable const& table, SteeredWorld const& world) {
   constexpr std::size_t most_rows = 24, most_paths = 4096;
   auto const classes = by_hash(coupling);
   std::vector<NoisyPath> all;
@@ -114,10 +114,9 @@ PageJson scene_part(Model const& model, std::vector<DrawnPath> const& paths, std
   return j;
 }
 
-PageJson maps_part(Model const& model, RunContent const& run, PathTable const& table) {
-  std::vector<SurfaceMap> maps =
-      noise_maps(model.world, noisy_paths(run.trace->coupling, table, model.world), maps_shown);
-  if (!maps.empty()) add_light(model.world, run.trace->coupling.seed, light_histories, maps);
+PageJson maps_part(SteeredWorld const& world, RunContent const& run, PathTable const& table) {
+  std::vector<SurfaceMap> maps = noise_maps(world, noisy_paths(run.trace->coupling, table, world), maps_shown);
+  if (!maps.empty()) add_light(world, run.trace->coupling.seed, light_histories, maps);
   return maps_json(maps, run.beam_power);
 }
 
@@ -145,7 +144,7 @@ bool ReportWanted::has(std::string const& picture) const {
   return pictures.empty() || std::find(pictures.begin(), pictures.end(), picture) != pictures.end();
 }
 
-std::vector<DrawnPath> paths_of_rows(CouplingTable const& coupling, PathTable const& table, World const& world,
+std::vector<DrawnPath> paths_of_rows(CouplingTable const& coupling, PathTable const& table, SteeredWorld const& world,
                                      std::vector<GhostReport> const& ghosts, std::size_t rows, std::size_t paths) {
   auto const classes = by_hash(coupling);
   std::vector<DrawnPath> all;
@@ -175,8 +174,8 @@ Picture budget_svg(std::string const& run_file, std::string& message) {
   return {"svg+xml", svg_of_run(run_file, message)};
 }
 
-std::string report_page(RunContent const& run, PathTable const& table, Model const& model, ReportWanted const& wanted,
-                        Picture const& picture) {
+std::string report_page(RunContent const& run, PathTable const& table, Model const& model, SteeredWorld const& world,
+                        ReportWanted const& wanted, Picture const& picture) {
   HtmlPage page;
   page.title = !wanted.title.empty() ? wanted.title : run.title.empty() ? "straytrace run" : run.title;
   StaticReport fixed;
@@ -195,9 +194,9 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   if (run.noise && wanted.has("budget")) j["budget"] = budget_json(*run.noise, table, routes_in_budget);
   j["table"] = table_json(table, run.trace->coupling);
   if (wanted.has("scene"))
-    j["scene"] = scene_part(
-        model, paths_of_rows(run.trace->coupling, table, model.world, ghosts, wanted.rows, wanted.paths), ghosts);
-  if (wanted.has("maps")) j["maps"] = maps_part(model, run, table);
+    j["scene"] =
+        scene_part(model, paths_of_rows(run.trace->coupling, table, world, ghosts, wanted.rows, wanted.paths), ghosts);
+  if (wanted.has("maps")) j["maps"] = maps_part(world, run, table);
   j["receivers"] = receivers_json(run);
   if (wanted.has("ghosts")) j["ghosts"] = ghosts_json(ghosts);
   FirstOrderSettings settings;
@@ -217,7 +216,8 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   return html_text(page);
 }
 
-std::string view_page(Model const& model, RunContent const* run, PathTable const* table, ViewWanted const& wanted) {
+std::string view_page(Model const& model, SteeredWorld const& world, RunContent const* run, PathTable const* table,
+                      ViewWanted const& wanted) {
   HtmlPage page;
   std::string const own = model.scene.title();
   page.title = !wanted.title.empty() ? wanted.title : own.empty() ? "straytrace scene" : own;
@@ -226,12 +226,12 @@ std::string view_page(Model const& model, RunContent const* run, PathTable const
       "straytrace render SCENE</p></noscript>\n";
   std::vector<GhostReport> const ghosts = ghosts_for_page(model, ghosts_shown);
   std::vector<DrawnPath> paths;
-  if (run && table) paths = paths_of_rows(run->trace->coupling, *table, model.world, ghosts, wanted.rows, wanted.paths);
+  if (run && table) paths = paths_of_rows(run->trace->coupling, *table, world, ghosts, wanted.rows, wanted.paths);
   PageJson& j = page.data;
   j["kind"] = "view";
   j["scene"] = scene_part(model, paths, ghosts);
   Box const box = scene_drawing(model.world, 1).box;
-  j["scene"]["rays"] = rays_json(model.world, sample_rays(model.world, box, model.seed, wanted.rays));
+  j["scene"]["rays"] = rays_json(model.world, sample_rays(world, box, model.seed, wanted.rays));
   if (run && table) j["table"] = table_json(*table, run->trace->coupling);
   j["version"] = fmt::format("{} ({})", build_info::version, build_info::commit);
   j["model"] = model.hash();

@@ -24,9 +24,9 @@ std::vector<std::string> const& report_pictures();  // budget, scene, maps, ghos
 // `pictures` of the table `report` of a scene; a word that is none is a problem there. Empty: all.
 std::vector<std::string> read_pictures(Node const& report);
 
-// The page of a run; `picture`: for browsers without scripts. The world of the model must be steered as for the
-// trace.
-std::string report_page(RunContent const&, PathTable const&, Model const&, ReportWanted const&, Picture const&);
+// The page of a run; `picture`: for browsers without scripts.
+std::string report_page(RunContent const&, PathTable const&, Model const&, SteeredWorld const&, ReportWanted const&,
+                        Picture const&);
 
 struct ViewWanted {
   std::string title;
@@ -34,11 +34,11 @@ struct ViewWanted {
   std::size_t rows = 12, paths = 12;
 };
 // A scene with its beams, ghosts and sample rays; with a run also the paths of its first rows.
-std::string view_page(Model const&, RunContent const* run, PathTable const*, ViewWanted const&);
+std::string view_page(Model const&, SteeredWorld const&, RunContent const* run, PathTable const*, ViewWanted const&);
 
 // Paths of the first rows of the table, and of the routes to receivers, `paths` of each; of routes that were computed
 // those of the ghosts in the reports.
-std::vector<DrawnPath> paths_of_rows(CouplingTable const&, PathTable const&, World const&,
+std::vector<DrawnPath> paths_of_rows(CouplingTable const&, PathTable const&, SteeredWorld const&,
                                      std::vector<GhostReport> const&, std::size_t rows, std::size_t paths);
 constexpr std::size_t ghosts_shown = 60;  // rows of each beam
 // Ghosts of all launched beams as the scene says, or the strongest down to 1e-12 and order 2.

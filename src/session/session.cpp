@@ -29,7 +29,6 @@
 #include "session/light/ghost_noise.hpp"
 #include "trace/deterministic/edges.hpp"
 #include "trace/importance/importance.hpp"
-#include "trace/run/early_checks.hpp"
 #include "trace/run/ranks.hpp"
 #include "trace/run/trace.hpp"
 
@@ -205,7 +204,7 @@ void require_this_program(Provenance const& about, std::string const& file, std:
                    remedy);
 }
 
-TraceResult trace_model(Model& model, TraceOptions const& options, std::string const& run_file, Transport* transport) {
+TracedModel trace_model(Model& model, TraceOptions const& options, std::string const& run_file, Transport* transport) {
   InterruptGuard const guard;
   if (model.histories < fewest_histories)
     print_warning(
@@ -225,8 +224,8 @@ TraceResult trace_model(Model& model, TraceOptions const& options, std::string c
     settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
   }
   DeterministicLight const beside(model);
-  settings.beside = beside.classes;
-  steer(model.world, options.threads);
+  settings.deterministic = beside.classes;
+  SteeredWorld world = steer(model.world, options.threads);
   ProgressLine progress(options.quiet);
   settings.progress = [&](TraceProgress const& p) {
     if (events_on()) return print_progress(p, progress_line(p, model.until));
@@ -241,31 +240,30 @@ TraceResult trace_model(Model& model, TraceOptions const& options, std::string c
   std::optional<Ranks> ranks;
   if (transport) ranks.emplace(Ranks{*transport, identity_of(model), nodes_image, nodes_of_image});
   settings.ranks = ranks ? &*ranks : nullptr;
-  TraceResult result = beside.completed(trace_to_rule(model.world, settings, *backend));
+  TraceResult result = beside.completed(trace_to_rule(world, settings, *backend));
+  model.world.block_size = world.block_size = result.coupling.block_size;
   for (std::string const& warning : result.warnings) print_warning(warning, options);
-  return result;
+  return {world, std::move(result)};
 }
 
 TraceResult result_of(Model& model, SumTree tree, PrintOptions const& options) {
   DeterministicLight const beside(model);
   TraceSettings settings;
   settings.seed = model.seed;
-  settings.beside = beside.classes;
-  steer(model.world);
-  TraceResult result = beside.completed(result_of(model.world, settings, std::move(tree)));
+  settings.deterministic = beside.classes;
+  TraceResult result = beside.completed(result_of(steer(model.world), settings, std::move(tree)));
   for (std::string const& warning : result.warnings) print_warning(warning, options);
   return result;
 }
 
 void work_for_rank_0(Model& model, unsigned threads, Transport& transport) {
   InterruptGuard const guard;
-  steer(model.world, threads);
+  SteeredWorld const world = steer(model.world, threads);
   TraceSettings settings;
   settings.seed = model.seed;
   settings.threads = threads;
   settings.stop = &guard.stop();
-  work_for_rank_0(model.world, settings, *make_backend("cpu"),
-                  {transport, identity_of(model), nodes_image, nodes_of_image});
+  work_for_rank_0(world, settings, *make_backend("cpu"), {transport, identity_of(model), nodes_image, nodes_of_image});
 }
 
 PathTable table_for(CouplingTable const& coupling, NoiseBudget const* budget, ProjectionModel const& model) {

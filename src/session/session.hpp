@@ -12,6 +12,7 @@
 #include "session/model.hpp"
 #include "session/options.hpp"
 #include "trace/result.hpp"
+#include "trace/steered_world.hpp"
 
 namespace straytrace {
 
@@ -20,15 +21,21 @@ class Transport;
 // Lets the command line overrule the scene: seed, histories, stop rule.
 void apply(TraceOptions const&, Model&);
 
-// Traces, or resumes the run file at `run_file` when it is of the same model and seed. Progress on stderr, Ctrl-C
-// finishes the blocks under way. From time to time `run_file` is written with what there is, unless it is empty. Throws
-// InputError when another model's run would be overwritten without --force. `transport`: this is rank 0 of several.
-TraceResult trace_model(Model&, TraceOptions const&, std::string const& run_file, Transport* transport = nullptr);
+// The world of a model as it was traced, and the result. Refers to the model.
+struct TracedModel {
+  SteeredWorld world;
+  TraceResult result;
+};
+// Traces, or resumes the run file at `run_file` if it has the same model and seed. Progress goes to stderr; Ctrl-C
+// finishes the blocks under way. From time to time the blocks done so far are written to `run_file`, unless it is
+// empty. Throws InputError if that would overwrite the run of another model without --force. `transport`: rank 0 of
+// several.
+TracedModel trace_model(Model&, TraceOptions const&, std::string const& run_file, Transport* transport = nullptr);
 
-// The result that these sums make; nothing is traced.
+// The result of these sums; traces nothing.
 TraceResult result_of(Model&, SumTree, PrintOptions const&);
 
-// This process is rank 1 or higher: works for rank 0 until it is sent home.
+// This process is rank 1 or higher: works for rank 0 until rank 0 stops it.
 void work_for_rank_0(Model&, unsigned threads, Transport&);
 
 // Throws InputError when this program would not trace the same bits as the one that wrote `about`.

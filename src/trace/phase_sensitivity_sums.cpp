@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trace/phase_sensitivity_sums.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -88,7 +86,7 @@ bool drawn_before(Candidate const& a, Candidate const& b) {
 
 }  // namespace
 
-void sum_phase_sensitivities(World const& world, std::uint64_t seed, std::size_t replica, BlockSums& block) {
+void sum_phase_sensitivities(SteeredWorld const& world, std::uint64_t seed, std::size_t replica, BlockSums& block) {
   std::vector<Candidate> drawn;
   for (auto const& [route, sums] : block.classes) {
     if (sums.port >= first_receiver_end || !(sums.moments.sum > 0)) continue;

@@ -11,7 +11,6 @@
 #include <stdexcept>
 
 #include "base/math/constants.hpp"
-#include "trace/tally/add_total.hpp"
 #include "trace/tally/block_sink.hpp"
 
 namespace straytrace {

@@ -25,14 +25,16 @@ std::vector<std::string> on_device(World const& world, std::vector<std::uint64_t
   std::vector<std::string> found(blocks.size());
   std::vector<std::jthread> callers;
   for (std::size_t i = 0; i < blocks.size(); ++i)
-    callers.emplace_back([&, i] { found[i] = bytes_of(backend->run_block(world, 7, blocks[i])); });
+    callers.emplace_back(
+        [&, i] { found[i] = bytes_of(backend->run_block(SteeredWorld::as_given(world), 7, blocks[i])); });
   callers.clear();
   return found;
 }
 std::vector<std::string> on_host(World const& world, std::vector<std::uint64_t> const& blocks) {
   auto const backend = make_backend("cpu");
   std::vector<std::string> found;
-  for (std::uint64_t const b : blocks) found.push_back(bytes_of(backend->run_block(world, 7, b)));
+  for (std::uint64_t const b : blocks)
+    found.push_back(bytes_of(backend->run_block(SteeredWorld::as_given(world), 7, b)));
   return found;
 }
 
@@ -159,7 +161,7 @@ TEST(Device, OtherBitsAreSeen) {
     trace_history(view, 7, h, tally);
     backwards.add(tally);
   }
-  BlockSums const whole = make_backend("cpu")->run_block(room.world, 7, 4);
+  BlockSums const whole = make_backend("cpu")->run_block(SteeredWorld::as_given(room.world), 7, 4);
   std::string const host = bytes_of(whole);
   EXPECT_FALSE(bytes_of(backwards.finish()) == host);
   auto const seen = [&](auto const& change) {

@@ -23,15 +23,20 @@ namespace {
 
 bool names_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
-// Steered as it was traced, so that its histories can be followed again.
+SteeredWorld steered_as_traced(RunFile const& file, Model& model) {
+  model.world.block_size = file.trace.coupling.block_size;
+  return steer(model.world);
+}
+
+// A run whose histories can be followed again.
 struct Opened {
   RunFile file;
   Model model;
+  SteeredWorld world;
   RunContent content;
   PathTable table;
-  explicit Opened(std::string const& name) : file(read_run_file(name)), model(model_of(file)) {
-    model.world.block_size = file.trace.coupling.block_size;
-    steer(model.world);
+  explicit Opened(std::string const& name)
+      : file(read_run_file(name)), model(model_of(file)), world(steered_as_traced(file, model)) {
     content = file.content();
     table = table_for(file.trace.coupling, content.noise, model);
   }
@@ -80,7 +85,7 @@ int report(ReportOptions const& options) {
   if (!message.empty() && !options.quiet)
     std::cerr << "warning: without scripts the report has no picture: " << message << '\n';
   std::string const out = options.out.empty() ? beside(options.input, "report.html") : options.out;
-  write_file(out, report_page(run.content, run.table, run.model, wanted, svg));
+  write_file(out, report_page(run.content, run.table, run.model, run.world, wanted, svg));
   if (!options.quiet) std::cerr << fmt::format("report: {}\n", out);
   return done;
 }
@@ -91,7 +96,8 @@ struct ViewOptions : SceneOptions {
 };
 
 // A page, unless only other files are asked for.
-void write_view(ViewOptions const& options, Model const& model, RunContent const* run, PathTable const* table) {
+void write_view(ViewOptions const& options, Model const& model, SteeredWorld const& world, RunContent const* run,
+                PathTable const* table) {
   ViewWanted const& wanted = options.wanted;
   auto const tell = [&](char const* what, std::string const& file) {
     if (!options.quiet) std::cerr << fmt::format("{}: {}\n", what, file);
@@ -100,8 +106,8 @@ void write_view(ViewOptions const& options, Model const& model, RunContent const
     SceneDrawing const scene = scene_drawing(model.world, ~std::size_t{0});  // every triangle
     std::vector<DrawnPath> paths;
     if (run)
-      paths = paths_of_rows(run->trace->coupling, *table, model.world, ghosts_for_page(model, ghosts_shown),
-                            wanted.rows, wanted.paths);
+      paths = paths_of_rows(run->trace->coupling, *table, world, ghosts_for_page(model, ghosts_shown), wanted.rows,
+                            wanted.paths);
     if (!options.vtk.empty()) {
       OutputFolder const parts((std::filesystem::path(options.vtk) / "parts").string());
       NamedTexts files;
@@ -117,7 +123,7 @@ void write_view(ViewOptions const& options, Model const& model, RunContent const
     if (options.out.empty()) return;
   }
   std::string const out = options.out.empty() ? "view.html" : options.out;
-  write_file(out, view_page(model, run, table, wanted));
+  write_file(out, view_page(model, world, run, table, wanted));
   tell("view", out);
 }
 
@@ -125,13 +131,12 @@ int view(ViewOptions const& options) {
   if (names_scene(options.input)) {
     Model model = read_model(options.input, options.overrides);
     print_warnings(model, options);
-    steer(model.world);
-    write_view(options, model, nullptr, nullptr);
+    write_view(options, model, steer(model.world), nullptr, nullptr);
   } else {
     if (!options.overrides.empty())
       throw InputError("a run holds its parameters", "leave out -p, or view the scene file");
     Opened const run(options.input);
-    write_view(options, run.model, &run.content, &run.table);
+    write_view(options, run.model, run.world, &run.content, &run.table);
   }
   return done;
 }

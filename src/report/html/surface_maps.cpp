@@ -199,7 +199,7 @@ std::vector<CellTree> trees_of_light(World const& world, WorldView const& view, 
 
 }  // namespace
 
-void add_light(World const& world, std::uint64_t seed, std::uint64_t histories, std::vector<SurfaceMap>& maps) {
+void add_light(SteeredWorld const& world, std::uint64_t seed, std::uint64_t histories, std::vector<SurfaceMap>& maps) {
   WorldView const view = world.view();
   std::vector<CellTree> const trees = trees_of_light(world, view, seed, histories, histories / pilot_part, maps);
   for (std::size_t i = 0; i < maps.size(); ++i) start(maps[i].light, trees[i]);

@@ -48,6 +48,6 @@ struct NoisyPath {
 };
 std::vector<SurfaceMap> noise_maps(World const&, std::vector<NoisyPath> const&, std::size_t most);
 // Adds the light of the first histories of the run.
-void add_light(World const&, std::uint64_t seed, std::uint64_t histories, std::vector<SurfaceMap>&);
+void add_light(SteeredWorld const&, std::uint64_t seed, std::uint64_t histories, std::vector<SurfaceMap>&);
 
 }  // namespace straytrace

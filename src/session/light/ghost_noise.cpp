@@ -12,7 +12,7 @@
 
 #include "noise/wrapped/phase_spectra.hpp"
 #include "results/curves/band.hpp"
-#include "trace/deterministic/deterministic_classes.hpp"
+#include "trace/tally/coupling_table.hpp"
 
 namespace straytrace {
 namespace {

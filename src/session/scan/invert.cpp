@@ -56,7 +56,7 @@ Traced traced(ScanOptions const& options, Requirement const& requirement) {
     std::string const run = options.out.empty() ? "" : options.out + "/run.h5";
     std::optional<OutputFolder> folder;
     if (!options.out.empty()) folder.emplace(options.out);
-    TraceResult result = trace_model(model, options, run);
+    TraceResult result = trace_model(model, options, run).result;
     t.complete = !result.checkpointed();
     if (!run.empty()) write_run(run, content_of(model, result, nullptr));
     t.coupling = std::move(result.coupling);

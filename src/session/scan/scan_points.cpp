@@ -109,7 +109,7 @@ std::shared_ptr<CouplingTable const> Scanner::trace_of(Model& model, ScanPoint& 
   std::uint64_t before = 0;
   if (auto const stored = file.empty() ? std::nullopt : earlier_run(file, point.model_hash, model.seed, options_.force))
     before = stored->trace.coupling.histories;
-  TraceResult result = trace_model(model, options_, file);
+  TraceResult result = trace_model(model, options_, file).result;
   point.complete = !result.checkpointed();
   bool const unchanged = result.coupling.histories == before;
   point.from = unchanged && !made_.contains(name) ? ScanPoint::From::stored : ScanPoint::From::traced;

@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One way to run histories. It must not know how many blocks or workers there are.
+// One way to run histories. It does not know the number of blocks or workers.
 #pragma once
 
 #include <memory>
 #include <string_view>
 
 #include "trace/result.hpp"
-#include "world/model/world.hpp"
+#include "trace/steered_world.hpp"
 
 namespace straytrace {
 
-// It may keep what it has made of a world: a world that it has seen stays as it is while the backend lives.
+// It may cache data of a world: a world that it has seen must not change while the backend lives.
 class Backend {
  public:
   virtual ~Backend() = default;
   virtual std::string_view name() const = 0;
   // Traces histories [block * block_size, (block + 1) * block_size) with the size of the world. Called from several
   // threads at once.
-  virtual BlockSums run_block(World const&, std::uint64_t seed, std::uint64_t block) const = 0;
+  virtual BlockSums run_block(SteeredWorld const&, std::uint64_t seed, std::uint64_t block) const = 0;
   virtual unsigned callers() const { return 0; }  // threads that should call run_block; 0: as many as there are cores
 };
 
 std::unique_ptr<Backend> make_backend(std::string_view name);  // "cpu", "cuda"; InputError for any other
+
+std::unique_ptr<Backend> cpu_backend();
 
 }  // namespace straytrace

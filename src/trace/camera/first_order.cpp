@@ -7,7 +7,7 @@
 
 #include "base/process/threads.hpp"
 #include "trace/importance/importance.hpp"
-#include "trace/step/emit.hpp"
+#include "trace/step/step.hpp"
 
 namespace straytrace {
 

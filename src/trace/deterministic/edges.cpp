@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 
-#include "trace/deterministic/deterministic_classes.hpp"
 #include "trace/step/connect.hpp"
+#include "trace/tally/coupling_table.hpp"
 #include "trace/tally/replay.hpp"
 
 namespace straytrace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trace/importance/exchange.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/process/threads.hpp"
+#include "trace/importance/steering_tables.hpp"
 #include "trace/step/receive.hpp"
 
 namespace straytrace {

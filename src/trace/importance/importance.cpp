@@ -5,12 +5,7 @@
 #include <cmath>
 
 #include "base/process/threads.hpp"
-#include "trace/importance/exchange.hpp"
-#include "trace/importance/law_share.hpp"
-#include "trace/importance/patches.hpp"
-#include "trace/importance/pilot.hpp"
-#include "trace/importance/targets.hpp"
-#include "trace/tally/map_cells.hpp"
+#include "trace/importance/steering_tables.hpp"
 
 namespace straytrace {
 namespace {
@@ -140,7 +135,7 @@ SteeringTables make_importance(World const& world, ImportanceSettings const& set
   return Builder(world, settings).build();
 }
 
-void steer(World& world, unsigned threads) {
+SteeredWorld steer(World& world, unsigned threads) {
   find_covered_receivers(world);
   if (world.limits.targets) {
     ImportanceSettings settings;
@@ -151,6 +146,7 @@ void steer(World& world, unsigned threads) {
     world.steer(make_importance(world, settings));
   }
   find_map_cells(world);
+  return SteeredWorld(world);
 }
 
 }  // namespace straytrace

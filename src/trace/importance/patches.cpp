@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trace/importance/patches.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "geometry/shape_types.hpp"
 #include "trace/importance/importance.hpp"
+#include "trace/importance/steering_tables.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trace/importance/pilot.hpp"
+#include <algorithm>
 
+#include "trace/importance/steering_tables.hpp"
 #include "trace/step/step.hpp"
 
 namespace straytrace {
+
 namespace {
 
 constexpr std::uint64_t first_history = 1ull << 63;
 
-// Siblings are followed depth first, so the sides before the one a path stands on are always its own.
+// Siblings are followed depth first, so the sides before the present one always belong to the same path.
 class PilotSink {
  public:
   PilotSink(WorldView const& view, Pilot& sums) : view_(view), sums_(sums) {}
@@ -20,7 +22,7 @@ class PilotSink {
     sums_.arrived[vertex.side()] += path.power;
     ++sums_.visits[vertex.side()];
   }
-  // A receiver is worth nothing to a path that stands on it: what arrives there has been counted.
+  // A receiver adds nothing for a path that has arrived on it: that light has been counted.
   void score(PathState const& path, Vertex const&, std::uint32_t goal, std::uint32_t number, Vertex const&,
              double coupling) {
     bool const arrived = goal >= view_.lit.size && is_hit(number);
@@ -49,6 +51,67 @@ Pilot run_pilot(World const& world, std::uint64_t histories) {
   History history;
   for (std::uint64_t h = 0; h < histories; ++h) trace_history(view, 0, first_history + h, history, sink);
   return pilot;
+}
+
+namespace {
+
+// Numbers of histories that neither the trace nor the pilot of the adjoints uses.
+constexpr std::uint64_t first_of_maps = 3ull << 62, histories = 1 << 14;
+// Arrivals count whatever their power: one that carries most of it would otherwise leave a single cell.
+constexpr double most_arrivals_in_cell = 12;
+constexpr std::size_t most_cells = 512, most_arrivals = 1 << 17;
+
+class ArrivalSink {
+ public:
+  explicit ArrivalSink(WorldView const& view) : view_(view), places_(view.receivers.size) {}
+
+  template <class... T>
+  void emitted(T const&...) {}
+  template <class... T>
+  void visit(T const&...) {}
+  void book(BalanceTerm, double) {}
+  void score(PathState const&, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const& y, double power) {
+    if (goal >= view_.lit.size) add(goal - std::uint32_t(view_.lit.size), y, power);
+  }
+  void score_through(PathState const&, Vertex const&, Vertex const&, Chain const&, std::uint32_t receiver,
+                     Vertex const& end, double power) {
+    add(receiver, end, power);
+  }
+  void score_lit(PathState const&, std::uint32_t, Vertex const&, Chain const&, std::uint32_t receiver,
+                 Vertex const& end, double power) {
+    add(receiver, end, power);
+  }
+  std::vector<WeightedPlace> const& places(std::uint32_t receiver) const { return places_[receiver]; }
+
+ private:
+  void add(std::uint32_t receiver, Vertex const& y, double power) {
+    Receiver const& r = view_.receivers[receiver];
+    std::vector<WeightedPlace>& all = places_[receiver];
+    if (!r.by_light || !(power > 0) || all.size() >= most_arrivals) return;
+    MapPlace const p = place_in(r.chart, r.frame.local_point(y.point));
+    if (r.inside(p)) all.push_back({p});
+  }
+
+  WorldView const& view_;
+  std::vector<std::vector<WeightedPlace>> places_;
+};
+
+}  // namespace
+
+void find_map_cells(World& world) {
+  auto const& receivers = world.receivers();
+  if (std::none_of(receivers.begin(), receivers.end(), [](Receiver const& r) { return r.by_light; })) return;
+  WorldView view = world.view();
+  view.block_size = largest_block;  // of the run, which cells do not depend on
+  ArrivalSink sink(view);
+  History history;
+  for (std::uint64_t h = 0; h < histories; ++h) trace_history(view, 0, first_of_maps + h, history, sink);
+  for (std::uint32_t i = 0; i < receivers.size(); ++i) {
+    if (!receivers[i].by_light) continue;
+    CellTree tree(receivers[i].chart, receivers[i].whole);
+    tree.refine(sink.places(i), most_arrivals_in_cell, most_cells);
+    world.set_map_cells(i, tree);
+  }
 }
 
 }  // namespace straytrace

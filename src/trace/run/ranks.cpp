@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages are a line of words, and the sums behind it. To rank 0: "hello", "here" (still at work), "sums", "failed";
-// from it: "do FIRST END", "halt" (end the blocks under way), "home".
+// A message is a line of words, followed by sums. To rank 0: "hello", "here" (still at work), "sums", "failed". From
+// rank 0: "do FIRST END", "halt" (end the blocks under way), "home" (the job is over).
 #include "trace/run/ranks.hpp"
 
 #include <fmt/format.h>
@@ -16,11 +16,11 @@
 namespace straytrace {
 namespace {
 
-// A rank is given what it does in this time, so that its messages cost little and its loss costs little; near the end
-// a share of what is left, so that all end together.
+// A rank gets blocks for this time, so that messages cost little and the loss of a rank costs little; near the end it
+// gets a share of the remaining blocks, so that all ranks end together.
 constexpr double seconds_of_work = 10, share_of_rest = 0.25;
-constexpr double seconds_of_patience = 20;     // for the blocks under way of a rank that was told to end
-constexpr double signs_of_life = 10;           // in the patience of rank 0
+constexpr double seconds_of_patience = 20;     // for the blocks under way of a rank that was told to stop
+constexpr double signs_of_life = 10;           // messages within the patience of rank 0
 constexpr std::size_t longest_failure = 2000;  // bytes; short messages do not wait for their receiver
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -53,18 +53,18 @@ void RankScheduler::take(Transport::Message const& message, BlockQueue& block_qu
   if (word == "hello") {
     if (rest != ranks_.identity)
       throw InputError(fmt::format("rank {} has another model or another straytrace than rank 0", message.from),
-                       "start all ranks with the same program and files, on a file system that all of them see");
+                       "start all ranks with the same program and files, on a shared file system");
     member.ready = true;
     return;
   }
-  if (!member.busy) {  // was given up: others have its blocks
+  if (!member.busy) {  // it was lost: others have its blocks
     member.ready = true;
     return;
   }
   SumTree done = ranks_.unpack(rest);
   std::vector<BlockRange> const left = done.missing(*member.busy);
   double blocks = double(member.busy->size());
-  for (BlockRange const& range : left) {  // it was told to end by somebody else
+  for (BlockRange const& range : left) {  // something else told it to stop
     block_queue.give_back(range);
     blocks -= double(range.size());
     member.ready = false;
@@ -82,7 +82,7 @@ void RankScheduler::give_up(int rank, BlockQueue& block_queue) {
   ranks_.transport.lost(rank);
 }
 
-// Ranks that do not answer are lost, and their blocks stay missing.
+// Ranks that do not answer are lost; their blocks stay missing.
 void RankScheduler::stop() {
   if (std::isnan(stopped_at_)) stopped_at_ = now();
   bool const too_late = now() - stopped_at_ > seconds_of_patience;
@@ -124,11 +124,11 @@ class Listener final : public RemoteWorkers {
     }
     while (auto const message = transport_.receive()) {
       halt_ = true;
-      if (message->bytes == "home") sent_home = true;
+      if (message->bytes == "home") job_over = true;
     }
   }
   bool idle() const override { return true; }
-  bool sent_home = false;
+  bool job_over = false;
 
  private:
   Transport& transport_;
@@ -139,7 +139,8 @@ class Listener final : public RemoteWorkers {
 
 }  // namespace
 
-void work_for_rank_0(World const& world, TraceSettings const& settings, Backend const& backend, Ranks const& ranks) {
+void work_for_rank_0(SteeredWorld const& world, TraceSettings const& settings, Backend const& backend,
+                     Ranks const& ranks) {
   ranks.transport.send(0, "hello\n" + ranks.identity);
   for (;;) {
     auto const message = ranks.transport.receive();
@@ -152,7 +153,7 @@ void work_for_rank_0(World const& world, TraceSettings const& settings, Backend 
     BlockRange range;
     words >> word >> range.first >> range.end;
     if (word == "home") return;
-    if (word != "do") continue;  // "halt", when the blocks were done already
+    if (word != "do") continue;  // "halt" after the blocks were done
     std::atomic<bool> halt = false;
     TraceSettings mine;
     mine.seed = settings.seed;
@@ -161,7 +162,7 @@ void work_for_rank_0(World const& world, TraceSettings const& settings, Backend 
     Listener listener(ranks, halt, settings.stop);
     Runner runner(world, mine, backend, {});
     runner.run(range, &listener);
-    if (listener.sent_home) return;
+    if (listener.job_over) return;
     ranks.transport.send(0, "sums\n" + ranks.pack(runner.tree()));
   }
 }

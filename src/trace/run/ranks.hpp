@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A trace by several processes: rank 0 hands out blocks and adds up, the others work for it. Which rank runs a block
-// does not reach the bits, for sums meet on the nodes of the tree over block numbers (trace/result.hpp).
+// A trace by several processes: rank 0 schedules blocks and adds their sums, the other ranks run them. The bits do not
+// depend on which rank runs a block, because sums meet on the nodes of the tree over block numbers (trace/result.hpp).
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 
 namespace straytrace {
 
-// How the ranks of a job talk: whole messages of bytes, which arrive in the order they were sent. One thread uses it.
+// Messages between the ranks of a job: whole byte strings that arrive in the order sent. Used by one thread.
 class Transport {
  public:
   struct Message {
@@ -24,25 +24,24 @@ class Transport {
   virtual ~Transport() = default;
   virtual int rank() const = 0;
   virtual int size() const = 0;
-  virtual void send(int to, std::string const& bytes) = 0;  // to rank 0 it may wait until it is received
-  virtual std::optional<Message> receive() = 0;             // what has come; does not wait
-  // Rank 0 has not heard of a rank that has work, and gives its blocks to others. The end of the job does not wait for
-  // it.
+  virtual void send(int to, std::string const& bytes) = 0;  // to rank 0 it may block until received
+  virtual std::optional<Message> receive() = 0;             // the next message, if any; does not block
+  // A rank with work has been silent too long: rank 0 gives its blocks to others, and the job ends without it.
   virtual void lost(int rank) = 0;
 };
 
-// Of all ranks of a job. Sums travel as `pack` makes them.
+// Common to all ranks of a job. Sums are sent as `pack` encodes them.
 struct Ranks {
   Transport& transport;
-  std::string identity;  // what decides the bits: model, seed, program; must be the same on all
+  std::string identity;  // model, seed and program, which decide the bits; equal on all ranks
   std::function<std::string(SumTree const&)> pack;
   std::function<SumTree(std::string const&)> unpack;
-  double patience = 60;  // s; a rank with work that says nothing for so long is lost
+  double patience = 60;  // s; a rank with work that is silent for longer is lost
 };
 
-void stop_workers(Transport&);  // from rank 0 to all others: there is no more to do
+void stop_workers(Transport&);  // from rank 0 to all others: the job is over
 
-// The other ranks, as rank 0 sees them.
+// The other ranks, seen from rank 0.
 class RankScheduler final : public RemoteWorkers {
  public:
   explicit RankScheduler(Ranks const& ranks) : ranks_(ranks), members_(std::size_t(ranks.transport.size())) {}
@@ -50,14 +49,14 @@ class RankScheduler final : public RemoteWorkers {
   RankScheduler(RankScheduler const&) = delete;
   RankScheduler& operator=(RankScheduler const&) = delete;
 
-  // Takes what has come and hands out more, unless `stop`: then asks for what there is. Throws InputError when a rank
-  // has another model or program, NumericalError when one has failed.
+  // Receives sums and sends blocks; with `stop` requests the sums done so far instead. Throws InputError if a rank has
+  // another model or program, NumericalError if one has failed.
   void serve(BlockQueue&, bool stop, std::function<void(SumTree)> const& add) override;
   bool idle() const override;
 
  private:
   struct Member {
-    bool ready = false, halted = false;  // halted: was told to end
+    bool ready = false, halted = false;  // halted: was told to stop
     std::optional<BlockRange> busy;
     double started = 0, heard = 0, blocks_per_s = 0;  // s, of a steady clock; heard: its last message
   };
@@ -70,9 +69,9 @@ class RankScheduler final : public RemoteWorkers {
   std::vector<Member> members_;
 };
 
-// What ranks from 1 on do, until rank 0 sends them home. `settings.threads` are those of this rank.
-void work_for_rank_0(World const&, TraceSettings const&, Backend const&, Ranks const&);
-// Tells rank 0 that this rank cannot work.
+// The work of ranks from 1 on, until rank 0 stops them. `settings.threads`: of this rank.
+void work_for_rank_0(SteeredWorld const&, TraceSettings const&, Backend const&, Ranks const&);
+// Reports to rank 0 that this rank cannot work.
 void report_failure(Transport&, std::string const& what);
 
 }  // namespace straytrace

@@ -20,7 +20,7 @@ std::uint64_t blocks_in(SumTree const& tree) {
 
 }  // namespace
 
-Runner::Runner(World const& world, TraceSettings const& settings, Backend const& backend, SumTree done)
+Runner::Runner(SteeredWorld const& world, TraceSettings const& settings, Backend const& backend, SumTree done)
     : world_(world),
       settings_(settings),
       backend_(backend),
@@ -30,7 +30,7 @@ Runner::Runner(World const& world, TraceSettings const& settings, Backend const&
       error_(settings.error_before),
       error_histories_(settings.histories_before) {}
 
-void Runner::saw(double error, std::uint64_t blocks) {
+void Runner::set_error(double error, std::uint64_t blocks) {
   error_ = error;
   error_histories_ = blocks * world_.block_size;
 }
@@ -105,8 +105,8 @@ void Runner::watch(BlockQueue& block_queue, RemoteWorkers* workers, unsigned con
   }
 }
 
-// Not when all blocks have been handed out: a stop rule may be looked at as soon as they are done, and a run that goes
-// on from here must look at the same moment.
+// Not once all blocks are taken: the next check of a stop rule follows as soon as they are done, and a resumed run must
+// check at the same number of blocks.
 void Runner::checkpoint(BlockQueue const& block_queue) {
   SumTree done;
   {

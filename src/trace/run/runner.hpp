@@ -1,33 +1,79 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs blocks on threads, and adds what others have run.
+// Runs blocks on threads and adds the sums of blocks run elsewhere.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "base/math/constants.hpp"
-#include "trace/run/block_queue.hpp"
+#include "trace/result.hpp"
 #include "trace/run/trace.hpp"
 
 namespace straytrace {
 
-// Others who run blocks of the same handout; called by the thread that called Runner::run.
+// Blocks still to be run, in ascending order; blocks given back come first. Used by several threads at once.
+class BlockQueue {
+ public:
+  explicit BlockQueue(std::vector<BlockRange> missing) : missing_(std::move(missing)) {
+    for (BlockRange const& range : missing_) left_ += range.size();
+  }
+  // The next blocks, at most `most`; none when all have been taken.
+  std::optional<BlockRange> take(std::uint64_t most) {
+    std::scoped_lock const lock(mutex_);
+    if (left_ == 0) return {};
+    BlockRange& range = missing_[next_];
+    BlockRange const taken{range.first, range.first + std::min(most, range.size())};
+    left_ -= taken.size();
+    range.first = taken.end;
+    if (range.size() == 0) ++next_;
+    return taken;
+  }
+  // Returns blocks that were taken but not run.
+  void give_back(BlockRange range) {
+    std::scoped_lock const lock(mutex_);
+    missing_.insert(missing_.begin() + std::ptrdiff_t(next_), range);
+    left_ += range.size();
+  }
+  std::uint64_t left() const {
+    std::scoped_lock const lock(mutex_);
+    return left_;
+  }
+  void end() {  // drops all remaining blocks
+    std::scoped_lock const lock(mutex_);
+    next_ = missing_.size();
+    left_ = 0;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<BlockRange> missing_;
+  std::size_t next_ = 0;
+  std::uint64_t left_ = 0;
+};
+
+// Runs blocks on threads and adds the sums of blocks run elsewhere.
+
+// Other processes that run blocks of the same queue; called by the thread that called Runner::run.
 class RemoteWorkers {
  public:
   virtual ~RemoteWorkers() = default;
-  // Hands out blocks and adds what was done. `stop`: no more of them, and those under way come to an end.
+  // Sends blocks and adds the sums that came back. `stop`: sends no more and ends the blocks under way.
   virtual void serve(BlockQueue&, bool stop, std::function<void(SumTree)> const& add) = 0;
   virtual bool idle() const = 0;
 };
 
-// Threads take blocks from the handout and add them to the tree, whose bits do not depend on the order.
+// Threads take blocks from the queue and add them to the tree, whose bits do not depend on the order.
 class Runner {
  public:
-  Runner(World const&, TraceSettings const&, Backend const&, SumTree done);
+  Runner(SteeredWorld const&, TraceSettings const&, Backend const&, SumTree done);
 
-  // Runs the blocks of `range` that are missing; false when stopped before. Throws what a thread or helper has thrown.
+  // Runs the missing blocks of `range`; false if stopped before. Rethrows exceptions of threads and workers.
   bool run(BlockRange range, RemoteWorkers* workers = nullptr);
 
   bool interrupted() const { return settings_.stop && settings_.stop->load(); }
@@ -35,10 +81,10 @@ class Runner {
   SumTree const& tree() const { return tree_; }  // between runs
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
-  double error() const { return error_; }  // of the stop rule at the last look
-  void saw(double error, std::uint64_t blocks);
+  double error() const { return error_; }  // of the stop rule at the last check
+  void set_error(double error, std::uint64_t blocks);
   std::uint64_t wanted_blocks = 0;             // for the progress
-  std::function<void(SumTree)> at_checkpoint;  // from time to time while blocks are missing
+  std::function<void(SumTree)> at_checkpoint;  // called from time to time while blocks are missing
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -48,7 +94,7 @@ class Runner {
   void checkpoint(BlockQueue const&);
   void report();
 
-  World const& world_;
+  SteeredWorld const& world_;
   TraceSettings const& settings_;
   Backend const& backend_;
   SumTree tree_;

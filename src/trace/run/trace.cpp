@@ -6,20 +6,20 @@
 #include <optional>
 
 #include "base/errors.hpp"
-#include "trace/deterministic/deterministic_classes.hpp"
 #include "trace/run/ranks.hpp"
 #include "trace/run/runner.hpp"
 #include "trace/tally/block_sink.hpp"
 #include "trace/tally/coupling_table.hpp"
 
 namespace straytrace {
+
 namespace {
 
-// Error of the mean of a column that is zero on average. Events may be so rare that few or none were drawn, and then
-// the spread of what was drawn says nothing. Of wins of a roulette the odds are known. In `sampling` they are
-// directions that the law draws where the targets were expected to (strata leave no other spread there): none of mu
-// expected ones is drawn with the chance exp(-mu), which for mu = 15 is that of five standard errors, and each moves
-// the total of a history by no more than from one end of what was drawn to the other (docs/theory/errors.md).
+// Error of the mean of a column that is zero on average. If its events are so rare that few or none were drawn, their
+// spread says nothing. For the roulette the odds are known. In `sampling` the rare events are directions that the BSDF
+// model draws towards targets (strata leave no other spread): none of mu expected ones is drawn with the probability
+// exp(-mu), which for mu = 15 is that of five standard errors, and each changes the total of a history by no more than
+// the range of the totals drawn (docs/theory/errors.md).
 double spread_of(BalanceTerm balance_term, Estimate const& e, BlockSums const& total) {
   constexpr double unseen = 15.0 / 5;  // standard errors
   double const n = double(total.histories);
@@ -45,9 +45,9 @@ void check_energy_balance(BlockSums const& total) {
                          std::to_string(sum / total.emitted.sum) + " of what was emitted");
 }
 
-CouplingTable coupling_table(World const& world, TraceSettings const& settings, BlockSums const& total) {
+CouplingTable coupling_table(SteeredWorld const& world, TraceSettings const& settings, BlockSums const& total) {
   CouplingTable table = make_coupling_table(world, total, settings.seed);
-  add_beside(table, settings.beside);
+  add_deterministic(table, settings.deterministic);
   return table;
 }
 
@@ -59,18 +59,18 @@ std::uint64_t end_of(SumTree const& tree) {
 
 }  // namespace
 
-std::uint64_t next_look(std::uint64_t blocks) {
+std::uint64_t next_check(std::uint64_t blocks) {
   for (int i = 0;; ++i) {
     auto const count = std::uint64_t(std::lround(double(enough_blocks) * std::pow(2.0, 0.5 * i)));
     if (count > blocks) return count;
   }
 }
 
-TraceResult result_of(World const& world, TraceSettings const& settings, SumTree tree) {
+TraceResult result_of(SteeredWorld const& world, TraceSettings const& settings, SumTree tree) {
   TraceResult result;
   result.total = tree.total();
-  if (result.total.blocks == 0) {  // a slice may be empty: nothing on every group and receiver
-    result.total = BlockSink(world.view(), world.groups().size(), 0).finish();
+  if (result.total.blocks == 0) {  // a slice may be empty: zeros for every group and receiver
+    result.total = BlockSink(world.view(), world->groups().size(), 0).finish();
     result.total.blocks = 0;
   }
   result.tree = std::move(tree);
@@ -86,11 +86,11 @@ TraceResult result_of(World const& world, TraceSettings const& settings, SumTree
   return result;
 }
 
-TraceResult trace(World const& world, TraceSettings const& settings, Backend const& backend) {
+TraceResult trace(SteeredWorld const& world, TraceSettings const& settings, Backend const& backend) {
   Runner runner(world, settings, backend, settings.resume);
   std::optional<RankScheduler> scheduler;
   if (settings.ranks) scheduler.emplace(*settings.ranks);
-  // Of a whole run that goes on from more than is asked for, all that is missing is done.
+  // A whole run resumed from more blocks than requested completes all that are missing.
   std::uint64_t const asked = blocks_of(settings.histories, world.block_size),
                       all = settings.slice.whole() ? std::max(asked, end_of(settings.resume)) : asked;
   BlockRange const wanted = settings.slice.blocks(all);
@@ -113,21 +113,64 @@ TraceResult trace(World const& world, TraceSettings const& settings, Backend con
     };
   for (auto gaps = runner.tree().missing(wanted); !gaps.empty() && good_checks < 2;
        gaps = runner.tree().missing(wanted)) {
-    std::uint64_t const look = std::max(next_look(gaps.front().first), end_of(runner.tree()));
-    BlockRange const next{wanted.first, settings.error ? std::min(look, wanted.end) : wanted.end};
+    std::uint64_t const check = std::max(next_check(gaps.front().first), end_of(runner.tree()));
+    BlockRange const next{wanted.first, settings.error ? std::min(check, wanted.end) : wanted.end};
     bool const all_done = runner.run(next, scheduler ? &*scheduler : nullptr);
     if (!all_done && (runner.interrupted() || runner.out_of_time())) {
       stopped = runner.interrupted() ? Stopped::by_signal : Stopped::by_time;
       break;
     }
-    if (!all_done || !settings.error) continue;  // a helper has left some of its blocks
-    runner.saw(settings.error(coupling_table(world, settings, runner.tree().total())), next.end);
+    if (!all_done || !settings.error) continue;  // a worker has left some of its blocks
+    runner.set_error(settings.error(coupling_table(world, settings, runner.tree().total())), next.end);
     good_checks = runner.error() < settings.wanted_error ? good_checks + 1 : 0;
     double const at_the_end = runner.error() * std::sqrt(double(next.end) / double(wanted.end));
     if (settings.give_up && !(at_the_end < settings.wanted_error)) break;
   }
   if (good_checks >= 2) stopped = Stopped::by_error;
   return result(runner.tree());
+}
+
+namespace {
+
+constexpr std::uint64_t last_check = 181;  // blocks of a run with early checks
+
+}  // namespace
+
+TraceResult trace_to_rule(SteeredWorld world, TraceSettings settings, Backend const& backend) {
+  std::uint64_t const full_size = world.block_size;
+  bool const begins = settings.resume.nodes().empty();
+  double const before = settings.seconds_before;
+  auto const report = settings.progress;
+  if (report)
+    settings.progress = [&](TraceProgress p) {
+      p.seconds += settings.seconds_before - before;
+      p.wanted_histories = std::max(p.wanted_histories, settings.histories);
+      report(p);
+    };
+  for (std::uint64_t size = 8 * smallest_block; begins && settings.error && size < full_size; size *= 8) {
+    world.block_size = size;
+    TraceSettings early = settings;
+    early.histories = last_check * size;
+    early.give_up = true;
+    early.ranks = nullptr;
+    double error = not_a_number;
+    std::uint64_t histories = 0;
+    early.error = [&](CouplingTable const& table) {
+      histories = table.histories;
+      return error = settings.error(table);
+    };
+    TraceResult result = trace(world, early, backend);
+    if (result.stopped != Stopped::by_histories) {
+      if (settings.ranks) stop_workers(settings.ranks->transport);
+      return result;
+    }
+    settings.error_before = error;
+    settings.histories_before = histories;
+    settings.max_seconds -= result.seconds - settings.seconds_before;
+    settings.seconds_before = result.seconds;
+  }
+  world.block_size = full_size;
+  return trace(world, settings, backend);
 }
 
 }  // namespace straytrace

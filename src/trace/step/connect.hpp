@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How light rejoins a mode: by reaching a lit surface itself (eq. 1.7), by connection to a point drawn on it (eq. 1.8),
-// and by a single scatter at the source (eq. 1.4). The first two are the same paths sampled twice and are combined by
-// the balance heuristic in area measure (eq. 1.9). A score is the mean over speckle, for ORDERED paths: C_rev is
-// applied later (eq. 1.5). Receivers that count watts: receive.hpp.
+// How light rejoins a mode: the walk hits a lit surface (eq. 1.7), a connection reaches a point drawn on it (eq. 1.8),
+// or light scatters once at the source (eq. 1.4). The first two sample the same paths and are combined by the balance
+// heuristic in area measure (eq. 1.9). A score is the speckle average of ORDERED paths; C_rev is applied later
+// (eq. 1.5). Receivers that count watts: receive.hpp.
 #pragma once
 
 #include "base/math/rng.hpp"
-#include "trace/step/mixture.hpp"
+#include "trace/step/scatter.hpp"
 
 namespace straytrace {
 
-// Goals are numbered: footprints first, then receivers. Number of a score within its vertex: even for light that
-// reached the goal by itself, odd for a connection to it.
+// Goals are numbered: footprints first, then receivers. The number of a score within its vertex is even for a hit of
+// the walk and odd for a connection.
 STRAY_HD std::uint32_t arrival_number(std::uint32_t goal) { return 2 * goal; }
 STRAY_HD std::uint32_t connection_number(std::uint32_t goal) { return 2 * goal + 1; }
 STRAY_HD bool is_hit(std::uint32_t number) { return number % 2 == 0; }
@@ -20,8 +20,9 @@ STRAY_HD bool is_hit(std::uint32_t number) { return number % 2 == 0; }
 STRAY_HD double connection_density(Footprint const& lit, Vec3 y, Vec3 normal) {
   return lit.intensity(y) * std::fabs(dot(normal, lit.travel));
 }
-// Whether the mode lights the point y of its surface: a line parallel to the chief ray comes to y before it meets the
-// surface elsewhere (eq. 1.14), as those that connections draw. The rest of a closed surface lies in its own shadow.
+// Whether the mode lights the point y of its surface: a line parallel to the chief ray, like those that connections
+// draw, reaches y before it meets the surface elsewhere (eq. 1.14). The rest of a closed surface lies in its own
+// shadow.
 STRAY_HD bool lights(WorldView const& world, Footprint const& lit, Vec3 y, Vec3 normal) {
   double const way = dot(y - lit.centre, lit.travel) + lit.backoff;
   if (!(way > 0)) return false;
@@ -48,8 +49,8 @@ STRAY_HD double accepted(WorldView const& world, Footprint const& lit) {
   return wavelength * wavelength * lit.share;
 }
 
-// Share of light of this polarisation, travelling along `out`, that the mode can take after the scatter at `y`; 1 when
-// polarisation is not followed (docs/theory/conventions.md: laws then speak of the main polarisation alone).
+// Share of light of this polarisation, travelling along `out`, that the mode accepts after the scatter at `y`; 1
+// without polarisation (docs/theory/conventions.md: BSDF models then describe the main polarisation alone).
 STRAY_HD double mode_share(WorldView const& world, Polarisation const& light, Vec3 out, Vertex const& y,
                            Footprint const& lit) {
   if (!world.polarised) return 1;
@@ -67,7 +68,7 @@ STRAY_HD void arrive_at(WorldView const& world, PathState const& path, Vertex co
   if (!(density > 0)) return;
   double const coupling = path.power * rejoin_bsdf(world, vertex, lit) * accepted(world, lit) * density *
                           mode_share(world, path.polarisation, path.ray.dir, vertex, lit);
-  // A walk over a specular hop has no density: no connection can have made this path.
+  // A specular hop has no density: no connection can sample this path.
   double const walk = per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
   double const weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
   if (!(coupling * weight > 0) || !lights(world, lit, vertex.point, vertex.frame.e3)) return;
@@ -83,12 +84,12 @@ STRAY_HD void score_hit(WorldView const& world, PathState const& path, Vertex co
     if (world.lit[i].receives && world.lit[i].surface == vertex.surface) arrive_at(world, path, vertex, i, sink);
 }
 
-// The straight way from a vertex to a point: direction, length, and the BSDF at the vertex that opens it.
+// The straight way from a vertex to a point: direction, length, and the BSDF of the vertex in this direction.
 struct Way {
   Vec3 out;           // unit vector from the vertex
   Vec3 wo;            // the same, local
   double length = 0;  // m
-  double bsdf = 0;    // 1/sr; 0: no light goes there
+  double bsdf = 0;    // 1/sr; 0: no light
   double kept = 1;    // share not absorbed on the way
   STRAY_HD double geometry(double cosine) const { return std::fabs(wo.z) * cosine / (length * length); }  // 1/m^2
 };
@@ -103,14 +104,14 @@ STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {
   way.kept = kept_along(world, way.wo.z < 0 ? vertex.after : vertex.before, way.length);
   return way;
 }
-// Density per area with which the walk itself would have gone there, its lobe included.
+// Density per area with which the walk would have sampled this way, including the choice of the lobe.
 STRAY_HD double walk_density(WorldView const& world, PathState const& path, Vertex const& vertex, Way const& way,
                              std::uint32_t patch, double cosine) {
   double const lobe = path.order == 0 ? 1 : vertex.albedo / vertex.kept();
   double const law = scatter_pdf(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
   return lobe * per_area(mixture_pdf(world, vertex.side(), law, patch, way.length, cosine), way.length, cosine);
 }
-// Whether anything hides y, the other end of the way.
+// Whether anything hides y, the far end of the way.
 STRAY_HD bool blocked(WorldView const& world, Vertex const& vertex, Way const& way, Vertex const& y) {
   return world.occluded({vertex.point, way.out, way.length - world.slack(y.surface, way.length, y.wi.z)},
                         {vertex.surface, vertex.piece, vertex.contact}, vertex.surface == y.surface);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Many histories in flight, each depth first. Their rays are searched together, so that one waits for memory while
-// others continue. Scores are stored per history and passed on in the order of their numbers, so sums depend neither
-// on the first to end nor on the number in flight (docs/develop/architecture.md).
+// Many histories in flight, each depth first. Their rays are searched together, so that memory accesses overlap. Each
+// history has its own tally, and tallies are handed over in the order of histories: sums depend neither on the order of
+// completion nor on the number in flight (docs/develop/architecture.md).
 #pragma once
 
 #include <vector>
@@ -14,7 +14,7 @@ template <class Tally>
 class Flight {
  public:
   static constexpr std::uint32_t in_flight = 16;    // paths
-  static constexpr std::uint64_t kept_apart = 128;  // histories: one far ahead of the oldest waits for it
+  static constexpr std::uint64_t kept_apart = 128;  // tallies: a history far ahead of the oldest waits for it
 
   // The view must live as long as this.
   Flight(WorldView const& world, std::uint64_t seed)
@@ -30,7 +30,7 @@ class Flight {
       while (count_ < in_flight && next_ < last && next_ - oldest_ < kept_apart) start();
       search();
       for (std::uint32_t i = count_; i-- > 0;)
-        if (!goes_on(i)) std::swap(flying_[i], flying_[--count_]);
+        if (!advances(i)) std::swap(flying_[i], flying_[--count_]);
       for (; oldest_ < next_ && slot(oldest_).over; ++oldest_) land(slot(oldest_).tally);
     }
   }
@@ -56,7 +56,7 @@ class Flight {
     for (std::uint32_t i = 0; i < count_; ++i) rays[i] = {flying_[i]->path.ray, flying_[i]->path.from};
     world_.closest_together(rays, hits_, count_);
   }
-  bool goes_on(std::uint32_t i) {
+  bool advances(std::uint32_t i) {
     History& history = *flying_[i];
     Slot& mine = slot(history.path.history);
     mine.over = !step(world_, seed_, history, hits_[i], mine.tally) && !next_path(world_, seed_, history, mine.tally);

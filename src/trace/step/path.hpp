@@ -10,20 +10,20 @@
 
 namespace straytrace {
 
-// How the present direction was chosen. The density of the mixture depends on what is hit, so the weight of the hop is
-// completed on arrival (trace/step/mixture.hpp).
+// How the present direction was chosen. The density of the mixture depends on the surface hit, so the weight of the hop
+// is completed on arrival (finish_hop_weight()).
 struct Hop {
-  double kept = 1;                       // share of the power at the vertex left that travels on, on average
+  double kept = 1;                       // mean share of the power at the vertex left that continues
   double cosine = 1;                     // of a scattered direction with the normal left
   double value = 1;                      // f |cos| [1/sr]; specular: 1
   double lobe = 1;                       // probability with which the lobe was chosen
-  double law_pdf = 0;                    // 1/sr, of the scatter law; 0 marks a specular hop, which has no density
+  double law_pdf = 0;                    // 1/sr, of the BSDF model; 0 marks a specular hop, which has no density
   double pdf = 0;                        // 1/sr, of the whole mixture with its lobe; set on arrival
   Event left_by = Event::emit;           // what happened at the vertex left
   std::uint32_t side = WorldView::none;  // whose targets take part in the mixture
-  bool aimed = false;                    // some target could have been drawn
-  bool off_list = false;                 // drawn by the law, and it met nothing that was on the list of targets
-  SurfaceId aim;                         // surface of the target drawn; invalid: the scatter law chose the direction
+  bool aimed = false;                    // the side left has targets
+  bool off_list = false;                 // drawn from the BSDF model, and met no listed target
+  SurfaceId aim;                         // surface of the target drawn; invalid: the BSDF model chose the direction
   double aim_distance = 0;               // m to the point drawn on it: anything hit earlier hides it
 };
 
@@ -32,7 +32,7 @@ struct PathState {
   std::uint32_t event = 0;  // number of this vertex in its history, siblings counted; the source is 0
   std::uint32_t order = 0;  // surface events since the source
   Ray ray;
-  Departure from;      // what the ray starts on
+  Departure from;      // surface that the ray starts on
   double power = 0;    // carried, relative to the main mode
   double emitted = 0;  // first scattered out of the mode by this history, relative to the main mode
   Hop hop;
@@ -49,14 +49,14 @@ struct PathState {
   double stratum = -1;       // decides lobe and target of the first hop; negative: a random number does
 };
 
-// One history: its path and the siblings that wait, depth first.
+// One history: its path and the waiting siblings, depth first.
 struct History {
   static constexpr std::uint32_t most_waiting = 16;
   PathState path;
   std::uint32_t events = 0;  // vertices numbered so far
   std::uint32_t waiting = 0;
   PathState sibling[most_waiting];
-  PathState parent;  // at the first vertex, when `children` asks for more paths from there
+  PathState parent;  // at the first vertex, for `children` further paths from there
   Vertex parent_vertex;
   std::uint32_t children = 0;  // still to come
   STRAY_HD void begin(std::uint64_t number) {
@@ -72,7 +72,7 @@ struct History {
   }
 };
 
-// What the vertex does to light: media on both sides, then shares scattered, reflected and transmitted.
+// Sets the media on both sides of the vertex and the shares of light scattered, reflected and transmitted.
 STRAY_HD void evaluate_scattering(WorldView const& world, PathState const& path, Vec3 travel, Vertex& v) {
   if (!(v.wi.z > 0)) return;
   find_media(world, path.media, travel, v);
@@ -106,8 +106,7 @@ STRAY_HD double lost_in_medium(WorldView const& world, PathState& path, double l
   return lost;
 }
 
-// Routes are named by what they visit: the hash of a route does not depend on ids of other routes or on order of
-// arrival.
+// The hash of a route depends only on its own vertices, not on other routes or the order of arrival.
 STRAY_HD std::uint64_t mixed(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;

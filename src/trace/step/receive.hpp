@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Light counted in watts: receivers met by the walk itself and connections to points drawn on them, combined by the
-// balance heuristic like those to modes (docs/theory/sampling.md). A score is power relative to the main mode.
+// Light counted in watts: hits of the walk on receivers and connections to points drawn on them, combined by the
+// balance heuristic as for modes (docs/theory/sampling.md). A score is power relative to the main mode.
 #pragma once
 
 #include "trace/step/connect.hpp"
@@ -18,9 +18,9 @@ STRAY_HD double area_density(WorldView const& world, SurfaceId id) {
 // Density per area with which a connection draws its point.
 STRAY_HD double receiver_density(WorldView const& world, Receiver const& r) { return area_density(world, r.surface); }
 
-// Density with which sub-paths behind glass (through_glass.hpp) start along `out`, per area and projected solid angle,
-// 1/(m^2 sr): by the cosine law on the sides that count, or towards a point drawn evenly on one of the aims, whatever
-// stands before it. `cosine`: at the receiver.
+// Density with which sub-paths (specular_connection.hpp) start along `out`, per area and projected solid angle,
+// 1/(m^2 sr): by the cosine law on the sides that count, or towards a point drawn uniformly on one of the aims,
+// hidden or not. `cosine`: at the receiver.
 STRAY_HD double start_density(WorldView const& world, Receiver const& r, Ray const& out, double cosine) {
   double density = 1 / (pi * r.sides());
   if (r.aims > 0) {
@@ -45,7 +45,7 @@ STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex c
   double const walk = per_area(path.hop.pdf, y.leg, y.wi.z);
   double const density = receiver_density(world, r);
   double weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
-  if (r.behind_glass && !(path.hop.pdf > 0) && path.reached_pdf > 0) {  // shared with through_glass.hpp
+  if (r.behind_glass && !(path.hop.pdf > 0) && path.reached_pdf > 0) {  // shared with specular_connection.hpp
     double const through = path.reached_pdf * path.left_pdf;
     Vec3 const back = y.frame.to_world(y.wi);
     weight = through / (through + start_density(world, r, {y.point, back}, y.wi.z));
@@ -53,7 +53,7 @@ STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex c
   sink.score(path, y, goal, arrival_number(goal), y, power * weight);
 }
 
-// Light that has reached a receiver by itself: the surface it stands on, or a measuring plane on the way.
+// Light that hits a receiver: its surface, or a measuring plane on the way.
 template <class Sink>
 STRAY_HD void receive(WorldView const& world, PathState const& path, Vertex const& vertex, Sink& sink) {
   if (world.receivers.size == 0) return;
@@ -75,8 +75,8 @@ STRAY_HD void pass_planes(WorldView const& world, PathState const& path, double 
   }
 }
 
-// Density per area at a measuring plane with which the walk itself would have passed there; it depends on what lies
-// behind. Negative: hidden. `y`: there.
+// Density per area at the point y of a measuring plane with which the walk would have passed there; it depends on the
+// surface behind. Negative: hidden.
 STRAY_HD double walk_past(WorldView const& world, PathState const& path, Vertex const& vertex, Way const& way,
                           Vertex const& y) {
   Hit const behind = world.closest({vertex.point, way.out}, {vertex.surface, vertex.piece, vertex.contact});

@@ -1,14 +1,97 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The next direction of a path: lobe by its share of what leaves the vertex; within the scattered lobe from the mixture
-// of scatter law and targets.
+// The next direction of a path. The lobe is chosen by its share of the light that leaves the vertex; within the
+// scattered lobe the direction is drawn from the mixture of BSDF model and targets, in solid angle at the vertex left
+// (docs/theory/sampling.md):
+//   p(w) = alpha p_BSDF(w) + (1 - alpha) q_k d^2/(A_k cos_y)      k: the patch that is hit first along w
+// One sample and one division, whichever component drew it. The BSDF model always takes part (alpha >= 0.1), so no
+// light is missed for lack of a target.
 #pragma once
 
 #include "base/math/rng.hpp"
-#include "trace/step/mixture.hpp"
+#include "trace/step/path.hpp"
 
 namespace straytrace {
 
-// The scattered lobe; `choice` is uniform in (0, 1). hop.value stays 0 when no direction is found.
+// Conversion between densities per area and per solid angle: the only places with d^2.
+STRAY_HD double per_solid_angle(double per_area, double distance, double cosine) {
+  return cosine > 0 ? per_area * distance * distance / cosine : 0;
+}
+STRAY_HD double per_area(double per_solid_angle, double distance, double cosine) {
+  return per_solid_angle * cosine / (distance * distance);
+}
+
+// The part of the targets: density [1/sr] of aiming from `side` at `patch`, at `distance` under `cosine`.
+STRAY_HD double aimed_pdf(WorldView const& world, std::uint32_t side, std::uint32_t patch, double distance,
+                          double cosine) {
+  if (side == WorldView::none || patch == WorldView::none) return 0;
+  return per_solid_angle(world.steering.density(world.steering.sides[side], patch), distance, cosine);
+}
+STRAY_HD double law_share(WorldView const& world, std::uint32_t side) {
+  return side == WorldView::none ? 1 : world.steering.sides[side].alpha;
+}
+STRAY_HD double mixture_pdf(WorldView const& world, std::uint32_t side, double law_pdf, std::uint32_t patch,
+                            double distance, double cosine) {
+  double const alpha = law_share(world, side);
+  return alpha < 1 ? alpha * law_pdf + (1 - alpha) * aimed_pdf(world, side, patch, distance, cosine) : law_pdf;
+}
+
+// Whether a ray met the point of `aim` that it was aimed at. A hit that is nearer by more than rounding hides the
+// point.
+STRAY_HD bool met_aim(WorldView const& world, Hop const& hop, Vertex const* met) {
+  if (!met || met->surface != hop.aim) return false;
+  return met->leg >= hop.aim_distance - world.slack(hop.aim, hop.aim_distance, met->wi.z);
+}
+
+// Weight of the hop once its end is known; 0 when something hides the target. Sets hop.pdf. `vertex`: where the ray
+// arrived; null when it escaped.
+STRAY_HD double finish_hop_weight(WorldView const& world, PathState& path, Vertex const* vertex) {
+  Hop& hop = path.hop;
+  if (!(hop.law_pdf > 0) && !hop.aim.valid()) {  // specular
+    hop.pdf = 0;
+    return hop.value / hop.lobe;
+  }
+  if (hop.aim.valid() && !met_aim(world, hop, vertex)) {
+    hop.pdf = 0;
+    return 0;
+  }
+  double const alpha = law_share(world, hop.side);
+  double const aimed = vertex && alpha < 1 ? aimed_pdf(world, hop.side, vertex->patch, vertex->leg, vertex->wi.z) : 0;
+  if (hop.aim.valid() && !(aimed > 0)) {  // in the plane of its target, which rounding let it pass
+    hop.pdf = 0;
+    return 0;
+  }
+  hop.aimed = alpha < 1;
+  hop.off_list = vertex && alpha < 1 && aimed == 0;
+  hop.pdf = hop.lobe * (alpha * hop.law_pdf + (1 - alpha) * aimed);
+  double const n = index_of(world, path.media.current());
+  path.left_pdf = hop.pdf / (hop.cosine * n * n);
+  return hop.pdf > 0 ? hop.value / hop.pdf : 0;
+}
+
+// A direction towards a point drawn on one of the targets of the vertex; sets hop.aim.
+STRAY_HD Vec3 aimed_direction(WorldView const& world, Vertex const& vertex, double choice, double u, double v,
+                              Hop& hop) {
+  Steering const& steering = world.steering;
+  Target const& target = steering.targets[steering.draw(steering.sides[vertex.side()], choice)];
+  Steering::Place const place = steering.place(target.patch, u);
+  SurfaceId const aim = steering.strips[place.strip].surface;
+  Vec3 const y =
+      world.shapes.visit(world.surfaces[aim.value].shape, [&](auto const& s) { return sample_in_strip(s, place.u, v); })
+          .point;
+  Vec3 const span = y - vertex.point;
+  hop.aim = aim;
+  hop.aim_distance = length(span);
+  return hop.aim_distance > 0 ? (1 / hop.aim_distance) * span : vertex.frame.e3;
+}
+
+// The next direction of a path. The lobe is chosen by its share of the light that leaves the vertex; within the
+// scattered lobe the direction is drawn from the mixture of BSDF model and targets, in solid angle at the vertex left
+// (docs/theory/sampling.md):
+//   p(w) = alpha p_BSDF(w) + (1 - alpha) q_k d^2/(A_k cos_y)      k: the patch that is hit first along w
+// One sample and one division, whichever component drew it. The BSDF model always takes part (alpha >= 0.1), so no
+// light is missed for lack of a target.
+
+// The scattered lobe; `choice` is uniform in (0, 1). hop.value stays 0 if no direction is found.
 STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, PathState& path, Vertex const& vertex,
                                   double choice) {
   Rng rng(seed, path.history, path.event, Stream::direction);
@@ -32,8 +115,8 @@ STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, Pa
   return wo;
 }
 
-// Density per area with which the walk reached the vertex: by a scattered hop, or straight from the plane of a free
-// beam. 0: it has none.
+// Density per area with which the walk reached the vertex, by a scattered hop or straight from the plane of a free
+// beam; 0 for other ways.
 STRAY_HD double reached_density(WorldView const& world, PathState const& path, Vertex const& vertex) {
   if (!path.coherent || path.hop.left_by != Event::emit) return per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
   return world.lit[path.source].passing(vertex.point).irradiance * vertex.wi.z / double(world.emitters.size);
@@ -69,8 +152,9 @@ STRAY_HD void leave_specular(WorldView const& world, PathState& path, Vertex con
   path.hop.left_by = through ? Event::transmit : Event::reflect;
 }
 
-// Sets ray, hop and route; false: nothing leaves. `source`: the vertex lies in the main mode, whose specular
-// reflection is not stray light, so only scattered light starts there. path.ray.dir is the direction of arrival.
+// Sets ray, hop and route; false: no light leaves. `source`: the vertex lies in the main mode, whose specular
+// reflection is not stray light, so only scattered light starts there. On entry path.ray.dir is the direction of
+// arrival.
 template <class Sink>
 STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& path, Vertex const& vertex, Sink& sink,
                       bool source = false) {

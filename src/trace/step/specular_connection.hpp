@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Receivers behind lenses and mirrors (docs/theory/sampling.md): neither a connection nor, for a small receiver, chance
-// reaches them. A sub-path starts on the receiver, walks backwards through specular surfaces to the first scattering
-// surface z, and the vertex x of the walk is connected to z. It is combined with the walk that goes x -> z -> glass ->
-// receiver by itself by the balance heuristic, in area at z times projected solid angle from z [1/(m^2 sr)], where the
-// sub-path has the density of its start (start_density): etendue is the same at both ends. Where a sub-path meets a
-// surface that a beam lights, directly or as a free beam by the straight way from its plane, that light's own scatter
-// is scored as well, weighed against the walk that starts with it.
+// Receivers behind lenses and mirrors (docs/theory/sampling.md): connections do not reach them, and the walk rarely
+// hits a small one. A sub-path starts on the receiver, walks backwards through specular surfaces to the first
+// scattering surface z, and the vertex x of the walk is connected to z. It is combined with the walk that goes x -> z
+// -> glass -> receiver by itself by the balance heuristic, in area at z times projected solid angle from z [1/(m^2
+// sr)], where the sub-path has the density of its start (start_density): etendue is the same at both ends. Where a
+// sub-path meets a surface that a beam lights, directly or as a free beam by the straight way from its plane, that
+// light's own scatter is scored as well, weighed against the walk that starts with it.
 #pragma once
 
 #include "trace/step/receive.hpp"
@@ -13,7 +13,7 @@
 
 namespace straytrace {
 
-constexpr std::uint32_t most_specular_hops = 32;  // of a backward sub-path; what goes on is left to the walk
+constexpr std::uint32_t most_specular_hops = 32;  // of a backward sub-path; longer chains are left to the walk
 
 // End of a backward sub-path.
 struct Backward {
@@ -45,7 +45,7 @@ STRAY_HD Vec3 start_direction(WorldView const& world, Receiver const& r, Vec3 st
     if (!(met.distance < infinity)) return {};
     double const cosine = std::fabs(dot(world.normal(aim, start + met.distance * out.dir, met.piece), out.dir));
     bool const same = std::fabs(met.distance - far) <= world.slack(aim, far, cosine);
-    return same ? out.dir : Vec3{};  // a nearer part of it has a density of its own
+    return same ? out.dir : Vec3{};  // a nearer part of the surface has its own density
   }
   bool const front = r.sides() == 2 ? rng.uniform() < 0.5 : r.front;
   SinCos const azimuth = sincos_turn(b);
@@ -53,8 +53,8 @@ STRAY_HD Vec3 start_direction(WorldView const& world, Receiver const& r, Vec3 st
   return Frame::around(front ? normal : -normal).to_world({rho * azimuth.cos, rho * azimuth.sin, std::sqrt(1 - a)});
 }
 
-// `passed(vertex, through)` hears of every specular surface, the one nearest the receiver first; `met(back)` of every
-// surface seen by way of one, whether the sub-path ends there or not: tau is then what has come so far.
+// Calls `passed(vertex, through)` for every specular surface, starting at the receiver, and `met(back)` for every
+// surface behind one, whether the sub-path ends there or not, with the tau reached so far.
 template <class Passed, class Met>
 STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& rng, Passed&& passed, Met&& met) {
   double const u = rng.uniform(), v = rng.uniform();
@@ -86,8 +86,8 @@ STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& 
     back.tau = path.power;
     if (hops > 0) met(back);
     double const choice = rng.uniform() * at.kept();
-    if (choice >= at.reflect + at.transmit) {        // stops here, or is absorbed
-      if (hops == 0 || !(at.albedo > 0)) return {};  // seen directly: an ordinary connection
+    if (choice >= at.reflect + at.transmit) {        // scattered or absorbed here
+      if (hops == 0 || !(at.albedo > 0)) return {};  // direct view: left to the ordinary connection
       back.tau *= at.kept() / at.albedo;
       return back;
     }
@@ -197,8 +197,8 @@ STRAY_HD void connect_through(WorldView const& world, PathState const& path, Ver
     sink.score_through(path, vertex, z, chain, receiver, end, power);
 }
 
-// One sub-path of each receiver behind glass. At the start of a history, whatever it starts with, the light of all
-// beams that the sub-path meets on its way; `vertex`, where it scatters, is connected to its end.
+// One sub-path for each receiver behind glass. At the start of every history it scores the light of all beams on the
+// surfaces that it meets; a `vertex` that scatters is connected to its end.
 template <class Sink>
 STRAY_HD void connect_behind_glass(WorldView const& world, std::uint64_t seed, PathState const& path,
                                    Vertex const& vertex, Sink& sink) {

@@ -1,34 +1,144 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// THE step: one hop and one vertex of one path; and the loop over a history. Everything else prepares the world or adds
-// up. docs/theory/path_integral.md; docs/theory/sampling.md.
+// The simulation: emission, the step (one hop and one vertex of one path), the weight window, and the loop over a
+// history (docs/theory/path_integral.md; docs/theory/sampling.md). All other code prepares the world or adds up.
 //
-// Sink: where ports, receivers, energy balance and pictures listen; the only output.
+// The only output goes to a Sink:
 //   emitted(path, vertex)                     a history starts: power scattered out of the mode by its first vertex
 //   visit(path, vertex)                       light has reached a vertex, with path.power
 //   score(path, vertex, lit, connection, y, coupling)  light rejoined the mode of footprint `lit` at the point y
 //   score_through(path, vertex, z, chain, receiver, end, power)  optional: power on a receiver by x -> z -> glass
 //   score_lit(path, source, z, chain, receiver, end, power)      optional: by z -> glass from the light of a beam on z
 //   book(term, power)                         the energy balance
-//   absorbed(group, power)                    optional: what of it a group absorbed; no group: a medium
-//   roulette_variance(variance)                         optional: of what the roulette has just booked in `window`
+//   absorbed(group, power)                    optional: power absorbed by a group; invalid group: by a medium
+//   roulette_variance(variance)               optional: of the power just booked under `roulette`
 #pragma once
 
 #include "trace/step/connect.hpp"
-#include "trace/step/emit.hpp"
 #include "trace/step/scatter.hpp"
 #include "trace/step/specular_connection.hpp"
-#include "trace/step/weight_window.hpp"
 
 namespace straytrace {
 
-// All of them carry the same share; those that are not followed at once wait with their parent.
+// The first vertex of a history is a point of a lit surface, drawn with the weight |u|^2 of the mode (eq. 1.6), where
+// light is scattered out of the mode. Specular reflection of the mode is the mode itself, not stray light.
+//
+// A beam that starts in empty space starts on its plane along the local normal of its wavefront.
+template <class Sink>
+STRAY_HD bool emit_free(Footprint const& beam, Ray const& line, PathState& path, Sink& sink) {
+  Vertex start;  // on no surface
+  start.point = line.origin + beam.backoff * beam.travel;
+  path.emitted = path.power;
+  path.ray = {start.point, beam.direction(start.point)};
+  path.hop.left_by = Event::emit;
+  path.coherent = true;
+  path.path_length = beam.lag(start.point);
+  path.route = extended(path.route, beam.origin, Event::emit);
+  sink.emitted(path, start);
+  return true;
+}
+
+// Histories of a block are dealt to sources and first targets by systematic sampling (docs/theory/sampling.md): evenly
+// spaced numbers in (0, 1) with one random shift per block.
+STRAY_HD double stratum(std::uint64_t seed, std::uint64_t history, std::uint64_t block_size) {
+  std::uint64_t const place = history % block_size;
+  double const shift = Rng(seed, history - place, 0xffffffffu, Stream::source).uniform();
+  double const x = (double(place) + shift) / double(block_size);
+  return x < 1 ? x : x - 1;
+}
+
+// Starts a history: source, first vertex and first direction. False if no light continues.
+template <class Sink>
+STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, Sink& sink) {
+  auto const n = static_cast<std::uint32_t>(world.emitters.size);
+  if (n == 0) return false;  // nothing lit scatters
+  Rng rng(seed, path.history, 0, Stream::source);
+  double const place = stratum(seed, path.history, world.block_size) * n;
+  auto pick = static_cast<std::uint32_t>(place);
+  if (pick >= n) pick = n - 1;
+  path.stratum = place - pick;
+  path.source = world.emitters[pick];
+  Footprint const& lit = world.lit[path.source];
+  path.polarisation = lit.polarisation;
+  path.power = lit.share * n;
+  double const u = rng.uniform(), v = rng.uniform();
+  Ray const line = lit.sample(u, v);
+  Crossing const met = lit.free ? Crossing{} : world.cross(lit.surface.value, line, {});
+  if (!(met.distance < infinity)) {  // a free beam, or outside the clear aperture: that share is clipped, not scattered
+    connect_behind_glass(world, seed, path, {}, sink);
+    return lit.free && emit_free(lit, line, path, sink);
+  }
+  Vec3 const point = line.origin + met.distance * line.dir;
+  path.ray.dir = lit.direction(point);
+  Vertex vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);
+  evaluate_scattering(world, path, path.ray.dir, vertex);
+  path.emitted = path.power * vertex.albedo;
+  if (lit.profile != Profile::point) path.reached_pdf = connection_density(lit, vertex.point, vertex.frame.e3) / n;
+  sink.emitted(path, vertex);
+  if (!lit.standing) score_single(world, path, vertex, lit, sink);
+  connect(world, seed, path, vertex, sink);
+  connect_receivers(world, seed, path, vertex, sink);
+  connect_behind_glass(world, seed, path, vertex, sink);
+  return scatter(world, seed, path, vertex, sink, true);
+}
+
+// The weight window keeps the population of paths constant (docs/theory/sampling.md): bright or important paths are
+// split; faint ones survive by chance with their power raised, so the mean is kept. The importance of a path is its
+// power times the adjoint.
+constexpr double window_width = 5;  // paths within this factor of the target are not changed
+constexpr std::uint32_t most_copies = 16;
+// A history with more vertices than this, for each order and child, splits no more. Where walls absorb nothing and the
+// adjoint varies, a few histories would otherwise do most of the work. The past of a history alone decides, so the mean
+// is kept.
+constexpr std::uint64_t most_events_per_order = 64;
+STRAY_HD bool may_split(WorldView const& world, History const& history) {
+  return history.events < most_events_per_order * world.limits.max_order * world.limits.children;
+}
+
+// The importance that a path keeps: power x adjoint at its first vertex, so that routes through a rare first target get
+// the effort assigned to that target. A scattered path without a target keeps the importance of an average first
+// vertex. That average excludes free beams, whose first vertex sets their level.
+STRAY_HD double level_of(WorldView const& world, PathState const& path, double adjoint) {
+  bool const astray = !path.coherent && (path.hop.off_list || !path.hop.aimed);
+  return astray ? world.steering.level : path.power * adjoint;
+}
+
+// Number of copies that continue, each with path.power; 0: the roulette ends the path. Without an adjoint, plain
+// roulette below a share of the power first scattered. That roulette compares power, not power x adjoint, for lack of
+// an adjoint: this costs efficiency, never the mean.
+template <class Sink>
+STRAY_HD std::uint32_t control(WorldView const& world, std::uint64_t seed, PathState& path, Vertex const& vertex,
+                               std::uint32_t room, Sink& sink) {
+  std::uint32_t const side = vertex.side();
+  double const adjoint =
+      side == WorldView::none || !(world.steering.level > 0) ? 0 : world.steering.sides[side].adjoint;
+  if (adjoint > 0 && path.level == 0) path.level = level_of(world, path, adjoint);
+  double target = adjoint > 0 ? path.level / adjoint : world.limits.roulette_below * path.emitted;
+  if (target > path.emitted) target = path.emitted;  // no path carries more than its history emitted
+  double const lowest = adjoint > 0 ? target / window_width : target;
+  if (path.power < lowest) {
+    bool const lucky = Rng(seed, path.history, path.event, Stream::window).uniform() * target < path.power;
+    double const after = lucky ? target : 0;
+    sink.book(BalanceTerm::roulette, path.power - after);
+    if constexpr (requires { sink.roulette_variance(0.0); }) sink.roulette_variance(path.power * (target - path.power));
+    path.power = after;
+    return lucky ? 1 : 0;
+  }
+  if (!(adjoint > 0) || path.power <= window_width * target) return 1;
+  std::uint32_t const most = room + 1 < most_copies ? room + 1 : most_copies;
+  double const wanted = std::floor(path.power / target);
+  std::uint32_t const copies = wanted < most ? static_cast<std::uint32_t>(wanted) : most;
+  path.power /= copies;
+  return copies;
+}
+
+// Children share the power equally; those not followed yet wait with their parent.
 STRAY_HD void have_children(History& history, Vertex const& vertex, std::uint32_t children) {
   history.path.power /= children;
   history.parent = history.path;
   history.parent_vertex = vertex;
   history.children = children - 1;
 }
-// Sets out with the next path of this history; false: there is none.
+// Starts the next path of this history; false: there is none.
 template <class Sink>
 STRAY_HD bool next_path(WorldView const& world, std::uint64_t seed, History& history, Sink& sink) {
   if (history.next_sibling()) return true;
@@ -47,14 +157,14 @@ STRAY_HD void absorb(Sink& sink, GroupId where, double power) {
   if constexpr (requires { sink.absorbed(where, power); }) sink.absorbed(where, power);
 }
 
-// The path's ray has met `hit`, or nothing: its next vertex, and how it goes on; false: the path is over.
+// Processes the hit of the path's ray, or its escape, and chooses the next direction. False: the path has ended.
 template <class Sink>
 STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history, Hit const& hit, Sink& sink) {
   PathState& path = history.path;
   Vertex vertex;
   if (hit.surface.valid()) vertex = vertex_at(world, path, hit);
   double const weight = finish_hop_weight(world, path, hit.surface.valid() ? &vertex : nullptr);
-  sink.book(BalanceTerm::sampling, path.power * (path.hop.kept - weight));  // zero on average: that is a test
+  sink.book(BalanceTerm::sampling, path.power * (path.hop.kept - weight));  // zero on average, which is tested
   path.power *= weight;
   if (path.power == 0) return false;
   pass_planes(world, path, hit.distance, sink);
@@ -67,9 +177,10 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
   ++path.order;
   evaluate_scattering(world, path, path.ray.dir, vertex);
   sink.visit(path, vertex);
-  score_hit(world, path, vertex, sink);  // light that reached a lit surface by itself, eq. 1.7
+  score_hit(world, path, vertex, sink);  // hits of lit surfaces, eq. 1.7
   receive(world, path, vertex, sink);
-  if (path.order >= world.limits.max_order) {  // a connection is one more event: its weight counts on the walk's share
+  if (path.order >=
+      world.limits.max_order) {  // a connection is one more event, which the walk must be able to sample too
     sink.book(BalanceTerm::truncated, path.power);
     return false;
   }
@@ -78,8 +189,8 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
   connect_behind_glass(world, seed, path, vertex, sink);
   std::uint32_t const children = path.order == 1 ? world.limits.children : 1;
   if (children > 1) have_children(history, vertex, children);
-  std::uint32_t const most = History::most_waiting - history.waiting;
-  std::uint32_t const copies = children > 1 ? 1 : control(world, seed, path, vertex, most, sink);
+  std::uint32_t const room = may_split(world, history) ? History::most_waiting - history.waiting : 0;
+  std::uint32_t const copies = children > 1 ? 1 : control(world, seed, path, vertex, room, sink);
   absorb(sink, world.surfaces[vertex.surface.value].group, children * copies * path.power * (1 - vertex.kept()));
   for (std::uint32_t i = 1; i < copies; ++i) {
     PathState& copy = history.sibling[history.waiting];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the histories of one block add up. Scores of one history are summed before they are squared, histories are
-// added in order, so a block's bits depend on scene and seed only.
+// Sums of one block. Scores of one history are summed before they are squared, and histories are added in order, so the
+// bits of a block depend on scene and seed only.
 #pragma once
 
 #include <unordered_map>
@@ -10,11 +10,11 @@
 
 namespace straytrace {
 
-// Addresses kept for replay, of one block and of very many: what one block keeps does for 256, then their number grows
-// with that of the blocks (records_kept()). Part of the run-file schema.
+// Addresses kept for replay: those of one block suffice up to 256 blocks, then their number grows with that of the
+// blocks up to the limit (records_kept()). Part of the run-file schema.
 constexpr std::size_t records_per_class = 512, most_records = 4096;
 
-// Sorts by priority, drops what lies below the threshold and all but the largest, remembers the threshold.
+// Sorts by priority, keeps the largest above the threshold and raises the threshold to the largest priority dropped.
 void keep_largest(ClassSums&, std::size_t most = records_per_class);
 
 class BlockSink {

@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <unordered_map>
 
 #include "base/errors.hpp"
+#include "trace/step/path.hpp"
+#include "trace/tally/history_tally.hpp"
 #include "trace/tally/replay.hpp"
-#include "trace/tally/reverse.hpp"
 
 namespace straytrace {
+
 namespace {
 
 // What all paths of a route have in common. Rejoining by the mode it left, a path adds in amplitude to its reverse.
@@ -35,7 +38,7 @@ bool turns_round(World const& world, MadeClass const& made, ReplayedPath const& 
   return source.receives && source.port.valid() && source.port == made.back && goal.emits && !goal.free;
 }
 
-MadeClass make_class(World const& world, std::uint64_t hash, ClassSums const& sums, BlockSums const& total,
+MadeClass make_class(SteeredWorld const& world, std::uint64_t hash, ClassSums const& sums, BlockSums const& total,
                      std::uint64_t seed) {
   MadeClass made;
   made.moments = sums.moments;
@@ -178,7 +181,8 @@ class OffList {
 
 }  // namespace
 
-CouplingTable make_coupling_table(World const& world, BlockSums const& total, std::uint64_t seed) {
+CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& total, std::uint64_t seed) {
+  World const& world = steered;
   CouplingTable table;
   table.groups = world.groups();
   table.bodies = world.body_names();
@@ -186,10 +190,10 @@ CouplingTable make_coupling_table(World const& world, BlockSums const& total, st
   table.histories = total.histories;
   table.seed = seed;
   table.wavelength = world.wavelength;
-  table.block_size = world.block_size;
+  table.block_size = steered.block_size;
   table.reverse_routes = world.reverse_routes;
   for (std::size_t r = 0; r < replica_count; ++r)
-    table.replica_histories[r] = total.replica_blocks[r] * world.block_size;
+    table.replica_histories[r] = total.replica_blocks[r] * steered.block_size;
   table.receivers = world.receiver_names();
   for (ReceiverSums const& r : total.receivers)
     table.received_power.push_back(estimate(r.power, total.histories, total.blocks));
@@ -199,7 +203,7 @@ CouplingTable make_coupling_table(World const& world, BlockSums const& total, st
     return c.port.value < first_receiver_end ? table.classes : table.received;
   };
   std::vector<MadeClass> made;
-  for (auto const& [hash, sums] : total.classes) made.push_back(make_class(world, hash, sums, total, seed));
+  for (auto const& [hash, sums] : total.classes) made.push_back(make_class(steered, hash, sums, total, seed));
   mirror_poorly_sampled(made);
   std::sort(made.begin(), made.end(), [](auto const& a, auto const& b) { return a.row.hash < b.row.hash; });
   for (auto& [c, moments, beam, back, reversible] : made) {
@@ -265,6 +269,83 @@ std::string route_name(CouplingTable const& table, CouplingClass const& c) {
 
 std::string folded_name(CouplingTable const& table, FoldedRoute const& route) {
   return route.steps.empty() ? "long routes" : name_of_steps(table, route.steps);
+}
+
+namespace {
+
+// The route of `made` run backwards, with its numbers.
+MadeClass mirrored(MadeClass const& made, std::uint64_t hash) {
+  MadeClass other = made;
+  other.row.hash = hash;
+  other.row.steps = backwards(made.row.steps);
+  other.row.port = made.back;
+  other.row.by_reverse = true;
+  other.back = made.row.port;
+  return other;
+}
+
+bool better(CouplingClass const& a, CouplingClass const& b) {
+  if (a.coupling.trusted != b.coupling.trusted) return a.coupling.trusted;
+  return a.coupling.scored > b.coupling.scored;
+}
+
+}  // namespace
+
+std::uint64_t hash_of_route(std::vector<PathStep> const& steps, std::uint32_t beam, std::uint32_t end) {
+  std::uint64_t name = 0;
+  for (PathStep const& s : steps) name = extended(name, s.group, s.event == Event::emit ? Event::scatter : s.event);
+  return hash_of_ends(beam, name, end);
+}
+
+std::vector<PathStep> backwards(std::vector<PathStep> steps) {
+  std::reverse(steps.begin(), steps.end());
+  steps.front().event = Event::emit;
+  steps.back().event = Event::couple;
+  return steps;
+}
+
+void mirror_poorly_sampled(std::vector<MadeClass>& classes) {
+  std::unordered_map<std::uint64_t, std::size_t> place;
+  for (std::size_t i = 0; i < classes.size(); ++i) place[classes[i].row.hash] = i;
+  std::size_t const sampled = classes.size();
+  for (std::size_t i = 0; i < sampled; ++i) {
+    if (!classes[i].reversible) continue;
+    std::uint64_t const hash = hash_of_route(backwards(classes[i].row.steps), classes[i].beam, classes[i].back.value);
+    auto const at = place.find(hash);
+    if (at == place.end()) {
+      classes.push_back(mirrored(classes[i], hash));
+      continue;
+    }
+    MadeClass& other = classes[at->second];
+    bool const settled = classes[i].row.by_reverse || other.row.by_reverse ||
+                         (classes[i].row.coupling.trusted && other.row.coupling.trusted);
+    if (!settled && better(classes[i].row, other.row)) other = mirrored(classes[i], hash);
+  }
+}
+
+CouplingClass deterministic_class(ClassKind kind, std::vector<PathStep> steps, PortId port, double reverse,
+                                  std::vector<PathRecord> records, std::string statement) {
+  CouplingClass c;
+  c.kind = kind;
+  c.hash = mixed(hash_of_route(steps, 0, port.value) + std::uint64_t(kind));
+  c.port = port;
+  c.steps = std::move(steps);
+  c.reverse = reverse;
+  c.records = std::move(records);
+  c.statement = std::move(statement);
+  for (PathRecord const& r : c.records) c.coupling.mean += r.weight;
+  if (!std::isfinite(c.coupling.mean)) throw NumericalError("the coupling of a deterministic route is not finite");
+  c.coupling.trusted = true;
+  return c;
+}
+
+void add_deterministic(CouplingTable& table, std::vector<CouplingClass> const& classes) {
+  if (classes.empty()) return;
+  table.classes.insert(table.classes.end(), classes.begin(), classes.end());
+  std::sort(table.classes.begin(), table.classes.end(), [](auto const& a, auto const& b) { return a.hash < b.hash; });
+  auto const twice = std::adjacent_find(table.classes.begin(), table.classes.end(),
+                                        [](auto const& a, auto const& b) { return a.hash == b.hash; });
+  if (twice != table.classes.end()) throw NumericalError("two routes have one hash: " + route_name(table, *twice));
 }
 
 }  // namespace straytrace

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "trace/tally/route.hpp"
+#include "trace/tally/history_tally.hpp"
 #include "world/model/body.hpp"
 
 namespace straytrace {
@@ -20,7 +20,7 @@ double fed_length(World const& world, std::uint32_t source, std::uint32_t goal) 
   return sum;
 }
 
-// Siblings are followed depth first, so the vertices before the one that a path stands on are always its own.
+// Siblings are followed depth first, so the vertices before the present one always belong to the same path.
 class ReplaySink {
  public:
   ReplaySink(World const& world, WorldView const& view, std::uint64_t seed, std::uint32_t event, std::uint32_t number)
@@ -198,8 +198,8 @@ std::vector<PhaseSensitivity> phase_sensitivities_of(World const& world, std::ve
   return phase_sensitivities;
 }
 
-std::optional<ReplayedPath> replay(World const& world, std::uint64_t seed, std::uint64_t history, std::uint32_t event,
-                                   std::uint32_t connection) {
+std::optional<ReplayedPath> replay(SteeredWorld const& world, std::uint64_t seed, std::uint64_t history,
+                                   std::uint32_t event, std::uint32_t connection) {
   WorldView const view = world.view();
   ReplaySink sink(world, view, seed, event, connection);
   History again;

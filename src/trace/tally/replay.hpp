@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs one history again to learn what the sums do not hold: route, phase sensitivities and optical length of a kept
-// score (docs/theory/phase.md, eq. 2.2 to 2.5).
+// Traces one history again for what the sums do not hold: route, phase sensitivities and optical length of a kept score
+// (docs/theory/phase.md, eq. 2.2 to 2.5).
 #pragma once
 
 #include <optional>
 #include <vector>
 
+#include "trace/steered_world.hpp"
 #include "trace/step/step.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace {
 
-// One vertex as it was passed: what happened there, the unit vectors of the light before and after it, and the indices
-// of the media it ran in. A free beam starts on no surface. On a receiver the outgoing leg is zero
+// One vertex of a path: its event, the unit vectors of the light before and after it, and the indices of the media on
+// both sides. A free beam starts on no surface. On a receiver the outgoing leg is zero
 // (C3.7).
 struct PassedVertex {
   SurfaceId surface;
@@ -31,9 +32,9 @@ struct ReplayedPath {
   std::vector<PhaseSensitivity> phase_sensitivities;  // relative to the main mode, by body
 };
 
-// The score (history, event, connection) made again; empty when this history makes no such score.
-std::optional<ReplayedPath> replay(World const& world, std::uint64_t seed, std::uint64_t history, std::uint32_t event,
-                                   std::uint32_t connection);
+// The score (history, event, connection), traced again; empty if the history has no such score.
+std::optional<ReplayedPath> replay(SteeredWorld const& world, std::uint64_t seed, std::uint64_t history,
+                                   std::uint32_t event, std::uint32_t connection);
 
 // Phase Jacobians of a path relative to the main mode (eq. 2.3, 2.5). k in rad/m.
 std::vector<PhaseSensitivity> phase_sensitivities_of(World const& world, std::vector<PassedVertex> const& vertices,

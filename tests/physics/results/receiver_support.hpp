@@ -4,8 +4,8 @@
 
 #include "results/receivers/receivers.hpp"
 #include "support/test_backend.hpp"
+#include "trace/importance/steering_tables.hpp"
 #include "trace/run/trace.hpp"
-#include "trace/tally/map_cells.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::testing {
@@ -52,7 +52,7 @@ inline Traced traced(std::string const& text, std::uint64_t blocks, unsigned thr
   settings.histories = blocks * largest_block;
   settings.threads = threads;
   settings.resume = std::move(resume);
-  t.result = trace(t.world, settings, *test_backend());
+  t.result = trace(SteeredWorld::as_given(t.world), settings, *test_backend());
   return t;
 }
 

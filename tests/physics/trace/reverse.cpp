@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Case A26: a path and its reverse add in amplitude (eq. 1.5). Fields of random scatterers are summed here without any
 // use of the program: mean power over the sum of the ordered paths' powers. Then: what the traced classes carry.
-#include "trace/tally/reverse.hpp"
-
 #include <complex>
 #include <random>
 #include <vector>
 
 #include "support/trace_support.hpp"
+#include "trace/tally/coupling_table.hpp"
 
 namespace straytrace::testing::trace_reverse {
 namespace {

@@ -76,7 +76,7 @@ Traced traced(char const* route) {
   if (!c || c->by_reverse) return t;
   t.stated = c->reverse;
   for (PathRecord const& kept : c->records) {
-    auto const found = replay(t.world, 1, kept.history, kept.event, kept.connection);
+    auto const found = replay(SteeredWorld::as_given(t.world), 1, kept.history, kept.event, kept.connection);
     if (!found) continue;
     Pair pair{{kept.weight, kept.path_length, kept.phase_sensitivities}, backwards(t.world, *found, t.miss)};
     pair.back.power *= kept.weight / scattered(t.world.view(), found->vertices);

@@ -8,7 +8,7 @@
 #include <complex>
 
 #include "support/recorded.hpp"
-#include "trace/camera/sequential.hpp"
+#include "support/sequential.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::testing {

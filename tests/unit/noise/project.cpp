@@ -2,7 +2,7 @@
 // Contributions to the total, and the report of the others.
 #include "base/errors.hpp"
 #include "physics/noise/support.hpp"
-#include "trace/deterministic/deterministic_classes.hpp"
+#include "trace/tally/coupling_table.hpp"
 
 namespace straytrace::testing::noise_project {
 namespace {

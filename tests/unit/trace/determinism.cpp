@@ -43,7 +43,7 @@ class Interrupting final : public Backend {
  public:
   Interrupting(std::uint64_t after, std::atomic<bool>& stop) : after_(after), stop_(stop) {}
   std::string_view name() const override { return "interrupting"; }
-  BlockSums run_block(World const& world, std::uint64_t seed, std::uint64_t block) const override {
+  BlockSums run_block(SteeredWorld const& world, std::uint64_t seed, std::uint64_t block) const override {
     if (++done_ >= after_) stop_ = true;
     return cpu_->run_block(world, seed, block);
   }
@@ -62,14 +62,14 @@ TEST(Determinism, InterruptedAndResumed) {
   settings.histories = blocks * largest_block;
   settings.threads = 2;
   settings.stop = &stop;
-  TraceResult const part = trace(world, settings, Interrupting(2, stop));
+  TraceResult const part = trace(SteeredWorld::as_given(world), settings, Interrupting(2, stop));
   EXPECT_EQ(part.stopped, Stopped::by_signal);
   EXPECT_TRUE(part.checkpointed());
   EXPECT_GE(part.total.blocks, 2u);
   EXPECT_LT(part.total.blocks, blocks);
   stop = false;
   settings.resume = part.tree;
-  TraceResult const whole = trace(world, settings, *test_backend());
+  TraceResult const whole = trace(SteeredWorld::as_given(world), settings, *test_backend());
   EXPECT_EQ(whole.stopped, Stopped::by_histories);
   EXPECT_TRUE(same(whole.total, total(world, 1, 1)));
   EXPECT_FALSE(same(part.total, whole.total));
@@ -81,7 +81,7 @@ TEST(Determinism, OutOfTimeKeepsTheHistoriesSoFar) {
   settings.histories = blocks * largest_block;
   settings.threads = 1;
   settings.max_seconds = 0;
-  TraceResult const r = trace(small_tube(), settings, *test_backend());
+  TraceResult const r = trace(SteeredWorld::as_given(small_tube()), settings, *test_backend());
   EXPECT_EQ(r.stopped, Stopped::by_time);
   EXPECT_TRUE(r.checkpointed());
 }
@@ -97,7 +97,7 @@ std::vector<std::uint64_t> looks(std::vector<double> const& errors, Stopped& why
     seen.push_back(table.histories / largest_block);
     return seen.size() <= errors.size() ? errors[seen.size() - 1] : 2;
   };
-  why = trace(one_plate(), settings, *test_backend()).stopped;
+  why = trace(SteeredWorld::as_given(one_plate()), settings, *test_backend()).stopped;
   return seen;
 }
 

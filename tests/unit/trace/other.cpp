@@ -39,7 +39,7 @@ CouplingClass other_of(One&& one, Two&& two) {
   }
   World world;
   world.add_port("port");
-  CouplingTable const table = make_coupling_table(world, tree.total(), 1);
+  CouplingTable const table = make_coupling_table(SteeredWorld::as_given(world), tree.total(), 1);
   EXPECT_EQ(table.classes.size(), 1u);
   EXPECT_EQ(table.classes[0].folded_routes, 2u);
   return table.classes[0];

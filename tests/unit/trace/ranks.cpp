@@ -73,7 +73,7 @@ TraceSettings settings_for(unsigned threads) {
 class Counting final : public Backend {
  public:
   std::string_view name() const override { return "counting"; }
-  BlockSums run_block(World const& world, std::uint64_t seed, std::uint64_t block) const override {
+  BlockSums run_block(SteeredWorld const& world, std::uint64_t seed, std::uint64_t block) const override {
     if (++done == stop_after) stop = true;
     if (fail) throw NumericalError("the test wants it");
     return cpu_->run_block(world, seed, block);
@@ -99,7 +99,7 @@ struct Job {
         mine.stop = &backends[std::size_t(rank)].stop;
         Ranks const ranks{transport, rank == stranger ? "another" : "same", packed, unpacked};
         try {
-          work_for_rank_0(world, mine, backends[std::size_t(rank)], ranks);
+          work_for_rank_0(SteeredWorld::as_given(world), mine, backends[std::size_t(rank)], ranks);
         } catch (std::exception const& e) {
           report_failure(transport, e.what());
         }
@@ -108,7 +108,7 @@ struct Job {
     Ranks const ranks{transport, "same", packed, unpacked};
     settings.ranks = &ranks;
     settings.stop = &backends[0].stop;
-    return trace(world, settings, backends[0]);
+    return trace(SteeredWorld::as_given(world), settings, backends[0]);
   }
   Mail mail;
   std::vector<Counting> backends;
@@ -117,7 +117,7 @@ struct Job {
 };
 
 TEST(Ranks, AnyNumberOfThemIsOneRun) {
-  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
+  TraceResult const one = trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
   for (int const ranks : {1, 2, 4})
     for (unsigned const threads : {1u, 2u}) {
       Job job(ranks);
@@ -158,7 +158,7 @@ TEST(Ranks, StopRulesAreEvaluatedAtTheSameBlockCounts) {
 
 // A rank that ends on a signal returns its unfinished blocks.
 TEST(Ranks, OneMayLeave) {
-  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
+  TraceResult const one = trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
   Job job(3);
   job.backends[2].stop_after = 2;
   TraceResult const r = job.run(settings_for(1));
@@ -169,7 +169,7 @@ TEST(Ranks, OneMayLeave) {
 // One that hangs (its node is gone, and nobody ended the job) costs its share of the work, not the run. When it comes
 // back late, its sums are not counted twice.
 TEST(Ranks, OneMayFallSilent) {
-  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
+  TraceResult const one = trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
   for (bool const comes_back : {false, true}) {
     Mail mail;
     mail.boxes.resize(2);
@@ -181,14 +181,14 @@ TEST(Ranks, OneMayFallSilent) {
     there.send(0, "hello\nsame");
     TraceSettings settings = settings_for(1);
     settings.ranks = &ranks;
-    TraceResult const r = trace(world, settings, *cpu);
+    TraceResult const r = trace(SteeredWorld::as_given(world), settings, *cpu);
     EXPECT_TRUE(same(r.total, one.total)) << comes_back;
     EXPECT_GE(here.losses, 1);
   }
 }
 
 TEST(Ranks, InterruptedAndResumed) {
-  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
+  TraceResult const one = trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
   Job job(3);
   job.backends[0].stop_after = 2;
   TraceResult const part = job.run(settings_for(1));

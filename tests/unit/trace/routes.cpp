@@ -5,8 +5,8 @@
 #include <unordered_set>
 
 #include "support/trace_support.hpp"
+#include "trace/tally/history_tally.hpp"
 #include "trace/tally/replay.hpp"
-#include "trace/tally/route.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -140,7 +140,7 @@ TEST(Replay, MakesEveryScoreAgain) {
   int control_found = 0;
   for (Score const& s : scores.all) {
     EXPECT_TRUE(addresses.insert({s.history, s.event, s.number}).second) << "two scores with one address";
-    auto const path = replay(world, 1, s.history, s.event, s.number);
+    auto const path = replay(SteeredWorld::as_given(world), 1, s.history, s.event, s.number);
     ASSERT_TRUE(path);
     EXPECT_EQ(path->coupling, s.coupling);
     EXPECT_EQ(path->goal, s.lit);
@@ -152,12 +152,12 @@ TEST(Replay, MakesEveryScoreAgain) {
     }
     EXPECT_NEAR(path->path_length, length_sum, 1e-12);
     EXPECT_EQ(path->vertices.back().event, Event::couple);
-    auto const other = replay(world, 2, s.history, s.event, s.number);  // control: another seed
+    auto const other = replay(SteeredWorld::as_given(world), 2, s.history, s.event, s.number);  // control: another seed
     control_found += other && other->coupling == s.coupling;
   }
   EXPECT_LT(control_found, int(scores.all.size()) / 2);
-  EXPECT_FALSE(replay(world, 1, 0, 77, 1));
-  EXPECT_FALSE(replay(world, 1, 0, 0, 999));
+  EXPECT_FALSE(replay(SteeredWorld::as_given(world), 1, 0, 77, 1));
+  EXPECT_FALSE(replay(SteeredWorld::as_given(world), 1, 0, 0, 999));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "support/small_tube.hpp"
-#include "trace/run/block_queue.hpp"
+#include "trace/run/runner.hpp"
 
 namespace straytrace::testing::trace_slices {
 namespace {
@@ -107,7 +107,9 @@ TraceSettings settings_for(Slice slice = {}, SumTree resume = {}) {
   settings.resume = std::move(resume);
   return settings;
 }
-TraceResult traced(TraceSettings const& settings) { return trace(two_plates(), settings, *make_backend("cpu")); }
+TraceResult traced(TraceSettings const& settings) {
+  return trace(SteeredWorld::as_given(two_plates()), settings, *make_backend("cpu"));
+}
 
 void add(SumTree& into, SumTree const& from) {
   for (auto const& [place, sums] : from.nodes()) into.add(place.second, place.first >> place.second, sums);
@@ -124,7 +126,7 @@ TEST(Slices, AllTogetherAreOneRun) {
       EXPECT_FALSE(part.checkpointed());
       add(all, part.tree);
     }
-    TraceResult const merged = result_of(two_plates(), settings_for(), all);
+    TraceResult const merged = result_of(SteeredWorld::as_given(two_plates()), settings_for(), all);
     EXPECT_TRUE(same(merged.total, one.total)) << of;
     EXPECT_EQ(merged.coupling.replica_histories, one.coupling.replica_histories);
   }
@@ -157,7 +159,7 @@ TEST(Slices, GapsAreFilled) {
 class Waiting final : public Backend {
  public:
   std::string_view name() const override { return "waiting"; }
-  BlockSums run_block(World const& world, std::uint64_t seed, std::uint64_t block) const override {
+  BlockSums run_block(SteeredWorld const& world, std::uint64_t seed, std::uint64_t block) const override {
     for (int i = 0; block == 5 && !seen && i < 1000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     return cpu_->run_block(world, seed, block);
   }
@@ -177,7 +179,7 @@ TEST(Slices, CheckpointsResumeToTheSameBits) {
     kept.push_back(so_far);
     backend.seen = true;
   };
-  TraceResult const one = trace(two_plates(), settings, backend);
+  TraceResult const one = trace(SteeredWorld::as_given(two_plates()), settings, backend);
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_TRUE(kept[0].checkpointed());
   EXPECT_EQ(kept[0].stopped, Stopped::by_checkpoint);

@@ -8,7 +8,7 @@
 
 #include "support/trace_support.hpp"
 #include "trace/tally/block_sink.hpp"
-#include "trace/tally/route.hpp"
+#include "trace/tally/history_tally.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -106,7 +106,7 @@ TEST(SumTree, BitsDoNotDependOnTheOrderOfBlocks) {
   World const world = small_world();
   auto const backend = make_backend("cpu");
   std::vector<BlockSums> blocks;
-  for (std::uint64_t b = 0; b < 13; ++b) blocks.push_back(backend->run_block(world, 1, b));
+  for (std::uint64_t b = 0; b < 13; ++b) blocks.push_back(backend->run_block(SteeredWorld::as_given(world), 1, b));
   std::vector<std::uint64_t> order(blocks.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   SumTree straight;

@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trace/backend/device/device_backend.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <condition_variable>
+#include <dlfcn.h>
+#include <filesystem>
 #include <mutex>
 #include <optional>
 
 #include "base/errors.hpp"
-#include "trace/backend/cpu.hpp"
+#include "trace/backend/backend.hpp"
 #include "trace/backend/device/world_image.hpp"
 #include "trace/step/step.hpp"
 #include "trace/tally/block_sink.hpp"
 
 namespace straytrace {
+
 namespace {
 
 HistoryRun run_on_host(WorldView const& world, std::uint64_t seed, std::uint64_t number) {
@@ -32,7 +37,7 @@ class DeviceBackend final : public Backend {
   std::string_view name() const override { return name_; }
   unsigned callers() const override { return engine_->facts().blocks_at_once; }
 
-  BlockSums run_block(World const& world, std::uint64_t seed, std::uint64_t block) const override {
+  BlockSums run_block(SteeredWorld const& world, std::uint64_t seed, std::uint64_t block) const override {
     if (world.block_size != largest_block) return cpu_backend()->run_block(world, seed, block);  // few histories in all
     Place const mine = wait_for(world, seed, block);
     if (mine.batch->failure) std::rethrow_exception(mine.batch->failure);
@@ -53,7 +58,7 @@ class DeviceBackend final : public Backend {
     Place* place = nullptr;
   };
 
-  Place wait_for(World const& world, std::uint64_t seed, std::uint64_t block) const {
+  Place wait_for(SteeredWorld const& world, std::uint64_t seed, std::uint64_t block) const {
     Place mine;
     std::unique_lock lock(mutex_);
     waiting_.push_back({block, &mine});
@@ -72,11 +77,12 @@ class DeviceBackend final : public Backend {
     }
   }
 
-  std::shared_ptr<Batch> run(World const& world, std::uint64_t seed, std::vector<Request> const& together) const {
+  std::shared_ptr<Batch> run(SteeredWorld const& world, std::uint64_t seed,
+                             std::vector<Request> const& together) const {
     auto const batch = std::make_shared<Batch>();
     try {
       WorldView const view = world.view();
-      load(&world, view);
+      load(&world.world(), view);
       BatchOrder order{seed, {}, settings_.room};
       for (Request const& r : together) order.blocks.push_back(r.block);
       BatchCounts counts;
@@ -208,6 +214,44 @@ BlockSums BatchBlocks::block(std::uint32_t position, std::uint64_t number) const
   put_totals(position, replica, block);
   put_maps(position, block);
   return block;
+}
+
+std::unique_ptr<DeviceEngine> load_engine(std::string const& library) {
+  // Never unloaded: objects of its classes may outlive whoever loaded it.
+  void* const loaded = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!loaded) throw InputError(dlerror(), "build it again, or use --backend cpu");
+  auto const make = reinterpret_cast<MakeDeviceEngine>(dlsym(loaded, "straytrace_device_engine"));
+  if (!make)
+    throw InputError(fmt::format("'{}' is no engine of straytrace", library), "build it again, or use --backend cpu");
+  try {
+    return std::unique_ptr<DeviceEngine>(make(device_abi));
+  } catch (std::exception const& e) {
+    throw InputError(e.what(), "use --backend cpu: it gives the same result");
+  }
+}
+
+namespace {
+
+std::string cuda_library() {
+  std::string const name = "libstraytrace_cuda.so";
+  std::error_code ignored;
+  std::filesystem::path const program = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (auto const& place : {program / name, program / ".." / "lib" / "straytrace" / name})
+    if (std::filesystem::exists(place, ignored)) return place.lexically_normal().string();
+  return {};
+}
+
+}  // namespace
+
+bool has_cuda_engine() { return !cuda_library().empty(); }
+
+std::unique_ptr<DeviceEngine> cuda_engine() {
+  std::string const library = cuda_library();
+  if (library.empty())
+    throw InputError(
+        "this straytrace was built without CUDA",
+        "build it where nvcc is found (docs/guide/gpu.md), or use --backend cpu: it gives the same result");
+  return load_engine(library);
 }
 
 }  // namespace straytrace

@@ -4,8 +4,8 @@
 #include <functional>
 #include <random>
 
+#include "support/sequential.hpp"
 #include "support/trace_support.hpp"
-#include "trace/camera/sequential.hpp"
 #include "trace/tally/replay.hpp"
 
 namespace straytrace::testing::trace_phase_sensitivities {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stop rules that few histories meet: they are met by few, and stopping there favours no value
 // (docs/theory/errors.md, Determinism).
-#include "trace/run/early_checks.hpp"
-
 #include "support/small_tube.hpp"
+#include "trace/run/trace.hpp"
 
 namespace straytrace::testing::early_checks {
 namespace {
@@ -23,7 +22,7 @@ TraceResult until(double wanted, std::uint64_t seed) {
   settings.threads = 1;
   settings.wanted_error = wanted;
   settings.error = error_of_total;
-  return trace_to_rule(world, settings, *test_backend());
+  return trace_to_rule(SteeredWorld::as_given(world), settings, *test_backend());
 }
 
 TEST(EarlyChecks, FewHistoriesMeetALooseRule) {
@@ -60,7 +59,7 @@ double stopped_greedily(std::uint64_t route, std::uint64_t seed) {
   world.block_size = smallest_block;
   BlockSums all;
   for (std::uint64_t block = 0;; ++block) {
-    all = merged(std::move(all), test_backend()->run_block(world, seed, block));
+    all = merged(std::move(all), test_backend()->run_block(SteeredWorld::as_given(world), seed, block));
     if (!all.classes.contains(route) || block == 0) continue;
     Moments const& m = all.classes.at(route).moments;
     double const n = double(all.histories), mean = m.sum / n, error = std::sqrt((m.sum2 - m.sum * mean) / n / (n - 1));

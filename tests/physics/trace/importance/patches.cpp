@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Aiming in scenes of more strips than the tables of importance have rows (docs/theory/sampling.md): neighbours share a
 // patch; a patch is drawn, then a point of it. The mean is that of the BSDF model alone, the error is smaller.
-#include "trace/importance/patches.hpp"
-
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
 #include "support/mesh_shapes.hpp"
 #include "support/shapes.hpp"
 #include "support/trace_received.hpp"
+#include "trace/importance/steering_tables.hpp"
 
 namespace straytrace::testing {
 namespace {

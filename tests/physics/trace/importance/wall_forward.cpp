@@ -96,7 +96,7 @@ struct Listener : Silent {
   Sampler f_lever2;
   explicit Listener(World const& w) : world(w) {}
   void score(PathState const& path, Vertex const& v, std::uint32_t, std::uint32_t number, Vertex const&, double f) {
-    auto const found = replay(world, 1, path.history, path.event, number);
+    auto const found = replay(SteeredWorld::as_given(world), 1, path.history, path.event, number);
     if (!found || found->vertices.size() != 3) return;
     double const z = v.point.z, l1 = std::hypot(z, radius), l2 = std::hypot(arm - z, radius);
     for (PhaseSensitivity const& l : found->phase_sensitivities)

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/ghost_support.hpp"
-#include "trace/camera/sequential.hpp"
+#include "support/sequential.hpp"
 
 namespace straytrace::testing::trace_beam_tree {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "support/sequential.hpp"
 #include "support/trace_support.hpp"
-#include "trace/camera/sequential.hpp"
 
 namespace straytrace::testing {
 
