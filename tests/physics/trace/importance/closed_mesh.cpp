@@ -71,7 +71,7 @@ TEST(ClosedMesh, TargetsInThePlaneOfTheVertexCreateNoPower) {
   EXPECT_GT(wrong.outside, 0);
   EXPECT_GT(wrong.created, 1e-4 * wrong.emitted_power);
   // The trace loses no path, and nothing reaches the black side.
-  TraceResult const r = run_histories(world, 20000);
+  TraceResult const r = run_histories(world, 5 * largest_block);
   EXPECT_EQ(r.total.lost, 0u);
   EXPECT_LT(r.total.energy_balance[int(BalanceTerm::absorbed)].sum, 1e-9 * r.total.emitted.sum);
   // All light is still there after four bounces; later the weights spread too much for an error.
