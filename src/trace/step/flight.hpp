@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Many histories in flight, each depth first. Their rays are searched together, so that memory accesses overlap. Each
-// history has its own tally, and tallies are handed over in the order of histories: sums depend neither on the order of
+// history has its own tally, and tallies are passed on in the order of histories: sums depend neither on the order of
 // completion nor on the number in flight (docs/develop/architecture.md).
 #pragma once
 

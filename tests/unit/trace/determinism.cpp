@@ -103,10 +103,10 @@ std::vector<std::uint64_t> looks(std::vector<double> const& errors, Stopped& why
 
 TEST(StopRule, IsEvaluatedAtFixedBlockCounts) {
   std::vector<std::uint64_t> counts;
-  for (std::uint64_t b = 0; counts.size() < 8; counts.push_back(b)) b = next_look(b);
+  for (std::uint64_t b = 0; counts.size() < 8; counts.push_back(b)) b = next_check(b);
   EXPECT_EQ(counts, (std::vector<std::uint64_t>{32, 45, 64, 91, 128, 181, 256, 362}));
-  EXPECT_EQ(next_look(63), 64u);
-  EXPECT_EQ(next_look(64), 91u);
+  EXPECT_EQ(next_check(63), 64u);
+  EXPECT_EQ(next_check(64), 91u);
 }
 
 TEST(StopRule, MustHoldTwiceInARow) {
