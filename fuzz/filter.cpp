@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size
   static NoiseBudget const noise = test::noise_budget(trace.coupling);
   static MotionSet const shake = test::motion();
   static PathTable const table = path_table(trace.coupling, &noise, &shake, {{10, 30, 100}, 10, 500, 12});
-  static RouteColumns columns{table, trace.coupling, &noise};
+  static RouteColumns columns{table, &noise};
   std::string const text(fuzz::text_of(data, size));
   FilterAnswer const answer = filtered(text, columns);
   for (FilterProblem const& p : answer.problems) (void)error_in_filter("--where", text, p);

@@ -3,7 +3,6 @@
 "use strict";
 
 const rowHeight = 24, spareRows = 6, printedRows = 40;
-const shownAtFirst = ["rank", "sequence", "port", "share", "h10", "h30", "h100", "coupling", "body", "regime", "opl"];
 const measuredRows = 4000;  // as many rows, evenly spread, say how wide a column is
 
 class PathTable {
@@ -13,8 +12,7 @@ class PathTable {
     this.columns = new Map(table.columns.map(c => [c.key, c.values]));
     this.about = new Map(table.columns.map(c => [c.key, c]));
     this.texts = new Set(table.columns.filter(c => typeof c.values.find(v => v !== null) === "string").map(c => c.key));
-    this.shown = shownAtFirst.filter(key => this.about.has(key));
-    if (!this.about.has("h10") && !this.columns.has("h30")) this.shown.push("phase_sensitivity");
+    this.shown = table.columns.filter(c => c.shown).map(c => c.key);
     this.sortKey = "rank";
     this.falling = false;
     this.widest = new Map();

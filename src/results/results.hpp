@@ -130,12 +130,14 @@ struct PathRow {
   std::uint64_t hash = 0;
   std::string port, sequence;
   ClassKind kind = ClassKind::scattered;
-  std::string statement;         // of deterministic routes: what the number is and how far it holds
-  std::size_t vertices = 0;      // 0 for `other`
-  Estimate coupling;             // of ordered paths; C_rev not multiplied in
-  ReplicaPattern replicas = {};  // how it goes up and down with them
-  double reverse = 1;            // C_rev
-  bool by_reverse = false;       // numbers of its reverse, on which it is better sampled
+  std::string statement;     // of deterministic routes: what the number is and how far it holds
+  std::size_t vertices = 0;  // 0 for `other`, as the counts below
+  std::size_t scatters = 0, reflections = 0, bounces = 0, objects = 0;  // bounces: vertices but the first and the last
+  std::string first_scatterer, last_scatterer;                          // of the bounces
+  Estimate coupling;                                                    // of ordered paths; C_rev not multiplied in
+  ReplicaPattern replicas = {};                                         // how it goes up and down with them
+  double reverse = 1;                                                   // C_rev
+  bool by_reverse = false;  // numbers of its reverse, on which it is better sampled
   bool resolved = false;
   bool faint = false;  // unresolved, but too faint to matter (noise.hpp)
   std::string why_not;
@@ -147,6 +149,7 @@ struct PathRow {
   std::string body;              // whose motion contributes most; without motion, of the largest phase sensitivity
   std::string moves;             // without motion: all bodies of nearly the largest phase sensitivity; else `body`
   double phase_sensitivity = 0;  // rad/m, rms over the paths of that body's translations
+  double sensitivity() const { return body.empty() ? not_a_number : phase_sensitivity; }  // rad/m
   bool upper_bound() const { return kind == ClassKind::edge; }
   WithError coupling_with_error() const { return {coupling.mean, coupling.std_error, upper_bound()}; }
   double rms_phase = 0;           // rad, of the strongest independent motion; above 1: fringes wrap
@@ -160,6 +163,7 @@ struct PathTable {
   std::vector<PathRow> rows;        // by rank
   std::vector<double> frequencies;  // Hz
   double low = 0, high = 0;         // Hz
+  double wavelength = 0;            // m
   bool has_noise = false, reverse_routes = true;
   std::vector<WithError> total_strain;    // 1/sqrt(Hz); a lower bound when a row is unresolved
   std::vector<BinLine> lines;             // of it, one per frequency

@@ -192,7 +192,7 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   j["kind"] = "report";
   j["provenance"] = provenance_json(run);
   if (run.noise && wanted.has("budget")) j["budget"] = budget_json(*run.noise, table, routes_in_budget);
-  j["table"] = table_json(table, run.trace->coupling);
+  j["table"] = table_json(table);
   if (wanted.has("scene"))
     j["scene"] =
         scene_part(model, paths_of_rows(run.trace->coupling, table, world, ghosts, wanted.rows, wanted.paths), ghosts);
@@ -232,7 +232,7 @@ std::string view_page(Model const& model, SteeredWorld const& world, RunContent 
   j["scene"] = scene_part(model, paths, ghosts);
   Box const box = scene_drawing(model.world, 1).box;
   j["scene"]["rays"] = rays_json(model.world, sample_rays(world, box, model.seed, wanted.rays));
-  if (run && table) j["table"] = table_json(*table, run->trace->coupling);
+  if (run && table) j["table"] = table_json(*table);
   j["version"] = fmt::format("{} ({})", build_info::version, build_info::commit);
   j["model"] = model.hash();
   j["libraries"] = scripts_json();

@@ -168,8 +168,7 @@ std::optional<Explanation> explain_column(std::string const& what) {
   PathTable table;  // one empty row has all columns
   table.has_noise = true;
   table.rows.emplace_back();
-  CouplingTable const coupling;
-  RouteColumns const columns(table, coupling, nullptr);
+  RouteColumns const columns(table, nullptr);
   auto const& all = columns.all();
   auto const hit =
       std::find_if(all.begin(), all.end(), [&](RouteColumn const& c) { return c.key == what || c.title == what; });

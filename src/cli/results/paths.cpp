@@ -211,7 +211,7 @@ ChosenPaths choose_paths(PathsChoice const& choice, PathTable const& table, Coup
     chosen.strain = std::move(without.strain);
     chosen.left_out = out.size();
   }
-  RouteColumns columns(chosen.all, coupling, budget);
+  RouteColumns columns(chosen.all, budget);
   FilterAnswer answer = filtered(choice.where, columns);
   collect("--where", choice.where, answer, errors);
   chosen.notes = answer.notes;

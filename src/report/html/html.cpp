@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <regex>
 
 #include "base/errors.hpp"
@@ -12,6 +11,7 @@
 #include "io/markup.hpp"
 #include "report/html/page_json.hpp"
 #include "report/html/scripts.hpp"
+#include "results/route_table/route_columns.hpp"
 
 namespace straytrace {
 namespace {
@@ -24,6 +24,8 @@ std::string_view own(std::string const& name) {
   if (text.empty()) throw NumericalError("the program was built without data/page/" + name);
   return text;
 }
+
+std::string bracketed(std::string const& unit) { return unit.empty() || unit == "1" ? "" : " [" + unit + "]"; }
 
 // Within a script element only "</script" and "<!--" matter; in JSON every '<' stands in a string.
 std::string json_text(nlohmann::json const& data) {
@@ -38,8 +40,6 @@ std::string json_text(nlohmann::json const& data) {
   return out;
 }
 
-std::string cell(WithError const& x) { return std::isfinite(x.value) ? escaped(with_brackets(x)) : "unresolved"; }
-
 // Browsers break lines behind a minus sign, which cuts exponents: 1.2(3)e-24 stays on one line. The lengths have limits
 // because std::regex recurses.
 std::string with_whole_numbers(std::string const& markup) {
@@ -47,16 +47,23 @@ std::string with_whole_numbers(std::string const& markup) {
   return std::regex_replace(markup, form, "<span class=\"keep\">$&</span>");
 }
 
-std::string row_html(PathRow const& row) {
-  std::string text = fmt::format("<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td>",
-                                 row.rank, escaped(row.sequence), escaped(row.port),
-                                 !row.resolved       ? "unresolved"
-                                 : row.upper_bound() ? fmt::format("{:.3g}", 100 * row.share.value)
-                                                     : percent_text(row.share.value, row.share.sigma));
-  text += fmt::format("<td>{}</td>", row.resolved ? cell(row.coupling_with_error()) : escaped(row.why_not));
-  for (WithError const& h : row.strain) text += fmt::format("<td>{}</td>", cell(h));
-  return text + fmt::format("<td class=\"text\">{}</td><td>{}</td></tr>\n", escaped(row.body),
-                            std::isfinite(row.length_mean) ? fmt::format("{:.6g}", row.length_mean) : "-");
+// The columns that the page shows at first.
+std::string route_table(PathTable const& table, std::size_t rows) {
+  using Writer = TableWriter<RouteRow>;
+  Writer const list(route_columns(table));
+  auto columns = list.of(&TableColumn<RouteRow>::page);
+  std::erase_if(columns, [](auto const* c) { return !c->shown_first; });
+  std::string text = "<table id=\"fixed\"><thead><tr>";
+  for (auto const* c : columns) text += fmt::format("<th>{}</th>", escaped(c->title + bracketed(c->shown_unit())));
+  text += "</tr></thead><tbody>\n";
+  for (std::size_t i = 0; i < rows; ++i) {
+    text += "<tr>";
+    for (auto const* c : columns)
+      text += fmt::format("<td{}>{}</td>", c->kind == ColumnKind::text ? " class=\"text\"" : "",
+                          escaped(Writer::shown(*c, {table, table.rows[i]})));
+    text += "</tr>\n";
+  }
+  return text + "</tbody></table>\n";
 }
 
 }  // namespace
@@ -75,15 +82,8 @@ std::string static_body(StaticReport const& r, PathTable const& table) {
     text += fmt::format("<p><img alt=\"noise budget\" class=\"budget\" src=\"data:image/{};base64,{}\"></p>\n",
                         r.picture.type, base64(r.picture.bytes.data(), r.picture.bytes.size()));
   std::size_t const rows = std::min(table.rows.size(), r.most_rows);
-  if (rows > 0) {
-    text +=
-        fmt::format("<h2>Routes</h2>\n<p>{} of {} rows.</p>\n<table id=\"fixed\"><thead><tr>", rows, table.rows.size());
-    for (std::string const title : {"rank", "route", "port", "share [%]", "coupling"}) text += "<th>" + title + "</th>";
-    for (double const f : table.frequencies) text += fmt::format("<th>h({:g} Hz) [1/√Hz]</th>", f);
-    text += "<th>moving body</th><th>optical path [m]</th></tr></thead><tbody>\n";
-    for (std::size_t i = 0; i < rows; ++i) text += row_html(table.rows[i]);
-    text += "</tbody></table>\n";
-  }
+  if (rows > 0)
+    text += fmt::format("<h2>Routes</h2>\n<p>{} of {} rows.</p>\n", rows, table.rows.size()) + route_table(table, rows);
   return text + "<h2>Report as text</h2>\n<pre>" + escaped(r.text) + "</pre>\n</noscript>\n";
 }
 

@@ -194,6 +194,7 @@ PageJson values_of(RouteColumn const& c) {
 // `units`: what a filter may write behind a number, of columns of numbers.
 PageJson column_json(RouteColumn const& c) {
   PageJson j{{"key", c.key}, {"title", c.title}, {"unit", c.unit}, {"help", c.help}, {"values", values_of(c)}};
+  j["shown"] = c.shown_first;
   if (c.is_text) return j;
   j["units"] = c.units;
   j["whole"] = c.whole;
@@ -207,8 +208,8 @@ PageJson curve_json(NoiseTrace const& t) {
 
 }  // namespace
 
-PageJson table_json(PathTable const& table, CouplingTable const& coupling) {
-  RouteColumns const columns(table, coupling, nullptr);
+PageJson table_json(PathTable const& table) {
+  RouteColumns const columns(table, nullptr);
   PageJson all = PageJson::array();
   for (RouteColumn const& c : columns.all()) all.push_back(column_json(c));
   return {{"columns", all}, {"rows", columns.rows()}, {"band", {table.low, table.high}}, {"hertz", hertz()}};

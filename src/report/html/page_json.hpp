@@ -23,7 +23,7 @@ PageJson numbers(std::vector<double> const&);
 
 PageJson budget_json(NoiseBudget const&, PathTable const&, std::size_t routes);
 // By columns, since there may be 1e5 rows; titles and units are in `columns`.
-PageJson table_json(PathTable const&, CouplingTable const&);
+PageJson table_json(PathTable const&);
 PageJson provenance_json(RunContent const&);
 PageJson energy_balance_json(RunContent const&);  // terms of the energy balance and objects, each with its error
 PageJson convergence_json(RunContent const&,

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "noise/classes/motion_classes.hpp"
 #include "results/curves/band.hpp"
@@ -94,6 +96,25 @@ void find_shares(std::vector<PathRow>& rows) {
     if (row.resolved) row.share = ReplicaSum(row.power, row.replicas).share_of(total);
 }
 
+// What follows from the steps of a route.
+void count_steps(PathRow& row, CouplingTable const& table, CouplingClass const& c) {
+  std::set<std::uint32_t> met;
+  row.vertices = c.steps.size();
+  for (std::size_t i = 0; i < c.steps.size(); ++i) {
+    char const event = letter(c.steps[i].event);
+    met.insert(c.steps[i].group.value);
+    row.scatters += event == 'S';
+    row.reflections += event == 'R';
+    if (i == 0 || i + 1 == c.steps.size()) continue;
+    ++row.bounces;
+    if (event != 'S') continue;
+    std::string const& name = table.groups.at(c.steps[i].group.value);
+    if (row.first_scatterer.empty()) row.first_scatterer = name;
+    row.last_scatterer = name;
+  }
+  row.objects = met.size();
+}
+
 PathRow row_of(CouplingTable const& table, CouplingClass const& c) {
   PathRow row;
   row.hash = c.hash;
@@ -101,7 +122,7 @@ PathRow row_of(CouplingTable const& table, CouplingClass const& c) {
   row.sequence = route_name(table, c);
   row.kind = c.kind;
   row.statement = c.statement;
-  row.vertices = c.steps.size();
+  count_steps(row, table, c);
   row.coupling = c.coupling;
   row.replicas = pattern_of(table, c);
   row.reverse = c.reverse;
@@ -172,6 +193,7 @@ PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, M
   PathTable table;
   table.has_noise = budget && budget->routes.size() == coupling.classes.size();
   table.reverse_routes = coupling.reverse_routes;
+  table.wavelength = coupling.wavelength;
   if (table.has_noise) {
     table.frequencies = settings.frequencies;
     std::tie(table.low, table.high) = band_of(budget->grid, settings.low, settings.high);

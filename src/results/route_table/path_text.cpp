@@ -4,69 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/text/words.hpp"
 #include "results/curves/band.hpp"
+#include "results/route_table/route_columns.hpp"
 #include "results/route_table/route_sums.hpp"
-#include "results/text/columns.hpp"
 
 namespace straytrace {
 namespace {
 
-using Cells = std::vector<std::string>;
+using Line = std::map<std::string, std::string>;  // cells of a line of sums by the key of their column
+using RouteWriter = TableWriter<RouteRow>;
 
-std::string number_or_dash(double x, char const* form) {
-  return std::isfinite(x) ? fmt::format(fmt::runtime(form), x) : "-";
-}
-
-// The column `kind` is there when the table holds more than scattered light.
-bool has_kinds(PathTable const& table) {
-  return std::any_of(table.rows.begin(), table.rows.end(),
-                     [](PathRow const& row) { return row.kind != ClassKind::scattered; });
-}
-
-Columns head(PathTable const& table) {
-  Columns c;
-  c.titles = {"#", "route", "port"};
-  c.left = {false, true, true};
-  if (has_kinds(table)) {
-    c.titles.push_back("kind");
-    c.left.push_back(true);
-  }
-  if (table.has_noise) c.titles.push_back("share/%");
-  c.titles.insert(c.titles.end(), {"coupling", "C_rev"});
-  if (table.has_noise)
-    for (double const f : table.frequencies) c.titles.push_back(fmt::format("h({:g} Hz)", f));
-  c.titles.push_back("moves");
-  c.left.resize(c.titles.size(), false);
-  c.left.back() = true;
-  c.titles.insert(c.titles.end(), {"sensitivity/(rad/m)", "phase/rad", "regime", "length/m"});
-  return c;
-}
-
-Cells cells_of(PathTable const& table, PathRow const& row) {
-  Cells c = {fmt::format("{}", row.rank), row.sequence, row.port};
-  if (has_kinds(table)) c.push_back(name_of(row.kind));
-  std::string const unresolved = "unresolved", still = "still";
-  bool const moves = !row.resolved || row.rms_phase > 0;  // a route on which nothing moves makes exactly no noise
-  if (table.has_noise)
-    c.push_back(!row.resolved       ? unresolved
-                : !moves            ? still
-                : row.upper_bound() ? number_or_dash(100 * row.share.value, "{:.3g}")
-                                    : percent_text(row.share.value, row.share.sigma));
-  c.push_back(row.resolved ? with_brackets(row.coupling_with_error()) : unresolved);
-  c.push_back(fmt::format("{:g}", row.reverse));
-  for (WithError const& h : row.strain) c.push_back(std::isnan(h.value) ? "-" : moves ? with_brackets(h) : still);
-  c.push_back(row.moves.empty() ? "-" : row.moves);
-  c.push_back(row.body.empty() ? "-" : number_or_dash(row.phase_sensitivity, "{:.3g}"));
-  c.push_back(number_or_dash(row.rms_phase, "{:.2g}"));
-  c.push_back(row.regime.empty() ? "-" : row.regime);
-  c.push_back(number_or_dash(row.length_mean, "{:.6g}"));
-  return c;
-}
+bool is_upper_bound(PathRow const& row) { return row.upper_bound(); }
 
 // Sum of resolved rows from `first` on: shares, of `whole`, and couplings add, strains add in power.
-Cells rest_of(PathTable const& table, std::size_t first, PathTable const& whole, std::string const& title) {
+Line rest_of(PathTable const& table, std::size_t first, PathTable const& whole, std::string const& title) {
   ReplicaSum power, all_power, coupling;
   std::vector<ReplicaSum> strain(table.frequencies.size());  // h^2, with half its deviations: h dh
   std::vector<double> bound(table.frequencies.size());       // h^2 of upper bounds
@@ -87,38 +41,24 @@ Cells rest_of(PathTable const& table, std::size_t first, PathTable const& whole,
       if (row.upper_bound()) bound[k] += h * h;
     }
   }
-  Cells c = {"", counted(count, title + " route"), ""};
-  if (has_kinds(table)) c.push_back("");
+  if (count == 0) return {};
   bool const moves = power.value() > 0;
   WithError const share = power.share_of(all_power);
   WithError sum = coupling.result();
   sum.at_most = bound_coupling > std::max(sum.sigma, 1e-3 * sum.value);
-  if (table.has_noise) c.push_back(moves ? percent_text(share.value, share.sigma) : "still");
-  c.push_back(with_brackets(sum));
-  c.push_back("");
+  Line line{{"sequence", counted(count, title + " route")},
+            {"share", moves ? percent_text(share.value, share.sigma) : "still"},
+            {"coupling", with_brackets(sum)}};
   for (std::size_t k = 0; k < strain.size(); ++k) {
     double const h = std::sqrt(strain[k].value()), sigma = h > 0 ? strain[k].result().sigma / h : 0;
     bool const most = h > 0 && at_most(h, sigma, bound[k] / strain[k].value());
-    c.push_back(std::isnan(h) ? "-" : moves ? with_brackets({h, sigma, most}) : "still");
+    line[strain_key(table.frequencies[k])] = std::isnan(h) ? "-" : moves ? with_brackets({h, sigma, most}) : "still";
   }
-  c.insert(c.end(), 5, "");
-  return count == 0 ? Cells{} : c;
-}
-
-// h of all that is in the total, or of resolved routes alone.
-Cells strain_of(PathTable const& table, bool resolved_alone) {
-  Cells out;
-  if (resolved_alone) {
-    Cells const rows = rest_of(table, 0, table, "");
-    std::size_t const end = rows.size() - 5;
-    return {rows.begin() + std::ptrdiff_t(end - table.frequencies.size()), rows.begin() + std::ptrdiff_t(end)};
-  }
-  for (WithError const& h : table.total_strain) out.push_back(std::isnan(h.value) ? "-" : with_brackets(h));
-  return out;
+  return line;
 }
 
 // What was seen of unresolved routes is in the total, each with an error as large as itself.
-Cells hints_of(PathTable const& table) {
+Line hints_of(PathTable const& table) {
   std::vector<double> square(table.frequencies.size()), variance(table.frequencies.size());
   double coupling = 0, coupling_variance = 0;
   for (PathRow const& row : table.rows) {
@@ -131,45 +71,46 @@ Cells hints_of(PathTable const& table) {
       variance[k] += h2 * h2;
     }
   }
-  bool const heard = std::any_of(square.begin(), square.end(), [](double h2) { return h2 > 0; });
-  if (!heard || table.unresolved == table.rows.size()) return {};
-  Cells c = {"", counted(table.unresolved, "unresolved route") + ", what was seen", ""};
-  if (has_kinds(table)) c.push_back("");
-  c.push_back("-");
-  c.push_back(with_brackets(coupling, std::sqrt(coupling_variance)));
-  c.push_back("");
+  bool const seen = std::any_of(square.begin(), square.end(), [](double h2) { return h2 > 0; });
+  if (!seen || table.unresolved == table.rows.size()) return {};
+  Line line{{"sequence", counted(table.unresolved, "unresolved route") + ", what was seen"},
+            {"share", "-"},
+            {"coupling", with_brackets(coupling, std::sqrt(coupling_variance))}};
   for (std::size_t k = 0; k < square.size(); ++k) {
     double const h = std::sqrt(square[k]);
     bool const inside = !std::isnan(table.total_strain[k].value);
-    c.push_back(!inside ? "-" : h > 0 ? with_brackets(h, std::sqrt(variance[k]) / (2 * h)) : "still");
+    line[strain_key(table.frequencies[k])] = !inside ? "-"
+                                             : h > 0 ? with_brackets(h, std::sqrt(variance[k]) / (2 * h))
+                                                     : "still";
   }
-  c.insert(c.end(), 5, "");
-  return c;
+  return line;
+}
+
+void add_total_strain(Line& line, PathTable const& table) {
+  for (std::size_t k = 0; k < table.total_strain.size(); ++k) {
+    WithError const& h = table.total_strain[k];
+    line[strain_key(table.frequencies[k])] = std::isnan(h.value) ? "-" : with_brackets(h);
+  }
 }
 
 // The last lines: the sum, or that of resolved routes, what was seen of the others, and both together.
-std::vector<Cells> sums_of(PathTable const& table) {
+std::vector<Line> sums_of(PathTable const& table) {
   bool const nothing = table.unresolved == table.rows.size();
-  Cells hints = hints_of(table);
-  Cells sum = {"", "sum", ""}, total = {"", table.lower_bound() ? "total (lower bound)" : "total", "", "", "", ""};
-  if (!hints.empty())
-    sum[1] = "sum of resolved routes";
-  else if (table.lower_bound())
-    sum[1] = "sum of resolved routes (lower bound)";
-  if (has_kinds(table)) sum.emplace_back(), total.emplace_back();
-  if (table.has_noise) sum.push_back(nothing ? "unresolved" : "100");
-  sum.push_back(nothing ? "unresolved" : with_brackets(table.total_coupling));
-  sum.push_back("");
-  Cells const strain = strain_of(table, !hints.empty());
-  sum.insert(sum.end(), strain.begin(), strain.end());
-  for (WithError const& h : table.total_strain) total.push_back(std::isnan(h.value) ? "-" : with_brackets(h));
-  sum.insert(sum.end(), 5, "");
-  total.insert(total.end(), 5, "");
-  std::vector<Cells> all{std::move(sum)};
-  if (hints.empty()) return all;
-  all.push_back(std::move(hints));
-  all.push_back(std::move(total));
-  return all;
+  Line const hints = hints_of(table);
+  Line sum;
+  if (hints.empty())
+    add_total_strain(sum, table);
+  else
+    sum = rest_of(table, 0, table, "");
+  sum["sequence"] = !hints.empty()        ? "sum of resolved routes"
+                    : table.lower_bound() ? "sum of resolved routes (lower bound)"
+                                          : "sum";
+  sum["share"] = nothing ? "unresolved" : "100";
+  sum["coupling"] = nothing ? "unresolved" : with_brackets(table.total_coupling);
+  if (hints.empty()) return {sum};
+  Line total{{"sequence", table.lower_bound() ? "total (lower bound)" : "total"}};
+  add_total_strain(total, table);
+  return {sum, hints, total};
 }
 
 std::string explanation(PathTable const& table) {
@@ -186,7 +127,7 @@ std::string explanation(PathTable const& table) {
                         mirrored == 1 ? "route was" : "routes were");
   if (has_kinds(table))
     text += "Kinds ghost and edge are computed, not sampled, without a Monte-Carlo error; their limits stand below.\n";
-  if (std::any_of(table.rows.begin(), table.rows.end(), [](PathRow const& row) { return row.upper_bound(); }))
+  if (std::any_of(table.rows.begin(), table.rows.end(), is_upper_bound))
     text += "Kind edge is an upper bound, in h, in the sum and in the shares: 'at most'.\n";
   return text + "\n";
 }
@@ -250,17 +191,23 @@ std::string path_text(PathTable const& table, std::size_t show) {
 
 std::string path_text(PathTable const& table, std::size_t show, PathTable const& whole) {
   if (table.rows.empty()) return fmt::format("No route of {} is shown.\n", whole.rows.size());
-  Columns columns = head(table);
+  RouteWriter const list(route_columns(table));
+  Columns columns = list.text_head();
+  auto const add_rows = [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) columns.rows.push_back(list.text_row({table, table.rows[i]}));
+  };
+  auto const add_line = [&](Line const& line) {
+    if (!line.empty()) columns.rows.push_back(list.text_cells(line));
+  };
   std::size_t const resolved = table.rows.size() - table.unresolved, shown = std::min(show, resolved);
-  for (std::size_t i = 0; i < shown; ++i) columns.rows.push_back(cells_of(table, table.rows[i]));
-  if (Cells rest = rest_of(table, shown, whole, "further"); !rest.empty()) columns.rows.push_back(std::move(rest));
+  add_rows(0, shown);
+  add_line(rest_of(table, shown, whole, "further"));
   columns.rows.push_back({});
   if (table.rows.size() == whole.rows.size())
-    for (Cells& sum : sums_of(table)) columns.rows.push_back(std::move(sum));
-  else if (Cells sum = rest_of(table, 0, whole, "shown"); !sum.empty())
-    columns.rows.push_back(std::move(sum));
-  std::size_t const last = std::min(table.rows.size(), resolved + show);
-  for (std::size_t i = resolved; i < last; ++i) columns.rows.push_back(cells_of(table, table.rows[i]));
+    for (Line const& sum : sums_of(table)) add_line(sum);
+  else
+    add_line(rest_of(table, 0, whole, "shown"));
+  add_rows(resolved, std::min(table.rows.size(), resolved + show));
   return explanation(table) + aligned(columns) + statements(table, show) + reasons(table);
 }
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <stdexcept>
 
 #include "base/units/quantity.hpp"
@@ -15,36 +14,314 @@
 namespace straytrace {
 namespace {
 
-// What follows from the steps of a route.
-struct Steps {
-  int scatters = 0, bounces = 0, reflections = 0;
-  std::string first, last;  // scatterer that is neither the start nor the end
-  std::set<std::uint32_t> met;
-};
+using RouteList = std::vector<TableColumn<RouteRow>>;
+using Json = nlohmann::ordered_json;
 
-Steps steps_of(CouplingTable const& coupling, CouplingClass const& c) {
-  Steps s;
-  for (std::size_t i = 0; i < c.steps.size(); ++i) {
-    char const event = letter(c.steps[i].event);
-    s.met.insert(c.steps[i].group.value);
-    s.scatters += event == 'S';
-    s.reflections += event == 'R';
-    if (i == 0 || i + 1 == c.steps.size()) continue;
-    ++s.bounces;
-    if (event != 'S') continue;
-    std::string const& name = coupling.groups.at(c.steps[i].group.value);
-    if (s.first.empty()) s.first = name;
-    s.last = name;
+constexpr char const* unresolved = "unresolved";
+constexpr char const* still = "still";
+
+// A route without moving surfaces makes exactly no noise.
+bool moves(PathRow const& row) { return !row.resolved || row.rms_phase > 0; }
+
+std::string share_text(PathRow const& row) {
+  if (!row.resolved) return unresolved;
+  if (!moves(row)) return still;
+  return row.upper_bound() ? cell_text(100 * row.share.value, "{:.3g}")
+                           : percent_text(row.share.value, row.share.sigma);
+}
+
+std::string strain_text(PathRow const& row, WithError const& h) {
+  return std::isnan(h.value) ? "-" : moves(row) ? with_brackets(h) : still;
+}
+
+Json strain_json(PathTable const& table, PathRow const& row) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < row.strain.size(); ++i) {
+    Json h = error_json(row.strain[i]);
+    h["frequency_Hz"] = table.frequencies[i];
+    if (!std::isnan(row.input_low[i])) h["input"] = {row.input_low[i], row.input_high[i]};
+    all.push_back(h);
   }
-  return s;
+  return all;
+}
+
+Json folded_json(std::vector<FoldedRow> const& rows) {
+  Json all = Json::array();
+  for (FoldedRow const& f : rows)
+    all.push_back({{"id", hash_text(f.hash)},
+                   {"sequence", f.sequence},
+                   {"coupling", f.trusted ? error_json(f.coupling) : Json(nullptr)},
+                   {"coupling_hint", f.coupling.value},
+                   {"why", f.why}});
+  return all;
+}
+
+// An entry that a row has only under a condition.
+Json only_if(bool there, Json entry) { return there ? std::move(entry) : Json(Json::value_t::discarded); }
+
+// A row `other` sums routes that differ in their steps.
+TableCell of_route(PathRow const& row, std::size_t count) {
+  return row.vertices > 0 ? TableCell(std::uint64_t{count}) : TableCell(not_a_number);
+}
+
+std::string strain_title(double hz) { return fmt::format("h({:g} Hz)", hz); }
+
+std::string hertz_list(std::vector<double> const& all) {
+  std::string text;
+  for (double const f : all) text += fmt::format("{}{:g} Hz", text.empty() ? "" : ", ", f);
+  return text;
+}
+
+// A column fills a few lines, which the formatter would make a dozen.
+// clang-format off
+
+void add_names(RouteList& all) {
+  all.push_back({.key = "rank", .kind = ColumnKind::count, .title = "rank",
+    .help = "1 = largest share of the strain noise",
+    .value = [](RouteRow const& r) { return std::uint64_t{r.row.rank}; },
+    .text = {10, "#"}, .csv = {10}, .json = {10}, .page = {10}, .shown_first = true});
+  all.push_back({.key = "sequence", .kind = ColumnKind::text, .title = "route",
+    .help = "R reflect, T transmit, S scatter, E edge",
+    .value = [](RouteRow const& r) { return r.row.sequence; },
+    .text = {20, "route"}, .csv = {40}, .json = {40}, .page = {20}, .left = true, .shown_first = true});
+  all.push_back({.key = "port", .kind = ColumnKind::text, .title = "port", .help = "where the light rejoins the mode",
+    .value = [](RouteRow const& r) { return r.row.port; },
+    .text = {30}, .csv = {30}, .json = {30}, .page = {30}, .left = true, .shown_first = true});
+  all.push_back({.key = "id", .kind = ColumnKind::text, .title = "id",
+    .help = "stable name of the route between runs of one model",
+    .value = [](RouteRow const& r) { return hash_text(r.row.hash); },
+    .csv = {20}, .json = {20}, .page = {270}});
+  all.push_back({.key = "vertices", .kind = ColumnKind::count, .help = "of the route; 0 for rows that sum routes",
+    .value = [](RouteRow const& r) { return std::uint64_t{r.row.vertices}; },
+    .csv = {50}, .json = {70}});
+  all.push_back({.key = "sampled_on", .kind = ColumnKind::text,
+    .help = "itself, or reverse: taken from the reversed route",
+    .value = [](RouteRow const& r) { return std::string(r.row.by_reverse ? "reverse" : "itself"); },
+    .csv = {220}, .json = {130}});
+  all.push_back({.key = "statement", .kind = ColumnKind::text,
+    .help = "of computed routes: meaning of the number and its validity",
+    .value = [](RouteRow const& r) { return r.row.statement; },
+    .csv = {240}, .json = {60},
+    .as_json = [](RouteRow const& r) { return only_if(!r.row.statement.empty(), r.row.statement); }});
+  all.push_back({.key = "folded_routes", .kind = ColumnKind::count, .help = "of a row that sums routes: how many",
+    .value = [](RouteRow const& r) { return std::uint64_t{r.row.folded_routes}; }, .json = {240},
+    .as_json = [](RouteRow const& r) { return only_if(r.row.folded_routes > 0, r.row.folded_routes); }});
+  all.push_back({.key = "folded", .help = "the largest of these routes", .json = {250},
+    .as_json = [](RouteRow const& r) { return only_if(r.row.folded_routes > 0, folded_json(r.row.folded)); }});
+}
+
+void add_kind(RouteList& all, bool kinds) {
+  all.push_back({.key = "kind", .kind = ColumnKind::text, .title = "kind", .help = "scattered, ghost or edge",
+    .value = [](RouteRow const& r) { return std::string(name_of(r.row.kind)); },
+    .text = {kinds ? 40 : 0}, .csv = {230}, .json = {50}, .page = {40}, .left = true});
+  all.push_back({.key = "bound", .kind = ColumnKind::text, .help = "upper: coupling and h are upper bounds",
+    .value = [](RouteRow const& r) { return std::string(r.row.upper_bound() ? "upper" : ""); },
+    .csv = {260}});
+  all.push_back({.key = "scatters", .kind = ColumnKind::count, .title = "scatters",
+    .help = "diffuse events, those on lit optics included",
+    .value = [](RouteRow const& r) { return of_route(r.row, r.row.scatters); }, .page = {60}});
+  all.push_back({.key = "bounces", .kind = ColumnKind::count, .title = "bounces",
+    .help = "surfaces between the first and the last",
+    .value = [](RouteRow const& r) { return of_route(r.row, r.row.bounces); }, .page = {70}});
+  all.push_back({.key = "order", .kind = ColumnKind::count, .title = "ghost order",
+    .help = "reflections on the route of a ghost",
+    .value = [](RouteRow const& r) {
+    return r.row.kind == ClassKind::ghost ? of_route(r.row, r.row.reflections) : TableCell(not_a_number);
+    },
+    .page = {80}});
+  all.push_back({.key = "objects", .kind = ColumnKind::count, .title = "objects",
+    .help = "different objects on the route",
+    .value = [](RouteRow const& r) { return of_route(r.row, r.row.objects); }, .page = {90}});
+  all.push_back({.key = "first", .kind = ColumnKind::text, .title = "first scatterer", .help = "between start and end",
+    .value = [](RouteRow const& r) { return r.row.first_scatterer; }, .page = {100}});
+  all.push_back({.key = "last", .kind = ColumnKind::text, .title = "last scatterer", .help = "between start and end",
+    .value = [](RouteRow const& r) { return r.row.last_scatterer; }, .page = {110}});
+}
+
+void add_strain(RouteList& all, std::size_t i, double hz) {
+  std::string const at = fmt::format("h_{:g}Hz", hz);
+  all.push_back({.key = strain_key(hz), .kind = ColumnKind::estimate, .title = strain_title(hz), .unit = "1/√Hz",
+    .help = "one-sided strain ASD, mean over static phases",
+    .value = [i](RouteRow const& r) { return r.row.strain[i]; },
+    .text = {80, strain_title(hz)}, .csv = {100, at}, .page = {120}, .shown_first = true,
+    .as_text = [i](RouteRow const& r) { return strain_text(r.row, r.row.strain[i]); }});
+  all.push_back({.key = strain_key(hz) + "_input_low", .unit = "1/√Hz", .help = "h at the low end of the stated inputs",
+    .value = [i](RouteRow const& r) { return r.row.input_low[i]; }, .csv = {250, at + "_input_low"}});
+  all.push_back({.key = strain_key(hz) + "_input_high", .unit = "1/√Hz",
+    .help = "h at the high end of the stated inputs",
+    .value = [i](RouteRow const& r) { return r.row.input_high[i]; }, .csv = {250, at + "_input_high"}});
+}
+
+void add_noise_columns(RouteList& all, bool has_noise) {
+  all.push_back({.key = "share", .kind = ColumnKind::estimate, .title = "share", .unit = "1",
+    .help = "of the resolved strain noise power in the band", .value = [](RouteRow const& r) { return r.row.share; },
+    .text = {has_noise ? 50 : 0, "share/%"}, .csv = {110, "share_percent", 100}, .json = {150},
+    .page = {50, "", 100}, .page_unit = "%", .shown_first = true,
+    .as_text = [](RouteRow const& r) { return share_text(r.row); }});
+  all.push_back({.key = "strain", .unit = "1/√Hz", .help = "one-sided strain ASD at each frequency", .json = {140},
+    .as_json = [](RouteRow const& r) { return strain_json(r.table, r.row); }});
+  all.push_back({.key = "without", .title = "without it", .unit = "1",
+    .help = "change of the total strain if this route were absent",
+    .value = [](RouteRow const& r) {
+    double const s = r.row.share.value;
+    return s > 0 ? std::sqrt(std::max(0.0, 1 - s)) - 1 : not_a_number;
+    },
+    .page = {130, "", 100}, .page_unit = "%"});
+  all.push_back({.key = "rms_phase", .title = "rms phase", .unit = "rad", .help = "above 1 fringes wrap",
+    .value = [](RouteRow const& r) { return r.row.rms_phase; },
+    .text = {110, "phase/rad"}, .csv = {140, "rms_phase_rad"}, .json = {180, "rms_phase_rad"}, .page = {180},
+    .format = "{:.2g}"});
+  all.push_back({.key = "regime", .kind = ColumnKind::text, .title = "regime", .help = "linear, or wrapped fringes",
+    .value = [](RouteRow const& r) { return r.row.regime; },
+    .text = {120}, .csv = {150}, .json = {190}, .page = {190}, .shown_first = true});
+  all.push_back({.key = "moves", .kind = ColumnKind::text,
+    .help = "the moving body; without motion all bodies of nearly the largest phase sensitivity",
+    .value = [](RouteRow const& r) { return r.row.moves; }, .text = {90}, .left = true});
+  all.push_back({.key = "body", .kind = ColumnKind::text, .title = "moving body",
+    .help = "whose motion contributes most",
+    .value = [](RouteRow const& r) { return r.row.body; },
+    .csv = {120, "moving_body"}, .json = {160, "moving_body"}, .page = {160}, .shown_first = true});
+  all.push_back({.key = "phase_sensitivity", .title = "phase sensitivity", .unit = "rad/m",
+    .help = "phase per displacement of that body, rms over paths",
+    .value = [](RouteRow const& r) { return r.row.sensitivity(); },
+    .text = {100, "sensitivity/(rad/m)"}, .csv = {130, "phase_sensitivity_rad_per_m"},
+    .json = {170, "phase_sensitivity_rad_per_m"}, .page = {170}, .shown_first = !has_noise});
+  all.push_back({.key = "fringes", .title = "fringe multiplicity", .unit = "2v/λ",
+    .help = "fringe rate over that of a single retro-reflection",
+    .value = [](RouteRow const& r) { return r.row.sensitivity() * r.table.wavelength / (4 * pi); }, .page = {200}});
+}
+
+void add_light(RouteList& all) {
+  all.push_back({.key = "coupling", .kind = ColumnKind::estimate, .title = "coupling", .unit = "1",
+    .help = "recoupled power fraction of ordered paths",
+    .value = [](RouteRow const& r) {
+    return r.row.resolved ? r.row.coupling_with_error() : WithError{not_a_number, not_a_number};
+    },
+    .text = {60}, .csv = {60}, .json = {100}, .page = {140}, .shown_first = true,
+    .as_text = [](RouteRow const& r) {
+    return r.row.resolved ? with_brackets(r.row.coupling_with_error()) : unresolved;
+    },
+    .as_json = [](RouteRow const& r) {
+    return r.row.resolved ? error_json(r.row.coupling_with_error()) : Json(nullptr);
+    }});
+  all.push_back({.key = "hint", .unit = "1", .help = "the coupling, also where it is not reliable",
+    .value = [](RouteRow const& r) { return r.row.coupling.mean; },
+    .csv = {70, "coupling_hint"}, .json = {110, "coupling_hint"}});
+  all.push_back({.key = "C_rev", .unit = "1", .help = "factor of the reversed route, not in the coupling",
+    .value = [](RouteRow const& r) { return r.row.reverse; }, .text = {70}, .csv = {90}, .json = {120},
+    .format = "{:g}"});
+  all.push_back({.key = "status", .kind = ColumnKind::text, .title = "status", .help = "resolved, or why not",
+    .value = [](RouteRow const& r) { return r.row.resolved ? "resolved" : "unresolved: " + r.row.why_not; },
+    .csv = {80}, .page = {150}});
+  all.push_back({.key = "resolved", .help = "whether the coupling is reliable",
+    .value = [](RouteRow const& r) { return r.row.resolved; }, .json = {80}});
+  all.push_back({.key = "why_not", .kind = ColumnKind::text, .help = "why it is not resolved",
+    .value = [](RouteRow const& r) { return r.row.why_not; }, .json = {90}});
+  all.push_back({.key = "histories", .kind = ColumnKind::count, .title = "histories", .help = "that have scored",
+    .value = [](RouteRow const& r) { return r.row.coupling.scored; },
+    .csv = {190, "histories_scored"}, .json = {210, "histories_scored"}, .page = {250}});
+  all.push_back({.key = "largest", .title = "largest history", .unit = "1", .help = "share of the largest single one",
+    .value = [](RouteRow const& r) { return r.row.coupling.largest_share; },
+    .csv = {200, "largest_history_share"}, .json = {220, "largest_history_share"}, .page = {260, "", 100},
+    .page_unit = "%"});
+  all.push_back({.key = "effective_scores", .unit = "1", .help = "effective sample size",
+    .value = [](RouteRow const& r) { return r.row.coupling.effective_scores; }, .csv = {210}, .json = {230}});
+}
+
+void add_lengths(RouteList& all) {
+  all.push_back({.key = "opl", .title = "optical path", .unit = "m", .help = "mean over its paths",
+    .value = [](RouteRow const& r) { return r.row.length_mean; },
+    .text = {130, "length/m"}, .csv = {160, "path_mean_m"}, .json = {200, "path_length_m/mean"}, .page = {210},
+    .format = "{:.6g}", .shown_first = true});
+  all.push_back({.key = "opl_min", .title = "shortest", .unit = "m", .help = "of the kept paths",
+    .value = [](RouteRow const& r) { return r.row.length_min; },
+    .csv = {170, "path_min_m"}, .json = {200, "path_length_m/min"}, .page = {220}});
+  all.push_back({.key = "opl_max", .title = "longest", .unit = "m", .help = "of the kept paths",
+    .value = [](RouteRow const& r) { return r.row.length_max; },
+    .csv = {180, "path_max_m"}, .json = {200, "path_length_m/max"}, .page = {230}});
+  all.push_back({.key = "delay", .title = "delay", .unit = "s", .help = "light time along the mean optical path",
+    .value = [](RouteRow const& r) { return r.row.length_mean / speed_of_light; }, .page = {240}});
+}
+
+// clang-format on
+
+}  // namespace
+
+bool has_kinds(PathTable const& table) {
+  return std::any_of(table.rows.begin(), table.rows.end(),
+                     [](PathRow const& row) { return row.kind != ClassKind::scattered; });
 }
 
 std::string strain_key(double hz) { return fmt::format("h{:g}", hz); }
 
-std::string hertz(std::vector<double> const& all) {
-  std::string text;
-  for (double const f : all) text += fmt::format("{}{:g} Hz", text.empty() ? "" : ", ", f);
-  return text;
+std::vector<TableColumn<RouteRow>> route_columns(PathTable const& table) {
+  RouteList all;
+  add_names(all);
+  add_kind(all, has_kinds(table));
+  for (std::size_t i = 0; i < table.frequencies.size(); ++i) add_strain(all, i, table.frequencies[i]);
+  add_noise_columns(all, table.has_noise);
+  add_light(all);
+  add_lengths(all);
+  return all;
+}
+
+namespace {
+
+// Units are those of the scene language; a plain number suffices for pure ratios, counts and h.
+void add_units(RouteColumn& c) {
+  std::string names;
+  if (c.unit == "m") names = accepted_units(dim::length);
+  if (c.unit == "s") names = accepted_units(dim::time);
+  if (c.unit == "rad") names = accepted_units(dim::angle);
+  if (c.unit == "rad/m") names = "rad/m, rad/mm, rad/um";
+  if (c.unit == "%" || c.unit == "1") names = "%, ppm, ppb";
+  for (std::size_t at = 0; at < names.size();) {
+    std::size_t const end = std::min(names.find(", ", at), names.size());
+    std::string const name = names.substr(at, end - at);
+    if (auto const unit = parse_unit(name)) c.units.emplace_back(name, unit->si * (c.unit == "%" ? 100 : 1));
+    at = end + 2;
+  }
+  c.needs_unit = !c.units.empty() && c.unit != "1";
+  if (c.unit == "1/√Hz") c.units = {{"/sqrt(Hz)", 1.0}};
+}
+
+double finite_or_nan(double x) { return std::isfinite(x) ? x : not_a_number; }
+
+double number_in(TableCell const& cell) {
+  if (auto const* const n = std::get_if<std::uint64_t>(&cell)) return double(*n);
+  if (auto const* const e = std::get_if<WithError>(&cell)) return e->value;
+  return std::get<double>(cell);
+}
+
+// A column on pages and in filters, and behind an estimate its standard error.
+std::vector<RouteColumn> values_of(TableColumn<RouteRow> const& c, PathTable const& table) {
+  RouteColumn column{c.key,
+                     c.title,
+                     c.shown_unit(),
+                     c.help,
+                     c.kind == ColumnKind::text,
+                     c.kind == ColumnKind::count,
+                     c.shown_first,
+                     {},
+                     {},
+                     {},
+                     false};
+  RouteColumn error{
+      c.key + "_sigma", "± " + c.title, column.unit, "one standard error", false, false, false, {}, {}, {}, false};
+  for (PathRow const& row : table.rows) {
+    TableCell cell = c.value({table, row});
+    if (column.is_text) {
+      column.texts.push_back(std::get<std::string>(std::move(cell)));
+      continue;
+    }
+    column.numbers.push_back(finite_or_nan(c.page.scale * number_in(cell)));
+    if (auto const* const e = std::get_if<WithError>(&cell))
+      error.numbers.push_back(finite_or_nan(c.page.scale * e->sigma));
+  }
+  for (RouteColumn* each : {&column, &error})
+    if (!each->is_text) add_units(*each);
+  return c.kind == ColumnKind::estimate ? std::vector{std::move(column), std::move(error)}
+                                        : std::vector{std::move(column)};
 }
 
 }  // namespace
@@ -65,19 +342,20 @@ std::vector<std::string> objects_of(std::string const& sequence) {
   return all;
 }
 
-RouteColumns::RouteColumns(PathTable const& table, CouplingTable const& coupling, NoiseBudget const* budget)
-    : listed_(table.has_noise ? table.frequencies : std::vector<double>{}), budget_(budget), rows_(table.rows.size()) {
-  std::map<std::uint64_t, CouplingClass const*> by_hash;
-  for (CouplingClass const& c : coupling.classes) by_hash[c.hash] = &c;
+RouteColumns::RouteColumns(PathTable const& table, NoiseBudget const* budget)
+    : listed_(table.has_noise ? table.frequencies : std::vector<double>{}), budget_(budget) {
+  TableWriter<RouteRow> const list(route_columns(table));
+  for (TableColumn<RouteRow> const* c : list.of(&TableColumn<RouteRow>::page))
+    for (RouteColumn& column : values_of(*c, table)) add(std::move(column));
   for (PathRow const& row : table.rows) {
     hashes_.push_back(row.hash);
     resolved_.push_back(row.resolved);
-    auto const found = by_hash.find(row.hash);
-    add_names(row, found == by_hash.end() ? nullptr : found->second, coupling);
-    add_noise(table, row);
-    add_light(row, coupling.wavelength);
   }
-  add_units();
+}
+
+RouteColumn& RouteColumns::add(RouteColumn column) {
+  place_.emplace(column.key, all_.size());
+  return all_.emplace_back(std::move(column));
 }
 
 RouteColumn const* RouteColumns::find(std::string_view key) const {
@@ -86,128 +364,22 @@ RouteColumn const* RouteColumns::find(std::string_view key) const {
 }
 
 RouteColumn const& RouteColumns::strain(double hz) {
-  std::string const key = strain_key(hz);
-  bool const listed = std::find(listed_.begin(), listed_.end(), hz) != listed_.end();
-  if (listed) return *find(key);
+  if (RouteColumn const* const known = find(strain_key(hz))) return *known;
   if (listed_.empty()) throw std::out_of_range("this run has no noise yet; write: straytrace noise RUN");
-  if (!budget_) throw std::out_of_range("h is listed at " + hertz(listed_));
+  if (!budget_) throw std::out_of_range("h is listed at " + hertz_list(listed_));
   FrequencyGrid const& grid = budget_->grid;
   if (!(hz >= grid.edges.front() && hz < grid.edges.back()))
     throw std::out_of_range(fmt::format("h is known from {:g} Hz to {:g} Hz", grid.edges.front(), grid.edges.back()));
   std::map<std::uint64_t, NoiseTrace const*> curves;
   for (NoiseTrace const& t : budget_->routes) curves[t.hash] = &t;
-  RouteColumn& c = at(key, fmt::format("h({:g} Hz)", hz), "1/√Hz", "");
-  c.numbers.clear();
-  for (std::size_t i = 0; i < rows_; ++i) {
+  RouteColumn column{strain_key(hz), strain_title(hz), "1/√Hz", "", false, false, false, {}, {}, {}, false};
+  for (std::size_t i = 0; i < rows(); ++i) {
     auto const curve = curves.find(hashes_[i]);
     bool const known = resolved_[i] && curve != curves.end();
-    c.numbers.push_back(known ? strain_at(*curve->second, grid, hz).value : not_a_number);
+    column.numbers.push_back(known ? strain_at(*curve->second, grid, hz).value : not_a_number);
   }
-  c.units = {{"/sqrt(Hz)", 1.0}};
-  return c;
-}
-
-RouteColumn& RouteColumns::at(std::string const& key, std::string const& title, std::string const& unit,
-                              std::string const& help) {
-  auto const [place, added] = place_.emplace(key, all_.size());
-  if (added) {
-    all_.emplace_back();
-    all_.back().key = key;
-    all_.back().title = title;
-    all_.back().unit = unit;
-    all_.back().help = help;
-  }
-  return all_[place->second];
-}
-
-void RouteColumns::text(std::string const& key, std::string const& title, std::string const& help, std::string value) {
-  RouteColumn& c = at(key, title, "", help);
-  c.is_text = true;
-  c.texts.push_back(std::move(value));
-}
-
-void RouteColumns::number(std::string const& key, std::string const& title, std::string const& unit,
-                          std::string const& help, double value) {
-  at(key, title, unit, help).numbers.push_back(std::isfinite(value) ? value : not_a_number);
-}
-
-void RouteColumns::count(std::string const& key, std::string const& title, std::string const& help, double value) {
-  number(key, title, "", help, value);
-  at(key, title, "", help).whole = true;
-}
-
-void RouteColumns::add_names(PathRow const& row, CouplingClass const* c, CouplingTable const& coupling) {
-  Steps const s = c ? steps_of(coupling, *c) : Steps{};
-  bool const named = c && !c->steps.empty();  // `other` sums routes that differ in all of these
-  auto const of_route = [&](double n) { return named ? n : not_a_number; };
-  count("rank", "rank", "1 = largest share of the strain noise", double(row.rank));
-  text("sequence", "route", "R reflect, T transmit, S scatter, E edge", row.sequence);
-  text("port", "port", "where the light rejoins the mode", row.port);
-  text("kind", "kind", "scattered, ghost or edge", name_of(row.kind));
-  number("share", "share", "%", "of the resolved strain noise power in the band", 100 * row.share.value);
-  number("share_sigma", "± share", "%", "one standard error", 100 * row.share.sigma);
-  count("scatters", "scatters", "diffuse events, those on lit optics included", of_route(s.scatters));
-  count("bounces", "bounces", "surfaces between the first and the last", of_route(s.bounces));
-  bool const ghost = row.kind == ClassKind::ghost;
-  count("order", "ghost order", "reflections on the route of a ghost", ghost ? of_route(s.reflections) : not_a_number);
-  count("objects", "objects", "different objects on the route", of_route(double(s.met.size())));
-  text("first", "first scatterer", "between start and end", s.first);
-  text("last", "last scatterer", "between start and end", s.last);
-}
-
-void RouteColumns::add_noise(PathTable const& table, PathRow const& row) {
-  for (std::size_t i = 0; i < row.strain.size(); ++i) {
-    std::string const key = strain_key(table.frequencies[i]), title = fmt::format("h({:g} Hz)", table.frequencies[i]);
-    number(key, title, "1/√Hz", "one-sided strain ASD, mean over static phases", row.strain[i].value);
-    number(key + "_sigma", "± " + title, "1/√Hz", "one standard error", row.strain[i].sigma);
-  }
-  double const rest = 1 - std::sqrt(std::max(0.0, 1 - row.share.value));
-  number("without", "without it", "%", "change of the total strain if this route were absent",
-         row.share.value > 0 ? -100 * rest : not_a_number);
-}
-
-void RouteColumns::add_light(PathRow const& row, double wavelength) {
-  double const phase_sensitivity = row.body.empty() ? not_a_number : row.phase_sensitivity;
-  number("coupling", "coupling", "1", "recoupled power fraction of ordered paths",
-         row.resolved ? row.coupling.mean : not_a_number);
-  number("coupling_sigma", "± coupling", "1", "one standard error",
-         row.resolved ? row.coupling.std_error : not_a_number);
-  text("status", "status", "resolved, or why not", row.resolved ? "resolved" : "unresolved: " + row.why_not);
-  text("body", "moving body", "whose motion contributes most", row.body);
-  number("phase_sensitivity", "phase_sensitivity", "rad/m", "phase per displacement of that body, rms over paths",
-         phase_sensitivity);
-  number("rms_phase", "rms phase", "rad", "above 1 fringes wrap", row.rms_phase);
-  text("regime", "regime", "linear, or wrapped fringes", row.regime);
-  number("fringes", "fringe multiplicity", "2v/λ", "fringe rate over that of a single retro-reflection",
-         phase_sensitivity * wavelength / (4 * pi));
-  number("opl", "optical path", "m", "mean over its paths", row.length_mean);
-  number("opl_min", "shortest", "m", "of the kept paths", row.length_min);
-  number("opl_max", "longest", "m", "of the kept paths", row.length_max);
-  number("delay", "delay", "s", "light time along the mean optical path", row.length_mean / speed_of_light);
-  count("histories", "histories", "that have scored", double(row.coupling.scored));
-  number("largest", "largest history", "%", "share of the largest single one", 100 * row.coupling.largest_share);
-  text("id", "id", "stable name of the route between runs of one model", hash_text(row.hash));
-}
-
-// Units are those of the language; a bare number stands where there is none, and for h.
-void RouteColumns::add_units() {
-  for (RouteColumn& c : all_) {
-    if (c.is_text) continue;
-    std::string names;
-    if (c.unit == "m") names = accepted_units(dim::length);
-    if (c.unit == "s") names = accepted_units(dim::time);
-    if (c.unit == "rad") names = accepted_units(dim::angle);
-    if (c.unit == "rad/m") names = "rad/m, rad/mm, rad/um";
-    if (c.unit == "%" || c.unit == "1") names = "%, ppm, ppb";
-    for (std::size_t at = 0; at < names.size();) {
-      std::size_t const end = std::min(names.find(", ", at), names.size());
-      std::string const name = names.substr(at, end - at);
-      if (auto const unit = parse_unit(name)) c.units.emplace_back(name, unit->si * (c.unit == "%" ? 100 : 1));
-      at = end + 2;
-    }
-    c.needs_unit = !c.units.empty() && c.unit != "1";
-    if (c.unit == "1/√Hz") c.units = {{"/sqrt(Hz)", 1.0}};
-  }
+  add_units(column);
+  return add(std::move(column));
 }
 
 }  // namespace straytrace

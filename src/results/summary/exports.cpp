@@ -9,11 +9,10 @@
 #include "base/errors.hpp"
 #include "results/curves/band.hpp"
 #include "results/receivers/receivers.hpp"
+#include "results/route_table/route_columns.hpp"
 #include "results/text/columns.hpp"
 
 namespace straytrace {
-
-std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 std::string file_header(RunContent const& run) {
   Provenance const& p = run.provenance;
@@ -22,16 +21,6 @@ std::string file_header(RunContent const& run) {
   return fmt::format("# {}\n# {} {} ({}), created {}\n# model {}\n# seed {}, histories {}\n", title, p.program,
                      p.version, p.commit, p.created, run.model_hash, run.trace->coupling.seed,
                      run.trace->coupling.histories);
-}
-
-std::string csv_text(std::string const& text) {
-  std::string quoted = "\"";
-  for (char const c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return text.find_first_of(",\"\n") == std::string::npos ? text : quoted + "\"";
-}
-
-std::string csv_number(bool known, double value) {
-  return known && !std::isnan(value) ? fmt::format("{}", value) : "nan";
 }
 
 std::string reverse_words(bool on) {
@@ -43,88 +32,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string csv_titles(PathTable const& table) {
-  std::string text = "rank,id,port,sequence,vertices,coupling,coupling_sigma,coupling_hint,status,C_rev";
-  for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz,h_{0:g}Hz_sigma", f);
-  text +=
-      ",share_percent,share_percent_sigma,moving_body,phase_sensitivity_rad_per_m,rms_phase_rad,regime,path_mean_m,"
-      "path_min_m,path_max_m,histories_scored,largest_history_share,effective_scores,sampled_on,kind,statement";
-  for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz_input_low,h_{0:g}Hz_input_high", f);
-  return text + ",bound\n";
-}
-
-std::string csv_row(PathRow const& row) {
-  bool const ok = row.resolved;
-  auto number = [](double x) { return csv_number(true, x); };
-  std::string text = fmt::format("{},{},{},{},{},{},{},{},{},{}", row.rank, hash_text(row.hash), csv_text(row.port),
-                                 csv_text(row.sequence), row.vertices, csv_number(ok, row.coupling.mean),
-                                 csv_number(ok, row.coupling.std_error), number(row.coupling.mean),
-                                 csv_text(ok ? "resolved" : "unresolved: " + row.why_not), number(row.reverse));
-  for (WithError const& h : row.strain) text += "," + number(h.value) + "," + number(h.sigma);
-  text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", number(100 * row.share.value),
-                      number(100 * row.share.sigma), csv_text(row.body),
-                      csv_number(!row.body.empty(), row.phase_sensitivity), number(row.rms_phase), row.regime,
-                      number(row.length_mean), number(row.length_min), number(row.length_max), row.coupling.scored,
-                      number(row.coupling.largest_share), number(row.coupling.effective_scores),
-                      row.by_reverse ? "reverse" : "itself", name_of(row.kind), csv_text(row.statement));
-  for (std::size_t i = 0; i < row.strain.size(); ++i)
-    text += "," + number(row.input_low[i]) + "," + number(row.input_high[i]);
-  return text + (row.upper_bound() ? ",upper\n" : ",\n");
-}
-
-Json json_of(WithError const& m) {
-  Json j{{"value", m.value}, {"sigma", m.sigma}};
-  if (m.at_most) j["at_most"] = true;
-  return j;
-}
-
-Json json_of(std::vector<FoldedRow> const& rows) {
+Json routes_json(PathTable const& table) {
+  TableWriter<RouteRow> const list(route_columns(table));
   Json all = Json::array();
-  for (FoldedRow const& f : rows)
-    all.push_back({{"id", hash_text(f.hash)},
-                   {"sequence", f.sequence},
-                   {"coupling", f.trusted ? json_of(f.coupling) : Json(nullptr)},
-                   {"coupling_hint", f.coupling.value},
-                   {"why", f.why}});
+  for (PathRow const& row : table.rows) all.push_back(list.json_row({table, row}));
   return all;
-}
-
-Json json_of(PathTable const& table, PathRow const& row) {
-  Json j;
-  j["rank"] = row.rank;
-  j["id"] = hash_text(row.hash);
-  j["port"] = row.port;
-  j["sequence"] = row.sequence;
-  j["kind"] = name_of(row.kind);
-  if (!row.statement.empty()) j["statement"] = row.statement;
-  j["vertices"] = row.vertices;
-  j["resolved"] = row.resolved;
-  j["why_not"] = row.why_not;
-  j["coupling"] = row.resolved ? json_of(row.coupling_with_error()) : Json(nullptr);
-  j["coupling_hint"] = row.coupling.mean;
-  j["C_rev"] = row.reverse;
-  j["sampled_on"] = row.by_reverse ? "reverse" : "itself";
-  j["strain"] = Json::array();
-  for (std::size_t i = 0; i < row.strain.size(); ++i) {
-    Json h = json_of(row.strain[i]);
-    h["frequency_Hz"] = table.frequencies[i];
-    if (!std::isnan(row.input_low[i])) h["input"] = {row.input_low[i], row.input_high[i]};
-    j["strain"].push_back(h);
-  }
-  j["share"] = json_of(row.share);
-  j["moving_body"] = row.body;
-  j["phase_sensitivity_rad_per_m"] = row.body.empty() ? Json(nullptr) : Json(row.phase_sensitivity);
-  j["rms_phase_rad"] = row.rms_phase;
-  j["regime"] = row.regime;
-  j["path_length_m"] = {{"mean", row.length_mean}, {"min", row.length_min}, {"max", row.length_max}};
-  j["histories_scored"] = row.coupling.scored;
-  j["largest_history_share"] = row.coupling.largest_share;
-  j["effective_scores"] = row.coupling.effective_scores;
-  if (row.folded_routes > 0) {
-    j["folded_routes"] = row.folded_routes;
-    j["folded"] = json_of(row.folded);
-  }
-  return j;
 }
 
 Json origin(RunContent const& run) {
@@ -143,7 +55,7 @@ Json energy_balance(RunContent const& run) {
   BlockSums const& total = run.trace->total;
   auto entry = [&](Moments const& m) {
     Estimate const e = estimate(m, total.histories, total.blocks);
-    return json_of({e.mean, e.std_error});
+    return error_json({e.mean, e.std_error});
   };
   Json energy_balance;
   energy_balance["emitted"] = entry(total.emitted);
@@ -160,7 +72,7 @@ Json objects(RunContent const& run) {
   auto const entry = [&](std::vector<Moments> const& list, std::size_t i) {
     if (i >= list.size()) return Json(nullptr);
     Estimate const e = estimate(list[i], total.histories, total.blocks);
-    return json_of({e.mean, e.std_error});
+    return error_json({e.mean, e.std_error});
   };
   Json all = Json::array();
   for (std::size_t i = 0; i < std::max(groups.size(), total.absorbed.size()); ++i)
@@ -173,10 +85,10 @@ Json objects(RunContent const& run) {
 Json total_strain(PathTable const& table) {
   Json all = Json::array();
   for (std::size_t i = 0; i < table.total_strain.size(); ++i) {
-    Json h = json_of(table.total_strain[i]);
+    Json h = error_json(table.total_strain[i]);
     h["frequency_Hz"] = table.frequencies[i];
     if (BinLine const& line = table.lines[i]; !std::isnan(line.rms.value)) {
-      h["line_rms"] = json_of(line.rms);
+      h["line_rms"] = error_json(line.rms);
       h["line_rms"]["bin_Hz"] = {line.low, line.high};
     }
     all.push_back(h);
@@ -225,8 +137,9 @@ std::string path_csv(PathTable const& table, RunContent const& run) {
   text +=
       "# sigma: one standard error; phase_sensitivity: rms over paths; nan: not resolved or not computed, see status\n";
   text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open of h\n";
-  text += csv_titles(table);
-  for (PathRow const& row : table.rows) text += csv_row(row);
+  TableWriter<RouteRow> const list(route_columns(table));
+  text += list.csv_head();
+  for (PathRow const& row : table.rows) text += list.csv_row({table, row});
   return text;
 }
 
@@ -236,8 +149,8 @@ std::string path_json(PathTable const& table, RunContent const& run) {
   j["band_Hz"] = {table.low, table.high};
   j["lower_bound"] = table.lower_bound();
   j["total_strain"] = total_strain(table);
-  j["routes"] = Json::array();
-  for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
+  j["routes"] = routes_json(table);
+  j["columns"] = TableWriter<RouteRow>(route_columns(table)).json_columns();
   j["objects"] = objects(run);
   add_receivers(j, run);
   return dumped(j);
@@ -261,8 +174,7 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
   for (std::string const& warning : run.trace->warnings) j["warnings"].push_back(warning);
   if (run.noise)
     for (std::string const& warning : run.noise->warnings) j["warnings"].push_back(warning);
-  j["routes"] = Json::array();
-  for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
+  j["routes"] = routes_json(table);
   add_receivers(j, run);
   return dumped(j);
 }

@@ -20,10 +20,11 @@ std::size_t width_of(std::string const& utf8);  // code points
 
 // What all text exports share.
 
-std::string file_header(RunContent const&);        // "# " lines: title, program, model, seed
-std::string hash_text(std::uint64_t);              // 16 hexadecimal digits
-std::string csv_text(std::string const&);          // quoted where it must be
-std::string reverse_words(bool reverse_routes);    // "C_rev on: ..."
-std::string csv_number(bool known, double value);  // all digits; nan when not known
+std::string file_header(RunContent const&);                  // "# " lines: title, program, model, seed
+std::string hash_text(std::uint64_t);                        // 16 hexadecimal digits
+std::string csv_text(std::string const&);                    // quoted where it must be
+std::string reverse_words(bool reverse_routes);              // "C_rev on: ..."
+std::string csv_number(bool known, double value);            // all digits; nan when not known
+std::string finite_text(double, std::string const& format);  // "-" unless finite
 
 }  // namespace straytrace

@@ -42,7 +42,7 @@ class ReportFilter : public ::testing::Test {
   NoiseBudget noise = noise_budget(trace.coupling);
   MotionSet shake = motion();
   PathTable table = path_table(trace.coupling, &noise, &shake, {{10, 30, 100}, 10, 500, 12});
-  RouteColumns columns{table, trace.coupling, &noise};
+  RouteColumns columns{table, &noise};
 };
 
 bool meets(PathRow const& row, std::string const& name) {

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The columns of a table. A table states each of its columns once, as a TableColumn in a list; text, CSV, JSON, pages
+// and filters are made from that list.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "results/text/columns.hpp"
+
+namespace straytrace {
+
+// The content of a column in one row. Unknown numbers are NaN.
+using TableCell = std::variant<std::string, bool, std::uint64_t, double, WithError>;
+
+// The form of a column in one output. Each output sorts its columns by `place`; equal places keep the order of the
+// list.
+struct InOutput {
+  int place = 0;          // 0: this output does not have the column
+  std::string name = {};  // heading or key; empty: the key of the column. In JSON a path: "coupling/value"
+  double scale = 1;       // factor on the value
+};
+
+// estimate: a number with its standard error; CSV and pages add a column KEY_sigma.
+enum class ColumnKind : std::uint8_t { text, count, number, estimate };
+
+template <class Row>
+struct TableColumn {
+  std::string key;  // name in filters, pages and Python
+  ColumnKind kind = ColumnKind::number;
+  std::string title = {}, unit = {};  // unit of the value, before any scale
+  std::string help = {};              // one phrase
+  std::function<TableCell(Row const&)> value = {};
+  InOutput text = {}, csv = {}, json = {}, page = {};
+  std::string page_unit = {};                                      // of the scaled value; empty: `unit`
+  std::string format = "{:.3g}";                                   // of numbers in text
+  bool left = false;                                               // text is aligned left
+  bool shown_first = false;                                        // on pages, before the reader chooses columns
+  std::function<std::string(Row const&)> as_text = {};             // replaces the default text
+  std::function<nlohmann::ordered_json(Row const&)> as_json = {};  // replaces the default JSON; discarded: no entry
+
+  std::string const& shown_unit() const { return page_unit.empty() ? unit : page_unit; }
+  std::string const& name_in(InOutput TableColumn::*output) const {
+    return (this->*output).name.empty() ? key : (this->*output).name;
+  }
+};
+
+std::string cell_text(TableCell const&, std::string const& format);  // "-" for unknown numbers
+std::string cell_csv(TableCell const&, double scale);                // WithError: "value,sigma"
+nlohmann::ordered_json cell_json(TableCell const&, double scale);    // WithError: {value, sigma[, at_most]}
+nlohmann::ordered_json error_json(WithError const&);
+
+// Writes the rows of a table in every format.
+template <class Row>
+class TableWriter {
+ public:
+  explicit TableWriter(std::vector<TableColumn<Row>> columns) : all_(std::move(columns)) {}
+  TableWriter(TableWriter const&) = delete;  // the orders point into the list
+
+  // The columns of one output, in its order.
+  std::vector<TableColumn<Row> const*> of(InOutput TableColumn<Row>::*output) const {
+    std::vector<TableColumn<Row> const*> some;
+    for (TableColumn<Row> const& c : all_)
+      if ((c.*output).place > 0) some.push_back(&c);
+    std::stable_sort(some.begin(), some.end(),
+                     [&](auto const* a, auto const* b) { return (a->*output).place < (b->*output).place; });
+    return some;
+  }
+
+  Columns text_head() const {
+    Columns out;
+    for (TableColumn<Row> const* c : text_) {
+      out.titles.push_back(c->name_in(&TableColumn<Row>::text));
+      out.left.push_back(c->left);
+    }
+    return out;
+  }
+  std::vector<std::string> text_row(Row const& row) const {
+    std::vector<std::string> cells;
+    for (TableColumn<Row> const* c : text_) cells.push_back(shown(*c, row));
+    return cells;
+  }
+  // A line of sums: cells by the key of their column, the others empty.
+  std::vector<std::string> text_cells(std::map<std::string, std::string> const& by_key) const {
+    std::vector<std::string> cells;
+    for (TableColumn<Row> const* c : text_) cells.push_back(by_key.contains(c->key) ? by_key.at(c->key) : "");
+    return cells;
+  }
+  static std::string shown(TableColumn<Row> const& c, Row const& row) {
+    return c.as_text ? c.as_text(row) : cell_text(c.value(row), c.format);
+  }
+
+  std::string csv_head() const {
+    std::string line;
+    for (TableColumn<Row> const* c : csv_) {
+      std::string const& name = c->name_in(&TableColumn<Row>::csv);
+      line += (line.empty() ? "" : ",") + name + (c->kind == ColumnKind::estimate ? "," + name + "_sigma" : "");
+    }
+    return line + "\n";
+  }
+  std::string csv_row(Row const& row) const {
+    std::string line;
+    for (TableColumn<Row> const* c : csv_)
+      line += (c == csv_.front() ? "" : ",") + cell_csv(c->value(row), c->csv.scale);
+    return line + "\n";
+  }
+
+  nlohmann::ordered_json json_row(Row const& row) const {
+    nlohmann::ordered_json out;
+    for (TableColumn<Row> const* c : json_) {
+      auto entry = c->as_json ? c->as_json(row) : cell_json(c->value(row), c->json.scale);
+      if (!entry.is_discarded()) out[pointer(*c)] = std::move(entry);
+    }
+    return out;
+  }
+  // Which column is where in a JSON row: {key, at, unit, help} each.
+  nlohmann::ordered_json json_columns() const {
+    auto out = nlohmann::ordered_json::array();
+    for (TableColumn<Row> const* c : json_)
+      out.push_back({{"key", c->key}, {"at", pointer(*c).to_string()}, {"unit", c->unit}, {"help", c->help}});
+    return out;
+  }
+
+ private:
+  static nlohmann::ordered_json::json_pointer pointer(TableColumn<Row> const& c) {
+    return nlohmann::ordered_json::json_pointer("/" + c.name_in(&TableColumn<Row>::json));
+  }
+  std::vector<TableColumn<Row>> all_;
+  std::vector<TableColumn<Row> const*> text_ = of(&TableColumn<Row>::text), csv_ = of(&TableColumn<Row>::csv),
+                                       json_ = of(&TableColumn<Row>::json);
+};
+
+}  // namespace straytrace
