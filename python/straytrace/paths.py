@@ -15,35 +15,49 @@ if TYPE_CHECKING:
 
 
 @dataclass
-class Path:
-    """One route: a row of `straytrace paths`. Numbers that are not resolved are NaN."""
+class Column:
+    """A column of `straytrace paths`, as the program describes it."""
 
-    rank: int
-    id: str                           # stable between runs of the same model
-    port: str
-    sequence: str                     # "ITM·S > baffle·S > ITM·S"
-    kind: str                         # scattered, ghost or edge
-    resolved: bool
-    why_not: str
-    coupling: float                   # recoupled power fraction of the ordered route
-    coupling_sigma: float
-    hint: float                       # unreliable estimate of the coupling where it is not resolved
-    C_rev: float
-    share: float                      # of the resolved strain noise power
-    share_sigma: float
-    body: str                         # whose motion contributes most
-    phase_sensitivity: float                      # rad/m
-    rms_phase: float                  # rad
-    regime: str
-    opl: float                        # m, mean optical path
-    vertices: int
-    histories: int                    # that scored
+    key: str                          # name of the attribute of a `Path`
+    at: str                           # place in a row of the JSON: "/path_length_m/mean"
+    kind: str                         # text, flag, count, number, list, or estimate: a number with its standard error
+    unit: str
+    help: str
+
+    def values(self, row: Mapping[str, Any]) -> dict[str, Any]:
+        """Attributes of a row of the JSON: its value, and of an estimate KEY_sigma. Unknown numbers are NaN."""
+        found: Any = row
+        for step in self.at.split("/")[1:]:
+            found = found.get(step) if isinstance(found, Mapping) else None
+        if self.kind == "estimate":
+            found = found or {}
+            return {self.key: _number(found.get("value")), self.key + "_sigma": _number(found.get("sigma"))}
+        if self.kind == "number":
+            return {self.key: _number(found)}
+        return {self.key: {"text": "", "flag": False, "count": 0, "list": []}[self.kind] if found is None else found}
+
+
+@dataclass
+class Path:
+    """One route: a row of `straytrace paths`. Its columns are attributes, among them rank, id, port, sequence, kind,
+    resolved, coupling, coupling_sigma, share, share_sigma, body and opl; `Paths.columns` lists all with unit and
+    meaning. Numbers that are not resolved are NaN."""
+
+    columns: dict[str, Any]           # value by key
     strain: Callable[[float], float]    # Hz to 1/sqrt(Hz)
+
+    def __getattr__(self, key: str) -> Any:
+        if key.startswith("__") or key == "columns":
+            raise AttributeError(key)
+        try:
+            return self.columns[key]
+        except KeyError:
+            raise AttributeError(f"a path has no column '{key}'; it has: {', '.join(self.columns)}") from None
 
     @property
     def at_most(self) -> bool:
         """True if its numbers are upper bounds: diffraction at edges, which speckle reduces."""
-        return self.kind == "edge"
+        return bool(self.kind == "edge")
 
     @property
     def objects(self) -> list[str]:
@@ -64,13 +78,14 @@ class Paths(Sequence[Path]):
     """Routes by rank."""
 
     rows: list[Path]
+    columns: list[Column]
     ask: Callable[[str], list[str]]   # ids of the rows for which a condition is true
 
     def __len__(self) -> int:
         return len(self.rows)
 
     def __getitem__(self, index: Any) -> Any:
-        return Paths(self.rows[index], self.ask) if isinstance(index, slice) else self.rows[index]
+        return Paths(self.rows[index], self.columns, self.ask) if isinstance(index, slice) else self.rows[index]
 
     def __iter__(self) -> Iterator[Path]:
         return iter(self.rows)
@@ -81,19 +96,20 @@ class Paths(Sequence[Path]):
         if which is None:
             return self
         if callable(which):
-            return Paths([row for row in self.rows if which(row)], self.ask)
+            return Paths([row for row in self.rows if which(row)], self.columns, self.ask)
         if not isinstance(which, str):
             raise TypeError(f"where is {which!r}; write a condition such as 'via(\"baffle*\")', or a function of a row")
         wanted = set(self.ask(which))
-        return Paths([row for row in self.rows if row.id in wanted], self.ask)
+        return Paths([row for row in self.rows if row.id in wanted], self.columns, self.ask)
 
     def table(self, frequencies: Sequence[float] = (10.0, 30.0, 100.0)) -> pandas.DataFrame:
-        """One row per route; h at `frequencies` [Hz] in 1/sqrt(Hz), NaN outside the band and where not resolved."""
+        """One row per route with all its columns; h at `frequencies` [Hz] in 1/sqrt(Hz), NaN outside the band and where
+        not resolved."""
         import pandas
 
-        names = ("id", "port", "sequence", "kind", "scatters", "coupling", "coupling_sigma", "share", "share_sigma", "body",
-                 "phase_sensitivity", "rms_phase", "regime", "opl", "at_most", "resolved", "why_not", "histories")
-        columns: dict[str, list[Any]] = {name: [getattr(row, name) for row in self.rows] for name in names}
+        names = [name for c in self.columns if c.kind != "list" and c.key != "rank"
+                 for name in ([c.key, c.key + "_sigma"] if c.kind == "estimate" else [c.key])]
+        columns = {name: [getattr(row, name) for row in self.rows] for name in [*names, "scatters", "at_most"]}
         columns |= {f"h({f:g} Hz)": [row.strain(f) for row in self.rows] for f in frequencies}
         return pandas.DataFrame(columns, index=pandas.Index([row.rank for row in self.rows], name="rank"))
 
@@ -110,15 +126,9 @@ def paths_from(answer: Mapping[str, Any], noise: Noise | None, ask: Callable[[st
         curve = curves.get(name) if resolved else None
         return lambda hz: math.nan if noise is None or curve is None else float(noise.at(hz, curve))
 
+    columns = [Column(**column) for column in answer["columns"]]
     rows = []
-    for r in answer["routes"]:
-        coupling = r["coupling"] or {"value": None, "sigma": None}
-        rows.append(Path(
-            rank=r["rank"], id=r["id"], port=r["port"], sequence=r["sequence"], kind=r["kind"], resolved=r["resolved"],
-            why_not=r["why_not"], coupling=_number(coupling["value"]), coupling_sigma=_number(coupling["sigma"]),
-            hint=_number(r["coupling_hint"]), C_rev=r["C_rev"], share=_number(r["share"]["value"]),
-            share_sigma=_number(r["share"]["sigma"]), body=r["moving_body"],
-            phase_sensitivity=_number(r["phase_sensitivity_rad_per_m"]), rms_phase=_number(r["rms_phase_rad"]), regime=r["regime"],
-            opl=_number(r["path_length_m"]["mean"]), vertices=r["vertices"], histories=r["histories_scored"],
-            strain=strain_of(r["sequence"], r["resolved"])))
-    return Paths(rows, ask)
+    for row in answer["routes"]:
+        values = {key: value for column in columns for key, value in column.values(row).items()}
+        rows.append(Path(values, strain_of(row["sequence"], row["resolved"])))
+    return Paths(rows, columns, ask)

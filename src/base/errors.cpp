@@ -2,25 +2,9 @@
 #include "base/errors.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace straytrace {
-namespace {
-
-std::string json_string(std::string const& text) {
-  std::string out = "\"";
-  for (char const c : text) {
-    auto const byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      out += {'\\', c};
-    else if (byte < 0x20 || byte == 0x7f)
-      out += fmt::format("\\u{:04x}", byte);
-    else
-      out += c;
-  }
-  return out + '"';
-}
-
-}  // namespace
 
 std::string placed_message(Problem const& p, std::string const& file) {
   std::string place = file;
@@ -53,17 +37,18 @@ void throw_all(std::vector<InputError> const& errors) {
 }
 
 std::string problems_as_json(InputError const& error) {
-  std::string out = "[";
-  for (Problem const& p : error.problems) {
-    std::string const file = p.place.file < error.files.size() ? error.files[p.place.file] : std::string();
-    out += fmt::format(
-        "{}\n  {{\"file\": {}, \"line\": {}, \"column\": {}, \"width\": {}, \"end_column\": {}, \"severity\": \"{}\", "
-        "\"what\": {}, "
-        "\"suggestion\": {}}}",
-        out.size() > 1 ? "," : "", json_string(file), p.place.line, p.place.column, p.width, p.place.column + p.width,
-        p.severity == Severity::error ? "error" : "warning", json_string(p.what), json_string(p.suggestion));
-  }
-  return out + "\n]\n";
+  using Json = nlohmann::ordered_json;
+  Json list = Json::array();
+  for (Problem const& p : error.problems)
+    list.push_back({{"file", p.place.file < error.files.size() ? error.files[p.place.file] : std::string()},
+                    {"line", p.place.line},
+                    {"column", p.place.column},
+                    {"width", p.width},
+                    {"end_column", p.place.column + p.width},
+                    {"severity", p.severity == Severity::error ? "error" : "warning"},
+                    {"what", p.what},
+                    {"suggestion", p.suggestion}});
+  return list.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace straytrace

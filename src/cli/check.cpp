@@ -2,6 +2,7 @@
 // straytrace check: everything knowable without tracing.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <iostream>
 #include <memory>
@@ -34,7 +35,7 @@ int check_motion(Scene const& scene, CheckOptions const& options) {
   if (options.strict && !warnings.empty()) return input_error;
   if (options.resolved) return print_resolved(scene, options);
   if (options.json())
-    std::cout << fmt::format("{{\"ok\": true, \"bodies\": {}}}\n", names.size());
+    std::cout << nlohmann::ordered_json{{"ok", true}, {"bodies", names.size()}}.dump() << '\n';
   else
     std::cout << fmt::format("{}: motion of {}, for: straytrace noise RUN --motion {}\nno errors\n", options.input,
                              names.size() == 1 ? "1 body" : fmt::format("{} bodies", names.size()), options.input);
@@ -57,11 +58,16 @@ int check(CheckOptions const& options) {
   if (options.strict && !model.warnings.empty()) return input_error;
   if (options.resolved) return print_resolved(model.scene, options);
   if (options.json()) {
-    std::cout << fmt::format(
-        "{{\"ok\": true, \"surfaces\": {}, \"groups\": {}, \"bodies\": {}, \"ports\": {}, \"receivers\": {}, "
-        "\"lit\": {}, \"model_hash\": \"{}\"}}\n",
-        model.world.surfaces().size(), model.world.groups().size(), model.world.bodies().size(),
-        model.world.ports().size(), model.world.receivers().size(), lit_json(model), model.hash());
+    World const& world = model.world;
+    nlohmann::ordered_json const found{{"ok", true},
+                                       {"surfaces", world.surfaces().size()},
+                                       {"groups", world.groups().size()},
+                                       {"bodies", world.bodies().size()},
+                                       {"ports", world.ports().size()},
+                                       {"receivers", world.receivers().size()},
+                                       {"lit", lit_json(model)},
+                                       {"model_hash", model.hash()}};
+    std::cout << found.dump() << '\n';
     return done;
   }
   std::size_t const count = model.world.receivers().size();

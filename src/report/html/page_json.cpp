@@ -10,9 +10,9 @@
 #include "io/markup.hpp"
 #include "results/curves/band.hpp"
 #include "results/receivers/receivers.hpp"
-#include "results/route_table/filter_parser.hpp"
 #include "results/route_table/merit.hpp"
 #include "results/route_table/route_columns.hpp"
+#include "results/route_table/route_filter.hpp"
 #include "results/text/columns.hpp"
 
 namespace straytrace {
@@ -212,7 +212,7 @@ PageJson table_json(PathTable const& table) {
   RouteColumns const columns(table, nullptr);
   PageJson all = PageJson::array();
   for (RouteColumn const& c : columns.all()) all.push_back(column_json(c));
-  return {{"columns", all}, {"rows", columns.rows()}, {"band", {table.low, table.high}}, {"hertz", hertz()}};
+  return {{"columns", all}, {"rows", columns.rows()}, {"band", {table.low, table.high}}, {"hertz", frequency_units()}};
 }
 
 namespace {

@@ -106,7 +106,7 @@ void add_names(RouteList& all) {
   all.push_back({.key = "folded_routes", .kind = ColumnKind::count, .help = "of a row that sums routes: how many",
     .value = [](RouteRow const& r) { return std::uint64_t{r.row.folded_routes}; }, .json = {240},
     .as_json = [](RouteRow const& r) { return only_if(r.row.folded_routes > 0, r.row.folded_routes); }});
-  all.push_back({.key = "folded", .help = "the largest of these routes", .json = {250},
+  all.push_back({.key = "folded", .kind = ColumnKind::list, .help = "the largest of these routes", .json = {250},
     .as_json = [](RouteRow const& r) { return only_if(r.row.folded_routes > 0, folded_json(r.row.folded)); }});
 }
 
@@ -158,7 +158,7 @@ void add_noise_columns(RouteList& all, bool has_noise) {
     .text = {has_noise ? 50 : 0, "share/%"}, .csv = {110, "share_percent", 100}, .json = {150},
     .page = {50, "", 100}, .page_unit = "%", .shown_first = true,
     .as_text = [](RouteRow const& r) { return share_text(r.row); }});
-  all.push_back({.key = "strain", .unit = "1/√Hz", .help = "one-sided strain ASD at each frequency", .json = {140},
+  all.push_back({.key = "strain", .kind = ColumnKind::list, .unit = "1/√Hz", .help = "one-sided strain ASD at each frequency", .json = {140},
     .as_json = [](RouteRow const& r) { return strain_json(r.table, r.row); }});
   all.push_back({.key = "without", .title = "without it", .unit = "1",
     .help = "change of the total strain if this route were absent",
@@ -213,7 +213,7 @@ void add_light(RouteList& all) {
   all.push_back({.key = "status", .kind = ColumnKind::text, .title = "status", .help = "resolved, or why not",
     .value = [](RouteRow const& r) { return r.row.resolved ? "resolved" : "unresolved: " + r.row.why_not; },
     .csv = {80}, .page = {150}});
-  all.push_back({.key = "resolved", .help = "whether the coupling is reliable",
+  all.push_back({.key = "resolved", .kind = ColumnKind::flag, .help = "whether the coupling is reliable",
     .value = [](RouteRow const& r) { return r.row.resolved; }, .json = {80}});
   all.push_back({.key = "why_not", .kind = ColumnKind::text, .help = "why it is not resolved",
     .value = [](RouteRow const& r) { return r.row.why_not; }, .json = {90}});

@@ -28,6 +28,9 @@ FilterAnswer filtered(std::string_view text, RouteColumns&);
 // `key`: a name of the filter, h(30 Hz) among them. Problems as above.
 FilterAnswer sorted_by(std::string_view key, std::vector<std::size_t> rows, RouteColumns&);
 
+// Units of frequency that a filter accepts, with their factors to Hz.
+std::vector<std::pair<std::string, double>> frequency_units();
+
 // "--where, column 15: 'scaters' is not known", with the text, a caret and the suggestion as the remedy.
 InputError error_in_filter(std::string const& option, std::string const& text, FilterProblem const&);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // /noise: strain noise curves on their frequency bins.
 #include "base/errors.hpp"
-#include "results/run_file/run_file.hpp"
+#include "results/run_file/columns.hpp"
 
 namespace straytrace {
 namespace {
@@ -42,6 +42,25 @@ Doubles or_unknown(Doubles const& curve, std::size_t bins) {
   return curve.empty() ? Doubles(bins, not_a_number) : curve;
 }
 
+template <class Column>
+void route_columns_of_noise(Column const& column) {
+  column("name", "", [](auto& t) -> auto& { return t.name; });
+  column("hash", "1", [](auto& t) -> auto& { return t.hash; });
+  column("mean_square_phase", "rad^2", [](auto& t) -> auto& { return t.mean_square_phase; });
+  column("resolved", "0 or 1", [](auto& t) -> auto& { return t.resolved; });
+  column("faint", "0 or 1", [](auto& t) -> auto& { return t.faint; });
+  column("why_not", "", [](auto& t) -> auto& { return t.why_not; });
+}
+
+template <class Column>
+void source_columns(Column const& column) {
+  column("source", "", [](auto& s) -> auto& { return s.name; });
+  column("statement", "", [](auto& s) -> auto& { return s.statement; });
+  column("source_low", "1", [](auto& s) -> auto& { return s.low; });
+  column("source_high", "1", [](auto& s) -> auto& { return s.high; });
+  column("source_share", "1", [](auto& s) -> auto& { return s.share; });
+}
+
 void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std::size_t bins) {
   for (TraceColumn const& curve : curves) {
     Doubles all;
@@ -56,24 +75,7 @@ void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std:
     for (NoiseTrace const& t : routes) append_bins(all, or_unknown(t.*(band.member), bins), bins, t.name);
     out.array(std::string("/noise/routes/") + band.name, all, strain, {routes.size(), bins});
   }
-  std::vector<std::string> names, why;
-  std::vector<std::uint64_t> hash;
-  std::vector<std::uint8_t> resolved, faint;
-  Doubles phase;
-  for (NoiseTrace const& t : routes) {
-    names.push_back(t.name);
-    why.push_back(t.why_not);
-    hash.push_back(t.hash);
-    resolved.push_back(t.resolved);
-    faint.push_back(t.faint);
-    phase.push_back(t.mean_square_phase);
-  }
-  out.strings("/noise/routes/name", names);
-  out.array("/noise/routes/hash", hash, "1");
-  out.array("/noise/routes/mean_square_phase", phase, "rad^2");
-  out.array("/noise/routes/resolved", resolved, "0 or 1");
-  out.array("/noise/routes/faint", faint, "0 or 1");
-  out.strings("/noise/routes/why_not", why);
+  route_columns_of_noise(ColumnWriter(out, "/noise/routes", routes));
 }
 
 void write_design(hdf5::Writer& out, std::vector<DesignCurve> const& design, std::size_t bins) {
@@ -94,20 +96,7 @@ void write_bands(hdf5::Writer& out, NoiseBands const& bands, std::size_t bins) {
     append_bins(checked, bands.*(column.member), bins, column.name);
     out.array(std::string("/noise/bands/") + column.name, checked, strain);
   }
-  std::vector<std::string> names, statements;
-  Doubles low, high, share;
-  for (InputSource const& s : bands.sources) {
-    names.push_back(s.name);
-    statements.push_back(s.statement);
-    low.push_back(s.low);
-    high.push_back(s.high);
-    share.push_back(s.share);
-  }
-  out.strings("/noise/bands/source", names);
-  out.strings("/noise/bands/statement", statements);
-  out.array("/noise/bands/source_low", low, "1");
-  out.array("/noise/bands/source_high", high, "1");
-  out.array("/noise/bands/source_share", share, "1");
+  source_columns(ColumnWriter(out, "/noise/bands", bands.sources));
   out.strings("/noise/bands/taken_as_exact", bands.taken_as_exact);
 }
 
@@ -115,13 +104,8 @@ NoiseBands read_bands(hdf5::Reader const& in, std::size_t bins) {
   NoiseBands bands;
   for (BandColumn const& column : band_columns)
     bands.*(column.member) = in.rows<double>(std::string("/noise/bands/") + column.name, bins);
-  std::vector<std::string> const names = in.strings("/noise/bands/source");
-  auto const statements = in.strings("/noise/bands/statement", names.size());
-  auto const low = in.rows<double>("/noise/bands/source_low", names.size());
-  auto const high = in.rows<double>("/noise/bands/source_high", names.size());
-  auto const share = in.rows<double>("/noise/bands/source_share", names.size());
-  for (std::size_t i = 0; i < names.size(); ++i)
-    bands.sources.push_back({names[i], statements[i], low[i], high[i], share[i]});
+  bands.sources.resize(in.strings("/noise/bands/source").size());
+  source_columns(ColumnReader(in, "/noise/bands", bands.sources));
   bands.taken_as_exact = in.strings("/noise/bands/taken_as_exact");
   return bands;
 }
@@ -132,22 +116,9 @@ Doubles slice(Doubles const& all, std::size_t row, std::size_t bins) {
 }
 
 void read_routes(hdf5::Reader const& in, NoiseBudget& b) {
-  auto const hash = in.array<std::uint64_t>("/noise/routes/hash");
-  std::size_t const n = hash.size(), bins = b.grid.size();
-  auto const names = in.strings("/noise/routes/name", n), why = in.strings("/noise/routes/why_not", n);
-  auto const resolved = in.rows<std::uint8_t>("/noise/routes/resolved", n);
-  auto const faint = in.rows<std::uint8_t>("/noise/routes/faint", n);
-  auto const phase = in.rows<double>("/noise/routes/mean_square_phase", n);
-  b.routes.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    NoiseTrace& t = b.routes[i];
-    t.name = names[i];
-    t.hash = hash[i];
-    t.mean_square_phase = phase[i];
-    t.resolved = resolved[i] != 0;
-    t.faint = faint[i] != 0;
-    t.why_not = why[i];
-  }
+  b.routes.resize(in.array<std::uint64_t>("/noise/routes/hash").size());
+  std::size_t const n = b.routes.size(), bins = b.grid.size();
+  route_columns_of_noise(ColumnReader(in, "/noise/routes", b.routes));
   for (TraceColumn const& curve : curves) {
     Doubles const all = in.rows<double>(std::string("/noise/routes/") + curve.name, n, bins);
     for (std::size_t i = 0; i < n; ++i) b.routes[i].*(curve.member) = slice(all, i, bins);

@@ -63,6 +63,11 @@ std::string finite_text(double x, std::string const& format) {
 
 // Cells of tables.
 
+std::string_view name_of(ColumnKind kind) {
+  constexpr std::string_view names[] = {"text", "flag", "count", "number", "estimate", "list"};
+  return names[std::size_t(kind)];
+}
+
 std::string cell_text(TableCell const& cell, std::string const& format) {
   if (auto const* const text = std::get_if<std::string>(&cell)) return text->empty() ? "-" : *text;
   if (auto const* const yes = std::get_if<bool>(&cell)) return *yes ? "yes" : "no";

@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -30,7 +31,8 @@ struct InOutput {
 };
 
 // estimate: a number with its standard error; CSV and pages add a column KEY_sigma.
-enum class ColumnKind : std::uint8_t { text, count, number, estimate };
+enum class ColumnKind : std::uint8_t { text, flag, count, number, estimate, list };
+std::string_view name_of(ColumnKind);
 
 template <class Row>
 struct TableColumn {
@@ -121,11 +123,15 @@ class TableWriter {
     }
     return out;
   }
-  // Which column is where in a JSON row: {key, at, unit, help} each.
+  // Where a JSON row has each column: {key, at, kind, unit, help}.
   nlohmann::ordered_json json_columns() const {
     auto out = nlohmann::ordered_json::array();
     for (TableColumn<Row> const* c : json_)
-      out.push_back({{"key", c->key}, {"at", pointer(*c).to_string()}, {"unit", c->unit}, {"help", c->help}});
+      out.push_back({{"key", c->key},
+                     {"at", pointer(*c).to_string()},
+                     {"kind", name_of(c->kind)},
+                     {"unit", c->unit},
+                     {"help", c->help}});
     return out;
   }
 

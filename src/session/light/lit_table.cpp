@@ -47,7 +47,7 @@ std::string lit_table(Model const& model) {
          aligned(table);
 }
 
-std::string lit_json(Model const& model) {
+nlohmann::ordered_json lit_json(Model const& model) {
   World const& world = model.world;
   auto const beams = model.scene.table("beams").items();
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -69,7 +69,7 @@ std::string lit_json(Model const& model) {
     if (f.port.valid()) j["port"] = world.ports()[f.port.value];
     list.push_back(std::move(j));
   }
-  return list.dump();
+  return list;
 }
 
 }  // namespace straytrace

@@ -2,6 +2,8 @@
 // What the beams light that are followed through the scene, for `straytrace check`.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <string>
 
 #include "session/model.hpp"
@@ -9,6 +11,6 @@
 namespace straytrace {
 
 std::string lit_table(Model const&);  // empty when no beam says `lit`
-std::string lit_json(Model const&);   // a list
+nlohmann::ordered_json lit_json(Model const&);  // a list
 
 }  // namespace straytrace
