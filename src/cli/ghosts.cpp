@@ -103,13 +103,13 @@ GhostSettings settings_of(Model const& model, GhostsOptions const& wanted) {
 // Where the answers go, beam by beam.
 class Answers {
  public:
-  Answers(GhostsOptions const& options, World const& world) : options_(options), world_(world) {
-    bool const watts = world.beam_power > 0;
-    if (options.csv) std::cout << ghost_csv_header(watts);
+  Answers(GhostsOptions const& options, World const& world)
+      : options_(options), world_(world), rows_(world.beam_power > 0) {
+    if (options.csv) std::cout << rows_.head();
     if (options.out.empty()) return;
     folder_.emplace(options.out);
     csv_ = std::make_unique<AtomicFile>(in_folder("ghosts.csv"));
-    csv_->write(ghost_csv_header(watts));
+    csv_->write(rows_.head());
   }
   // Takes every row of a beam; empty: nobody wants them.
   std::function<void(GhostTable const&, Ghost const&)> rows_of(BeamLaunch const& launch) {
@@ -117,7 +117,7 @@ class Answers {
     double const power = world_.beam_power * world_.footprints()[launch.footprint].share;
     return [this, name = launch.name, power](GhostTable const& table, Ghost const& g) {
       std::string const line =
-          ghost_csv(name, table.row(g), g.where.valid() ? world_.groups()[g.where.value] : "", power);
+          rows_.row(name, table.row(g), g.where.valid() ? world_.groups()[g.where.value] : "", power);
       if (options_.csv) std::cout << line;
       if (csv_) csv_->write(line);
     };
@@ -152,6 +152,7 @@ class Answers {
   std::string in_folder(char const* name) const { return (std::filesystem::path(options_.out) / name).string(); }
   GhostsOptions const& options_;
   World const& world_;
+  GhostCsv rows_;
   std::optional<OutputFolder> folder_;
   std::unique_ptr<AtomicFile> csv_;
   std::string text_;

@@ -6,6 +6,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -156,7 +157,18 @@ struct GhostReport {
 
 std::string ghost_text(GhostReport const&, std::size_t objects_shown);
 std::string ghost_json(GhostReport const&);
-std::string ghost_csv_header(bool watts);
-std::string ghost_csv(std::string const& beam, GhostRow const&, std::string const& where, double power);
+// CSV of the ghosts of several beams, row by row.
+class GhostCsv {
+ public:
+  explicit GhostCsv(bool watts);  // some beam states its power
+  ~GhostCsv();
+  std::string head() const;
+  // `where`: object on which it ends; `power`: W launched, 0: not stated.
+  std::string row(std::string const& beam, GhostRow const&, std::string const& where, double power) const;
+
+ private:
+  struct List;
+  std::unique_ptr<List> list_;
+};
 
 }  // namespace straytrace

@@ -7,9 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "results/route_table/route_sums.hpp"
-#include "results/text/columns.hpp"
+#include "results/text/table.hpp"
 
 namespace straytrace {
 namespace {
@@ -122,18 +123,181 @@ ReceiverTable receiver_table(RunContent const& run) {
   return table;
 }
 
-// Receivers for people: what they get, by which routes, and what the light has met.
+// The columns of receivers and their routes, and of the objects that the light has met.
 
 namespace {
 
-using Cells = std::vector<std::string>;
+using Json = nlohmann::ordered_json;
+
+// All light of a receiver, or one of its routes.
+struct ReceivedRow {
+  ReceiverTable const& table;
+  ReceiverEntry const& receiver;
+  ReceivedRoute const* route = nullptr;
+
+  Estimate const& power() const { return route ? route->power : receiver.power; }
+  // Of the light of the receiver.
+  double share() const { return route ? route->share.value : receiver.power.mean > 0 ? 1 : not_a_number; }
+};
+using ReceivedList = std::vector<TableColumn<ReceivedRow>>;
+
+WithError scaled(WithError p, double factor) { return {p.value * factor, p.sigma * factor}; }
+
+WithError known_power(Estimate const& e) {
+  return e.trusted ? WithError{e.mean, e.std_error} : WithError{not_a_number, not_a_number};
+}
+
+// Numbers that are not known are null, not NaN, which JSON does not have.
+Json json_number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+Json folded_routes(std::vector<FoldedRow> const& folded) {
+  if (folded.empty()) return Json(Json::value_t::discarded);
+  Json all = Json::array();
+  for (FoldedRow const& f : folded)
+    all.push_back({{"id", hash_text(f.hash)},
+                   {"sequence", f.sequence},
+                   {"power_hint", f.coupling.value},
+                   {"resolved", f.trusted},
+                   {"why", f.why}});
+  return all;
+}
+
+std::string share_text(ReceivedRow const& r) {
+  return r.power().trusted && r.route ? percent_text(r.route->share.value, r.route->share.sigma) : "-";
+}
 
 std::string status_text(Estimate const& e) {
   return e.trusted ? "resolved" : fmt::format("unresolved: {} (hint: about {:.1g})", e.why_not, e.mean);
 }
 
+// clang-format off
+
+void add_power_columns(ReceivedList& all, double beam_power) {
+  all.push_back({.key = "power", .kind = ColumnKind::estimate, .unit = "1", .help = "over that of the main mode",
+    .value = [](ReceivedRow const& r) { return known_power(r.power()); },
+    .text = {50, "power/(W/W)"}, .csv = {50}, .json = {40}});
+  all.push_back({.key = "watts", .kind = ColumnKind::estimate, .unit = "W", .help = "power",
+    .value = [](ReceivedRow const& r) { return scaled(known_power(r.power()), r.table.beam_power); },
+    .text = {beam_power > 0 ? 60 : 0, "power/W"}});
+  all.push_back({.key = "hint", .unit = "1", .help = "the power, also where it is not reliable",
+    .value = [](ReceivedRow const& r) { return r.power().mean; },
+    .csv = {60, "power_hint"}, .json = {40, "power/hint"}});
+  all.push_back({.key = "resolved", .kind = ColumnKind::flag, .help = "whether the power is reliable",
+    .value = [](ReceivedRow const& r) { return r.power().trusted; }, .json = {40, "power/resolved"}});
+  all.push_back({.key = "why_not", .kind = ColumnKind::text, .help = "why it is not resolved",
+    .value = [](ReceivedRow const& r) { return r.power().why_not; }, .json = {40, "power/why_not"}});
+}
+
+// `totals`: text and JSON have the light of whole receivers, otherwise that of routes; CSV has both.
+ReceivedList received_columns(double beam_power, bool totals) {
+  ReceivedList all;
+  int const of_totals = totals, of_routes = !totals;
+  all.push_back({.key = "receiver", .kind = ColumnKind::text, .help = "name of the receiver",
+    .value = [](ReceivedRow const& r) { return r.receiver.name; },
+    .text = {10 * of_totals}, .csv = {10}, .json = {10 * of_totals, "name"}, .left = true});
+  all.push_back({.key = "rank", .kind = ColumnKind::count, .help = "of a route by power; 0: all light of the receiver",
+    .value = [](ReceivedRow const& r) { return std::uint64_t{r.route ? r.route->rank : 0}; },
+    .text = {20 * of_routes, "#"}, .csv = {20}, .json = {10 * of_routes}});
+  all.push_back({.key = "id", .kind = ColumnKind::text, .help = "stable name of the route between runs of one model",
+    .value = [](ReceivedRow const& r) { return r.route ? hash_text(r.route->hash) : ""; },
+    .csv = {30}, .json = {20 * of_routes}});
+  all.push_back({.key = "sequence", .kind = ColumnKind::text, .help = "the route",
+    .value = [](ReceivedRow const& r) { return r.route ? r.route->sequence : "all"; },
+    .text = {40 * of_routes, "route"}, .csv = {40}, .json = {30 * of_routes}, .left = true});
+  add_power_columns(all, beam_power);
+  all.push_back({.key = "histories", .kind = ColumnKind::count, .help = "that have scored",
+    .value = [](ReceivedRow const& r) { return r.power().scored; },
+    .text = {70 * of_totals}, .csv = {90, "histories_scored"}, .json = {40, "power/histories_scored"}});
+  all.push_back({.key = "share", .unit = "1", .help = "of the light of the receiver",
+    .value = [](ReceivedRow const& r) { return r.power().trusted ? r.share() : not_a_number; },
+    .text = {80 * of_routes, "share/%"}, .csv = {70, "share_percent", 100}, .json = {50 * of_routes},
+    .as_text = share_text,
+    .as_json = [](ReceivedRow const& r) { return json_number(r.share()); }});
+  all.push_back({.key = "share_sigma", .unit = "1", .help = "one standard error", .json = {60 * of_routes},
+    .as_json = [](ReceivedRow const& r) { return json_number(r.route->share.sigma); }});
+  all.push_back({.key = "status", .kind = ColumnKind::text, .help = "resolved, or why not",
+    .value = [](ReceivedRow const& r) { return r.power().trusted ? "resolved" : "unresolved: " + r.power().why_not; },
+    .text = {90}, .csv = {80}, .left = true,
+    .as_text = [](ReceivedRow const& r) { return status_text(r.power()); }});
+  all.push_back({.key = "objects", .kind = ColumnKind::list, .help = "on the route", .json = {70 * of_routes},
+    .as_json = [](ReceivedRow const& r) { return Json(r.route->objects); }});
+  all.push_back({.key = "folded_routes", .kind = ColumnKind::count, .help = "of a row that sums routes: how many",
+    .json = {80 * of_routes}, .as_json = [](ReceivedRow const& r) {
+      return r.route->folded_routes > 0 ? Json(r.route->folded_routes) : Json(Json::value_t::discarded); }});
+  all.push_back({.key = "folded", .kind = ColumnKind::list, .help = "the largest of these routes",
+    .json = {90 * of_routes}, .as_json = [](ReceivedRow const& r) { return folded_routes(r.route->folded); }});
+  return all;
+}
+
+// clang-format on
+
+struct ObjectRow {
+  ReceiverTable const& table;
+  ReceiverEntry const& receiver;
+  CensusRow const& row;
+
+  bool known() const { return receiver.power.trusted && std::isfinite(row.power.sigma); }
+  WithError power() const { return known() ? row.power : WithError{not_a_number, not_a_number}; }
+};
+
+std::string object_share(ObjectRow const& r) {
+  double const scale = 100 / r.receiver.power.mean;
+  return r.known() ? with_brackets(scale * r.row.power.value, scale * r.row.power.sigma) : "-";
+}
+
+std::string object_routes(ObjectRow const& r) {
+  std::string text;
+  for (std::size_t const rank : r.row.routes) text += fmt::format("{}{}", text.empty() ? "" : " ", rank);
+  return text;
+}
+
+// The first of them, for people.
+std::string short_object_routes(ObjectRow const& r) {
+  constexpr std::size_t most = 8;
+  std::size_t const count = r.row.routes.size();
+  std::string text;
+  for (std::size_t k = 0; k < std::min(count, most); ++k)
+    text += fmt::format("{}#{}", k > 0 ? " " : "", r.row.routes[k]);
+  return count > most ? text + fmt::format(" and {} more", count - most) : text;
+}
+
+Json object_power(ObjectRow const& r) {
+  return {{"value", r.receiver.power.trusted ? Json(r.row.power.value) : Json(nullptr)},
+          {"sigma", json_number(r.row.power.sigma)},
+          {"hint", r.row.power.value}};
+}
+
+// clang-format off
+
+std::vector<TableColumn<ObjectRow>> object_columns(double beam_power) {
+  std::vector<TableColumn<ObjectRow>> all;
+  all.push_back({.key = "receiver", .kind = ColumnKind::text, .help = "name of the receiver",
+    .value = [](ObjectRow const& r) { return r.receiver.name; }, .csv = {10}});
+  all.push_back({.key = "object", .kind = ColumnKind::text, .help = "that the light has met",
+    .value = [](ObjectRow const& r) { return r.row.object.empty() ? "(routes not named)" : r.row.object; },
+    .text = {10}, .csv = {20}, .json = {10}, .left = true,
+    .as_json = [](ObjectRow const& r) { return Json(r.row.object); }});
+  all.push_back({.key = "power", .kind = ColumnKind::estimate, .unit = "1", .help = "over that of the main mode",
+    .value = [](ObjectRow const& r) { return r.power(); },
+    .text = {20, "power/(W/W)"}, .csv = {30}, .json = {20}, .as_json = object_power});
+  all.push_back({.key = "watts", .kind = ColumnKind::estimate, .unit = "W", .help = "power",
+    .value = [](ObjectRow const& r) { return scaled(r.power(), r.table.beam_power); },
+    .text = {beam_power > 0 ? 30 : 0, "power/W"}});
+  all.push_back({.key = "share_percent", .unit = "%", .help = "of the light of the receiver",
+    .value = [](ObjectRow const& r) { return 100 * r.power().value / r.receiver.power.mean; },
+    .text = {40, "share/%"}, .csv = {40}, .as_text = object_share});
+  all.push_back({.key = "routes", .kind = ColumnKind::text, .help = "ranks of its routes", .value = object_routes,
+    .text = {50, "by path"}, .csv = {50}, .json = {30}, .left = true, .as_text = short_object_routes,
+    .as_json = [](ObjectRow const& r) { return Json(r.row.routes); }});
+  return all;
+}
+
+// clang-format on
+
+// Receivers for people: their light, its routes, and the objects that it has met.
+
 // Relative power, and in watts where the power of the beam is known.
-void add_power(Cells& row, WithError p, bool resolved, double beam_power) {
+void add_power(std::vector<std::string>& row, WithError p, bool resolved, double beam_power) {
   row.push_back(resolved ? with_brackets(p.value, p.sigma) : "unresolved");
   if (beam_power > 0)
     row.push_back(resolved ? with_brackets(p.value * beam_power, p.sigma * beam_power) : "unresolved");
@@ -144,19 +308,9 @@ void add_power_titles(Columns& c, double beam_power) {
 }
 
 std::string totals(ReceiverTable const& table) {
-  Columns c;
-  c.titles = {"receiver"};
-  add_power_titles(c, table.beam_power);
-  c.titles.insert(c.titles.end(), {"histories", "status"});
-  c.left.assign(c.titles.size(), false);
-  c.left.front() = c.left.back() = true;
-  for (ReceiverEntry const& r : table.receivers) {
-    Cells row = {r.name};
-    add_power(row, {r.power.mean, r.power.std_error}, r.power.trusted, table.beam_power);
-    row.push_back(fmt::format("{}", r.power.scored));
-    row.push_back(status_text(r.power));
-    c.rows.push_back(std::move(row));
-  }
+  TableWriter<ReceivedRow> const list(received_columns(table.beam_power, true));
+  Columns c = list.text_head();
+  for (ReceiverEntry const& r : table.receivers) c.rows.push_back(list.text_row({table, r}));
   return aligned(c);
 }
 
@@ -169,7 +323,7 @@ std::string quadrants(ReceiverEntry const& r, double beam_power) {
   char const* const names[] = {"lower left", "lower right", "upper left", "upper right", "gap"};
   for (std::size_t i = 0; i < r.quadrants.mean.size(); ++i) {
     WithError const p{r.quadrants.mean[i], r.quadrants.error[i]};
-    Cells row = {names[i]};
+    std::vector<std::string> row = {names[i]};
     if (std::isnan(p.value))
       row.insert(row.end(), c.titles.size() - 1, "no light seen");
     else
@@ -179,23 +333,12 @@ std::string quadrants(ReceiverEntry const& r, double beam_power) {
   return "\n" + aligned(c);
 }
 
-std::string routes(ReceiverEntry const& r, double beam_power, std::size_t show) {
+std::string routes(ReceiverTable const& table, ReceiverEntry const& r, std::size_t show) {
   if (r.routes.empty()) return "No light has arrived.\n";
-  Columns c;
-  c.titles = {"#", "route"};
-  add_power_titles(c, beam_power);
-  c.titles.insert(c.titles.end(), {"share/%", "status"});
-  c.left.assign(c.titles.size(), false);
-  c.left[1] = c.left.back() = true;
-  for (std::size_t i = 0; i < std::min(show, r.routes.size()); ++i) {
-    ReceivedRoute const& route = r.routes[i];
-    bool const resolved = route.power.trusted;
-    Cells row = {fmt::format("{}", route.rank), route.sequence};
-    add_power(row, {route.power.mean, route.power.std_error}, resolved, beam_power);
-    row.push_back(resolved ? percent_text(route.share.value, route.share.sigma) : "-");
-    row.push_back(status_text(route.power));
-    c.rows.push_back(std::move(row));
-  }
+  TableWriter<ReceivedRow> const list(received_columns(table.beam_power, false));
+  Columns c = list.text_head();
+  for (std::size_t i = 0; i < std::min(show, r.routes.size()); ++i)
+    c.rows.push_back(list.text_row({table, r, &r.routes[i]}));
   std::string text = aligned(c);
   if (show < r.routes.size()) text += fmt::format("and {} more\n", r.routes.size() - show);
   std::string folded;
@@ -208,28 +351,12 @@ std::string units_text(ReceiverTable const& table) {
                               : "Power over that of the main mode; no beam states its 'power', so there are no watts";
 }
 
-std::string census(ReceiverEntry const& r, double beam_power, std::size_t show) {
+std::string census(ReceiverTable const& table, ReceiverEntry const& r, std::size_t show) {
   if (r.census.empty()) return "No light has arrived.\n";
-  Columns c;
-  c.titles = {"object"};
-  add_power_titles(c, beam_power);
-  c.titles.insert(c.titles.end(), {"share/%", "by path"});
-  c.left.assign(c.titles.size(), false);
-  c.left.front() = c.left.back() = true;
-  for (std::size_t i = 0; i < std::min(show, r.census.size()); ++i) {
-    CensusRow const& object = r.census[i];
-    bool const resolved = std::isfinite(object.power.sigma) && r.power.trusted;
-    Cells row = {object.object.empty() ? "(routes not named)" : object.object};
-    add_power(row, object.power, resolved, beam_power);
-    double const scale = 100 / r.power.mean;
-    row.push_back(resolved ? with_brackets(scale * object.power.value, scale * object.power.sigma) : "-");
-    std::string paths;
-    for (std::size_t k = 0; k < std::min<std::size_t>(object.routes.size(), 8); ++k)
-      paths += fmt::format("{}#{}", k > 0 ? " " : "", object.routes[k]);
-    if (object.routes.size() > 8) paths += fmt::format(" and {} more", object.routes.size() - 8);
-    row.push_back(paths);
-    c.rows.push_back(std::move(row));
-  }
+  TableWriter<ObjectRow> const list(object_columns(table.beam_power));
+  Columns c = list.text_head();
+  for (std::size_t i = 0; i < std::min(show, r.census.size()); ++i)
+    c.rows.push_back(list.text_row({table, r, r.census[i]}));
   return aligned(c);
 }
 
@@ -244,7 +371,7 @@ std::string receiver_text(ReceiverTable const& table, std::size_t show) {
   std::string text = "Light on receivers. " + units_text(table) + ".\n(n): one standard error, last digits.\n\n";
   text += totals(table);
   for (ReceiverEntry const& r : table.receivers)
-    text += headline(r) + routes(r, table.beam_power, show) + quadrants(r, table.beam_power);
+    text += headline(r) + routes(table, r, show) + quadrants(r, table.beam_power);
   return text;
 }
 
@@ -253,7 +380,7 @@ std::string census_text(ReceiverTable const& table, std::size_t show) {
   std::string text = "What the light that arrives has met. " + units_text(table) +
                      ".\nA path counts once for every object it touches, so shares add up to more than 100 %.\n";
   for (ReceiverEntry const& r : table.receivers)
-    text += headline(r) + census(r, table.beam_power, show) + "\n" + routes(r, table.beam_power, show);
+    text += headline(r) + census(table, r, show) + "\n" + routes(table, r, show);
   return text;
 }
 
@@ -261,98 +388,48 @@ std::string census_text(ReceiverTable const& table, std::size_t show) {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-std::string status_of(Estimate const& e) { return e.trusted ? "resolved" : "unresolved: " + e.why_not; }
-
 std::string units(ReceiverTable const& table) {
   std::string const watts = table.beam_power > 0 ? fmt::format("# main mode: {} W\n", table.beam_power)
                                                  : std::string("# power of the main mode: not stated\n");
   return watts + "# power: over that of the main mode; sigma: one standard error; nan: not resolved, see status\n";
 }
 
-// Numbers that are not known are null, not NaN, which JSON does not have.
-Json json_of(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-Json json_of(Estimate const& e) {
-  return {{"value", e.trusted ? Json(e.mean) : Json(nullptr)},
-          {"sigma", e.trusted ? json_of(e.std_error) : Json(nullptr)},
-          {"hint", e.mean},
-          {"resolved", e.trusted},
-          {"why_not", e.why_not},
-          {"histories_scored", e.scored}};
-}
-
-Json json_of(ReceivedRoute const& route) {
-  Json j = {{"rank", route.rank},
-            {"id", hash_text(route.hash)},
-            {"sequence", route.sequence},
-            {"power", json_of(route.power)},
-            {"share", json_of(route.share.value)},
-            {"share_sigma", json_of(route.share.sigma)},
-            {"objects", route.objects}};
-  if (route.folded_routes == 0) return j;
-  j["folded_routes"] = route.folded_routes;
-  for (FoldedRow const& f : route.folded)
-    j["folded"].push_back({{"id", hash_text(f.hash)},
-                           {"sequence", f.sequence},
-                           {"power_hint", f.coupling.value},
-                           {"resolved", f.trusted},
-                           {"why", f.why}});
-  return j;
-}
-
-Json json_of(ReceiverEntry const& r) {
-  Json j;
-  j["name"] = r.name;
-  j["power"] = json_of(r.power);
+Json json_of(ReceiverTable const& table, ReceiverEntry const& r) {
+  TableWriter<ReceivedRow> const totals(received_columns(table.beam_power, true)),
+      routes(received_columns(table.beam_power, false));
+  TableWriter<ObjectRow> const objects(object_columns(table.beam_power));
+  Json j = totals.json_row({table, r});
   j["quadrants"] = Json::array();
   for (std::size_t i = 0; i < r.quadrants.mean.size(); ++i)
-    j["quadrants"].push_back({{"value", json_of(r.quadrants.mean[i])}, {"sigma", json_of(r.quadrants.error[i])}});
+    j["quadrants"].push_back(
+        {{"value", json_number(r.quadrants.mean[i])}, {"sigma", json_number(r.quadrants.error[i])}});
   j["routes"] = Json::array();
-  for (ReceivedRoute const& route : r.routes) j["routes"].push_back(json_of(route));
+  for (ReceivedRoute const& route : r.routes) j["routes"].push_back(routes.json_row({table, r, &route}));
   j["census"] = Json::array();
-  for (CensusRow const& row : r.census)
-    j["census"].push_back({{"object", row.object},
-                           {"power",
-                            {{"value", r.power.trusted ? Json(row.power.value) : Json(nullptr)},
-                             {"sigma", json_of(row.power.sigma)},
-                             {"hint", row.power.value}}},
-                           {"routes", row.routes}});
+  for (CensusRow const& row : r.census) j["census"].push_back(objects.json_row({table, r, row}));
   return j;
 }
 
 }  // namespace
 
 std::string receiver_csv(ReceiverTable const& table, RunContent const& run) {
-  std::string text = file_header(run) + "# one row per receiver (rank 0: all its light) and per route\n" + units(table);
-  text += "receiver,rank,id,sequence,power,power_sigma,power_hint,share_percent,status,histories_scored\n";
-  auto const row = [&](std::string const& receiver, std::size_t rank, std::string const& id,
-                       std::string const& sequence, Estimate const& e, double share) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", csv_text(receiver), rank, id, csv_text(sequence),
-                        csv_number(e.trusted, e.mean), csv_number(e.trusted, e.std_error), csv_number(true, e.mean),
-                        csv_number(e.trusted, 100 * share), csv_text(status_of(e)), e.scored);
-  };
+  TableWriter<ReceivedRow> const list(received_columns(table.beam_power, true));
+  std::string text = file_header(run) + "# one row per receiver (rank 0: all its light) and per route\n" +
+                     units(table) + list.csv_head();
   for (ReceiverEntry const& r : table.receivers) {
-    row(r.name, 0, "", "all", r.power, r.power.mean > 0 ? 1 : not_a_number);
-    for (ReceivedRoute const& route : r.routes)
-      row(r.name, route.rank, hash_text(route.hash), route.sequence, route.power, route.share.value);
+    text += list.csv_row({table, r});
+    for (ReceivedRoute const& route : r.routes) text += list.csv_row({table, r, &route});
   }
   return text;
 }
 
 std::string census_csv(ReceiverTable const& table, RunContent const& run) {
-  std::string text = file_header(run) + "# what the light of each receiver has met; routes: ranks in its table\n" +
-                     units(table) + "receiver,object,power,power_sigma,share_percent,routes\n";
+  TableWriter<ObjectRow> const list(object_columns(table.beam_power));
+  std::string text = file_header(run) +
+                     "# the objects that the light of each receiver has met; routes: ranks in its table\n" +
+                     units(table) + list.csv_head();
   for (ReceiverEntry const& r : table.receivers)
-    for (CensusRow const& object : r.census) {
-      bool const known = r.power.trusted && std::isfinite(object.power.sigma);
-      std::string routes;
-      for (std::size_t const rank : object.routes) routes += fmt::format("{}{}", routes.empty() ? "" : " ", rank);
-      text += fmt::format("{},{},{},{},{},{}\n", csv_text(r.name),
-                          csv_text(object.object.empty() ? "(routes not named)" : object.object),
-                          csv_number(known, object.power.value), csv_number(known, object.power.sigma),
-                          csv_number(known, 100 * object.power.value / r.power.mean), routes);
-    }
+    for (CensusRow const& object : r.census) text += list.csv_row({table, r, object});
   return text;
 }
 
@@ -363,8 +440,75 @@ std::string receiver_json(ReceiverTable const& table, RunContent const& run) {
   j["histories"] = run.trace->coupling.histories;
   j["beam_power_W"] = table.beam_power > 0 ? Json(table.beam_power) : Json(nullptr);
   j["receivers"] = Json::array();
-  for (ReceiverEntry const& r : table.receivers) j["receivers"].push_back(json_of(r));
+  for (ReceiverEntry const& r : table.receivers) j["receivers"].push_back(json_of(table, r));
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+// Which source lights which receiver: the resolved routes, summed by the object they start from.
+
+namespace {
+
+struct SourceRow {
+  std::string source;
+  std::vector<WithError> power;  // by receiver; 0 without an error: nothing resolved
+  double all() const {
+    double sum = 0;
+    for (WithError const& p : power) sum += p.value;
+    return sum;
+  }
+};
+
+std::vector<SourceRow> rows_of(ReceiverTable const& table) {
+  std::map<std::string, SourceRow> found;
+  for (std::size_t i = 0; i < table.receivers.size(); ++i)
+    for (ReceivedRoute const& route : table.receivers[i].routes) {
+      if (route.objects.empty() || !route.power.trusted) continue;
+      SourceRow& row = found[route.objects.front()];
+      row.source = route.objects.front();
+      row.power.resize(table.receivers.size());
+      row.power[i].value += route.power.mean;
+      row.power[i].sigma = std::hypot(row.power[i].sigma, route.power.std_error);
+    }
+  std::vector<SourceRow> rows;
+  for (auto& [name, row] : found) rows.push_back(std::move(row));
+  std::stable_sort(rows.begin(), rows.end(), [](SourceRow const& a, SourceRow const& b) { return a.all() > b.all(); });
+  return rows;
+}
+
+}  // namespace
+
+std::string source_text(ReceiverTable const& table) {
+  Columns c;
+  c.titles = {"source"};
+  for (ReceiverEntry const& r : table.receivers) c.titles.push_back(r.name);
+  c.left = {true};
+  for (SourceRow const& row : rows_of(table)) {
+    std::vector<std::string> cells = {row.source};
+    for (WithError const& p : row.power) cells.push_back(p.value > 0 ? with_brackets(p.value, p.sigma) : "-");
+    c.rows.push_back(std::move(cells));
+  }
+  std::vector<std::string> hints = {"not resolved"};
+  for (ReceiverEntry const& r : table.receivers) {
+    double hint = 0;
+    for (ReceivedRoute const& route : r.routes)
+      if (!route.power.trusted || route.objects.empty()) hint += route.power.mean;
+    hints.push_back(hint > 0 ? fmt::format("about {:.1g}", hint) : "-");
+  }
+  c.rows.push_back(std::move(hints));
+  return "Power on each receiver (columns) by the object it starts from, over that of the main mode; (n): one "
+         "standard\n"
+         "error, last digits. Resolved routes; errors of routes added in quadrature.\n\n" +
+         aligned(c);
+}
+
+std::string source_csv(ReceiverTable const& table) {
+  std::string text = "source,receiver,power,power_sigma\n";
+  for (SourceRow const& row : rows_of(table))
+    for (std::size_t i = 0; i < row.power.size(); ++i)
+      if (row.power[i].value > 0)
+        text +=
+            fmt::format("{},{},{},{}\n", row.source, table.receivers[i].name, row.power[i].value, row.power[i].sigma);
+  return text;
 }
 
 }  // namespace straytrace

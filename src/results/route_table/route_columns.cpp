@@ -158,7 +158,8 @@ void add_noise_columns(RouteList& all, bool has_noise) {
     .text = {has_noise ? 50 : 0, "share/%"}, .csv = {110, "share_percent", 100}, .json = {150},
     .page = {50, "", 100}, .page_unit = "%", .shown_first = true,
     .as_text = [](RouteRow const& r) { return share_text(r.row); }});
-  all.push_back({.key = "strain", .kind = ColumnKind::list, .unit = "1/√Hz", .help = "one-sided strain ASD at each frequency", .json = {140},
+  all.push_back({.key = "strain", .kind = ColumnKind::list, .unit = "1/√Hz",
+    .help = "one-sided strain ASD at each frequency", .json = {140},
     .as_json = [](RouteRow const& r) { return strain_json(r.table, r.row); }});
   all.push_back({.key = "without", .title = "without it", .unit = "1",
     .help = "change of the total strain if this route were absent",

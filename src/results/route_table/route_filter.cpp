@@ -216,7 +216,7 @@ class Filter {
   void unknown(FilterWord const& word, std::string const& name) {
     std::string const near = nearest_word(name, all_names());
     problem(word, "'" + word.text + "' is not known",
-            near.empty() ? "known are " + fmt::format("{}", fmt::join(all_names(), ", ")) : "did you mean '" + near + "'?");
+            near.empty() ? fmt::format("known are {}", fmt::join(all_names(), ", ")) : "did you mean '" + near + "'?");
   }
 
   Test either() {

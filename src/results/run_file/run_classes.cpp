@@ -51,22 +51,38 @@ constexpr char const* yes_or_no = "0 or 1";
 
 template <class Column>
 void class_columns(Column const& column) {
-  column("hash", "1", [](auto& c) -> auto& { return c.hash; });
-  column("kind", "0 scattered, 1 ghost, 2 edge", [](auto& c) -> auto& { return c.kind; }, ClassKind::scattered);
-  column("statement", "", [](auto& c) -> auto& { return c.statement; }, "");
-  column("reverse", "1", [](auto& c) -> auto& { return c.reverse; });
-  column("by_reverse", yes_or_no, [](auto& c) -> auto& { return c.by_reverse; }, false);
-  column("mean", "1", [](auto& c) -> auto& { return c.coupling.mean; });
-  column("std_error", "1", [](auto& c) -> auto& { return c.coupling.std_error; });
-  column("variance_of_variance", "1", [](auto& c) -> auto& { return c.coupling.variance_of_variance; });
-  column("largest_share", "1", [](auto& c) -> auto& { return c.coupling.largest_share; });
-  column("effective_scores", "1", [](auto& c) -> auto& { return c.coupling.effective_scores; });
-  column("tail_slope", "1", [](auto& c) -> auto& { return c.coupling.tail_slope; }, not_a_number);
-  column("halves", "1", [](auto& c) -> auto& { return c.coupling.halves; }, not_a_number);
-  column("scored", "1", [](auto& c) -> auto& { return c.coupling.scored; });
-  column("trusted", yes_or_no, [](auto& c) -> auto& { return c.coupling.trusted; });
-  column("why_not", "", [](auto& c) -> auto& { return c.coupling.why_not; });
-  column("folded_routes", "1", [](auto& c) -> auto& { return c.folded_routes; }, std::size_t{0});
+  column(
+      "hash", "1", [](auto& c) -> auto& { return c.hash; });
+  column(
+      "kind", "0 scattered, 1 ghost, 2 edge", [](auto& c) -> auto& { return c.kind; }, ClassKind::scattered);
+  column(
+      "statement", "", [](auto& c) -> auto& { return c.statement; }, "");
+  column(
+      "reverse", "1", [](auto& c) -> auto& { return c.reverse; });
+  column(
+      "by_reverse", yes_or_no, [](auto& c) -> auto& { return c.by_reverse; }, false);
+  column(
+      "mean", "1", [](auto& c) -> auto& { return c.coupling.mean; });
+  column(
+      "std_error", "1", [](auto& c) -> auto& { return c.coupling.std_error; });
+  column(
+      "variance_of_variance", "1", [](auto& c) -> auto& { return c.coupling.variance_of_variance; });
+  column(
+      "largest_share", "1", [](auto& c) -> auto& { return c.coupling.largest_share; });
+  column(
+      "effective_scores", "1", [](auto& c) -> auto& { return c.coupling.effective_scores; });
+  column(
+      "tail_slope", "1", [](auto& c) -> auto& { return c.coupling.tail_slope; }, not_a_number);
+  column(
+      "halves", "1", [](auto& c) -> auto& { return c.coupling.halves; }, not_a_number);
+  column(
+      "scored", "1", [](auto& c) -> auto& { return c.coupling.scored; });
+  column(
+      "trusted", yes_or_no, [](auto& c) -> auto& { return c.coupling.trusted; });
+  column(
+      "why_not", "", [](auto& c) -> auto& { return c.coupling.why_not; });
+  column(
+      "folded_routes", "1", [](auto& c) -> auto& { return c.folded_routes; }, std::size_t{0});
 }
 
 // Rows of the lists inside classes, laid end to end, and the class of each.
@@ -86,29 +102,42 @@ struct Owned {
 
 template <class Column>
 void folded_columns(Column const& column) {
-  column("hash", "1", [](auto& f) -> auto& { return f.hash; });
-  column("mean", "1", [](auto& f) -> auto& { return f.mean; });
-  column("std_error", "1", [](auto& f) -> auto& { return f.std_error; });
-  column("trusted", yes_or_no, [](auto& f) -> auto& { return f.trusted; });
-  column("why", "", [](auto& f) -> auto& { return f.why; });
+  column(
+      "hash", "1", [](auto& f) -> auto& { return f.hash; });
+  column(
+      "mean", "1", [](auto& f) -> auto& { return f.mean; });
+  column(
+      "std_error", "1", [](auto& f) -> auto& { return f.std_error; });
+  column(
+      "trusted", yes_or_no, [](auto& f) -> auto& { return f.trusted; });
+  column(
+      "why", "", [](auto& f) -> auto& { return f.why; });
 }
 
 template <class Column>
 void record_columns(Column const& column) {
-  column("history", "1", [](auto& r) -> auto& { return r.history; });
-  column("event", "1", [](auto& r) -> auto& { return r.event; });
-  column("connection", "1", [](auto& r) -> auto& { return r.connection; });
-  column("coupling", "1", [](auto& r) -> auto& { return r.coupling; });
-  column("weight", "1", [](auto& r) -> auto& { return r.weight; });
-  column("path_length", "m", [](auto& r) -> auto& { return r.path_length; });
+  column(
+      "history", "1", [](auto& r) -> auto& { return r.history; });
+  column(
+      "event", "1", [](auto& r) -> auto& { return r.event; });
+  column(
+      "connection", "1", [](auto& r) -> auto& { return r.connection; });
+  column(
+      "coupling", "1", [](auto& r) -> auto& { return r.coupling; });
+  column(
+      "weight", "1", [](auto& r) -> auto& { return r.weight; });
+  column(
+      "path_length", "m", [](auto& r) -> auto& { return r.path_length; });
 }
 
 void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
   std::vector<CouplingClass> const& rows = table.*at.list;
   ColumnWriter const column(out, at.classes, rows);
   class_columns(column);
-  column("name", "", [&](auto& c) { return at.list == to_ports.list ? route_name(table, c) : received_name(table, c); });
-  column(at.end.c_str(), ("row of /names/" + at.end + "s").c_str(), [](auto& c) -> auto& { return c.port.value; });
+  auto const name = at.list == to_ports.list ? route_name : received_name;
+  column("name", "", [&](auto& c) { return name(table, c); });
+  column(
+      at.end.c_str(), ("row of /names/" + at.end + "s").c_str(), [](auto& c) -> auto& { return c.port.value; });
   write_steps(out, at.classes, rows);
   Doubles replicas;
   for (CouplingClass const& c : rows) replicas.insert(replicas.end(), c.replica_sum.begin(), c.replica_sum.end());

@@ -44,21 +44,32 @@ Doubles or_unknown(Doubles const& curve, std::size_t bins) {
 
 template <class Column>
 void route_columns_of_noise(Column const& column) {
-  column("name", "", [](auto& t) -> auto& { return t.name; });
-  column("hash", "1", [](auto& t) -> auto& { return t.hash; });
-  column("mean_square_phase", "rad^2", [](auto& t) -> auto& { return t.mean_square_phase; });
-  column("resolved", "0 or 1", [](auto& t) -> auto& { return t.resolved; });
-  column("faint", "0 or 1", [](auto& t) -> auto& { return t.faint; });
-  column("why_not", "", [](auto& t) -> auto& { return t.why_not; });
+  column(
+      "name", "", [](auto& t) -> auto& { return t.name; });
+  column(
+      "hash", "1", [](auto& t) -> auto& { return t.hash; });
+  column(
+      "mean_square_phase", "rad^2", [](auto& t) -> auto& { return t.mean_square_phase; });
+  column(
+      "resolved", "0 or 1", [](auto& t) -> auto& { return t.resolved; });
+  column(
+      "faint", "0 or 1", [](auto& t) -> auto& { return t.faint; });
+  column(
+      "why_not", "", [](auto& t) -> auto& { return t.why_not; });
 }
 
 template <class Column>
 void source_columns(Column const& column) {
-  column("source", "", [](auto& s) -> auto& { return s.name; });
-  column("statement", "", [](auto& s) -> auto& { return s.statement; });
-  column("source_low", "1", [](auto& s) -> auto& { return s.low; });
-  column("source_high", "1", [](auto& s) -> auto& { return s.high; });
-  column("source_share", "1", [](auto& s) -> auto& { return s.share; });
+  column(
+      "source", "", [](auto& s) -> auto& { return s.name; });
+  column(
+      "statement", "", [](auto& s) -> auto& { return s.statement; });
+  column(
+      "source_low", "1", [](auto& s) -> auto& { return s.low; });
+  column(
+      "source_high", "1", [](auto& s) -> auto& { return s.high; });
+  column(
+      "source_share", "1", [](auto& s) -> auto& { return s.share; });
 }
 
 void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std::size_t bins) {
