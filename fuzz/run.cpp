@@ -6,7 +6,6 @@
 
 #include "base/errors.hpp"
 #include "fuzz.hpp"
-#include "results/run_file/checksum_header.hpp"
 #include "results/run_file/run_file.hpp"
 #include "unit/results/synthetic.hpp"
 

@@ -10,7 +10,7 @@
 #include "cli/options.hpp"
 #include "results/curves/band.hpp"
 #include "results/receivers/receivers.hpp"
-#include "results/route_table/merit.hpp"
+#include "results/route_table/route_sums.hpp"
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
 #include "session/open_run.hpp"

@@ -10,7 +10,6 @@
 
 #include "base/errors.hpp"
 #include "report/html/html.hpp"
-#include "report/html/material_json.hpp"
 #include "report/html/page_json.hpp"
 #include "report/html/surface_maps.hpp"
 #include "report/scene_drawing.hpp"

@@ -18,7 +18,7 @@
 #include "base/files/read_write.hpp"
 #include "base/text/words.hpp"
 #include "results/receivers/receivers.hpp"
-#include "results/route_table/merit.hpp"
+#include "results/route_table/route_sums.hpp"
 #include "results/run_file/run_part.hpp"
 #include "results/text/columns.hpp"
 #include "results/text/picture.hpp"

@@ -18,7 +18,7 @@
 #include "cli/library.hpp"
 #include "cli/options.hpp"
 #include "io/hdf5/reader.hpp"
-#include "report/html/material_json.hpp"
+#include "report/html/page_json.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"
 #include "session/diagnostics.hpp"

@@ -16,7 +16,7 @@
 #include "base/units/quantity.hpp"
 #include "cli/inspect/inspect.hpp"
 #include "cli/render/render_paint.hpp"
-#include "results/text/png.hpp"
+#include "results/text/image.hpp"
 #include "world/build/read_files.hpp"
 #include "world/import/cad_file.hpp"
 #include "world/import/mesh_doctor.hpp"

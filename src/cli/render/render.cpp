@@ -19,7 +19,7 @@
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "cli/render/render_paint.hpp"
-#include "results/text/png.hpp"
+#include "results/text/image.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace {

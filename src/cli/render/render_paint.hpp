@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "results/results.hpp"
-#include "results/text/colour_bar.hpp"
+#include "results/text/image.hpp"
 #include "trace/camera/flash_camera.hpp"
 #include "world/model/world.hpp"
 

@@ -10,7 +10,6 @@
 #include "base/files/embedded.hpp"
 #include "io/markup.hpp"
 #include "report/html/page_json.hpp"
-#include "report/html/scripts.hpp"
 #include "results/route_table/route_columns.hpp"
 
 namespace straytrace {

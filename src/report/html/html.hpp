@@ -4,7 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "results/results.hpp"
@@ -30,5 +32,13 @@ struct StaticReport {
 };
 std::string static_head(StaticReport const&);
 std::string static_body(StaticReport const&, PathTable const&);
+
+// Scripts of others that pages carry, as CMake found them in packages.
+
+struct PageScript {
+  std::string_view name, licence, text;
+};
+PageScript const& d3_script();                // https://d3js.org, BSD-3-Clause
+std::span<PageScript const> three_scripts();  // https://threejs.org, MIT: the library, then its orbit controls
 
 }  // namespace straytrace

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/material_json.hpp"
-
 #include <cmath>
 
+#include "report/html/page_json.hpp"
 #include "world/build/read_laws.hpp"
 #include "world/model/material.hpp"
 

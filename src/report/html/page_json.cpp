@@ -10,9 +10,9 @@
 #include "io/markup.hpp"
 #include "results/curves/band.hpp"
 #include "results/receivers/receivers.hpp"
-#include "results/route_table/merit.hpp"
 #include "results/route_table/route_columns.hpp"
 #include "results/route_table/route_filter.hpp"
+#include "results/route_table/route_sums.hpp"
 #include "results/text/columns.hpp"
 
 namespace straytrace {

@@ -11,7 +11,7 @@
 #include "base/files/embedded.hpp"
 #include "base/input/table.hpp"
 #include "noise/fundamental/quantum.hpp"
-#include "results/pygwinc/pygwinc_parts.hpp"
+#include "results/pygwinc/pygwinc_tree.hpp"
 #include "results/results.hpp"
 
 namespace straytrace {

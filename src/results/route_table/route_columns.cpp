@@ -19,6 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr char const* unresolved = "unresolved";
 constexpr char const* still = "still";
+constexpr char const* strain_unit = "1/√Hz";
 
 // A route without moving surfaces makes exactly no noise.
 bool moves(PathRow const& row) { return !row.resolved || row.rms_phase > 0; }
@@ -65,12 +66,6 @@ TableCell of_route(PathRow const& row, std::size_t count) {
 }
 
 std::string strain_title(double hz) { return fmt::format("h({:g} Hz)", hz); }
-
-std::string hertz_list(std::vector<double> const& all) {
-  std::string text;
-  for (double const f : all) text += fmt::format("{}{:g} Hz", text.empty() ? "" : ", ", f);
-  return text;
-}
 
 // A column fills a few lines, which the formatter would make a dozen.
 // clang-format off
@@ -140,14 +135,14 @@ void add_kind(RouteList& all, bool kinds) {
 
 void add_strain(RouteList& all, std::size_t i, double hz) {
   std::string const at = fmt::format("h_{:g}Hz", hz);
-  all.push_back({.key = strain_key(hz), .kind = ColumnKind::estimate, .title = strain_title(hz), .unit = "1/√Hz",
+  all.push_back({.key = strain_key(hz), .kind = ColumnKind::estimate, .title = strain_title(hz), .unit = strain_unit,
     .help = "one-sided strain ASD, mean over static phases",
     .value = [i](RouteRow const& r) { return r.row.strain[i]; },
     .text = {80, strain_title(hz)}, .csv = {100, at}, .page = {120}, .shown_first = true,
     .as_text = [i](RouteRow const& r) { return strain_text(r.row, r.row.strain[i]); }});
-  all.push_back({.key = strain_key(hz) + "_input_low", .unit = "1/√Hz", .help = "h at the low end of the stated inputs",
+  all.push_back({.key = strain_key(hz) + "_input_low", .unit = strain_unit, .help = "h at the low end of the stated inputs",
     .value = [i](RouteRow const& r) { return r.row.input_low[i]; }, .csv = {250, at + "_input_low"}});
-  all.push_back({.key = strain_key(hz) + "_input_high", .unit = "1/√Hz",
+  all.push_back({.key = strain_key(hz) + "_input_high", .unit = strain_unit,
     .help = "h at the high end of the stated inputs",
     .value = [i](RouteRow const& r) { return r.row.input_high[i]; }, .csv = {250, at + "_input_high"}});
 }
@@ -158,7 +153,7 @@ void add_noise_columns(RouteList& all, bool has_noise) {
     .text = {has_noise ? 50 : 0, "share/%"}, .csv = {110, "share_percent", 100}, .json = {150},
     .page = {50, "", 100}, .page_unit = "%", .shown_first = true,
     .as_text = [](RouteRow const& r) { return share_text(r.row); }});
-  all.push_back({.key = "strain", .kind = ColumnKind::list, .unit = "1/√Hz",
+  all.push_back({.key = "strain", .kind = ColumnKind::list, .unit = strain_unit,
     .help = "one-sided strain ASD at each frequency", .json = {140},
     .as_json = [](RouteRow const& r) { return strain_json(r.table, r.row); }});
   all.push_back({.key = "without", .title = "without it", .unit = "1",
@@ -283,7 +278,7 @@ void add_units(RouteColumn& c) {
     at = end + 2;
   }
   c.needs_unit = !c.units.empty() && c.unit != "1";
-  if (c.unit == "1/√Hz") c.units = {{"/sqrt(Hz)", 1.0}};
+  if (c.unit == strain_unit) c.units = {{"/sqrt(Hz)", 1.0}};
 }
 
 double finite_or_nan(double x) { return std::isfinite(x) ? x : not_a_number; }
@@ -343,11 +338,24 @@ std::vector<std::string> objects_of(std::string const& sequence) {
   return all;
 }
 
-RouteColumns::RouteColumns(PathTable const& table, NoiseBudget const* budget)
-    : listed_(table.has_noise ? table.frequencies : std::vector<double>{}), budget_(budget) {
+namespace {
+
+std::vector<RouteColumn> all_columns(PathTable const& table) {
   TableWriter<RouteRow> const list(route_columns(table));
+  std::vector<RouteColumn> all;
   for (TableColumn<RouteRow> const* c : list.of(&TableColumn<RouteRow>::page))
-    for (RouteColumn& column : values_of(*c, table)) add(std::move(column));
+    for (RouteColumn& column : values_of(*c, table)) all.push_back(std::move(column));
+  return all;
+}
+
+}  // namespace
+
+RouteColumns::RouteColumns(std::vector<RouteColumn> columns) {
+  for (RouteColumn& column : columns) add(std::move(column));
+}
+
+RouteColumns::RouteColumns(PathTable const& table, NoiseBudget const* budget) : RouteColumns(all_columns(table)) {
+  budget_ = budget;
   for (PathRow const& row : table.rows) {
     hashes_.push_back(row.hash);
     resolved_.push_back(row.resolved);
@@ -366,14 +374,17 @@ RouteColumn const* RouteColumns::find(std::string_view key) const {
 
 RouteColumn const& RouteColumns::strain(double hz) {
   if (RouteColumn const* const known = find(strain_key(hz))) return *known;
-  if (listed_.empty()) throw std::out_of_range("this run has no noise yet; write: straytrace noise RUN");
-  if (!budget_) throw std::out_of_range("h is listed at " + hertz_list(listed_));
+  std::string listed;  // the key is h10 at 10 Hz
+  for (RouteColumn const& c : all_)
+    if (c.unit == strain_unit && !c.is_error()) listed += (listed.empty() ? "" : ", ") + c.key.substr(1) + " Hz";
+  if (listed.empty()) throw std::out_of_range("this run has no noise yet; write: straytrace noise RUN");
+  if (!budget_) throw std::out_of_range("h is listed at " + listed);
   FrequencyGrid const& grid = budget_->grid;
   if (!(hz >= grid.edges.front() && hz < grid.edges.back()))
     throw std::out_of_range(fmt::format("h is known from {:g} Hz to {:g} Hz", grid.edges.front(), grid.edges.back()));
   std::map<std::uint64_t, NoiseTrace const*> curves;
   for (NoiseTrace const& t : budget_->routes) curves[t.hash] = &t;
-  RouteColumn column{strain_key(hz), strain_title(hz), "1/√Hz", "", false, false, false, {}, {}, {}, false};
+  RouteColumn column{strain_key(hz), strain_title(hz), strain_unit, "", false, false, false, {}, {}, {}, false};
   for (std::size_t i = 0; i < rows(); ++i) {
     auto const curve = curves.find(hashes_[i]);
     bool const known = resolved_[i] && curve != curves.end();

@@ -3,6 +3,7 @@
 // column, which pages draw and filters compare.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <map>
 #include <string>
@@ -39,11 +40,12 @@ struct RouteColumn {
 
 class RouteColumns {
  public:
+  explicit RouteColumns(std::vector<RouteColumn> columns);  // all of one length
   // `budget` may be null; with it h is known at any frequency of its grid. It must outlive this.
   RouteColumns(PathTable const&, NoiseBudget const* budget);
 
   std::deque<RouteColumn> const& all() const { return all_; }
-  std::size_t rows() const { return hashes_.size(); }
+  std::size_t rows() const { return all_.empty() ? 0 : std::max(all_[0].texts.size(), all_[0].numbers.size()); }
   RouteColumn const* find(std::string_view key) const;  // null: no such column
   // h at a frequency [Hz], 1/sqrt(Hz) by row; where it is not known, throws std::out_of_range with what is.
   RouteColumn const& strain(double hz);
@@ -55,8 +57,7 @@ class RouteColumns {
   std::map<std::string, std::size_t, std::less<>> place_;
   std::vector<std::uint64_t> hashes_;  // by row
   std::vector<bool> resolved_;         // by row
-  std::vector<double> listed_;         // Hz
-  NoiseBudget const* budget_;
+  NoiseBudget const* budget_ = nullptr;
 };
 
 // To six digits, as columns are compared and drawn: more than any error of them holds.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "results/results.hpp"
@@ -61,5 +62,18 @@ class ReplicaSum {
   ReplicaPattern off_ = {};
   double independent_ = 0;  // variance of what has no pattern
 };
+
+// Figures of merit: how fast a run learns, 1/(relative error^2 x seconds of tracing). They depend on machine and load:
+// printed and kept in /timing, but no part of a result (docs/theory/errors.md).
+
+struct Merit {
+  std::string what;  // "receiver PD", "port ITM", or a route
+  double value = 0;  // 1/s; NaN: unresolved, or nothing was timed
+};
+
+// Ends first, then the routes to ports by coupling, then those to receivers by power.
+std::vector<Merit> merits(RunContent const&);
+// A line each for all ends and the first `routes` routes; those without a value are left out.
+std::string merit_text(std::vector<Merit> const&, std::size_t routes);
 
 }  // namespace straytrace

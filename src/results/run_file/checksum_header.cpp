@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "results/run_file/checksum_header.hpp"
-
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -9,6 +7,7 @@
 #include "base/errors.hpp"
 #include "io/hdf5/reader.hpp"
 #include "results/results.hpp"
+#include "results/run_file/run_file.hpp"
 
 namespace straytrace {
 namespace {

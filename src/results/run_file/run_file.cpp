@@ -6,8 +6,7 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
-#include "results/route_table/merit.hpp"
-#include "results/run_file/checksum_header.hpp"
+#include "results/route_table/route_sums.hpp"
 #include "results/run_file/run_part.hpp"
 
 namespace straytrace {

@@ -2,6 +2,8 @@
 // The groups of a run file, each written and read in one place. Paths and columns: schema/run-2.txt.
 #pragma once
 
+#include <string>
+
 #include "io/hdf5/reader.hpp"
 #include "io/hdf5/writer.hpp"
 #include "results/results.hpp"
@@ -40,5 +42,12 @@ std::vector<std::uint64_t> read_offsets(hdf5::Reader const&, std::string const& 
 // What the HDF5 file behind the checksum holds; `file` names it in messages.
 RunFile run_of(hdf5::Contents, std::string const& file);
 [[noreturn]] void damaged_run(std::string const& what);
+
+// The first 512 bytes of a run file: a readable line with the sha256 of all that follows (an HDF5 user block). Damaged
+// files are rejected before the HDF5 library, which can crash on them, sees a byte.
+
+std::string with_checksum_header(std::string const& hdf5_image);
+// The HDF5 image of a run file; throws InputError when `bytes` are not one, or damaged. `name` for the message.
+std::string unsealed(std::string bytes, std::string const& name);
 
 }  // namespace straytrace

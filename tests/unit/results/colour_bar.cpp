@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A picture contains its colour scale.
-#include "results/text/colour_bar.hpp"
+#include "results/text/image.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <png.h>
 
 #include "base/errors.hpp"
-#include "results/text/png.hpp"
+#include "results/text/image.hpp"
 
 namespace straytrace::testing {
 namespace {

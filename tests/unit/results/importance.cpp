@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "base/errors.hpp"
-#include "results/run_file/checksum_header.hpp"
+#include "results/run_file/run_file.hpp"
 #include "unit/results/same.hpp"
 #include "unit/results/synthetic.hpp"
 

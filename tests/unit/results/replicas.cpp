@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "results/receivers/receivers.hpp"
-#include "results/route_table/merit.hpp"
 #include "results/route_table/route_sums.hpp"
 #include "support/recorded.hpp"
 #include "unit/results/synthetic.hpp"

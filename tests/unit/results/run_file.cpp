@@ -16,7 +16,6 @@
 #include "base/errors.hpp"
 #include "io/hdf5/contents.hpp"
 #include "io/hdf5/writer.hpp"
-#include "results/run_file/checksum_header.hpp"
 #include "support/message_of.hpp"
 #include "unit/results/same.hpp"
 #include "unit/results/synthetic.hpp"

@@ -6,7 +6,7 @@
 #include <H5Cpp.h>
 #include <cmath>
 
-#include "results/run_file/checksum_header.hpp"
+#include "results/run_file/run_file.hpp"
 #include "support/message_of.hpp"
 #include "unit/results/synthetic.hpp"
 

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "io/hdf5/reader.hpp"
-#include "results/run_file/checksum_header.hpp"
+#include "results/run_file/run_file.hpp"
 #include "unit/results/synthetic.hpp"
 
 namespace straytrace::test {

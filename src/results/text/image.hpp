@@ -2,8 +2,10 @@
 // Pictures as PNG files.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,5 +19,16 @@ struct Image {
 std::string png_bytes(Image const&);  // throws NumericalError when libpng fails
 // Complete or not at all; throws InputError with the reason of the system.
 void write_png(std::string const& file, Image const&);
+
+// Scale of a picture whose colours mean a number.
+
+struct ColourBar {
+  double low = 0, high = 0;  // ends, above 0; logarithmic between
+  std::string title;         // what the number is, with its unit: lower case, digits and :+-./
+  std::function<std::array<std::uint8_t, 3>(double)> colour;  // of 0 (low) to 1 (high)
+};
+
+// Adds it below in rows of its own, with labelled decades; false: the picture is too narrow, and is as it was.
+bool add_colour_bar(Image&, ColourBar const&);
 
 }  // namespace straytrace
