@@ -10,7 +10,7 @@
 
 namespace straytrace {
 
-std::string lit_table(Model const&);  // empty when no beam says `lit`
+std::string lit_table(Model const&);            // empty when no beam says `lit`
 nlohmann::ordered_json lit_json(Model const&);  // a list
 
 }  // namespace straytrace

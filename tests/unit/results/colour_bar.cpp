@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A picture contains its colour scale.
-#include "results/text/image.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "results/text/image.hpp"
 
 namespace straytrace::testing {
 namespace {
