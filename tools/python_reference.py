@@ -28,7 +28,7 @@ docstrings. Arrays are numpy arrays, `[n]` is over frequency, tables are pandas 
 PARTS = (
     ("Models", "straytrace", ("Model", "Table", "Items", "quantity", "Check", "check", "run", "trace")),
     ("Results", "straytrace", ("open", "Run", "Noise", "Curve", "Bands", "Routes", "EnergyBalance", "Receiver", "Receivers", "Progress")),
-    ("Paths", "straytrace", ("Paths", "Path")),
+    ("Paths", "straytrace", ("Paths", "Path", "PathColumn")),
     ("Scans", "straytrace", ("scan", "Scan", "ScanPoint")),
     ("Errors", "straytrace", ("Problem", "InputError", "RunError", "NumericalError", "StraytraceWarning")),
     ("FINESSE", "straytrace.finesse", ("response", "Response")),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The filter of the path table: via("NE_bench/*") and scatters == 2 and h(30 Hz) > 1e-25, or plain words. The same
-// language as `straytrace paths --where` (src/results/route_table/filter_parser.cpp), message for message; tests/tools/report/test_filter.py
-// compares the two. Names, units and values are those of the table.
+// language as `straytrace paths --where` (src/results/route_table/route_filter.cpp), message for message: both are tested by the
+// cases of tests/support/filter_cases.json. Names, units and values are those of the table.
 "use strict";
 
 const textNames = ["via", "route", "first", "last", "body", "port", "kind", "status", "regime", "id"];

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from .curves import Bands, Curve, Noise
 from .engine import Progress
 from .errors import InputError, NumericalError, Problem, RunError, StraytraceWarning
-from .paths import Path, Paths
+from .paths import Path, PathColumn, Paths
 from .routes import EnergyBalance, Receiver, Receivers, Routes
 from .run import Run, open_run
 
@@ -72,6 +72,6 @@ def run(model: Model | Mapping[str, Any] | str | os.PathLike[str], out: str | os
     return _model(model).run(out, **options)
 
 
-__all__ = ["Bands", "Check", "Curve", "InputError", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Path", "Paths",
+__all__ = ["Bands", "Check", "Curve", "InputError", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Path", "PathColumn", "Paths",
            "Problem", "Progress", "Receiver", "Receivers", "Routes", "Run", "RunError", "Scan", "ScanPoint",
            "StraytraceWarning", "Table", "check", "open", "open_run", "quantity", "run", "scan", "trace"]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @dataclass
-class Column:
+class PathColumn:
     """A column of `straytrace paths`, as the program describes it."""
 
     key: str                          # name of the attribute of a `Path`
@@ -24,7 +24,7 @@ class Column:
     unit: str
     help: str
 
-    def values(self, row: Mapping[str, Any]) -> dict[str, Any]:
+    def read(self, row: Mapping[str, Any]) -> dict[str, Any]:
         """Attributes of a row of the JSON: its value, and of an estimate KEY_sigma. Unknown numbers are NaN."""
         found: Any = row
         for step in self.at.split("/")[1:]:
@@ -43,16 +43,16 @@ class Path:
     resolved, coupling, coupling_sigma, share, share_sigma, body and opl; `Paths.columns` lists all with unit and
     meaning. Numbers that are not resolved are NaN."""
 
-    columns: dict[str, Any]           # value by key
-    strain: Callable[[float], float]    # Hz to 1/sqrt(Hz)
+    values: dict[str, Any]            # by the key of their column
+    strain: Callable[[float], float]  # Hz to 1/sqrt(Hz)
 
     def __getattr__(self, key: str) -> Any:
-        if key.startswith("__") or key == "columns":
+        if key.startswith("__") or key == "values":
             raise AttributeError(key)
         try:
-            return self.columns[key]
+            return self.values[key]
         except KeyError:
-            raise AttributeError(f"a path has no column '{key}'; it has: {', '.join(self.columns)}") from None
+            raise AttributeError(f"a path has no column '{key}'; it has: {', '.join(self.values)}") from None
 
     @property
     def at_most(self) -> bool:
@@ -78,7 +78,7 @@ class Paths(Sequence[Path]):
     """Routes by rank."""
 
     rows: list[Path]
-    columns: list[Column]
+    columns: list[PathColumn]
     ask: Callable[[str], list[str]]   # ids of the rows for which a condition is true
 
     def __len__(self) -> int:
@@ -126,9 +126,9 @@ def paths_from(answer: Mapping[str, Any], noise: Noise | None, ask: Callable[[st
         curve = curves.get(name) if resolved else None
         return lambda hz: math.nan if noise is None or curve is None else float(noise.at(hz, curve))
 
-    columns = [Column(**column) for column in answer["columns"]]
+    columns = [PathColumn(**column) for column in answer["columns"]]
     rows = []
     for row in answer["routes"]:
-        values = {key: value for column in columns for key, value in column.values(row).items()}
+        values = {key: value for column in columns for key, value in column.read(row).items()}
         rows.append(Path(values, strain_of(row["sequence"], row["resolved"])))
     return Paths(rows, columns, ask)

@@ -26,17 +26,7 @@ console.log(JSON.stringify(texts.map(text => {
   }
 })));
 """
-# Each of these must let some rows through and stop others.
-CHOICES = (
-    'via("sensor") and scatters == 3', 'via("s*r")', 'not via("sensor", "fold*")', 'h(30 Hz) > 1e-26', 'H(0.03 kHz)>1e-26/sqrt(Hz)',
-    'share > 1 %', 'share > 10000 ppm', 'SHARE<1% OR rank==1', 'opl > 3.1 km', 'opl>3.1e5cm and not (opl < 20 km)', 'delay >= 10.1 us',
-    'coupling > 1e-40', 'coupling > 1e-38 %', 'resolved', 'not resolved', "body('b*') and first(\"*n*\") or last('sensor')", 'sensor',
-    'scatters != 3', 'bounces <= 2', 'objects == 3', 'phase_sensitivity > 2e7 rad/m', 'histories > 4000', 'largest < 0.04 %', 'without < -0.1 %',
-    'route("*fold*")', 'status("unresolved*")', 'regime("linear*")', 'via("other")  or rank == 2')
-BROKEN = (
-    'scaters == 2', 'xyzzyx > 1', 'share > 5', 'opl > 5 kHz', 'rank < 3 m', 'scatters = 2', '2 == scatters', 'via(sensor)', 'via("a)',
-    '(resolved', 'resolved and', 'h(30) > 1', 'h(30 m) > 1', 'share >', 'share and resolved', 'resolved resolved()', 'kind("µ") § 2',
-    'port == "arm"', 'share > %', 'h > 3', '(' * 100 + 'resolved', 'colour() > 1', 'not', '"', 'ETM and ITM', 'opl > 5 %', '! resolved')
+CASES = json.loads((SOURCE / "tests/support/filter_cases.json").read_text(encoding="utf-8"))
 
 
 def check(true, what):
@@ -55,6 +45,17 @@ def page_answers(table, texts):
     done = subprocess.run(["node", "-e", script], input=json.dumps({"table": table, "texts": texts}), capture_output=True, text=True)
     check(done.returncode == 0, f"node: {done.stderr}")
     return json.loads(done.stdout)
+
+
+def check_cases():
+    """The same table and cases as those of the program (tests/unit/results/filter.cpp)."""
+    table, chooses, rejects = CASES["table"], CASES["chooses"], CASES["rejects"]
+    ids = next(column["values"] for column in table["columns"] if column["key"] == "id")
+    said = page_answers(table, [case["filter"] for case in chooses + rejects])
+    for case, answer in zip(chooses, said):
+        check(answer.get("ids") == [ids[rank - 1] for rank in case["rows"]], f"{case}: the page says {answer}")
+    for case, answer in zip(rejects, said[len(chooses):]):
+        check(answer.get("error") == case["error"], f"{case}: the page says {answer}")
 
 
 def program_answer(folder, text):
@@ -91,19 +92,22 @@ def check_without(folder):
 
 
 def main():
+    check_cases()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         straytrace("run", SOURCE / "examples/end_bench.yaml", "-o", "out", "--histories", 2**18, "--quiet", folder=folder)
         straytrace("report", "out/run.h5", "-o", "page.html", folder=folder)
         table = json.loads(DATA.search((folder / "page.html").read_text()).group(1))["table"]
-        said = page_answers(table, CHOICES + BROKEN)
-        for text, answer in zip(CHOICES, said):
+        rejected = [case["filter"] for case in CASES["rejects"]]
+        said = page_answers(table, CASES["end_bench"] + rejected)
+        for text, answer in zip(CASES["end_bench"], said):
             wanted = program_answer(folder, text)
             check("ids" in answer, f"{text}: the page says {answer}")
             check(answer["ids"] == wanted, f"{text}: the page chooses {len(answer['ids'])} rows, the program {len(wanted)}")
             check(0 < len(wanted) < table["rows"], f"{text} chooses {len(wanted)} of {table['rows']}: it proves nothing")
-        for text, answer in zip(BROKEN, said[len(CHOICES):]):
-            check(answer.get("error") == first_problem(folder, text), f"{text}: page {answer}, program {first_problem(folder, text)}")
+        for text, answer in zip(rejected, said[len(CASES["end_bench"]):]):
+            program = first_problem(folder, text)
+            check(answer.get("error") == program or "known from" in program, f"{text}: page {answer}, program {program}")
         control = page_answers(table, ("scatters >= 3",))[0]["ids"]                     # negative control: the comparison can fail
         check(control != program_answer(folder, "scatters > 3"), "two conditions choose the same rows")
         check_without(folder)

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <set>
 
 #include "results/curves/band.hpp"
 #include "results/route_table/route_filter.hpp"
 #include "results/route_table/route_sums.hpp"
+#include "results/text/columns.hpp"
 #include "unit/results/synthetic.hpp"
 
 namespace straytrace::report_filter {
@@ -98,38 +101,57 @@ TEST_F(ReportFilter, strain_at_any_frequency) {
   EXPECT_THAT(rows("not resolved and (coupling > 0 or coupling <= 0 or coupling != 0)"), IsEmpty());
 }
 
-TEST_F(ReportFilter, mistakes_are_reported_with_their_place) {
-  struct {
-    char const *text, *what, *suggestion;
-    std::size_t begin;
-  } const all[] = {
-      {"scaters == 2", "'scaters' is not known", "did you mean 'scatters'?", 0},
-      {"resolved and xyzzyx > 1", "'xyzzyx' is not known", "known are h, rank", 13},
-      {"share > 5", "share needs a unit", "write 5 %", 8},
-      {"opl > 5 kHz", "'kHz' is no unit of opl", "write m, km", 8},
-      {"rank < 3 m", "'m' is no unit of rank", "leave it out", 9},
-      {"scatters = 2", "'=' compares nothing", "write ==", 9},
-      {"2 == scatters", "a number stands first", "write the name first", 0},
-      {"via(baffles)", "'baffles' is not expected here", "write via(\"*\")", 4},
-      {"via(\"baffles)", "a quotation is not closed", "add \"", 4},
-      {"(resolved", "a bracket is not closed", "add ')'", 0},
-      {"resolved and", "the condition ends too early", "write a condition", 12},
-      {"h(30) > 1", "the frequency has no unit", "write h(30 Hz)", 2},
-      {"h(30 m) > 1", "'m' is no unit of a frequency", "write Hz, kHz", 5},
-      {"h(7 MHz) > 1", "h is not known there", "h is known from 5 Hz", 2},
-      {"share >", "the condition ends too early", "share > 1 %", 7},
-      {"share and resolved > 1", "'share' is compared with nothing", "share > 1 %", 0},
-      {"resolved resolved(", "'resolved' is not expected here", "'and' or 'or'", 9},
-      {"rank == 1 § 2", "'§' is not expected here", "'and' or 'or'", 10},
-  };
-  for (auto const& c : all) {
-    FilterAnswer const answer = ask(c.text);
-    ASSERT_EQ(answer.problems.size(), 1u) << c.text;
-    EXPECT_EQ(answer.problems[0].what, c.what) << c.text;
-    EXPECT_THAT(answer.problems[0].suggestion, HasSubstr(c.suggestion)) << c.text;
-    EXPECT_EQ(answer.problems[0].begin, c.begin) << c.text;
-    EXPECT_THAT(answer.rows, IsEmpty()) << c.text;
+std::string first_error(FilterAnswer const& answer, std::string const& text) {
+  FilterProblem const& p = answer.problems.at(0);
+  return fmt::format("column {}: {}: {}", width_of(text.substr(0, p.begin)) + 1, p.what, p.suggestion);
+}
+
+RouteColumn column_of(nlohmann::json const& j) {
+  RouteColumn c;
+  c.key = j["key"];
+  c.title = j["title"];
+  c.unit = j["unit"];
+  c.is_text = !j.contains("units");
+  for (auto const& value : j["values"])
+    if (c.is_text)
+      c.texts.push_back(value);
+    else
+      c.numbers.push_back(value.is_null() ? not_a_number : value.get<double>());
+  if (c.is_text) return c;
+  c.units = j["units"].get<std::vector<std::pair<std::string, double>>>();
+  c.whole = j["whole"];
+  c.needs_unit = j["needs_unit"];
+  return c;
+}
+
+// One table of cases for the program and for pages: tests/tools/report/test_filter.py runs the script of the page on it.
+TEST(ReportFilterCases, chooses_and_rejects_as_pages_do) {
+  auto const cases = nlohmann::json::parse(read_file(STRAY_SOURCE_DIR "/tests/support/filter_cases.json"));
+  std::vector<RouteColumn> list;
+  for (auto const& column : cases["table"]["columns"]) list.push_back(column_of(column));
+  RouteColumns columns(list);
+  std::set<Rows> chosen;
+  for (auto const& c : cases["chooses"]) {
+    FilterAnswer const answer = filtered(c["filter"].get<std::string>(), columns);
+    EXPECT_THAT(answer.problems, IsEmpty()) << c;
+    Rows ranks;
+    for (std::size_t const row : answer.rows) ranks.push_back(row + 1);
+    EXPECT_EQ(ranks, c["rows"].get<Rows>()) << c;
+    chosen.insert(ranks);
   }
+  EXPECT_GT(chosen.size(), 10u);  // negative control: conditions differ in what they choose
+  for (auto const& c : cases["rejects"]) {
+    std::string const text = c["filter"];
+    FilterAnswer const answer = filtered(text, columns);
+    ASSERT_FALSE(answer.problems.empty()) << c;
+    EXPECT_EQ(first_error(answer, text), c["error"]) << c;
+    EXPECT_THAT(answer.rows, IsEmpty()) << c;
+  }
+}
+
+TEST_F(ReportFilter, h_is_known_on_the_grid) {
+  std::string const text = "h(7 MHz) > 1";
+  EXPECT_THAT(first_error(ask(text), text), HasSubstr("column 3: h is not known there: h is known from 5 Hz"));
 }
 
 TEST_F(ReportFilter, several_mistakes_are_reported_at_once_with_carets) {
