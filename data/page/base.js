@@ -85,6 +85,13 @@ function simpleTable(titles, rows, text = []) {
             el("tbody", {}, rows.map(row => el("tr", {}, row.map((c, i) => el("td", side(i), String(c)))))));
 }
 
+// A table as the program lists it: columns {title, text, digits}, rows of texts and numbers.
+function listedTable(table) {
+  const columns = table.columns, cell = (x, i) => typeof x === "string" ? x : digits(x, columns[i].digits);
+  return simpleTable(columns.map(c => c.title), table.rows.map(row => row.map(cell)),
+                     columns.map((c, i) => c.text ? i : -1).filter(i => i >= 0));
+}
+
 // Headings that are jumped to stand below the bar at the top, however many lines it has.
 function clearBar() {
   const bar = document.querySelector("nav");

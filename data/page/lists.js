@@ -7,14 +7,7 @@ function addGhosts(reports) {
   if (some.length === 0) return;
   const part = section("Ghost beams", "ghosts");
   for (const r of some) {
-    const strain = row => row.strain ? Object.entries(row.strain).map(([, v]) => digits(v)) : [];
-    const hz = r.ghosts[0].strain ? Object.keys(r.ghosts[0].strain).map(f => "h(" + f + " Hz) [1/√Hz]") : [];
-    const watts = r.ghosts[0].power_W !== undefined;
-    part.append(el("h3", {}, "Beam " + r.beam),
-                simpleTable(["order", "route", "end", "power / launched", ...(watts ? ["power [W]"] : []), "spot [mm]", "path [m]", "recoupled fraction", ...hz],
-                            r.ghosts.map(g => [g.order, g.route, g.end + (g.where ? " " + g.where : ""), digits(g.power),
-                                ...(watts ? [digits(g.power_W)] : []), digits(1000 * g.spot_major_m), digits(g.path_length_m, 6),
-                                digits(g.recoupled), ...strain(g)]), [1, 2]));
+    part.append(el("h3", {}, "Beam " + r.beam), listedTable(r.table));
     for (const note of (r.notes || []).concat(r.warnings || [])) part.append(el("p", {class: "note"}, note));
   }
   part.append(el("p", {class: "note"}, "Strongest first, order 0 is the main beam. Followed as the scene's table 'ghosts' says; " +

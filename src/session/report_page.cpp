@@ -86,7 +86,10 @@ PageJson first_order_json(Model const& model, std::vector<FirstOrderList> const&
 
 PageJson ghosts_json(std::vector<GhostReport> const& reports) {
   PageJson all = PageJson::array();
-  for (GhostReport const& r : reports) all.push_back(PageJson::parse(ghost_json(r)));
+  for (GhostReport const& r : reports) {
+    all.push_back(PageJson::parse(ghost_json(r)));
+    all.back()["table"] = ghost_page_table(r);
+  }
   return all;
 }
 

@@ -69,13 +69,16 @@ void add_ghost_names(GhostList& all) {
   all.push_back({.key = "order", .kind = ColumnKind::count,
     .help = "partial reflections and transmissions; 0: main beam",
     .value = [](GhostLine const& l) { return std::uint64_t{l.ghost().order}; },
-    .text = {10}, .csv = {30}, .json = {10}});
+    .text = {10}, .csv = {30}, .json = {10}, .page = {10}});
   all.push_back({.key = "route", .kind = ColumnKind::text, .help = "departures, and ways taken at splitters",
     .value = [](GhostLine const& l) { return l.row.route; },
-    .text = {200}, .csv = {40}, .json = {10}, .left = true,
+    .text = {200}, .csv = {40}, .json = {10}, .page = {20}, .left = true,
     .as_text = [](GhostLine const& l) { return short_route(l.row.route); }});
   all.push_back({.key = "end", .kind = ColumnKind::text, .help = "how it ends",
     .value = [](GhostLine const& l) { return std::string(name_of(l.ghost().end)); }, .csv = {50}, .json = {10}});
+  all.push_back({.key = "end_where", .kind = ColumnKind::text, .help = "how and on which object it ends",
+    .value = [](GhostLine const& l) {
+      return std::string(name_of(l.ghost().end)) + (l.where.empty() ? "" : " " + l.where); }, .page = {30, "end"}});
   all.push_back({.key = "where", .kind = ColumnKind::text, .help = "object on which it ends",
     .value = [](GhostLine const& l) { return l.where; }, .csv = {60}, .json = {10},
     .as_json = [](GhostLine const& l) { return l.where.empty() ? GhostJson(nullptr) : GhostJson(l.where); }});
@@ -89,17 +92,19 @@ void add_ghost_powers(GhostList& all, bool watts) {
   int const of_watts = watts;
   all.push_back({.key = "power", .unit = "1", .help = "over that of the launched beam",
     .value = [](GhostLine const& l) { return l.ghost().power; },
-    .text = {30, "relative"}, .csv = {80}, .json = {10}});
+    .text = {30, "relative"}, .csv = {80}, .json = {10}, .page = {40, "power / launched"}});
   all.push_back({.key = "power_W", .unit = "W", .help = "power",
     .value = [](GhostLine const& l) { return l.ghost().power * l.power; },
-    .text = {20 * of_watts, "power/W"}, .csv = {90 * of_watts}, .json = {10 * of_watts}});
+    .text = {20 * of_watts, "power/W"}, .csv = {90 * of_watts}, .json = {10 * of_watts},
+    .page = {50 * of_watts, "power [W]"}});
   all.push_back({.key = "beside", .unit = "1", .help = "fraction of its power that passes beside the last surface",
     .value = [](GhostLine const& l) { return l.ghost().clipped; },
     .text = {50}, .csv = {100}, .json = {10}, .format = "{:.2g}",
     .as_text = [](GhostLine const& l) {
       return l.ghost().clipped > 1e-12 ? fmt::format("{:.2g}", l.ghost().clipped) : "-"; }});
   all.push_back({.key = "recoupled", .unit = "1", .help = "fraction of it that returns into the mode",
-    .value = [](GhostLine const& l) { return l.recoupled(); }, .text = {80}, .csv = {190}, .json = {10}});
+    .value = [](GhostLine const& l) { return l.recoupled(); },
+    .text = {80}, .csv = {190}, .json = {10}, .page = {80, "recoupled fraction"}});
   all.push_back({.key = "recoupled_against", .kind = ColumnKind::flag,
     .help = "whether it returns against the main beam",
     .json = {10}, .as_json = [](GhostLine const& l) {
@@ -110,7 +115,8 @@ void add_ghost_shape(GhostList& all) {
   all.push_back({.key = "spot", .unit = "mm", .help = "1/e^2 radii where it ends", .text = {40, "spot/mm"},
     .as_text = [](GhostLine const& l) { return spot_text(l.ghost().spot); }});
   all.push_back({.key = "spot_major_m", .unit = "m", .help = "larger 1/e^2 radius where it ends",
-    .value = [](GhostLine const& l) { return l.ghost().spot.major; }, .csv = {110}, .json = {10}});
+    .value = [](GhostLine const& l) { return l.ghost().spot.major; },
+    .csv = {110}, .json = {10}, .page = {60, "spot [mm]", 1000}});
   all.push_back({.key = "spot_minor_m", .unit = "m", .help = "smaller 1/e^2 radius where it ends",
     .value = [](GhostLine const& l) { return l.ghost().spot.minor; }, .csv = {120}, .json = {10}});
   all.push_back({.key = "spot_axis", .kind = ColumnKind::list, .help = "direction of the larger radius", .json = {10},
@@ -133,7 +139,8 @@ void add_ghost_shape(GhostList& all) {
 
 void add_ghost_alignment(GhostList& all) {
   all.push_back({.key = "path_length_m", .unit = "m", .help = "optical path from the launch",
-    .value = [](GhostLine const& l) { return l.ghost().path_length; }, .csv = {140}, .json = {10}});
+    .value = [](GhostLine const& l) { return l.ghost().path_length; },
+    .csv = {140}, .json = {10}, .page = {70, "path [m]", 1, 6}});
   all.push_back({.key = "angle_rad", .unit = "rad", .help = "to the main beam",
     .value = [](GhostLine const& l) { return l.alignment().known ? l.alignment().angle : not_a_number; },
     .text = {60, "angle/mrad"}, .csv = {150}, .json = {10}, .as_text = angle_text});
@@ -154,7 +161,8 @@ void add_ghost_strain(GhostList& all, bool noise) {
     double const hz = ghost_frequencies[i];
     all.push_back({.key = fmt::format("h_{:g}Hz", hz), .unit = "1/√Hz", .help = "strain ASD of this ghost alone",
       .value = [i](GhostLine const& l) { return l.row.strain[i]; },
-      .text = {90 * noise, fmt::format("h({:g} Hz)", hz)}, .csv = {200}, .format = "{:.2g}"});
+      .text = {90 * noise, fmt::format("h({:g} Hz)", hz)}, .csv = {200},
+      .page = {90 * noise, fmt::format("h({:g} Hz) [1/√Hz]", hz)}, .format = "{:.2g}"});
   }
   all.push_back({.key = "strain", .kind = ColumnKind::list, .unit = "1/√Hz", .help = "by frequency in Hz",
     .json = {10 * noise}, .as_json = [](GhostLine const& l) {
@@ -375,6 +383,12 @@ std::string ghost_json(GhostReport const& report) {
     for (std::size_t i = 0; i < ghost_frequencies.size(); ++i)
       out["strain"][fmt::format("{:g}", ghost_frequencies[i])] = number(report.strain[i]);
   return out.dump();
+}
+
+nlohmann::ordered_json ghost_page_table(GhostReport const& report) {
+  std::vector<GhostLine> lines;
+  for (GhostRow const& r : report.rows) lines.push_back(line_of(report, r));
+  return TableWriter<GhostLine>(ghost_columns(report.power > 0, report.has_noise)).page_table(lines);
 }
 
 struct GhostCsv::List : TableWriter<GhostLine> {

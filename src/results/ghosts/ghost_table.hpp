@@ -3,6 +3,8 @@
 // objects they meet. Memory is bounded by the number of rows kept and of families.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <array>
 #include <functional>
 #include <map>
@@ -157,6 +159,7 @@ struct GhostReport {
 
 std::string ghost_text(GhostReport const&, std::size_t objects_shown);
 std::string ghost_json(GhostReport const&);
+nlohmann::ordered_json ghost_page_table(GhostReport const&);
 // CSV of the ghosts of several beams, row by row.
 class GhostCsv {
  public:

@@ -28,6 +28,7 @@ struct InOutput {
   int place = 0;          // 0: this output does not have the column
   std::string name = {};  // heading or key; empty: the key of the column. In JSON a path: "coupling/value"
   double scale = 1;       // factor on the value
+  int digits = 3;         // of numbers on pages
 };
 
 // estimate: a number with its standard error; CSV and pages add a column KEY_sigma.
@@ -132,6 +133,23 @@ class TableWriter {
                      {"kind", name_of(c->kind)},
                      {"unit", c->unit},
                      {"help", c->help}});
+    return out;
+  }
+
+  // For pages: columns {title, text, digits} and rows of cells.
+  nlohmann::ordered_json page_table(std::vector<Row> const& rows) const {
+    using Json = nlohmann::ordered_json;
+    auto const columns = of(&TableColumn<Row>::page);
+    Json out{{"columns", Json::array()}, {"rows", Json::array()}};
+    for (TableColumn<Row> const* c : columns)
+      out["columns"].push_back({{"title", c->name_in(&TableColumn<Row>::page)},
+                                {"text", c->kind == ColumnKind::text},
+                                {"digits", c->page.digits}});
+    for (Row const& row : rows) {
+      Json cells = Json::array();
+      for (TableColumn<Row> const* c : columns) cells.push_back(cell_json(c->value(row), c->page.scale));
+      out["rows"].push_back(std::move(cells));
+    }
     return out;
   }
 
