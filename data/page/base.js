@@ -78,7 +78,7 @@ function section(title, id) {
 // Parts of a text that was split at what is to stay on one line.
 function kept(parts) { return parts.map((part, i) => i % 2 ? el("span", {class: "keep"}, part) : part); }
 
-// rows: lists of cells; text columns stand to the left. In titles h(10 Hz) and [1/√Hz] stay whole.
+// rows: lists of cells; text columns are left-aligned. In titles h(10 Hz) and [1/√Hz] stay whole.
 function simpleTable(titles, rows, text = []) {
   const side = i => ({class: text.includes(i) ? "text" : null}), whole = /(\S*\([^)]*\)|\[[^\]]*\])/;
   return el("table", {}, el("thead", {}, el("tr", {}, titles.map((t, i) => el("th", side(i), kept(t.split(whole)))))),
@@ -92,7 +92,7 @@ function listedTable(table) {
                      columns.map((c, i) => c.text ? i : -1).filter(i => i >= 0));
 }
 
-// Headings that are jumped to stand below the bar at the top, however many lines it has.
+// Headings that are jumped to appear below the bar at the top, however many lines it has.
 function clearBar() {
   const bar = document.querySelector("nav");
   if (!bar) return;

@@ -59,7 +59,7 @@ class FilterWords {
     this.read();
     return true;
   }
-  // The longest of the units that stands right behind the number just taken; "": none.
+  // The longest of the units directly behind the number just read; "": none.
   unit(units) {
     let longest = "";
     for (const [name] of units) {
@@ -106,13 +106,13 @@ class Predicate {
     this.test = this.either();
     if (this.words.here.kind !== "end") this.unexpected("join conditions with 'and' or 'or'");
   }
-  refuse(word, what, suggestion) { throw new FilterProblem(this.words.text, word, what, suggestion); }
+  fail(word, what, suggestion) { throw new FilterProblem(this.words.text, word, what, suggestion); }
   unexpected(suggestion) {
     const word = this.words.here;
-    if (word.kind === "end") this.refuse(word, "the condition ends too early", suggestion);
-    if (word.text === "=") this.refuse(word, "'=' compares nothing", "write ==");
-    if (word.text === '"' || word.text === "'") this.refuse(word, "a quotation is not closed", "add " + word.text);
-    this.refuse(word, "'" + word.text + "' is not expected here", suggestion);
+    if (word.kind === "end") this.fail(word, "the condition ends too early", suggestion);
+    if (word.text === "=") this.fail(word, "'=' is not a comparison", "write ==");
+    if (word.text === '"' || word.text === "'") this.fail(word, "a quotation is not closed", "add " + word.text);
+    this.fail(word, "'" + word.text + "' is not expected here", suggestion);
   }
   either() {
     let left = this.both();
@@ -132,7 +132,7 @@ class Predicate {
   }
   one() {
     const word = this.words.here;
-    if (++this.depth > deepest) this.refuse(word, "the condition is nested too deeply", "remove brackets");
+    if (++this.depth > deepest) this.fail(word, "the condition is nested too deeply", "remove brackets");
     const test = this.inside(word);
     --this.depth;
     return test;
@@ -146,11 +146,11 @@ class Predicate {
       const inner = this.either();
       if (!this.words.takes(")")) {
         if (this.words.here.kind !== "end") this.unexpected("join conditions with 'and' or 'or'");
-        this.refuse(word, "a bracket is not closed", "add ')'");
+        this.fail(word, "a bracket is not closed", "add ')'");
       }
       return inner;
     }
-    if (word.kind === "number") this.refuse(word, "a number stands first", "write the name first: scatters == 2");
+    if (word.kind === "number") this.fail(word, "a number comes first", "write the name first: scatters == 2");
     if (word.kind !== "name") this.unexpected("write a condition: scatters == 2");
     this.words.next();
     return this.named(word, word.text.toLowerCase());
@@ -162,7 +162,7 @@ class Predicate {
     const numbers = Predicate.numbers(this.about);
     if (numbers.includes(name)) return this.compared(word, name, this.about.get(name));
     const all = [...numbers, ...textNames, "resolved"], near = nearestWord(name, all);
-    this.refuse(word, "'" + word.text + "' is not known", near ? "did you mean '" + near + "'?" : "known are " + all.join(", "));
+    this.fail(word, "'" + word.text + "' is not known", near ? "did you mean '" + near + "'?" : "known are " + all.join(", "));
   }
   strain() {
     if (!this.words.takes("(")) this.unexpected("write h(30 Hz)");
@@ -170,13 +170,13 @@ class Predicate {
     if (number.kind !== "number") this.unexpected("write h(30 Hz)");
     this.words.next();
     const unit = this.words.unit(this.hertz), word = this.words.here;
-    if (!unit && word.kind === "name") this.refuse(word, "'" + word.text + "' is no unit of a frequency", "write " + unitNames(this.hertz));
-    if (!unit) this.refuse(number, "the frequency has no unit", "write h(" + number.text + " Hz)");
+    if (!unit && word.kind === "name") this.fail(word, "'" + word.text + "' is not a unit of a frequency", "write " + unitNames(this.hertz));
+    if (!unit) this.fail(number, "the frequency has no unit", "write h(" + number.text + " Hz)");
     if (!this.words.takes(")")) this.unexpected("add ')'");
     const hz = Number(number.text) * factorOf(unit, this.hertz), column = this.about.get("h" + hz);
     if (column) return column;
     const known = [...this.about.values()].filter(isStrain).map(c => c.key.slice(1) + " Hz").join(", ");
-    this.refuse(number, "h is not known there", known ? "h is listed at " + known
+    this.fail(number, "h is not known there", known ? "h is listed at " + known
                                                       : "this run has no noise yet; write: straytrace noise RUN");
   }
   texts(name) {
@@ -195,7 +195,7 @@ class Predicate {
     const shown = name === "h" ? "h(30 Hz) > 1e-25" : name + " > 1" + (column.needs_unit ? " " + column.units[0][0] : "");
     if (!isComparison(this.words.here)) {
       if (this.words.here.text === "=") this.unexpected("");
-      this.refuse(word, "'" + word.text + "' is compared with nothing", "write for example " + shown);
+      this.fail(word, "'" + word.text + "' needs a comparison", "write for example " + shown);
     }
     const sign = this.words.next().text, number = this.words.here;
     if (number.kind !== "number") this.unexpected("write for example " + shown);
@@ -207,9 +207,9 @@ class Predicate {
     const unit = this.words.unit(column.units), word = this.words.here;
     if (unit) return unit;
     if ((word.kind === "name" && !joins(word)) || word.text === "%" || word.text === "/")
-      this.refuse(word, "'" + word.text + "' is no unit of " + name, column.units.length > 0
+      this.fail(word, "'" + word.text + "' is not a unit of " + name, column.units.length > 0
           ? "write " + unitNames(column.units) : "leave it out: " + name + " is a plain number");
-    if (column.needs_unit) this.refuse(number, name + " needs a unit", "write " + number.text + " " + column.units[0][0]);
+    if (column.needs_unit) this.fail(number, name + " needs a unit", "write " + number.text + " " + column.units[0][0]);
     return unit;
   }
   static ordered(column, sign, x) {

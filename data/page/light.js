@@ -130,6 +130,6 @@ function pathDetails(scene, id) {
   }));
   return el("details", {}, el("summary", {}, "Events of these " + paths.length + " paths"),
             el("p", {class: "note"}, "Address: history:event:connection, to follow with straytrace trace --history. " +
-               "Couplings are the parts of the route that the path stands for."),
+               "Couplings are the parts of the route that the path represents."),
             simpleTable(["path", "address", "event", "place [m]", "leg [m]", "coupling", "optical path [m]"], rows, [1, 2, 3]));
 }

@@ -10,7 +10,7 @@ function addGhosts(reports) {
     part.append(el("h3", {}, "Beam " + r.beam), listedTable(r.table));
     for (const note of (r.notes || []).concat(r.warnings || [])) part.append(el("p", {class: "note"}, note));
   }
-  part.append(el("p", {class: "note"}, "Strongest first, order 0 is the main beam. Followed as the scene's table 'ghosts' says; " +
+  part.append(el("p", {class: "note"}, "Strongest first, order 0 is the main beam. Followed according to the scene's table 'ghosts'; " +
       "without one down to 1e-12 of the launched power and order 2. Spot: larger 1/e² radius at the end. Power, spot and fraction are " +
       "computed, without Monte-Carlo error; –: the ghost does not come back into a mode, or has no h. straytrace ghosts has all of them."));
 }

@@ -43,7 +43,7 @@ function whenResized(parent, svg, draw) {
   window.addEventListener("resize", hear);
 }
 
-// Evenly spaced ticks and their labels, with as many digits as tell neighbours apart.
+// Evenly spaced ticks and their labels, with as many digits as distinguish neighbours.
 function evenTicks(low, high, count) {
   const values = d3.ticks(low, high, count), step = values.length > 1 ? values[1] - values[0] : high - low;
   const most = Math.max(Math.abs(low), Math.abs(high)), places = Math.floor(Math.log10(most)) - Math.floor(Math.log10(step));
@@ -130,7 +130,7 @@ class Plot {
     const points = this.series.some(s => s.kind === "points"), room = (points ? 0.03 : 0) * (high - low);
     if (!log) return axis === "y" ? [Math.min(low, 0), high + 0.05 * (high - low || 1)] : [low - room, high + room];
     if (axis === "x") return low < high ? [low, high] : [low / 2, high * 2];
-    // Nine decades or as many as are asked for, and more where a curve would otherwise be out of sight.
+    // Nine decades unless requested otherwise, more where a curve would be out of sight.
     const tops = this.series.filter(s => !s.aside && s.kind !== "band").map(s => d3.max(s.y, v => v === null ? 0 : v));
     const floor = Math.min(high * Math.pow(10, -(this.axes[axis].decades || 9)), d3.min(tops.filter(v => v > 0)) * 1e-2);
     return [Math.max(low / 2, floor), high * 3];
@@ -257,7 +257,7 @@ class Plot {
     this.drawLegend();
     this.draw();
   }
-  // What the curves say below the pointer.
+  // Values of the curves below the pointer.
   read(px) {
     const {left, right, width} = this.size, inside = px !== null && px >= left && px <= width - right;
     this.cursor.attr("x1", px).attr("x2", px).style("display", inside ? "" : "none");

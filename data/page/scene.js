@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The scene in three dimensions with three.js. Nothing is shown to scale when a tube is long: the sides are stretched
-// against the long axis, and the stage says by how much.
+// against the long axis, and the stage states by how much.
 "use strict";
 
 const surfaceColours = ["#7c9cb8", "#c9a06a", "#8fb38a", "#b58aa5", "#a8a8a8", "#d0b848", "#7ab5b0", "#c98b7a", "#8d8fc4",

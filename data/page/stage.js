@@ -111,7 +111,7 @@ Object.assign(Stage.prototype, {
     this.view.append(node);
     this.labels.push({node, place: this.at(place), kind, wide: node.offsetWidth});
   },
-  // Names of parts, where the first of each stands.
+  // Names of parts, at the first of each.
   nameLabels() {
     const known = new Set();
     for (const entry of this.parts || []) {

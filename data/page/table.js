@@ -3,10 +3,10 @@
 "use strict";
 
 const rowHeight = 24, spareRows = 6, printedRows = 40;
-const measuredRows = 4000;  // as many rows, evenly spread, say how wide a column is
+const measuredRows = 4000;  // as many rows, evenly spread, determine the width of a column
 
 class PathTable {
-  // `chosen(ids)` hears of the rows that were clicked, `switched(off)` of all that are off.
+  // Calls `chosen(ids)` with the clicked rows and `switched(off)` with all that are off.
   constructor(parent, table, chosen, switched = () => {}) {
     this.table = table;
     this.columns = new Map(table.columns.map(c => [c.key, c.values]));

@@ -47,7 +47,7 @@ class Answer:
     output: str                       # stdout
     complete: bool                    # False: stopped early with a valid result
     warnings: list[str]               # as printed, of a command that speaks to people
-    told: tuple[Problem, ...]         # of one that speaks JSON
+    problems: tuple[Problem, ...]     # of a command with --format json
 
 
 def program() -> str:
@@ -82,7 +82,7 @@ class _Listener:
         self.process, self.progress = process, progress
         self.problems: tuple[str, str] | None = None
         self.words: list[str] = []
-        self.asked_to_stop = False
+        self.stop_requested = False
 
     def listen(self) -> None:
         while True:
@@ -91,9 +91,9 @@ class _Listener:
                     self.process.wait()
                     return
             except KeyboardInterrupt:
-                if self.asked_to_stop:
+                if self.stop_requested:
                     raise
-                self.asked_to_stop = True
+                self.stop_requested = True
                 self.process.send_signal(signal.SIGINT)
 
     def _next_line(self) -> bool:
@@ -161,7 +161,7 @@ def _warnings(lines: Sequence[str]) -> list[str]:
     return [warning.rstrip("\n").removeprefix("warning: ") for warning in found]
 
 
-def _told(words: str) -> tuple[Problem, ...]:
+def _problems_in(words: str) -> tuple[Problem, ...]:
     """Lists of problems among the words of stderr."""
     found: tuple[Problem, ...] = ()
     at = words.find("[\n")
@@ -177,13 +177,13 @@ def _told(words: str) -> tuple[Problem, ...]:
 
 def _answer(code: int, output: str, listener: _Listener) -> Answer:
     if code in (DONE, CHECKPOINTED):
-        return Answer(output, code == DONE, _warnings(listener.words), _told("".join(listener.words)))
+        return Answer(output, code == DONE, _warnings(listener.words), _problems_in("".join(listener.words)))
     text, problems = listener.problems or ("".join(listener.words), "")
     if code == INPUT_ERROR:
-        raise InputError(text or "the program refused its input without a word", problems)
+        raise InputError(text or "the program rejected its input without a message", problems)
     if code == NUMERICAL_FAILURE:
         raise NumericalError(text.rstrip("\n"))
-    if listener.asked_to_stop:
+    if listener.stop_requested:
         raise KeyboardInterrupt
     how = f"code {code}" if code >= 0 else f"signal {signal.Signals(-code).name}"
     raise RuntimeError(f"the program ended with {how}: {text.strip() or 'it said nothing; was there enough memory?'}")

@@ -55,13 +55,13 @@ def log_log(hz: npt.ArrayLike, frequency: Array, strain: npt.ArrayLike, beyond: 
         y = np.log(known_values)
     outside: Any = np.nan if beyond == "nan" else None
     zero = known_values == 0
-    beside = np.interp(x, known, zero.astype(float), left=0, right=0) > 0
+    near_zero = np.interp(x, known, zero.astype(float), left=0, right=0) > 0
     value: Array = np.interp(x, known, np.where(zero, 0, y), left=outside, right=outside)
     if beyond == "slope":
         for side, (i, k) in ((x < known[0], (0, 1)), (x > known[-1], (-1, -2))):
             value[side] = np.nan if zero[i] or zero[k] else y[i] + (y[k] - y[i]) / (known[k] - known[i]) * (x[side] - known[i])
     value = np.exp(value)
-    value[beside] = np.interp(x[beside], known, known_values)
+    value[near_zero] = np.interp(x[near_zero], known, known_values)
     for side, i in ((x < known[0], 0), (x > known[-1], -1)):
         if zero[i] and beyond != "nan":
             value[side] = 0

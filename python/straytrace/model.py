@@ -115,7 +115,7 @@ class Model(Table):
             raise InputError(f"{path.name}: error: {error}") from None
         if not isinstance(data, MutableMapping):
             engine.ask("check", str(path), unsaved={str(path): text})
-            raise InputError(f"{path.name}: error: this is no table of YAML")
+            raise InputError(f"{path.name}: error: this is not a YAML table")
         model = cls.__new__(cls)
         model._set(data, path, text)
         return model
@@ -129,7 +129,7 @@ class Model(Table):
             return cls(what)
         if isinstance(what, (str, os.PathLike)):
             return cls.load(what)
-        raise TypeError(f"{what!r} is no model; give a Model, a dict of its tables, or the name of a YAML file")
+        raise TypeError(f"{what!r} is not a model; give a Model, a dict of its tables, or the name of a YAML file")
 
     def text(self) -> str:
         """The YAML text; identical to the file until the model is changed."""
@@ -181,7 +181,7 @@ class Model(Table):
         about = {"surfaces": 0, "groups": 0, "ports": 0, "receivers": 0, "lit": [], "model_hash": "",
                  **json.loads(answer.output)}
         about.pop("ok")
-        return Check(**about, warnings=answer.told)
+        return Check(**about, warnings=answer.problems)
 
     def resolved(self, params: Parameters | None = None) -> str:
         """The YAML text in SI with every parameter evaluated, and includes, parts and repeats expanded."""

@@ -99,7 +99,7 @@ def read_strain(path: str | os.PathLike[str]) -> Known:
     if not (np.all(frequency > 0) and np.all(np.diff(frequency) > 0)):
         raise RunError(f"the frequencies of '{path}' do not increase from above 0")
     if np.any(strain < 0):
-        raise RunError(f"'{path}' is no ASD: its value at {frequency[strain < 0][0]:g} Hz is negative")
+        raise RunError(f"'{path}' is not an ASD: its value at {frequency[strain < 0][0]:g} Hz is negative")
     return frequency, strain, title or path.name
 
 

@@ -49,7 +49,7 @@ def attributes(file: Any) -> dict[str, Any]:
     return {name: text(value) if isinstance(value, (bytes, str)) else value for name, value in file.attrs.items()}
 
 
-def refuse_damaged(path: pathlib.Path) -> None:
+def check_intact(path: pathlib.Path) -> None:
     """RunError when the bytes do not have the hash of the first line."""
     with open(path, "rb") as file:
         words = file.read(USER_BLOCK).split(b"\n")[0].split()
@@ -68,7 +68,7 @@ def refuse_damaged(path: pathlib.Path) -> None:
                        "  copy it again from where it was made, or make it again with: straytrace run")
 
 
-def refuse_other(about: dict[str, Any], path: pathlib.Path) -> None:
+def check_format(about: dict[str, Any], path: pathlib.Path) -> None:
     """RunError for a file that is not a run file, or has an unknown schema."""
     if about.get("file_type") != "straytrace-run":
         raise RunError(f"'{path}' is not a straytrace run file")

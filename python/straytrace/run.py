@@ -178,7 +178,7 @@ def _texts_of(given: Any, option: str) -> dict[str, str]:
 
 def _read(file: Any, path: pathlib.Path) -> Run:
     about = reading.attributes(file)
-    reading.refuse_other(about, path)
+    reading.check_format(about, path)
     texts, pairs = reading.texts, reading.pairs
     groups, ports = texts(file["names/groups"]), texts(file["names/ports"])
     run = Run(
@@ -209,7 +209,7 @@ def open_run(path: str | os.PathLike[str]) -> Run:
     if path.is_dir():
         path = path / "run.h5"
     try:
-        reading.refuse_damaged(path)
+        reading.check_intact(path)
         with h5py.File(path, "r") as file:
             return _read(file, path)
     except (OSError, KeyError) as error:

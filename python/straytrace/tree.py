@@ -57,7 +57,7 @@ def plain(value: Any, where: str) -> Any:
             entries.fa.set_flow_style()
         return entries
     hint = "leave the key out" if value is None else "write a number, a text with a unit such as '3 km', a list or a dict"
-    raise TypeError(f"{where}: {value!r} ({type(value).__name__}) cannot stand in a model; {hint}")
+    raise TypeError(f"{where}: {value!r} ({type(value).__name__}) cannot be in a model; {hint}")
 
 
 def scene_tree(tables: Mapping[str, Any]) -> Any:

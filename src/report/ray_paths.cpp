@@ -32,7 +32,7 @@ Vec3 leaves(Box const& box, Ray const& ray) {
   return ray.origin + end * ray.dir;
 }
 
-// Follows one history; each(path, hit) hears of every leg before it is flown.
+// Follows one history; calls each(path, hit) before every leg.
 template <class Sink, class Each>
 void follow(WorldView const& view, std::uint64_t seed, std::uint64_t number, Sink& sink, Each const& each) {
   History history;
@@ -55,21 +55,21 @@ class TellingSink {
              double coupling) {
     bool const port = goal < view_.lit.size;
     add(port ? "rejoin" : "receive", path, v, coupling);
-    if (y.surface.valid()) place(told.back(), y);
+    if (y.surface.valid()) place(events.back(), y);
     if (port && view_.lit[goal].port.valid())
-      told.back().where = world_.ports()[view_.lit[goal].port.value];
+      events.back().where = world_.ports()[view_.lit[goal].port.value];
     else if (!port)
-      told.back().where = world_.receiver_names().at(goal - view_.lit.size);
+      events.back().where = world_.receiver_names().at(goal - view_.lit.size);
   }
   void score_through(PathState const& path, Vertex const& v, Vertex const&, Chain const&, std::uint32_t receiver,
                      Vertex const&, double power) {
     add("receive", path, v, power);
-    told.back().where = world_.receiver_names().at(receiver);
+    events.back().where = world_.receiver_names().at(receiver);
   }
   void score_lit(PathState const& path, std::uint32_t, Vertex const& z, Chain const&, std::uint32_t receiver,
                  Vertex const&, double power) {
     add("receive", path, z, power);
-    told.back().where = world_.receiver_names().at(receiver);
+    events.back().where = world_.receiver_names().at(receiver);
   }
   void book(BalanceTerm balance_term, double power) {
     if (power == 0) return;
@@ -77,9 +77,9 @@ class TellingSink {
     t.what = name_of(balance_term);
     t.power = power;
     t.point = {not_a_number, not_a_number, not_a_number};
-    told.push_back(t);
+    events.push_back(t);
   }
-  std::vector<HistoryEvent> told;
+  std::vector<HistoryEvent> events;
 
  private:
   void place(HistoryEvent& t, Vertex const& v) const {
@@ -91,7 +91,7 @@ class TellingSink {
   void add(char const* what, PathState const& path, Vertex const& v, double power) {
     HistoryEvent t{what, path.event, path.order, "", "", v.point, power};
     if (v.surface.valid()) place(t, v);
-    told.push_back(t);
+    events.push_back(t);
   }
   World const& world_;
   WorldView const& view_;
@@ -141,7 +141,7 @@ std::vector<HistoryEvent> replay_history_events(SteeredWorld const& world, std::
   WorldView const view = world.view();
   TellingSink sink(world, view);
   follow(view, seed, history, sink, [](PathState const&, Hit const&) {});
-  return std::move(sink.told);
+  return std::move(sink.events);
 }
 
 }  // namespace straytrace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Light as lines in space: kept paths of routes traced again from their addresses, sample histories with their terms of
-// the energy balance, and one history told event by event.
+// the energy balance, and one history event by event.
 #pragma once
 
 #include <string>
@@ -24,7 +24,7 @@ struct DrawnPath {
   std::uint64_t route = 0;  // hash of its class
   std::uint64_t history = 0;
   std::uint32_t event = 0, connection = 0;
-  double weight = 0;       // recoupled power fraction that it stands for; of received light W per W
+  double weight = 0;       // recoupled power fraction that it represents; of received light W per W
   double path_length = 0;  // optical, m
   bool reversed = false;   // the route was sampled on its reverse
   bool computed = false;   // a way of a deterministic route: it has no history

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Front door of the report room: run files, curves, tables and texts. Everything here can be made again from a run
-// file.
+// Interface of the results module: run files, curves, tables and texts. All of them can be made again from a run file.
 #pragma once
 
 #include <array>
@@ -43,7 +42,7 @@ struct ImportanceMap {
   std::vector<double> adjoint, law_share;  // front and back of patch 0, of patch 1, ...
 };
 
-// What goes into a run file besides the numbers; no host names, user names or absolute paths of this machine.
+// Content of a run file apart from its numbers; no host names, user names or absolute paths of this machine.
 struct RunContent {
   FileTexts files;
   std::string main_file, title;
@@ -60,7 +59,7 @@ struct RunContent {
   double beam_power = 0;                       // W, of the main mode; 0: not stated
   std::optional<ProjectionInputs> projection;  // absent in files of schema 1
   Provenance provenance;
-  std::map<std::string, double> timing;  // s, by stage, besides those of trace and noise
+  std::map<std::string, double> timing;  // s, by stage, without trace and noise
   TraceResult const* trace = nullptr;
   NoiseBudget const* noise = nullptr;  // may be absent
 };
@@ -76,7 +75,7 @@ struct RunFile {
 };
 
 // Appears complete or not at all: written under a temporary name and renamed. Throws InputError with the reason of the
-// system when the disk refuses, NumericalError when the HDF5 library fails.
+// system when the disk fails, NumericalError when the HDF5 library fails.
 void write_run(std::string const& file, RunContent const&);
 // Throws InputError: no such file, another kind of file, a newer schema, damaged content.
 RunFile read_run(std::string const& file);

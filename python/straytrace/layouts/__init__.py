@@ -37,19 +37,19 @@ def main(arguments=None) -> int:
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("layout", type=pathlib.Path, help="theia .tia, or JSON that gtrace's OpticalLayout.save wrote")
     parser.add_argument("-o", "--out", type=pathlib.Path, required=True, help="scene to write (YAML)")
-    asked = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     try:
-        layout = read_layout(asked.layout)
-        temporary = asked.out.with_name(asked.out.name + ".part")
-        temporary.write_text(scene_text(layout, asked.layout.name), encoding="utf-8")
-        temporary.replace(asked.out)
+        layout = read_layout(options.layout)
+        temporary = options.out.with_name(options.out.name + ".part")
+        temporary.write_text(scene_text(layout, options.layout.name), encoding="utf-8")
+        temporary.replace(options.out)
     except LayoutError as error:
         print("\n".join(error.problems), file=sys.stderr)
         return 2
     except OSError as error:
         print(f"error: '{error.filename}': {error.strerror}; check the name and the folder", file=sys.stderr)
         return 2
-    print(f"written: {asked.out}: {len(layout.optics)} optics, {len(layout.beams)} beams")
+    print(f"written: {options.out}: {len(layout.optics)} optics, {len(layout.beams)} beams")
     for note in layout.left_out:
         print(f"not translated: {note}")
     return 0

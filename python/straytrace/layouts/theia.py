@@ -150,7 +150,7 @@ class Reader:
             thickness = THIN_EDGE + max(0.0, 2 * bend)
             chord = at + thickness / 2 * normal
             self.layout.left_out.append(f"'{name}': a thin lens; a biconvex or biconcave one of index {THIN_INDEX} and an "
-                                        f"edge or middle of {THIN_EDGE * 1e3:g} mm stands for it")
+                                        f"edge or middle of {THIN_EDGE * 1e3:g} mm represents it")
         self.layout.optics.append(Optic(name, chord, normal, basis(normal)[0], v["Diameter"], thickness, index, face, face,
                                         front, back, where=where))
 

@@ -166,19 +166,19 @@ def joined(map_f, map_s2, f, s2):
     return np.r_[map_f, f[beyond]], np.r_[map_s2, s2[beyond]], factor
 
 
-def report(surface, pixel, asked, spectrum, roc, missing, raised, factor) -> list[str]:
-    tis = (4 * np.pi * spectrum.rms_band / asked.wavelength)**2
-    lines = [f"{asked.map.name}: {surface.kind}, {surface.height.shape[1]} x {surface.height.shape[0]} pixels of "
+def report(surface, pixel, options, spectrum, roc, missing, raised, factor) -> list[str]:
+    tis = (4 * np.pi * spectrum.rms_band / options.wavelength)**2
+    lines = [f"{options.map.name}: {surface.kind}, {surface.height.shape[1]} x {surface.height.shape[0]} pixels of "
              f"{pixel * 1e3:.5g} mm, {surface.scale}",
-             f"disc of {asked.aperture * 100:.6g} cm, {100 * missing:.2g} % without data; removed: up to {asked.remove}"
+             f"disc of {options.aperture * 100:.6g} cm, {100 * missing:.2g} % without data; removed: up to {options.remove}"
              + (f", radius of curvature {roc:.6g} m" if np.isfinite(roc) else ""),
              f"radial Hann window, its power normalised; 2d PSD, two-sided, mean over azimuth; times {raised:.4g}, so that "
              "power laws between the rings hold their variance",
              f"rms {spectrum.rms * 1e9:.4g} nm under the window, {spectrum.rms_band * 1e9:.4g} nm between "
              f"{spectrum.edges[0]:.4g} and {spectrum.edges[1]:.4g} 1/m (eq. 3.6)",
-             f"TIS of that band at {asked.wavelength * 1e9:g} nm: {tis:.4g} (eq. 3.10, normal incidence, R = 1)"]
-    if asked.join:
-        lines.append(f"joined to {asked.join.name}: " + (
+             f"TIS of that band at {options.wavelength * 1e9:g} nm: {tis:.4g} (eq. 3.10, normal incidence, R = 1)"]
+    if options.join:
+        lines.append(f"joined to {options.join.name}: " + (
             f"wide-angle data are {factor:.3g} times the map where both are given; nothing is rescaled" if factor else
             "no overlap with the map; the gap is bridged by a power law"))
     return lines
@@ -214,7 +214,7 @@ def parse(arguments):
     parser.add_argument("--aperture", type=length, required=True, help="diameter of the disc that counts: '30 cm'")
     parser.add_argument("--remove", choices=REMOVED, required=True,
                         help="figure to take out, each with those before it: what the beam does not scatter by")
-    parser.add_argument("--pixel", type=length, help="of maps that do not say it: '0.4 mm'")
+    parser.add_argument("--pixel", type=length, help="of maps that do not state it: '0.4 mm'")
     parser.add_argument("--centre", type=length, nargs=2, default=(0.0, 0.0), metavar=("X", "Y"),
                         help="of the disc, from the middle of the map: '1 mm' '-2 mm'")
     parser.add_argument("--wavelength", type=length, default=1.064e-6, help="of the scattered light (1064 nm)")
@@ -223,37 +223,37 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
-def run(asked):
-    surface = read_map(asked.map)
-    pixel = asked.pixel or surface.pixel
+def run(options):
+    surface = read_map(options.map)
+    pixel = options.pixel or surface.pixel
     if not 0 < pixel < 1:
-        raise MapError(f"{asked.map}: the file does not say how large a pixel is; give it: --pixel '0.4 mm'")
-    spectrum, residual, roc, missing = analyse(surface, pixel, asked.aperture, asked.remove, asked.centre)
+        raise MapError(f"{options.map}: the file does not state its pixel size; give it: --pixel '0.4 mm'")
+    spectrum, residual, roc, missing = analyse(surface, pixel, options.aperture, options.remove, options.centre)
     f, s2, raised = table_of(spectrum)
     factor = None
-    if asked.join:
-        f, s2, factor = joined(f, s2, *wide_angle(asked.join, asked.wavelength))
-    lines = report(surface, pixel, asked, spectrum, roc, missing, raised, factor)
+    if options.join:
+        f, s2, factor = joined(f, s2, *wide_angle(options.join, options.wavelength))
+    lines = report(surface, pixel, options, spectrum, roc, missing, raised, factor)
     text = "".join(f"# {line}\n" for line in lines) + "f [1/m], s2 [m^4]\n"
     text += "".join(f"{a:.7g}, {b:.7g}\n" for a, b in zip(f, s2))
-    if asked.plot:
-        draw(asked.plot, residual, {"pixel": pixel}, spectrum, f, s2, asked.map.name)
-    temporary = asked.out.with_name(asked.out.name + ".part")
+    if options.plot:
+        draw(options.plot, residual, {"pixel": pixel}, spectrum, f, s2, options.map.name)
+    temporary = options.out.with_name(options.out.name + ".part")
     temporary.write_text(text, encoding="utf-8")
-    temporary.replace(asked.out)
+    temporary.replace(options.out)
     print("\n".join(lines))
-    print(f"written: {asked.out}\n  scatter: {{model: psd, file: {asked.out.name}, dimension: 2d, sides: two, "
-          f"beyond: {'power' if asked.join else 'zero'}, source: \"{asked.map.name}\"}}")
+    print(f"written: {options.out}\n  scatter: {{model: psd, file: {options.out.name}, dimension: 2d, sides: two, "
+          f"beyond: {'power' if options.join else 'zero'}, source: \"{options.map.name}\"}}")
 
 
 def main(arguments=None) -> int:
-    asked = parse(arguments)
+    options = parse(arguments)
     try:
-        run(asked)
+        run(options)
     except OSError as error:
         print(f"error: '{error.filename}': {error.strerror}; check the name and the folder", file=sys.stderr)
     except KeyError as error:
-        print(f"error: {asked.join}: no {error}; give what 'straytrace inspect FILE --format json' prints", file=sys.stderr)
+        print(f"error: {options.join}: no {error}; give what 'straytrace inspect FILE --format json' prints", file=sys.stderr)
     except ValueError as error:
         print(f"error: {error}", file=sys.stderr)
     else:

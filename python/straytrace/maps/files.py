@@ -83,7 +83,7 @@ def numbers_of(path, line, number, least):
     except ValueError:
         raise MapError(f"{path}:{number}:1: '{line.strip()[:40]}' should begin with {least} numbers") from None
     if len(values) < least:
-        raise MapError(f"{path}:{number}:1: {len(values)} numbers, but {least} should stand here")
+        raise MapError(f"{path}:{number}:1: {len(values)} numbers, expected {least}")
     return values
 
 

@@ -31,12 +31,12 @@ def draw_json(prog, about, picture, arguments=None):
     parser = argparse.ArgumentParser(prog=prog, description=about)
     parser.add_argument("json", type=pathlib.Path)
     parser.add_argument("-o", "--out", type=pathlib.Path, required=True)
-    asked = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     try:
-        contents = json.loads(asked.json.read_text(encoding="utf-8"))
+        contents = json.loads(options.json.read_text(encoding="utf-8"))
         with plt.rc_context(STYLE | {"font.size": 9.5, "legend.fontsize": 8.5, "axes.titlesize": 11}):
-            save(picture(contents), asked.out)
+            save(picture(contents), options.out)
     except (OSError, ValueError, KeyError) as error:
-        print(f"error: {asked.json}: {type(error).__name__}: {error}", file=sys.stderr)
+        print(f"error: {options.json}: {type(error).__name__}: {error}", file=sys.stderr)
         return 2
     return 0

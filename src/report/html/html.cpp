@@ -26,7 +26,7 @@ std::string_view own(std::string const& name) {
 
 std::string bracketed(std::string const& unit) { return unit.empty() || unit == "1" ? "" : " [" + unit + "]"; }
 
-// Within a script element only "</script" and "<!--" matter; in JSON every '<' stands in a string.
+// Within a script element only "</script" and "<!--" matter; in JSON every '<' is inside a string.
 std::string json_text(nlohmann::json const& data) {
   std::string const text = data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   std::string out;

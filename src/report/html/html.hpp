@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One self-contained HTML file: it loads nothing and may load nothing, which its content security policy says too.
+// One self-contained HTML file: it loads nothing, and its content security policy forbids loading.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,10 +14,10 @@
 namespace straytrace {
 
 struct HtmlPage {
-  std::string title, body;            // body: HTML that stands there without scripts
+  std::string title, body;            // body: HTML shown without scripts
   nlohmann::json data;                // for the scripts
   std::vector<std::string> scripts;   // of data/page, in order
-  bool plots = false, scene = false;  // what they need of others
+  bool plots = false, scene = false;  // which libraries they need
 };
 std::string html_text(HtmlPage const&);
 
@@ -33,7 +33,7 @@ struct StaticReport {
 std::string static_head(StaticReport const&);
 std::string static_body(StaticReport const&, PathTable const&);
 
-// Scripts of others that pages carry, as CMake found them in packages.
+// Third-party scripts inside pages, from packages that CMake found.
 
 struct PageScript {
   std::string_view name, licence, text;

@@ -293,7 +293,7 @@ PageJson budget_json(NoiseBudget const& b, PathTable const& table, std::size_t r
   return j;
 }
 
-// What a run says about itself: where it comes from, where the light went, how well it has converged.
+// Provenance, energy balance and convergence of a run.
 
 namespace {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Curves hold averages over bins, which stand at the centres: in between they are straight lines in log-log. A line
-// fills one bin and no other, so beside it, and where a curve is 0, the average of the bin is all there is to say.
+// Curves hold averages over bins, placed at the centres and connected by straight lines in log-log. A spectral line
+// fills a single bin; next to it, and where a curve is 0, only the average of the bin is known.
 #include "results/curves/band.hpp"
 
 #include <fmt/format.h>

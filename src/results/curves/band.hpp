@@ -16,7 +16,7 @@ std::pair<double, double> band_of(FrequencyGrid const&, double low, double high)
 // "wrapped" where fringes wrap, "linear > 13 Hz" and "linear < 5 Hz" with one change, "mixed" with more. Without shares
 // per frequency by the rms phase alone; "-" where nothing moves.
 std::string regime(NoiseTrace const&, FrequencyGrid const&, double low, double high);
-// Between the centres of bins straight in log-log; the average of the bin beside a line or a zero; NaN outside the
+// Between the centres of bins linear in log-log; next to a line or a zero the average of the bin; NaN outside the
 // grid.
 WithError strain_at(NoiseTrace const&, FrequencyGrid const&, double hz);
 // The line in the bin that holds hz, if there is one: a bin above twice either neighbour.
@@ -31,7 +31,7 @@ bool at_most(NoiseTrace const&, std::size_t bin);
 double band_at(std::vector<double> const& curve, FrequencyGrid const&, double hz);
 // Input and speckle bands at some frequencies, and where they come from; empty where they were not made.
 std::string band_text(NoiseBudget const&, std::vector<double> const& frequencies);
-// Whence the Monte-Carlo error comes, in per cent of h; empty where nothing is known of it.
+// Sources of the Monte-Carlo error, in per cent of h; empty where they are unknown.
 std::string error_table(NoiseBudget const&, std::vector<double> const& frequencies);
 std::string band_summary(NoiseBudget const&, std::vector<double> const& frequencies);  // two lines of it
 // Integral of the PSD over the bins whose centres lie in the band, strain^2; errors of bins add (they are correlated).

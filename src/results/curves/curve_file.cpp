@@ -182,7 +182,7 @@ std::string json(MapSheet const& map) {
 namespace straytrace::curve_format {
 namespace {
 
-double step_or_refuse(std::vector<double> const& axis, std::string const& name, std::string const& file) {
+double regular_step_of(std::vector<double> const& axis, std::string const& name, std::string const& file) {
   if (double const step = regular_step(axis); step > 0) return step;
   std::string const stem = file.substr(0, file.rfind('.'));
   throw InputError(fmt::format("'{}': the axis '{}' is not regular, and gwpy files hold regular axes only", file, name),
@@ -222,14 +222,14 @@ double regular_step(std::vector<double> const& axis) {
   double const step = (axis.back() - axis.front()) / double(axis.size() - 1);
   for (std::size_t i = 0; i < axis.size(); ++i)
     if (!(std::abs(axis[i] - axis[0] - double(i) * step) <= 1e-6 * step + 4e-16 * std::abs(axis[i]))) return 0;
-  // GPS times are rounded to 0.2 us: the whole rate is meant where they cannot tell it from ours.
+  // GPS times are rounded to 0.2 us: an integer rate within this rounding is the intended one.
   double const rate = 1 / step, whole = std::round(rate);
   double const rounding = 5e-16 * std::abs(axis.back()) / (axis.back() - axis.front());
   return whole >= 1 && std::abs(rate / whole - 1) <= rounding ? 1 / whole : step;
 }
 
 std::string hdf5(CurveSheet const& sheet, std::string const& file) {
-  double const step = step_or_refuse(sheet.x.values, sheet.x.name, file);
+  double const step = regular_step_of(sheet.x.values, sheet.x.name, file);
   straytrace::hdf5::Writer writer;
   std::vector<std::string> taken;
   for (CurveColumn const& c : sheet.y) {
@@ -243,7 +243,7 @@ std::string hdf5(CurveSheet const& sheet, std::string const& file) {
 }
 
 std::string hdf5(MapSheet const& map, std::string const& file) {
-  double const step = step_or_refuse(map.time, "time", file), df = step_or_refuse(map.frequency, "frequency", file);
+  double const step = regular_step_of(map.time, "time", file), df = regular_step_of(map.frequency, "frequency", file);
   straytrace::hdf5::Writer writer;
   writer.array("spectrogram", map.value, gwpy_unit(map.unit), {map.time.size(), map.frequency.size()});
   axis(writer, "spectrogram", "x", map.time.front() - step / 2, step,
@@ -256,7 +256,7 @@ std::string hdf5(MapSheet const& map, std::string const& file) {
 
 }  // namespace straytrace::curve_format
 
-// Curves and maps as one page that needs nothing beside it.
+// Curves and maps as one self-contained page.
 namespace straytrace::curve_format {
 namespace {
 

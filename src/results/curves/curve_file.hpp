@@ -33,7 +33,7 @@ struct MapSheet {
 
 // By the ending: .txt and .csv (comment header with title, notes, units, version), .hdf5 or .h5 (gwpy; regular axes
 // only, otherwise an InputError names the text file), .png, .html (one self-contained page with picture and table),
-// .json. All files or none. Throws InputError for another ending or a disk that refuses.
+// .json. All files or none. Throws InputError for another ending or a failing disk.
 void write_curves(std::vector<std::string> const& files, CurveSheet const&);
 void write_map(std::vector<std::string> const& files, MapSheet const&);
 // What the .json files hold, for standard output.
@@ -44,7 +44,7 @@ void check_curve_ending(std::string const& file, std::string const& option = "")
 
 }  // namespace straytrace
 
-// The formats of results/curves/curve_file.hpp, as bytes. Inside the room.
+// The same formats as bytes, for this module.
 namespace straytrace::curve_format {
 
 std::string text(CurveSheet const&);

@@ -89,7 +89,7 @@ Detector read_detector(IfoTree& t) {
   return d;
 }
 
-// What no number says alone; only of numbers that are right by themselves.
+// Checks of several numbers together; only where each is valid by itself.
 void check_together(IfoTree& t, Detector const& d) {
   double const g = (1 - d.arm_length / d.input.curvature) * (1 - d.arm_length / d.end.curvature);
   if (std::isnan(g) || std::isnan(d.wavelength)) return;
@@ -210,7 +210,7 @@ IfoFile read_ifo(std::string const& name, std::vector<std::string> const& overri
   if (ifo.detector.ground) check_waves(t, *ifo.detector.ground);
   t.word("extends");
   if (auto const said = t.source_of("title"); said && *said >= own) ifo.title = t.word("title");
-  if (extends || !overrides.empty()) t.refuse_unread(extends ? own : own + 1);
+  if (extends || !overrides.empty()) t.report_unread(extends ? own : own + 1);
   t.throw_if_problems();
   check_readout(t, ifo.detector);
   t.throw_if_problems();

@@ -25,8 +25,8 @@ struct IfoFile {
 };
 
 std::vector<std::string> ifo_presets();
-// A preset, or a YAML file. Unknown keys are fine, unless the file says `extends: PRESET`: then it may only change or
-// add what is understood. Overrides: "Laser.Power=25", in SI. Throws InputError with everything that is wrong or
+// A preset, or a YAML file. Unknown keys are accepted, unless the file has `extends: PRESET`: then it may only change
+// or add what is understood. Overrides: "Laser.Power=25", in SI. Throws InputError with everything that is wrong or
 // missing.
 IfoFile read_ifo(std::string const& preset_or_file, std::vector<std::string> const& overrides = {});
 

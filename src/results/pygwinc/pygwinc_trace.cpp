@@ -19,7 +19,7 @@ namespace {
 
 using hdf5::Reader;
 
-[[noreturn]] void refuse(std::string const& file, std::string const& path, std::string const& how) {
+[[noreturn]] void reject(std::string const& file, std::string const& path, std::string const& how) {
   throw InputError(fmt::format("'{}' is not a noise budget of pygwinc: '{}' {}", file, path, how),
                    "write it with gwinc --save FILE.hdf5, or give a two-column text file");
 }
@@ -43,10 +43,10 @@ struct Loader {
   std::size_t points;
 
   std::vector<double> psd(std::string const& path) const {
-    if (!in.has(path)) refuse(file, path, "is missing");
+    if (!in.has(path)) reject(file, path, "is missing");
     std::vector<double> values = in.array<double>(path);
     if (values.size() != points)
-      refuse(file, path, fmt::format("has {} values for {} frequencies", values.size(), points));
+      reject(file, path, fmt::format("has {} values for {} frequencies", values.size(), points));
     return values;
   }
   BudgetTrace version_2(std::string const& group, std::string const& name) const {
@@ -71,11 +71,11 @@ struct Loader {
 };
 
 BudgetFile read_opened(std::string const& file, Reader const& in) {
-  if (!in.has("/Freq")) refuse(file, "/Freq", "is missing");
+  if (!in.has("/Freq")) reject(file, "/Freq", "is missing");
   BudgetFile budget;
   budget.hz = in.array<double>("/Freq");
   for (std::size_t i = 0; i < budget.hz.size(); ++i)
-    if (!(budget.hz[i] > (i > 0 ? budget.hz[i - 1] : 0))) refuse(file, "/Freq", "does not increase from above 0");
+    if (!(budget.hz[i] > (i > 0 ? budget.hz[i - 1] : 0))) reject(file, "/Freq", "does not increase from above 0");
   budget.ifo = about(in, "ifo");
   std::istringstream models(about(in, "models"));
   for (std::string model; models >> model;) budget.models.push_back(model);
@@ -88,7 +88,7 @@ BudgetFile read_opened(std::string const& file, Reader const& in) {
   for (std::string const& name : in.members("/"))
     if (in.is_group("/" + name)) tops.push_back(name);
   if (tops.size() != 1)
-    refuse(file, "/", fmt::format("holds {} groups, and the total must be the only one", tops.size()));
+    reject(file, "/", fmt::format("holds {} groups, and the total must be the only one", tops.size()));
   budget.total = load.version_2("/" + tops.front(), tops.front());
   return budget;
 }
@@ -103,7 +103,7 @@ bool is_budget_file(std::string const& bytes, std::string const& name) {
 
 BudgetFile read_budget_file(std::string const& file) {
   std::string const bytes = read_file(file);
-  if (!is_hdf5(bytes)) refuse(file, "/", "is not HDF5");
+  if (!is_hdf5(bytes)) reject(file, "/", "is not HDF5");
   return read_opened(file, opened(bytes, file));
 }
 

@@ -69,7 +69,7 @@ void IfoTree::add(std::string const& source, std::string const& yaml) {
         std::string const key = item.first.Scalar(), inner = path.empty() ? key : path + "." + key;
         if (!keys.insert(key).second)
           problems_.push_back(
-              {place_of(item.first.Mark(), number), fmt::format("'{}' stands here twice", inner), "keep one of them"});
+              {place_of(item.first.Mark(), number), fmt::format("'{}' is given twice", inner), "keep one of them"});
         self(self, item.second, inner);
       }
     } else if (node.IsSequence()) {
@@ -166,7 +166,7 @@ void IfoTree::problem(std::string const& path, std::string what, std::string sug
   problems_.push_back({place, std::move(what), std::move(suggestion)});
 }
 
-void IfoTree::refuse_unread(std::size_t from_source) {
+void IfoTree::report_unread(std::size_t from_source) {
   std::vector<std::string> known(asked_.begin(), asked_.end());
   for (auto const& [path, value] : values_) {
     if (value.place.file < from_source || asked_.contains(path)) continue;
@@ -329,7 +329,7 @@ Ground read_ground(IfoTree& t) {
   g.density = t.number(at + "Rho");
   g.height = t.number(at + "TestMassHeight");
   g.rayleigh_speed = t.number(at + "RayleighWaveSpeed");
-  g.p_speed = t.number(at + "pWaveSpeed", 2.4 * g.rayleigh_speed);  // files before 2021 do not say
+  g.p_speed = t.number(at + "pWaveSpeed", 2.4 * g.rayleigh_speed);  // files before 2021 lack it
   g.s_speed = t.number(at + "sWaveSpeed", 1.2 * g.rayleigh_speed);
   g.p_level = t.number(at + "pWaveLevel", false);
   g.s_level = t.number(at + "sWaveLevel", false);

@@ -33,9 +33,10 @@ class IfoTree {
   std::string word(std::string const& path, std::string const& fallback = "");
   std::vector<std::string> elements(std::string const& list) const;  // "list.0", "list.1", ...
   void problem(std::string const& path, std::string what, std::string suggestion);
-  void refuse_unread(std::size_t from_source);  // what nobody asked for, in the sources from this number on
-  void throw_if_problems();                     // InputError with all of them
-  std::string yaml() const;                     // everything, as one plain file
+  void report_unread(
+      std::size_t from_source);  // problems for values that were not read, in the sources from this number on
+  void throw_if_problems();      // InputError with all of them
+  std::string yaml() const;      // everything, as one plain file
 
  private:
   Value const* find(std::string const& path);
@@ -56,7 +57,7 @@ std::optional<Squeezer> read_squeezer(IfoTree&);  // none: no squeezed light
 
 // What the numbers of an ifo.yaml may be, by the end of their path.
 
-// Empty when the number may stand at this path ("Suspension.Stage.0.Mass"), otherwise what it must be.
+// Empty when the number is valid at this path ("Suspension.Stage.0.Mass"), otherwise what it must be.
 std::string out_of_range(std::string_view path, double value);
 
 }  // namespace straytrace

@@ -123,10 +123,11 @@ std::string explanation(PathTable const& table) {
   if (table.has_noise) text += "h: one-sided strain ASD in 1/sqrt(Hz), mean over static phases.\n";
   auto const mirrored = std::count_if(table.rows.begin(), table.rows.end(), [](auto& row) { return row.by_reverse; });
   if (mirrored > 0)
-    text += fmt::format("{} {} sampled on the same route run backwards, which couples alike.\n", mirrored,
+    text += fmt::format("{} {} taken from the reversed route (reciprocity).\n", mirrored,
                         mirrored == 1 ? "route was" : "routes were");
   if (has_kinds(table))
-    text += "Kinds ghost and edge are computed, not sampled, without a Monte-Carlo error; their limits stand below.\n";
+    text +=
+        "Kinds ghost and edge are computed, not sampled, without a Monte-Carlo error; their limits are listed below.\n";
   if (std::any_of(table.rows.begin(), table.rows.end(), is_upper_bound))
     text += "Kind edge is an upper bound, in h, in the sum and in the shares: 'at most'.\n";
   return text + "\n";

@@ -37,7 +37,7 @@ using FilterUnits = std::vector<std::pair<std::string, double>>;  // name and fa
 struct FilterWord {
   enum class Kind : std::uint8_t { name, number, quoted, sign, stray, end };
   Kind kind = Kind::end;
-  std::string text;  // as written; of quoted ones what stands inside
+  std::string text;  // as written; of quoted ones the content
   std::size_t begin = 0, width = 1;
 };
 
@@ -46,9 +46,9 @@ class FilterWords {
   explicit FilterWords(std::string_view text) : text_(text) { read(); }
 
   FilterWord const& here() const { return here_; }
-  FilterWord next();               // that which stood here
-  bool takes(std::string_view w);  // any case; goes on if so
-  // The longest of `units` that stands right behind the number just taken; empty: none.
+  FilterWord next();               // the current word; advances
+  bool takes(std::string_view w);  // in any case; advances on a match
+  // The longest of `units` directly behind the number just read; empty: none.
   std::string unit(FilterUnits const& units);
 
  private:
@@ -196,16 +196,16 @@ class Filter {
   void problem(FilterWord const& w, std::string what, std::string suggestion) {
     problems.push_back({w.begin, w.width, std::move(what), std::move(suggestion)});
   }
-  [[noreturn]] void refuse(FilterWord const& w, std::string what, std::string suggestion) {
+  [[noreturn]] void fail(FilterWord const& w, std::string what, std::string suggestion) {
     problem(w, std::move(what), std::move(suggestion));
     throw Broken{};
   }
   [[noreturn]] void unexpected(std::string suggestion) {
     FilterWord const& w = words_.here();
-    if (w.kind == Kind::end) refuse(w, "the condition ends too early", std::move(suggestion));
-    if (w.text == "=") refuse(w, "'=' compares nothing", "write ==");
-    if (w.text == "\"" || w.text == "'") refuse(w, "a quotation is not closed", "add " + w.text);
-    refuse(w, "'" + w.text + "' is not expected here", std::move(suggestion));
+    if (w.kind == Kind::end) fail(w, "the condition ends too early", std::move(suggestion));
+    if (w.text == "=") fail(w, "'=' is not a comparison", "write ==");
+    if (w.text == "\"" || w.text == "'") fail(w, "a quotation is not closed", "add " + w.text);
+    fail(w, "'" + w.text + "' is not expected here", std::move(suggestion));
   }
   std::vector<std::string> all_names() const {
     std::vector<std::string> all = number_names(columns_);
@@ -231,7 +231,7 @@ class Filter {
   }
   Test one() {
     FilterWord const word = words_.here();
-    if (++depth_ > deepest) refuse(word, "the condition is nested too deeply", "remove brackets");
+    if (++depth_ > deepest) fail(word, "the condition is nested too deeply", "remove brackets");
     Test test = inside(word);
     --depth_;
     return test;
@@ -242,11 +242,11 @@ class Filter {
       Test inner = either();
       if (!words_.takes(")")) {
         if (words_.here().kind != Kind::end) unexpected("join conditions with 'and' or 'or'");
-        refuse(word, "a bracket is not closed", "add ')'");
+        fail(word, "a bracket is not closed", "add ')'");
       }
       return inner;
     }
-    if (word.kind == Kind::number) refuse(word, "a number stands first", "write the name first: scatters == 2");
+    if (word.kind == Kind::number) fail(word, "a number comes first", "write the name first: scatters == 2");
     if (word.kind != Kind::name) unexpected("write a condition: scatters == 2");
     words_.next();
     return named(word, lower_case(word.text));
@@ -296,8 +296,8 @@ class Filter {
     FilterUnits const units = frequency_units();
     std::string const unit = words_.unit(units);
     if (unit.empty() && words_.here().kind == Kind::name)
-      refuse(words_.here(), "'" + words_.here().text + "' is no unit of a frequency", "write " + unit_names(units));
-    if (unit.empty()) refuse(number, "the frequency has no unit", "write h(" + number.text + " Hz)");
+      fail(words_.here(), "'" + words_.here().text + "' is not a unit of a frequency", "write " + unit_names(units));
+    if (unit.empty()) fail(number, "the frequency has no unit", "write h(" + number.text + " Hz)");
     if (!words_.takes(")")) unexpected("add ')'");
     try {
       return &columns_.strain(std::strtod(number.text.c_str(), nullptr) * factor_of(unit, units));
@@ -338,7 +338,7 @@ class Filter {
     std::string const shown = name == "h" ? "h(30 Hz) > 1e-25" : name + " > 1" + unit_shown;
     if (!is_comparison(words_.here())) {
       if (words_.here().text == "=") unexpected("");
-      refuse(word, "'" + word.text + "' is compared with nothing", "write for example " + shown);
+      fail(word, "'" + word.text + "' needs a comparison", "write for example " + shown);
     }
     std::string const sign = words_.next().text;
     FilterWord const number = words_.here();
@@ -352,7 +352,7 @@ class Filter {
     FilterWord const& w = words_.here();
     if (!unit.empty()) return unit;
     if ((w.kind == Kind::name && !joins(w)) || w.text == "%" || w.text == "/") {
-      problem(w, "'" + w.text + "' is no unit of " + name,
+      problem(w, "'" + w.text + "' is not a unit of " + name,
               c.units.empty() ? "leave it out: " + name + " is a plain number" : "write " + unit_names(c.units));
       while (words_.here().kind == Kind::stray || (words_.here().kind == Kind::name && !joins(words_.here())))
         words_.next();

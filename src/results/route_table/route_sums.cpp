@@ -19,7 +19,7 @@ void keep_rows(PathTable& table, std::vector<std::size_t> const& rows) {
   table.rows = std::move(kept);
 }
 
-// What is left, and what it is of the total, as curves with their errors.
+// The remaining noise and its ratio to the total, as curves with their errors.
 struct Curves {
   NoiseTrace after, factor;
 };

@@ -46,8 +46,8 @@ struct MomentColumns {
   }
 };
 
-// What scores have besides: the largest of each row, and its sum over the first blocks. Files of schema 1.1 lack both:
-// an infinite score and a NaN say so.
+// Further columns of scores: the largest of each row, and its sum over the first blocks. Files of schema 1.1 lack both:
+// they read as an infinite score and a NaN.
 struct ScoreColumns {
   MomentColumns moments;
   Counts offset = {0};

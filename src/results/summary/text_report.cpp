@@ -218,7 +218,7 @@ std::string objects_text(RunContent const& run) {
   c.left = {true};
   if (run.beam_power > 0)
     c.titles = {"object", "arriving per history", "arriving/W", "absorbed per history", "absorbed/W"};
-  bool const known = total.absorbed.size() == groups.size() + 1;  // files of schema 1.2 do not say
+  bool const known = total.absorbed.size() == groups.size() + 1;  // files of schema 1.2 lack it
   auto const cells = [&](std::vector<Moments> const& list, std::size_t i, std::string const& nothing) {
     Estimate e;
     if (i < list.size()) e = estimate(list[i], total.histories, total.blocks);

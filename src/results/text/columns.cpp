@@ -43,7 +43,7 @@ std::string aligned(Columns const& columns, std::string const& indent) {
   std::string text = line_of(columns.titles, widths, columns.left, indent) + rule;
   for (std::vector<std::string> const& row : columns.rows)
     text += row.empty() ? rule : line_of(row, widths, columns.left, indent);
-  return printable(text);  // names come from files of others
+  return printable(text);  // names come from foreign files
 }
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
@@ -144,7 +144,7 @@ std::string at_most(double value) {
   return value > 0 && std::isfinite(value) ? "at most " + two_digits(value, true) : with_error(value, 0);
 }
 
-// Of computed light beside sampled light that hardly counts: no digit worth printing carries the error.
+// Computed light with a negligible part of sampled light: the error is below the last printed digit.
 bool tiny(double value, double sigma) { return sigma < 1e-7 * std::fabs(value); }
 
 }  // namespace

@@ -62,8 +62,8 @@ class Tables(unittest.TestCase):
     def test_wrong_conditions_are_errors(self):
         paths = self.run_.paths()
         for where, words in (("shares > 1 %", "'shares' is not known"), ("share > 1", "share needs a unit"), ("via(3)", "'3'"),
-                             ("1 + 2 == 3", "a number stands first"), ("__import__('os')", "is not known"),
-                             ("h('30')", "write h"), ("opl > 3 Hz", "is no unit of opl")):
+                             ("1 + 2 == 3", "a number comes first"), ("__import__('os')", "is not known"),
+                             ("h('30')", "write h"), ("opl > 3 Hz", "is not a unit of opl")):
             with self.assertRaisesRegex(straytrace.InputError, words):
                 paths.where(where)
 

@@ -124,7 +124,8 @@ RouteColumn column_of(nlohmann::json const& j) {
   return c;
 }
 
-// One table of cases for the program and for pages: tests/tools/report/test_filter.py runs the script of the page on it.
+// One table of cases for the program and for pages: tests/tools/report/test_filter.py runs the script of the page on
+// it.
 TEST(ReportFilterCases, chooses_and_rejects_as_pages_do) {
   auto const cases = nlohmann::json::parse(read_file(STRAY_SOURCE_DIR "/tests/support/filter_cases.json"));
   std::vector<RouteColumn> list;
@@ -166,7 +167,7 @@ TEST_F(ReportFilter, several_mistakes_are_reported_at_once_with_carets) {
             "error: --where, column 40: share needs a unit\n"
             "  kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
             "                                         ^ write 5 %\n"
-            "error: --where, column 54: 's' is no unit of opl\n"
+            "error: --where, column 54: 's' is not a unit of opl\n"
             "  kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
             "                                                       ^ write m, km, cm, mm, um, nm, in\n");
   std::string const deep = std::string(100000, '(') + "resolved";
