@@ -35,6 +35,8 @@ std::string short_route(std::string const& route) {
                      route.substr(at[at.size() - shown_behind]));
 }
 
+}  // namespace
+
 // A ghost of a beam of some power [W], 0: not stated.
 struct GhostLine {
   std::string const& beam;
@@ -47,6 +49,8 @@ struct GhostLine {
   bool back() const { return alignment().recoupled.any && ghost().order > 0; }
   double recoupled() const { return back() ? alignment().recoupled.share() : not_a_number; }
 };
+
+namespace {
 
 using GhostList = std::vector<TableColumn<GhostLine>>;
 using GhostJson = nlohmann::ordered_json;
