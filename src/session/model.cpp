@@ -20,7 +20,7 @@
 #include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
 #include "session/report_page.hpp"
-#include "world/model/material_view.hpp"
+#include "world/model/material.hpp"
 
 namespace straytrace {
 namespace {
