@@ -2,6 +2,7 @@
 // Quantities, units and expressions of scenes.
 #include "scene/expression.hpp"
 
+#include "base/every_module.hpp"
 #include "base/units/quantity.hpp"
 #include "fuzz.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Mesh files, distinguished by their first bytes, up to their search tree; and faces converted from STEP.
+#include "base/every_module.hpp"
 #include "base/memory/storage.hpp"
 #include "fuzz.hpp"
 #include "geometry/mesh/triangle_mesh.hpp"

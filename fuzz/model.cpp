@@ -3,6 +3,7 @@
 #include "session/model.hpp"
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "fuzz.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {

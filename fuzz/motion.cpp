@@ -2,6 +2,7 @@
 // Records of motion as text and HDF5, spectra, responses, coupling functions.
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "fuzz.hpp"
 #include "io/delimited_text.hpp"
 #include "spectra/curve.hpp"

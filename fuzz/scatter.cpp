@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Measured scatter in all formats, and lists of materials.
+#include "base/every_module.hpp"
 #include "fuzz.hpp"
 #include "world/import/newmtl.hpp"
 #include "world/scatter_data/scatter_file.hpp"

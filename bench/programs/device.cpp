@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "scene/scene.hpp"
 #include "trace/backend/device/device_backend.hpp"
 #include "trace/importance/importance.hpp"

@@ -13,6 +13,7 @@
 #include <functional>
 #include <time.h>
 
+#include "base/every_module.hpp"
 #include "base/math/rng.hpp"
 #include "noise/interpolate/spectrum_interpolator.hpp"
 #include "spectra/shapes.hpp"

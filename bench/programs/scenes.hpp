@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::bench {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/every_module.hpp"
 #include "time_domain.hpp"
 
 #include <nlohmann/json.hpp>

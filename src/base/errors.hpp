@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/namespaces.hpp"
+
 namespace straytrace {
 
 // A place in an input file, 1-based line and column; line 0: the file (or command line) as a whole.

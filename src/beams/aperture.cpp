@@ -13,7 +13,7 @@
 #include "base/math/constants.hpp"
 #include "beams/overlap.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 namespace {
 
 constexpr double far = 20;          // beam radii: exp(-2 far^2) is zero in double precision
@@ -256,4 +256,4 @@ double axis_ripple(BeamInPlane const& beam, Opening const& a) {
   return 2 * sum / points;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

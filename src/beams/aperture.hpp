@@ -7,7 +7,7 @@
 
 #include "beams/mode.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 // Shares of the power of the beam, which keep their relative accuracy however small they are.
 
@@ -57,4 +57,4 @@ double far_axis_factor(BeamInPlane const&, Opening const&);  // in the far field
 // Largest relative change of that intensity at any distance, to first order in the wave from the rim.
 double axis_ripple(BeamInPlane const&, Opening const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

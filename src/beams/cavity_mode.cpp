@@ -8,7 +8,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 namespace {
 
 constexpr double margin = 1e-9;  // of g1 g2 to 0 and 1: nearer, the spots are decided by rounding
@@ -35,4 +35,4 @@ CavityMode cavity_mode(double length, double roc1, double roc2, double wavelengt
   return m;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

@@ -2,7 +2,9 @@
 // Eigenmode of a two-mirror cavity in closed form (docs/theory/beams.md, eq. 6.3). Any other: beams/eigenmode.hpp.
 #pragma once
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::beams {
 
 // Two mirrors at distance `length`; RoC > 0 when concave towards each other, infinite when flat. Lengths in m.
 struct CavityMode {
@@ -15,4 +17,4 @@ struct CavityMode {
 // eq. 6.3. Throws NumericalError unless 0 < g1 g2 < 1 by 1e-9 at least.
 CavityMode cavity_mode(double length, double roc1, double roc2, double wavelength);
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

@@ -9,7 +9,7 @@
 
 #include "base/errors.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 namespace {
 
@@ -141,4 +141,4 @@ CavityEigenmode cavity_eigenmode(Mode const& start, double index, std::span<Opti
   return cavity;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

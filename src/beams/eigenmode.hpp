@@ -9,7 +9,7 @@
 
 #include "beams/ray_matrix.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 // Reason why the cavity is unstable; empty when it is stable.
 std::string instability(AxisMatrix const& round_trip);
@@ -40,4 +40,4 @@ struct CavityEigenmode {
 };
 CavityEigenmode cavity_eigenmode(Mode const& start, double index, std::span<OpticalElement const>);
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

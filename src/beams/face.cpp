@@ -6,7 +6,7 @@
 #include "base/errors.hpp"
 #include "optics/coating/fresnel.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 namespace {
 
@@ -39,7 +39,7 @@ FaceMap refracting_face(Vec3 e1, Vec3 e2, Vec3 travel, Vec3 normal, SurfaceCurva
                         double n_out) {
   FaceMap face;
   double const cosine = dot(travel, normal);
-  if (!refracted(travel, cosine < 0 ? normal : -normal, n_in, n_out, face.travel))
+  if (!optics::refracted(travel, cosine < 0 ? normal : -normal, n_in, n_out, face.travel))
     throw NumericalError(
         fmt::format("a beam meets the face between index {:.4g} and {:.4g} beyond the critical angle: incidence {:.4g} "
                     "degrees",
@@ -54,4 +54,4 @@ FaceMap refracting_face(Vec3 e1, Vec3 e2, Vec3 travel, Vec3 normal, SurfaceCurva
   return face;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

@@ -8,7 +8,7 @@
 #include "base/math/vec3.hpp"
 #include "geometry/common/shape.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 // Points t of the tangent plane (axes of the SurfaceCurvature K) seen across the arriving and the leaving chief ray are
 // before t and after t. The surface lies t.K t/2 along the normal N above the plane. That the phases of both waves
@@ -26,4 +26,4 @@ FaceMap mirror_face(Vec3 e1, Vec3 e2, Vec3 travel, Vec3 normal, SurfaceCurvature
 // NumericalError beyond the critical angle.
 FaceMap refracting_face(Vec3 e1, Vec3 e2, Vec3 travel, Vec3 normal, SurfaceCurvature const&, double n_in, double n_out);
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

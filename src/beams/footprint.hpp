@@ -9,7 +9,7 @@
 #include "base/memory/ids.hpp"
 #include "optics/polarisation.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 // gaussian: TEM00 of 1/e^2 intensity radius `radius` (eq. 0.6). astigmatic: TEM00 with an elliptic spot and a wavefront
 // of two curvatures, whose axes need not be those of the spot. even: constant over a disc of `radius` (the even mirror
@@ -129,4 +129,4 @@ struct Footprint {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

@@ -4,7 +4,7 @@
 #include "base/errors.hpp"
 #include "beams/overlap.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 namespace {
 
@@ -135,4 +135,4 @@ ModeCoefficients coefficients(GeneratingGaussian const& series, int order) {
   return c;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

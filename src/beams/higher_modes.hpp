@@ -9,7 +9,7 @@
 
 #include "beams/mode.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 // A Gaussian beam as a sum over the higher modes of another one (R2.11).
 
@@ -75,4 +75,4 @@ class LaguerreCoefficients {
 };
 LaguerreCoefficients laguerre_coefficients(Mode const& beam, Mode const& basis, int order);
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

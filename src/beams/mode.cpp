@@ -5,7 +5,7 @@
 
 #include "beams/face.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 namespace {
 
@@ -114,4 +114,4 @@ Spot spot(Mode const& m) {
   return {std::sqrt(scale / small), std::sqrt(scale / large), std::cos(angle) * m.e2 - std::sin(angle) * m.e1};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

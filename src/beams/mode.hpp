@@ -10,9 +10,11 @@
 
 #include "base/math/vec3.hpp"
 
-namespace straytrace {
-
+namespace straytrace::geometry {
 struct SurfaceCurvature;  // geometry/curvature.hpp
+}  // namespace straytrace::geometry
+
+namespace straytrace::beams {
 
 // Fundamental mode about a chief ray. In the plane across `travel` at `origin`, with r = (x along e1, y along e2),
 //   u = sqrt(k sqrt(det Im Q) / pi) exp(i k/2 r.Q r),   k = 2 pi/wavelength,   integral of |u|^2 over the plane = 1,
@@ -73,4 +75,4 @@ std::array<T, 2> eigenvalues(T m11, T m12, T m22) {
 // Angle from the first axis to the direction of the larger eigenvalue of a real matrix, rad.
 inline double larger_axis(double m11, double m12, double m22) { return 0.5 * std::atan2(2 * m12, m11 - m22); }
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

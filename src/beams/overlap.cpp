@@ -6,7 +6,7 @@
 #include "base/errors.hpp"
 #include "beams/mode.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 namespace {
 
@@ -69,4 +69,4 @@ std::complex<double> FieldProduct::log_integral() const {
   return exponent + std::log(2 * pi / k) - 0.5 * (std::log(part[0]) + std::log(part[1]));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

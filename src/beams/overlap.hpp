@@ -9,7 +9,7 @@
 
 #include "beams/mode.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 // Integral of u1 conj(u2) over a plane across both beams, each field with phase zero at its own origin. The origins may
 // lie anywhere and the chief rays need not be parallel nor meet; the value does not depend on the plane. Zero when the
@@ -51,4 +51,4 @@ struct FieldProduct {
 };
 FieldProduct product(PlaneField const& u, PlaneField const& v);
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

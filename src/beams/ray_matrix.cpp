@@ -6,7 +6,7 @@
 
 #include "base/errors.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 AxisMatrix axis_flight(double length, double n) { return AxisMatrix{{1, length / n}, {0, 1}}; }
 AxisMatrix axis_mirror(double roc) { return axis_lens(roc / 2); }
@@ -107,4 +107,4 @@ BeamPath follow(Mode const& start, double index, std::span<OpticalElement const>
   return path;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

@@ -13,7 +13,7 @@
 #include "beams/face.hpp"
 #include "beams/mode.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 using AxisMatrix = Eigen::Matrix2d;
 using RayMatrix = Eigen::Matrix4d;
@@ -66,4 +66,4 @@ struct BeamPath {
 // NumericalError when the chief ray does not meet an element at its point, or meets it behind the start of the path.
 BeamPath follow(Mode const& start, double index, std::span<OpticalElement const>);
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

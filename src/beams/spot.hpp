@@ -9,7 +9,7 @@
 #include "beams/mode.hpp"
 #include "optics/polarisation.hpp"
 
-namespace straytrace {
+namespace straytrace::beams {
 
 // Field along the chief ray without the phase of the flight, for light of one state of polarisation, or for two states
 // at right angles of which unpolarised light is the even mixture. Power: the mean over the states of |a|^2 + |b|^2.
@@ -44,4 +44,4 @@ struct BeamSpot {
   double phase(double vacuum_wavelength) const { return 2 * pi / vacuum_wavelength * path_length - gouy; }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::beams

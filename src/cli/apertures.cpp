@@ -20,7 +20,7 @@
 #include "session/diagnostics.hpp"
 #include "session/model.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct AperturesOptions : SceneOptions {
@@ -217,4 +217,4 @@ void add_apertures(CLI::App& app, int& exit_code) {
   });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -16,7 +16,7 @@
 #include "session/model.hpp"
 #include "session/open_run.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 constexpr int newest_format = 1;
@@ -102,4 +102,4 @@ void add_check(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = options->migrate ? migrate(*options) : check(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -3,14 +3,21 @@
 // line has been parsed and sets `exit_code`. The order in help and the task of each: tasks() in cli/help.cpp.
 #pragma once
 
+#include "base/namespaces.hpp"
+
 namespace CLI {
 class App;
 }
 
-namespace straytrace {
-
+namespace straytrace::scene {
 class Scene;
+}  // namespace straytrace::scene
+
+namespace straytrace::session {
 struct PrintOptions;
+}  // namespace straytrace::session
+
+namespace straytrace::cli {
 
 // Model
 void add_check(CLI::App&, int& exit_code);
@@ -50,4 +57,4 @@ void add_schema(CLI::App&, int& exit_code);
 // The model as `print` shows it, on stdout.
 int print_resolved(Scene const&, PrintOptions const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -14,7 +14,7 @@
 #include "spectra/files/gps.hpp"
 #include "spectra/window.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 template <class Value>
@@ -174,4 +174,4 @@ void answer(DataOptions const& o, MapSheet const& map, std::string const& text) 
   say_written(o);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -13,7 +13,7 @@
 #include "spectra/files/series_file.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 // As written on the command line; the functions below say what is wrong with them, with the name of the option.
 struct DataOptions {
@@ -60,4 +60,4 @@ void write_and_print(DataOptions const&, CurveSheet const&, std::string const& t
 void answer(DataOptions const&, CurveSheet const&, std::string const& text);
 void answer(DataOptions const&, MapSheet const&, std::string const& text);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -22,7 +22,7 @@
 #include "session/light/ghost_search.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct GhostsOptions : SceneOptions {
@@ -225,4 +225,4 @@ void add_ghosts(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = ghosts(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

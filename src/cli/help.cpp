@@ -7,7 +7,7 @@
 
 #include "cli/commands.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct Task {
@@ -157,4 +157,4 @@ std::vector<std::string> const& option_groups() {
   return names;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::cli {
 
 // Adds every command, under the task it serves.
 void add_commands(CLI::App&, int& exit_code);
@@ -20,4 +22,4 @@ void lay_out_help(CLI::App&);
 std::vector<std::string> const& command_groups();
 std::vector<std::string> const& option_groups();
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

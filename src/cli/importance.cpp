@@ -18,7 +18,7 @@
 #include "session/diagnostics.hpp"
 #include "session/importance_map.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct ImportanceRow {
@@ -131,4 +131,4 @@ void add_importance(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = importance(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

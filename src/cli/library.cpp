@@ -20,7 +20,7 @@
 #include "scene/library.hpp"
 #include "world/build/read_parts.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct LibraryOptions : PrintOptions {
@@ -332,4 +332,4 @@ std::vector<LibraryEntry> library_entries() {
   return all;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

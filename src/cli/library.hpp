@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::cli {
 
 struct LibraryEntry {
   std::string kind;  // material, medium, part, detector, arm
@@ -20,4 +22,4 @@ struct LibraryEntry {
 
 std::vector<LibraryEntry> library_entries();  // by kind, then as the files have them
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

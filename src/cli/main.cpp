@@ -19,7 +19,7 @@
 #include "session/diagnostics.hpp"
 #include "session/options.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 // For people, or as the list that scripts read.
@@ -118,11 +118,11 @@ int answer(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::cli
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // beyond the limit of file sizes a write fails and is told, as on a full disk
-  int const exit_code = straytrace::answer(argc, argv);
-  straytrace::close_mpi(exit_code);
+  int const exit_code = straytrace::cli::answer(argc, argv);
+  straytrace::session::close_mpi(exit_code);
   return exit_code;
 }

@@ -15,7 +15,7 @@
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct MapsOptions {
@@ -66,4 +66,4 @@ void add_maps(CLI::App& app, int& exit_code) {
   });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -13,7 +13,7 @@
 #include "base/text/bounded_regex.hpp"
 #include "session/model.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 // Numbers as people write them, 1e6 as well.
@@ -173,4 +173,4 @@ InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::Parse
                     near.empty() ? help : fmt::format("did you mean '{}'? {}", near, help));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

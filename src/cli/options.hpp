@@ -9,7 +9,7 @@
 #include "base/errors.hpp"
 #include "session/options.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 void add_scene_options(CLI::App&, SceneOptions&,
                        char const* input = "scene file (YAML)");  // SCENE, -p, --quiet, --format
@@ -28,4 +28,4 @@ CLI::Validator whole_between(double low, double high, std::string const& example
 // What is wrong with a command line and what to write instead. `named`: the commands so far, each with a space behind.
 InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const&, std::string const& named);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

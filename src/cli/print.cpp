@@ -12,7 +12,7 @@
 #include "session/model.hpp"
 #include "session/open_run.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 int print_resolved(Scene const& scene, PrintOptions const& options) {
   if (options.json())
@@ -48,4 +48,4 @@ void add_print(CLI::App& app, int& exit_code) {
   });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

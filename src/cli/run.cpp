@@ -17,7 +17,7 @@
 #include "session/report_page.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 // All files of a result; what could not be drawn.
@@ -111,4 +111,4 @@ void add_run(CLI::App& app, int& exit_code) {
   });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -17,7 +17,7 @@
 #include "session/scan/scan_points.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct ScanCommandOptions : ScanOptions {
@@ -144,4 +144,4 @@ void add_scan(CLI::App& app, int& exit_code) {
   });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -19,7 +19,7 @@
 #include "session/session.hpp"
 #include "trace/run/trace.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -159,4 +159,4 @@ void add_submit(CLI::App& app, int& exit_code) {
   });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -23,7 +23,7 @@
 #include "trace/importance/importance.hpp"
 #include "trace/run/ranks.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct TraceCommandOptions : TraceOptions {
@@ -160,4 +160,4 @@ void add_trace(CLI::App& app, int& exit_code) {
   });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace straytrace {
+namespace straytrace::geometry {
 namespace {
 
 double area_of(Drawing const& d, std::array<std::uint32_t, 3> const& t) {
@@ -23,4 +23,4 @@ void Drawing::drop_collapsed() {
   std::erase_if(triangles, [&](auto const& t) { return !(area_of(*this, t) > least); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

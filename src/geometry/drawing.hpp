@@ -9,7 +9,7 @@
 
 #include "base/math/vec3.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 struct Drawing {
   static constexpr std::uint32_t around = 48, along_curve = 8, across_ball = 16;  // cells of a curve
@@ -53,4 +53,4 @@ Drawing drawing_of(Shape const& s) {
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

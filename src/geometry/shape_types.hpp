@@ -36,7 +36,7 @@
 #include "geometry/shapes/sphere.hpp"
 #include "geometry/shapes/torus.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 using ShapeTypes = std::tuple<Disk, Cap, Cylinder, Cone, Sphere, Conic, Rectangle, Ellipse, Polygon, Cuboid, Torus,
                               PiercedCylinder, SerratedCone, Zone, CutCylinder, TriangleMesh, CadFace>;
@@ -110,4 +110,4 @@ STRAY_HD double strip_coordinate(Sphere const& s, Vec3 p, std::uint32_t) {
   return 0.5 - 0.5 * (p.z - s.centre.z) / s.radius;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

@@ -6,7 +6,7 @@
 #include "base/math/constants.hpp"
 #include "base/math/strain.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo {
 namespace {
 
 double pole_of(double product, double length) {  // product of the two amplitude reflectivities
@@ -73,4 +73,4 @@ double equivalent_length(ArmCavity const& arm, double wavelength, std::complex<d
   return std::arg(returned / unperturbed) / slope;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

@@ -5,7 +5,9 @@
 
 #include <complex>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::ifo {
 // One arm: input and end mirror, loss of power per round trip.
 struct ArmCavity {
   double length = 0;
@@ -51,4 +53,4 @@ double equivalent_length(ArmCavity const&, double wavelength, std::complex<doubl
 
 constexpr double least_transmission = 1e-12, most_transmission = 1 - 1e-9;  // of power, of a mirror that exists
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

@@ -10,7 +10,7 @@
 
 #include "ifo/cavity.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo {
 namespace {
 
 constexpr double probe_hz = 1e-3;  // far below any pole: the shape of the slow answer
@@ -488,4 +488,4 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   return ifo;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

@@ -23,7 +23,7 @@
 #include "ifo/network.hpp"
 #include "ifo/ports.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo {
 // Lengths of a dual-recycled interferometer and the degrees of freedom that light and loops see (R2.13).
 
 // Arms, short arms from the splitter, power- and signal-recycling mirror from the splitter.
@@ -208,4 +208,4 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
 // What the table may hold, for the reader and the reference page. The fallback is that of the preset.
 std::span<Key<DualRecycledParameters> const> dual_recycled_keys();
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

@@ -8,7 +8,7 @@
 
 #include "ifo/cavity.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo {
 namespace {
 
 using K = FabryPerotMichelsonKeys;
@@ -135,4 +135,4 @@ std::unique_ptr<Interferometer> read_closed_forms(Node const& table, std::vector
   return std::make_unique<FabryPerotMichelson>(p, std::move(entries), band);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

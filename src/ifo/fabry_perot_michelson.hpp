@@ -9,7 +9,7 @@
 #include "ifo/cavity.hpp"
 #include "ifo/ports.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo {
 
 class FabryPerotMichelson final : public Interferometer {
  public:
@@ -49,4 +49,4 @@ struct FabryPerotMichelsonKeys {
 };
 std::span<Key<FabryPerotMichelsonKeys> const> fabry_perot_michelson_keys();
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

@@ -5,7 +5,7 @@
 #include "ifo/dual_recycled.hpp"
 #include "ifo/fabry_perot_michelson.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo {
 namespace {
 
 constexpr std::string_view closed_forms = "fabry-perot-michelson", own_numbers = "dual-recycled";
@@ -140,4 +140,4 @@ std::span<DualRecycledPreset const> dual_recycled_presets() {
   return presets;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

@@ -14,7 +14,7 @@
 #include "base/memory/ids.hpp"
 #include "spectra/spectrum.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo {
 // Where stray light joins the light of an interferometer again (docs/theory/interferometer.md).
 
 // The relative field s of a path refers to the main light named here.
@@ -77,4 +77,4 @@ class Interferometer {
 std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<TracedPort> const& ports,
                                                     double wavelength, Band const& = {});
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

@@ -11,7 +11,7 @@
 
 #include "base/errors.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo {
 namespace {
 
 // What the solvers of a network share: every way of light through components and spaces, and sparse linear systems.
@@ -512,4 +512,4 @@ double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const 
   return hbar * network_.wavenumber() * speed_of_light / 4 * sum;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

@@ -17,7 +17,7 @@
 
 #include "base/math/constants.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo {
 using Phasor = std::complex<double>;
 
 struct ComponentId {
@@ -221,4 +221,4 @@ class LinearResponse {
   Eigen::VectorXcd weight_;  // of every equation in the read-out
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

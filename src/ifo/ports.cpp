@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-namespace straytrace {
+namespace straytrace::ifo {
 namespace {
 
 constexpr double faintest = 1e-30;  // of the light that a port returns: without any it is not a port
@@ -239,4 +239,4 @@ std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer> i
   return std::make_unique<MeasuredResponses>(std::move(ifo), std::move(measured), ports);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

@@ -10,7 +10,7 @@
 #include "ifo/interferometer.hpp"
 #include "spectra/transfer_function.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo {
 
 struct PortEntry {
   std::string name;
@@ -41,4 +41,4 @@ std::string describe(std::vector<PortEntry> const&, Interferometer const&, Band 
 std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer>, Node const& holder,
                                                std::vector<TracedPort> const& ports, Band const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::ifo

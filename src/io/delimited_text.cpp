@@ -11,7 +11,7 @@
 #include "base/input/document.hpp"
 #include "base/text/words.hpp"
 
-namespace straytrace {
+namespace straytrace::io {
 namespace {
 
 constexpr char const* point_remedy = "use decimal points, not decimal commas: 1.5, not 1,5";
@@ -468,4 +468,4 @@ void WordReader::refuse(TextCell const& where, std::string what, std::string sug
   sound = false;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::io

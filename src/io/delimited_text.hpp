@@ -13,7 +13,7 @@
 #include "base/input/table.hpp"
 #include "base/units/quantity.hpp"
 
-namespace straytrace {
+namespace straytrace::io {
 
 // --- lines and cells
 // ---------------------------------------------------------------------------------------------------
@@ -134,4 +134,4 @@ class WordReader {
   std::size_t at_ = 0;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::io

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/markup.hpp"
 
-namespace straytrace {
+namespace straytrace::io {
 
 std::string escaped(std::string_view text) {
   std::string out;
@@ -44,4 +44,4 @@ std::string base64(void const* bytes, std::size_t size) {
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::io

@@ -6,9 +6,11 @@
 #include <string>
 #include <string_view>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::io {
 
 std::string escaped(std::string_view text);  // also within attributes
 std::string base64(void const* bytes, std::size_t size);
 
-}  // namespace straytrace
+}  // namespace straytrace::io

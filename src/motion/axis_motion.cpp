@@ -12,7 +12,7 @@
 #include "motion/series_motion.hpp"
 #include "spectra/shapes.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 namespace {
 
 Dimension asd_of(int axis) { return is_rotation(axis) ? dim::angle_asd : dim::displacement_asd; }
@@ -303,4 +303,4 @@ std::array<bool, 6> add_suspended(Node const& suspended, std::array<AxisMotion, 
   return body.empty() || up.empty() || !suspended.has("stages") ? translations : stated;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

@@ -13,7 +13,7 @@
 #include "spectra/series.hpp"
 #include "spectra/spectrum.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 
 struct Tone {
   double frequency;                // Hz
@@ -69,4 +69,4 @@ void read_axis(Node const&, int axis, double uncertainty, AxisMotion& into);
 // the coordinates that it covers.
 std::array<bool, 6> add_suspended(Node const& suspended, std::array<AxisMotion, 6>& axes);
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

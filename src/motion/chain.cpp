@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace straytrace {
+namespace straytrace::motion {
 namespace {
 
 using Response = TransferFunction::Response;
@@ -136,4 +136,4 @@ std::vector<double> pendulum_modes(std::vector<double> const& masses, std::vecto
   return hz;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

@@ -7,7 +7,7 @@
 #include "base/input/table.hpp"
 #include "spectra/transfer_function.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 
 // Shared by bodies that move alike; null: 1.
 using Transfer = std::shared_ptr<TransferFunction const>;
@@ -33,4 +33,4 @@ TransferFunction read_stages(Node const& stages);
 // Normal modes of a chain of pendulums, Hz, rising: masses [kg] and lengths [m] from the top down.
 std::vector<double> pendulum_modes(std::vector<double> const& masses, std::vector<double> const& lengths);
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

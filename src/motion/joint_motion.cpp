@@ -9,7 +9,7 @@
 #include "io/delimited_text.hpp"
 #include "motion/motion_files.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 namespace {
 
 using C = std::complex<double>;
@@ -175,4 +175,4 @@ std::optional<JointMotion> read_joint(Node const& spec, bool rotation) {
   return joint;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

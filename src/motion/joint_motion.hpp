@@ -10,7 +10,7 @@
 #include "motion/chain.hpp"
 #include "spectra/spectrum.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 
 // One coordinate as a sum over independent inputs of PSD 1/Hz, which all members of the matrix share.
 struct JointMotion {
@@ -37,4 +37,4 @@ using ComplexMatrix = std::vector<std::vector<std::complex<double>>>;
 // semidefinite; pivots down to -1e-6 of the diagonal count as rounding of printed numbers.
 std::optional<ComplexMatrix> cholesky(ComplexMatrix const& c);
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

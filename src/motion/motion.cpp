@@ -7,7 +7,7 @@
 
 #include "motion/motion_reader.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 
 double MotionSet::sensitivity(std::size_t i, std::span<PhaseSensitivity const> phase_sensitivities, double hz) const {
   std::complex<double> phase = 0;  // per unit of the input
@@ -87,4 +87,4 @@ MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& 
   return set;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

@@ -16,7 +16,7 @@
 #include "spectra/spectrum.hpp"
 #include "spectra/transfer_function.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 
 // d(coordinate of body)/d(input). `value` is complex for tones, whose coordinates move as Im(value exp(+2 pi i f t)),
 // real otherwise; `transfer` counts for exp(-2 pi i f t).
@@ -64,4 +64,4 @@ MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& 
 // Names in the order of BodyId: the bodies of the table, then their elastic modes as "body/mode".
 std::vector<std::string> bodies_and_modes(Node const& bodies_table);
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

@@ -14,7 +14,7 @@
 #include "spectra/curve.hpp"
 #include "spectra/shapes.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 namespace {
 
 constexpr double edge = 0.02;           // relative, half a bin of the usual grid
@@ -244,4 +244,4 @@ std::optional<Calibration> read_calibration(Node const& spec, Quantity const& un
   return {};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

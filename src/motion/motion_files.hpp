@@ -12,7 +12,7 @@
 #include "motion/chain.hpp"
 #include "spectra/spectrum.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 
 // One coordinate whose motion comes from a file without `beyond: zero`.
 struct MotionFile {
@@ -62,4 +62,4 @@ struct Calibration {
 std::optional<Calibration> read_calibration(Node const& spec, Quantity const& unit, std::string const& written,
                                             bool of_density, bool rotation, Node const& unit_at);
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

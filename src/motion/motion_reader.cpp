@@ -12,7 +12,7 @@
 #include "motion/axis_motion.hpp"
 #include "spectra/shapes.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 
 MotionReader::MotionReader(Node const& table) {
   for (auto& [name, node] : table.items()) {
@@ -289,4 +289,4 @@ std::size_t MotionReader::drift() {
   return static_cast<std::size_t>(same - inputs.begin());
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

@@ -11,7 +11,7 @@
 #include "motion/axis_motion.hpp"
 #include "motion/motion.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 
 struct Term {
   std::size_t input;
@@ -69,4 +69,4 @@ class MotionReader {
   std::map<std::pair<std::string, std::size_t>, std::size_t> joint_inputs_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

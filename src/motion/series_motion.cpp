@@ -12,7 +12,7 @@
 #include "spectra/fourier.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 namespace {
 
 constexpr double longest_segment = 128;  // s, unless it is stated or the high pass needs more
@@ -198,4 +198,4 @@ std::optional<RecordedMotion> read_recorded(Node const& spec, bool rotation) {
                         displacement_spectrum(*series, *calibration, highpass, *segment)};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

@@ -9,7 +9,7 @@
 #include "spectra/series.hpp"
 #include "spectra/spectrum.hpp"
 
-namespace straytrace {
+namespace straytrace::motion {
 
 struct RecordedMotion {
   std::shared_ptr<TimeSeries const> displacement;  // m or rad
@@ -31,4 +31,4 @@ TimeSeries as_displacement(TimeSeries const& readings, Calibration const&, doubl
 // lines are joined into steps of a thousandth of their frequency.
 Spectrum displacement_spectrum(TimeSeries const& readings, Calibration const&, double highpass_hz, double segment_s);
 
-}  // namespace straytrace
+}  // namespace straytrace::motion

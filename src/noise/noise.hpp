@@ -9,7 +9,7 @@
 #include "motion/motion.hpp"
 #include "trace/coupling.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 // Logarithmic bins. Every PSD of the noise stage is the AVERAGE over its bin, so that power is conserved: the sum of
 // PSD times bin width is the power in the band, lines included.
@@ -110,4 +110,4 @@ void find_bounds(NoiseBudget&, CouplingTable const&);
 // Throws NumericalError when a contribution is not finite.
 NoiseBudget project_noise(CouplingTable const&, MotionSet const&, Interferometer const&, NoiseSettings const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -4,7 +4,7 @@
 
 #include "base/math/functions.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 struct Complex {  // std::complex is host-only
   double re = 0, im = 0;
@@ -50,4 +50,4 @@ STRAY_HD Amplitudes unitary_amplitudes(double reflect_s, double reflect_p, doubl
       {0, std::sqrt(reflect_s)}, {0, -std::sqrt(reflect_p)}, {std::sqrt(transmit_s), 0}, {std::sqrt(transmit_p), 0}};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace straytrace {
+namespace straytrace::optics {
 namespace {
 
 constexpr double sq(double x) { return x * x; }
@@ -70,4 +70,4 @@ std::optional<double> index_of(MediumPreset const& p, double wavelength) {
   return std::sqrt(sum);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -6,7 +6,9 @@
 #include <span>
 #include <string_view>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::optics {
 
 struct MediumPreset {
   std::string_view name;
@@ -21,4 +23,4 @@ std::span<MediumPreset const> medium_presets();
 // Index at a vacuum wavelength [m]; empty outside the range of the preset.
 std::optional<double> index_of(MediumPreset const&, double wavelength);
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -7,7 +7,7 @@
 
 #include "base/math/functions.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 // Share of power left after a length [m] in a medium that absorbs `absorption` [1/m] (Beer and Lambert).
 STRAY_HD double kept_on_the_way(double absorption, double distance) {
@@ -119,4 +119,4 @@ STRAY_HD MediumSides sides(MediaStack const& stack, Passage first, Passage secon
   return s;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -6,7 +6,7 @@
 #include "base/memory/storage.hpp"
 #include "optics/lobes/bsdf.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 // Weight of one model in a sum, against the angle: the model is multiplied by sqrt(w(theta_i) w(theta_s)), which keeps
 // it reciprocal (docs/theory/surfaces.md, eq. 3.2) for any w. Page: docs/reference/scatter/mixtures.md.
@@ -49,4 +49,4 @@ struct Optic {
   View<AngleWeight const> weight[most_laws];  // none, or one
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -6,7 +6,7 @@
 #include "base/math/vec3.hpp"
 #include "optics/amplitudes.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 // Field a e1 + b e2, with e1 = axis and e2 = travel x axis; |a|^2 + |b|^2 is the power.
 struct Jones {
@@ -101,4 +101,4 @@ STRAY_HD double polarisation_overlap(Polarisation const& light, Polarisation con
   return 0.5 * (1 + light.q * m.q + light.u * m.u + light.v * m.v);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

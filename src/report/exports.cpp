@@ -15,7 +15,7 @@
 #include "io/markup.hpp"
 #include "results/text/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 namespace {
 
 // Arrays that the scene of the library owns and deletes.
@@ -374,4 +374,4 @@ NamedTexts curve_files(RunContent const& run, PathTable const& table) {
   return files;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::report

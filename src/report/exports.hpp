@@ -10,7 +10,7 @@
 #include "report/scene_drawing.hpp"
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 
 using NamedTexts = std::vector<std::pair<std::string, std::string>>;  // name of a file and what it holds
 
@@ -26,4 +26,4 @@ std::string glb_bytes(SceneDrawing const&, std::vector<DrawnPath> const&, PathTa
 // budget.csv (total, bands, design), routes.csv (every route's ASD and its error), paths.csv (the table).
 NamedTexts curve_files(RunContent const&, PathTable const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::report

@@ -8,7 +8,7 @@
 #include "trace/step/step.hpp"
 #include "trace/tally/replay.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 namespace {
 
 DrawnPath drawn(World const& world, CouplingClass const& c, PathRecord const& r, ReplayedPath const& path) {
@@ -144,4 +144,4 @@ std::vector<HistoryEvent> replay_history_events(SteeredWorld const& world, std::
   return std::move(sink.events);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::report

@@ -10,7 +10,7 @@
 #include "trace/coupling.hpp"
 #include "trace/steered_world.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 
 struct PathPoint {
   Vec3 point;  // m
@@ -57,4 +57,4 @@ struct HistoryEvent {
 };
 std::vector<HistoryEvent> replay_history_events(SteeredWorld const&, std::uint64_t seed, std::uint64_t history);
 
-}  // namespace straytrace
+}  // namespace straytrace::report

@@ -9,7 +9,7 @@
 
 #include "geometry/drawing.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 namespace {
 
 // Same numbers: same mesh. Shapes at different places along one axis differ by rounding.
@@ -149,4 +149,4 @@ SceneDrawing scene_drawing(World const& world, std::size_t most_triangles) {
   return std::move(collector.scene);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::report

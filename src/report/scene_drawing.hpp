@@ -9,7 +9,7 @@
 
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 
 struct DrawnMesh {
   std::vector<float> points;           // m, three per corner, from the place of the part
@@ -37,4 +37,4 @@ struct SceneDrawing {
 constexpr std::size_t most_drawn_triangles = 200000;  // in all different meshes together
 SceneDrawing scene_drawing(World const&, std::size_t most_triangles = most_drawn_triangles);
 
-}  // namespace straytrace
+}  // namespace straytrace::report

@@ -9,7 +9,7 @@
 #include "ifo/interferometer.hpp"
 #include "noise/bands/input_band.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 struct ProjectionInputs {
   std::vector<std::string> bodies;  // names; BodyId = position. Elastic modes follow the bodies
@@ -24,4 +24,4 @@ struct ProjectionInputs {
   std::string warnings, warnings_json;  // of the scene: for people; for editors, JSON lists
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::results

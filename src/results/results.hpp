@@ -19,7 +19,7 @@
 #include "trace/result.hpp"
 #include "world/model/receiver.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 // --- run file (layout: schema/run-2.txt)
 // ------------------------------------------------------------------------------
@@ -211,4 +211,4 @@ std::string with_brackets(WithError const&);
 std::string two_digits(double value, bool up);         // of a positive number, rounded up or down
 std::string percent_text(double share, double sigma);  // a share of 1 in per cent; all of it has no error: "100"
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -8,7 +8,7 @@
 
 #include "scene/diagnostics.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 namespace {
 
 constexpr std::uint32_t widest = 200;  // code points of a source line that are shown
@@ -119,4 +119,4 @@ void throw_errors(SceneDocument const& document) {
   throw InputError(std::move(all), rendered_errors(document), document.source_names());
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <span>
 
-namespace straytrace {
+namespace straytrace::scene {
 namespace {
 
 constexpr int deepest_expression = 64;
@@ -453,4 +453,4 @@ bool is_parameter_name(std::string_view name) {
   return !name.empty() && !is_digit(name.front()) && std::all_of(name.begin(), name.end(), ascii);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

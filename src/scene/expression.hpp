@@ -11,7 +11,7 @@
 
 #include "base/input/document.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 
 struct ParameterLookup {
   struct Found {
@@ -35,4 +35,4 @@ std::optional<Value> evaluate_expression(std::string_view text, ParameterLookup 
 bool is_reserved_word(std::string_view);
 bool is_parameter_name(std::string_view);
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

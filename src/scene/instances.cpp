@@ -12,7 +12,7 @@
 #include "scene/parts.hpp"
 #include "scene/scope.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 namespace {
 
 // `repeat`: positions of the instances of an entry and the parameters of each (docs/reference/scene.md).
@@ -471,4 +471,4 @@ std::vector<Scene::Instance> expand_scene(SceneDocument& document, Node const& r
   return Expander(document, root).run();
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

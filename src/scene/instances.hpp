@@ -9,11 +9,11 @@
 #include "scene/scene.hpp"
 #include "scene/scene_document.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 
 std::vector<Scene::Instance> expand_scene(SceneDocument&, Node const& root);
 
 // Along which parts are repeated, by Instance::repeat_axis.
 constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

@@ -8,7 +8,7 @@
 
 #include "base/input/document.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 namespace {
 
 constexpr std::array<std::string_view, 4> prunable{"materials", "media", "parts", "bodies"};
@@ -120,4 +120,4 @@ std::vector<std::string> assumed_parameters(Scene const& scene) {
   return lines;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

@@ -6,7 +6,7 @@
 
 #include "scene/scene_document.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 
 inline bool is_library(std::string_view file_name) { return file_name.starts_with("library/"); }
 
@@ -19,4 +19,4 @@ void drop_unused(SceneDocument const&, NodeData& model);
 // that the command line does not set.
 std::vector<std::string> assumed_parameters(Scene const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

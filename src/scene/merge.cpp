@@ -12,7 +12,7 @@
 #include "scene/library.hpp"
 #include "scene/yaml_tree.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 namespace {
 
 constexpr std::size_t most_includes = 1000, deepest_include = 50;
@@ -311,4 +311,4 @@ std::shared_ptr<NodeData> read_model(SceneDocument& document, std::string const&
   return Merger(document).run(main_file);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

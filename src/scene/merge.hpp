@@ -6,7 +6,7 @@
 
 #include "scene/scene_document.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 
 // The table of the whole model without `straytrace` and `include`. Throws InputError when a file cannot be read as
 // YAML, because problems that readers report about the rest would be noise.
@@ -16,4 +16,4 @@ constexpr int format_version = 1;
 // The source that holds them, in a document whose main file is `main`.
 constexpr std::uint32_t builtin_source(std::uint32_t main) { return main + 1; }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

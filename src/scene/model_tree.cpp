@@ -13,7 +13,7 @@
 #include "scene/parts.hpp"
 #include "scene/scope.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 namespace {
 
 using Form = KeyRequest::Form;
@@ -366,4 +366,4 @@ std::string printed_model(Scene const& scene) {
   return fmt::format("straytrace: {}\n", format_version) + printer.text();
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

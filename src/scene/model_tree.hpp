@@ -10,7 +10,7 @@
 #include "base/input/document.hpp"
 #include "scene/scene.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 
 struct ModelValue {
   std::string key;                     // of a table entry; empty for elements of a list
@@ -50,4 +50,4 @@ std::string resolved_text(Node const& root, std::vector<Scene::Instance> const&)
 std::string si_text(std::optional<Value> const&);  // "0.35 m", "1e-05 m peak"; what reads back as the same value
 std::string yaml_text(std::string const&);         // plain where YAML reads it back as the same text, otherwise quoted
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace straytrace {
+namespace straytrace::scene {
 namespace {
 
 // `limits` and `words` are about parameters of the part.
@@ -148,4 +148,4 @@ bool within_limits(Node const& entry, std::string const& name, Node const& part,
   return true;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

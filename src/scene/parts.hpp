@@ -10,7 +10,7 @@
 #include "scene/scene_document.hpp"
 #include "scene/scope.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 
 constexpr std::size_t deepest_part = 8;
 
@@ -92,4 +92,4 @@ class InPart : public Document {
   Blame blame_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

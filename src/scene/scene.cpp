@@ -8,7 +8,7 @@
 #include "scene/scene_document.hpp"
 #include "scene/scope.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 
 struct Scene::Impl {
   std::string main_file;
@@ -48,4 +48,4 @@ Scene read_scene(std::string const& file, std::vector<std::string> const& overri
   return scene;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

@@ -10,7 +10,7 @@
 
 #include "base/input/table.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 
 // name as written -> text. What the run file stores and what a run can be made again from.
 using FileTexts = std::map<std::string, std::string>;
@@ -61,4 +61,4 @@ class Scene {
 Scene read_scene(std::string const& file, std::vector<std::string> const& overrides = {},
                  FileTexts const* texts = nullptr);
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

@@ -11,7 +11,7 @@
 #include "scene/library.hpp"
 #include "scene/scope.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 namespace {
 
 constexpr std::size_t most_problems = 1000;  // kept; more are only counted
@@ -281,4 +281,4 @@ std::optional<std::string> unsaved_text(std::filesystem::path const& file) {
   return hit == texts.end() ? std::nullopt : std::optional(hit->second);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

@@ -12,7 +12,7 @@
 #include "scene/expression.hpp"
 #include "scene/scene.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 
 struct Source {
   std::string name;  // relative to the folder of the main file
@@ -90,4 +90,4 @@ constexpr std::size_t data_file_limit = std::size_t{256} << 20;
 void set_unsaved(std::filesystem::path const& file, std::string text);
 std::optional<std::string> unsaved_text(std::filesystem::path const& file);
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

@@ -8,7 +8,7 @@
 #include "base/input/table.hpp"
 #include "scene/scene_document.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 namespace {
 
 constexpr std::size_t longest_chain =
@@ -200,4 +200,4 @@ std::shared_ptr<Scope const> make_model_scope(SceneDocument& document, NodeData 
   return builder.build();
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

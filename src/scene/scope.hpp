@@ -11,7 +11,7 @@
 #include "base/input/document.hpp"
 #include "scene/expression.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 
 class SceneDocument;
 
@@ -38,4 +38,4 @@ std::shared_ptr<Scope const> make_scope(SceneDocument&, NodeData const* params, 
 std::shared_ptr<Scope const> make_model_scope(SceneDocument&, NodeData const* params,
                                               std::vector<std::string> const& overrides);
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

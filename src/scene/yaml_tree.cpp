@@ -12,7 +12,7 @@
 #include <optional>
 #include <sstream>
 
-namespace straytrace {
+namespace straytrace::scene {
 namespace {
 
 // As the parser gives it: line and column from 0, in bytes.
@@ -445,4 +445,4 @@ std::shared_ptr<NodeData> read_yaml(SceneDocument& document, std::uint32_t file)
   return nullptr;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

@@ -7,9 +7,9 @@
 
 #include "scene/scene_document.hpp"
 
-namespace straytrace {
+namespace straytrace::scene {
 
 // The root of a file; null when the syntax is broken, with the problems recorded.
 std::shared_ptr<NodeData> read_yaml(SceneDocument&, std::uint32_t file);
 
-}  // namespace straytrace
+}  // namespace straytrace::scene

@@ -11,7 +11,7 @@
 #include "mpi/transport.h"
 #include "trace/backend/device/device_backend.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 class Mpi final : public Transport {
@@ -92,4 +92,4 @@ std::string devices_text() {
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

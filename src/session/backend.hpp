@@ -7,7 +7,7 @@
 #include "noise/time_domain/phase_sum.hpp"
 #include "trace/run/ranks.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 // Only straytrace-mpi.so, next to the program, knows MPI.
 // Loads the library and joins the job, once in a program. Throws InputError with the reason and what to do when the
@@ -24,4 +24,4 @@ DirectSum phase_summer(std::string const& backend);
 // "cuda: NVIDIA H100, 80 GB", or why there is none; for --version.
 std::string devices_text();
 
-}  // namespace straytrace
+}  // namespace straytrace::session

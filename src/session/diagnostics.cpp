@@ -9,7 +9,7 @@
 #include "base/text/words.hpp"
 #include "scene/diagnostics.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 void print_warnings(ProjectionModel const& model, PrintOptions const& options) {
   if (!options.quiet) std::cerr << (options.json() ? model.warnings_json : printable(model.warnings));
@@ -57,4 +57,4 @@ void print_problems(InputError const& e) {
   if (told) tell({{"event", "problems"}, {"text", e.what()}, {"problems", SortedJson::parse(problems_as_json(e))}});
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

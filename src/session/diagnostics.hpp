@@ -9,7 +9,7 @@
 #include "session/options.hpp"
 #include "trace/run/trace.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 void print_warnings(ProjectionModel const&, PrintOptions const&);
 void print_warnings(Scene const&, PrintOptions const&);
@@ -25,4 +25,4 @@ bool events_on();
 void print_progress(TraceProgress const&, std::string const& line);
 void print_problems(InputError const&);  // {"event": "problems", text, "problems": [as problems_as_json]}
 
-}  // namespace straytrace
+}  // namespace straytrace::session

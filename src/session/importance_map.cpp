@@ -3,7 +3,7 @@
 
 #include "trace/importance/importance.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 ImportanceMap importance_map(World const& world) {
   SteeringTables const& tables = world.steering();
@@ -33,4 +33,4 @@ bool show_importance(World& world, ImportanceMap const& map) {
   return true;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

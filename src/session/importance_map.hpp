@@ -5,7 +5,7 @@
 #include "results/results.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 // What this world is steered by.
 ImportanceMap importance_map(World const&);
@@ -13,4 +13,4 @@ ImportanceMap importance_map(World const&);
 // since lists of targets are not kept. False: the map is of another scene.
 bool show_importance(World&, ImportanceMap const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

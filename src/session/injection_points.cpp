@@ -10,7 +10,7 @@
 #include "session/light/ghost_noise.hpp"
 #include "world/ghosts/beam_tree.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 // Footprints of a cavity: its first mirror, then its second.
@@ -118,4 +118,4 @@ void warn_of_ghosts_left_out(Scene const& scene, World const& world) {
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

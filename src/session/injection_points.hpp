@@ -8,7 +8,7 @@
 #include "scene/scene.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 // Ports in the order of PortId: behind the second mirror of a cavity `through_end`, at it `end_mirror`, elsewhere
 // `arm`; of a port at several places the first of these that holds, from the input mirror on. Those that a faulty entry
@@ -26,4 +26,4 @@ void check_entrances(Node const& interferometer, std::vector<TracedPort> const&)
 void refuse_input_mirrors(Scene const&, World const&);
 void warn_of_ghosts_left_out(Scene const&, World const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

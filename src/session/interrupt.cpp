@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "session/interrupt.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 std::atomic<bool> stop_requested{false};
@@ -29,4 +29,4 @@ InterruptGuard::~InterruptGuard() {
 
 std::atomic<bool> const& InterruptGuard::stop() const { return stop_requested; }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

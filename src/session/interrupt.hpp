@@ -11,7 +11,9 @@
 #include <string>
 #include <unistd.h>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::session {
 
 // While the outermost lives, Ctrl-C, SIGTERM and what batch systems warn with (SIGUSR1, SIGUSR2) ask for a stop; a
 // second Ctrl-C or SIGTERM ends the program at once. One thread makes them.
@@ -71,4 +73,4 @@ class ProgressLine {
   bool drawn_ = false;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::session

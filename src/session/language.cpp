@@ -3,7 +3,7 @@
 
 #include "base/files/embedded.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -49,4 +49,4 @@ std::vector<LanguageKey> const& language_keys() {
 
 std::string_view language_schema() { return embedded_file("schema/straytrace-1.schema.json"); }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

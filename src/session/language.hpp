@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::session {
 
 struct LanguageKey {
   std::string table, about;  // "cone", "the shape cone"
@@ -23,4 +25,4 @@ struct LanguageKey {
 std::vector<LanguageKey> const& language_keys();
 std::string_view language_schema();  // JSON
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -22,7 +22,7 @@
 #include "session/report_page.hpp"
 #include "world/model/material.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 constexpr double most_histories = 1e12;
@@ -356,4 +356,4 @@ Json model_as_json(Scene const& scene) {
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

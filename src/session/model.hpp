@@ -19,7 +19,7 @@
 #include "scene/scene.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 // When a trace ends: by error, by number, by clock; whichever comes first.
 struct StopRule {
@@ -99,4 +99,4 @@ void warn_of_gaps(MotionSet const&, NoiseSettings const&, Node const& table, dou
 // Every key with its value in SI, its origin, and how the readers ask for it (type, unit, range, default, choices).
 nlohmann::ordered_json model_as_json(Scene const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -11,7 +11,7 @@
 #include "base/files/read_write.hpp"
 #include "session/model.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 Model traced_model(RunFile const& file, std::vector<std::string> const& overrides) {
@@ -141,4 +141,4 @@ Scene read_by_all(std::string const& file, std::vector<std::string> const& overr
   return std::move(read_model(file, overrides, texts).scene);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

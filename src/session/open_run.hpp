@@ -10,7 +10,7 @@
 #include "scene/scene.hpp"
 #include "session/model.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 // The whole model of a run, with its surfaces: the scene inside the file with the parameters of the run, then
 // `overrides`; motion and responses that the run was projected with replace those of the scene. Refers to the texts in
@@ -62,4 +62,4 @@ bool only_motion(Scene const&);
 // Throws one InputError with all problems. `texts`: of a run file, instead of disk.
 Scene read_by_all(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts = nullptr);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::session {
 
 enum ExitCode { done = 0, input_error = 2, numerical_failure = 3, checkpointed = 85 };
 
@@ -34,4 +36,4 @@ struct TraceOptions : SceneOptions {
   bool force = false;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::session

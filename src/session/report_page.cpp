@@ -23,7 +23,7 @@
 #include "session/session.hpp"
 #include "trace/camera/first_order.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 constexpr std::size_t routes_in_budget = 8, maps_shown = 8;
@@ -243,4 +243,4 @@ std::string view_page(Model const& model, SteeredWorld const& world, RunContent 
   return html_text(page);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -11,7 +11,7 @@
 #include "results/results.hpp"
 #include "session/model.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 struct ReportWanted {
   std::string title;                  // empty: of the scene
@@ -47,4 +47,4 @@ std::vector<GhostReport> ghosts_for_page(Model const&, std::size_t rows);
 // The picture of a run as SVG; empty, and `message` says why, when it cannot be drawn.
 Picture budget_svg(std::string const& run_file, std::string& message);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -32,7 +32,7 @@
 #include "trace/run/ranks.hpp"
 #include "trace/run/trace.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 std::string name_of(Slice const& slice, std::uint64_t histories) {
@@ -422,4 +422,4 @@ OutputFolder::OutputFolder(std::string const& name, std::vector<std::string> con
 
 OutputFolder::~OutputFolder() { remove_empty(made_); }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -14,9 +14,11 @@
 #include "trace/result.hpp"
 #include "trace/steered_world.hpp"
 
-namespace straytrace {
-
+namespace straytrace::trace {
 class Transport;
+}  // namespace straytrace::trace
+
+namespace straytrace::session {
 
 // Lets the command line overrule the scene: seed, histories, stop rule.
 void apply(TraceOptions const&, Model&);
@@ -94,4 +96,4 @@ class OutputFolder {
   std::vector<std::filesystem::path> made_;  // the outermost first
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::session

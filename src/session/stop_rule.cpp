@@ -10,7 +10,7 @@
 #include "base/text/bounded_regex.hpp"
 #include "session/model.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 using Goal = StopRule::Goal;
@@ -189,4 +189,4 @@ StopRule parse_stop_rule(std::string const& text) {
   return rule;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

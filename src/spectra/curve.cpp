@@ -9,7 +9,7 @@
 #include "base/math/constants.hpp"
 #include "io/delimited_text.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 
 double log_log_at(std::span<double const> hz, std::span<double const> value, double f) {
   if (hz.empty() || !(f >= hz.front() && f <= hz.back())) return not_a_number;
@@ -64,4 +64,4 @@ Curve parse_named_curve(std::string_view text, std::span<std::string_view const>
                   named ? fmt::format("({})", fmt::join(titles, ", ")) : "without names", fmt::join(names, " or "))};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

@@ -10,9 +10,13 @@
 #include <string_view>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
 
+namespace straytrace::io {
 struct NumberTable;  // io/delimited_text.hpp
+}  // namespace straytrace::io
+
+namespace straytrace::spectra {
 
 // Position of `hz` between two frequencies on a logarithmic axis: 0 at `low`, 1 at `high`.
 inline double log_share(double hz, double low, double high) { return std::log(hz / low) / std::log(high / low); }
@@ -39,4 +43,4 @@ constexpr std::string_view strain_columns[] = {"total_strain", "h_mean"};
 // where NaN means "not known". An error that lists the columns when there is no such name.
 Curve parse_named_curve(std::string_view text, std::span<std::string_view const> names);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

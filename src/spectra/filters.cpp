@@ -12,7 +12,7 @@
 #include "base/math/constants.hpp"
 #include "spectra/fourier.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 constexpr double attenuation = 80;  // dB, of the anti-alias filter
@@ -248,4 +248,4 @@ TimeSeries whitened(TimeSeries const& s, WelchSettings const& settings) {
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

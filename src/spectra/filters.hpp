@@ -7,10 +7,11 @@
 #include <span>
 #include <vector>
 
+#include "base/namespaces.hpp"
 #include "spectra/series.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 
 // Every factor-th sample from `first` on, after a low pass of zero phase: a windowed sinc (Kaiser, 80 dB) that passes
 // up to 0.8 of the new Nyquist frequency and stops at it. Odd reflection continues the record beyond its ends.
@@ -49,4 +50,4 @@ std::vector<double> both_ways(std::vector<Section> const&, std::vector<double> c
 // below the first line of the ASD are removed. Both ends fade to zero over half a segment.
 TimeSeries whitened(TimeSeries const&, WelchSettings const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace straytrace {
+namespace straytrace::spectra {
 
 struct Fourier::Engine {
   Eigen::FFT<double> fft;
@@ -66,4 +66,4 @@ std::vector<double> filtered(std::vector<double> const& x, std::size_t beyond,
   return {out.begin() + std::ptrdiff_t(pad), out.begin() + std::ptrdiff_t(pad + n)};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

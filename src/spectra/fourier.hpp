@@ -7,7 +7,9 @@
 #include <memory>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::spectra {
 
 using Complexes = std::vector<std::complex<double>>;
 
@@ -42,4 +44,4 @@ std::size_t good_length(std::size_t);
 std::vector<double> filtered(std::vector<double> const&, std::size_t beyond,
                              std::function<std::complex<double>(double)> const& factor);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

@@ -13,7 +13,7 @@
 #include "spectra/filters.hpp"
 #include "spectra/fourier.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 // In SI, with the unit after `times` integrations.
@@ -95,4 +95,4 @@ TimeSeries integrated_causal(TimeSeries const& s, int times, double corner) {
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

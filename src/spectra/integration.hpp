@@ -2,9 +2,10 @@
 // Accelerometers and velocity meters to displacement (docs/theory/motion.md, eq. 11.3; R6.05).
 #pragma once
 
+#include "base/namespaces.hpp"
 #include "spectra/series.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 
 // Number of integrations to metres: 2 from m/s^2, 1 from m/s, 0 from m. Throws InputError with a remedy for other
 // units.
@@ -30,4 +31,4 @@ double rms_below(TimeSeries const&, int times, double corner_hz);
 // x = pi f/rate: for two integrations 1 % too small at 1/26 of the rate.
 TimeSeries integrated_causal(TimeSeries const&, int times, double corner_hz);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

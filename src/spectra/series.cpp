@@ -12,7 +12,7 @@
 #include "spectra/files/gps.hpp"
 #include "spectra/filters.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 constexpr double sample_slack = 0.02;  // share of a sample by which clocks may disagree: 0.2 us of GPS, and rounding
@@ -166,4 +166,4 @@ std::vector<double> interpolated(TimeSeries const& series, double first, double 
   return values;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::spectra {
 
 // Shortest and longest sample step, s. Others are mistakes of units.
 inline constexpr double shortest_step = 1e-12, longest_step = 1e12;
@@ -40,4 +42,4 @@ std::vector<TimeSeries> aligned(std::vector<TimeSeries> const&);
 // continues the series beyond its ends. Throws InputError for times more than 16 samples outside.
 std::vector<double> interpolated(TimeSeries const&, double first, double rate, std::size_t count);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

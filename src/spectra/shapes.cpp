@@ -7,7 +7,7 @@
 
 #include "base/math/constants.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 std::vector<double> logarithmic_knots(double from, double to, double per_decade) {
@@ -131,4 +131,4 @@ double peterson_asd(GroundModel model, double hz) {
   return std::sqrt(displacement(low_noise, hz) * displacement(high_noise, hz));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

@@ -2,9 +2,10 @@
 // Spectra by formula: power laws, ground models, lines, resonances.
 #pragma once
 
+#include "base/namespaces.hpp"
 #include "spectra/spectrum.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 
 // ASD = asd (f / at_hz)^exponent between from_hz and to_hz.
 Spectrum power_law_asd(double asd, double at_hz, double exponent, double from_hz, double to_hz);
@@ -28,4 +29,4 @@ Spectrum filtered(Spectrum const&, std::function<double(double)> const& factor, 
 double transmissibility(double hz, double resonance_hz, double quality);
 Spectrum through_resonance(Spectrum const&, double resonance_hz, double quality);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

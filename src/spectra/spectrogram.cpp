@@ -10,7 +10,7 @@
 #include "base/math/constants.hpp"
 #include "spectra/fourier.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 double median(std::vector<double> v) {
@@ -118,4 +118,4 @@ Spectrogram q_transform(TimeSeries const& s, QSettings const& q) {
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

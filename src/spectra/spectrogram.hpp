@@ -8,7 +8,7 @@
 #include "spectra/series.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 
 struct Spectrogram {
   std::vector<double> time;   // GPS s, middle of each stride
@@ -35,4 +35,4 @@ struct QSettings {
 // Of a whitened record. Throws InputError for a band outside the record's or for a record that is too short.
 Spectrogram q_transform(TimeSeries const& white, QSettings const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

@@ -6,7 +6,7 @@
 
 #include "base/math/constants.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 // Integral of f^n from a to b, divided by a^n: exact for every n, smooth through n = -1.
@@ -150,4 +150,4 @@ bool same_shape(Spectrum const& a, Spectrum const& b) {
   return near(a.at(middle), ratio * b.at(middle)) && agree(a.hz()) && agree(b.hz());
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

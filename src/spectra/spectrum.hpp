@@ -7,7 +7,9 @@
 #include <span>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::spectra {
 
 // One-sided PSD [x^2/Hz]: tables interpolated in log-log (a power law between knots, integrated in closed form; a
 // straight line where one of two neighbours is zero), zero outside their range. A sum keeps its terms, so it is exact.
@@ -49,4 +51,4 @@ struct Band {
   double clamped(double hz) const { return hz < low ? low : hz > high ? high : hz; }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

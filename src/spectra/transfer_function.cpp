@@ -10,7 +10,7 @@
 #include "io/delimited_text.hpp"
 #include "spectra/curve.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 using C = std::complex<double>;
@@ -158,4 +158,4 @@ TransferFunction read_transfer_function(Node const& table, std::optional<Band> c
   return {roots[0], roots[1], gain};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

@@ -13,7 +13,7 @@
 #include "base/input/table.hpp"
 #include "spectra/spectrum.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 
 class TransferFunction {
  public:
@@ -71,4 +71,4 @@ TransferFunction read_transfer_function(Node const&, std::optional<Band> const&)
 bool read_columns_are_decibels(Node const& table);
 TransferFunction read_response_file(Node const& file, bool decibels, std::optional<Band> const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

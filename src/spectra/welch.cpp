@@ -12,7 +12,7 @@
 #include "base/math/constants.hpp"
 #include "spectra/filters.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 std::vector<double> mean_periodogram(std::span<double const> samples, Segments& segments) {
@@ -294,4 +294,4 @@ TransferEstimate estimate(CrossSpectra const& s, bool first) {
 TransferEstimate h1(CrossSpectra const& s) { return estimate(s, true); }
 TransferEstimate h2(CrossSpectra const& s) { return estimate(s, false); }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

@@ -11,7 +11,7 @@
 #include "spectra/series.hpp"
 #include "spectra/window.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 
 enum class Average : std::uint8_t { mean, median };
 enum class Detrend : std::uint8_t { none, constant, linear };  // removed from each segment
@@ -144,4 +144,4 @@ struct TransferEstimate {
 TransferEstimate h1(CrossSpectra const&);  // S_xy/S_xx: right when noise is in y only, too small by noise in x
 TransferEstimate h2(CrossSpectra const&);  // S_yy/S_yx: right when noise is in x only, too large by noise in y
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

@@ -12,7 +12,7 @@
 #include "base/input/table.hpp"
 #include "base/math/constants.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 struct Known {
@@ -113,4 +113,4 @@ std::string window_text(NamedWindow w) {
   return "";
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

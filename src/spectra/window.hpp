@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::spectra {
 
 // Periodic: they repeat after the segment, as scipy.signal.get_window gives them.
 enum class Window : std::uint8_t { rectangular, hann, hamming, blackman, blackman_harris, flat_top, tukey, kaiser };
@@ -23,4 +25,4 @@ struct NamedWindow {
 NamedWindow parse_window(std::string const&);
 std::string window_text(NamedWindow);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

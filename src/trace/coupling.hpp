@@ -12,7 +12,7 @@
 #include "base/math/constants.hpp"
 #include "base/memory/ids.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 constexpr int replica_count = 32;  // blocks with number = r modulo 32 share replica r (jackknife of the noise bands)
 
@@ -125,4 +125,4 @@ std::string route_name(CouplingTable const&, CouplingClass const&);
 std::string received_name(CouplingTable const&, CouplingClass const&);  // of a route that ends on a receiver
 std::string folded_name(CouplingTable const&, FoldedRoute const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -12,7 +12,7 @@
 #include "trace/tally/replay.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 auto place(PhaseSensitivityProduct const& p) { return std::tuple(p.replica, p.first, p.second); }
@@ -153,4 +153,4 @@ bool add_moments(std::vector<PhaseSensitivityProduct>& into, std::vector<PhaseSe
   return false;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -13,7 +13,7 @@
 #include "base/math/constants.hpp"
 #include "trace/tally/block_sink.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 char const* name_of(BalanceTerm balance_term) {
   static constexpr char const* names[] = {"absorbed", "escaped", "truncated", "roulette", "sampling"};
@@ -324,4 +324,4 @@ Estimate estimate(Moments const& m, std::uint64_t histories, std::uint64_t block
   return e;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -13,7 +13,7 @@
 #include "base/memory/host_device.hpp"
 #include "trace/coupling.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 class SteeredWorld;
 struct BlockSums;
@@ -198,4 +198,4 @@ std::vector<PhaseSensitivityProduct> phase_sensitivity_moments(CouplingClass con
 // Adds rows as lever_moments() makes them; false when the pairs of bodies are too many, and `into` is then empty.
 bool add_moments(std::vector<PhaseSensitivityProduct>& into, std::vector<PhaseSensitivityProduct> const& from);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -5,7 +5,7 @@
 
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // Refers to a world, which must outlive it and stay as it is. Made by steer() (trace/importance/importance.hpp).
 class SteeredWorld {
@@ -31,4 +31,4 @@ class SteeredWorld {
   World const* world_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <string>
 
+#include "base/every_module.hpp"
 #include "scene/scene.hpp"
 #include "trace/backend/device/device_backend.hpp"
 #include "trace/importance/importance.hpp"

@@ -4,6 +4,7 @@
 // clang-format off
 #include <bits/stdc++.h>
 #include <Random123/philox.h>
+#include "base/every_module.hpp"
 #include "trace/backend/device/ordered.hpp"
 
 #define __CUDACC__ 1

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/every_module.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::testing {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
 #include "support/recorded.hpp"

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "scene/scene.hpp"
 #include "step/samples/samples.hpp"
 #include "world/import/cad_file.hpp"

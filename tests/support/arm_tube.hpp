@@ -3,6 +3,7 @@
 // 8.15). One direction, one arm, static phase 0 unless stated.
 #pragma once
 
+#include "base/every_module.hpp"
 #include "optics/scatter/shift_invariant.hpp"
 #include "support/aimed_walls.hpp"
 #include "trace/tally/replay.hpp"

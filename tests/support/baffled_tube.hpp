@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/every_module.hpp"
 #include "support/laws.hpp"
 #include "support/shapes.hpp"
 #include "support/trace_support.hpp"

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "beams/mode.hpp"
 #include "beams/ray_matrix.hpp"
 #include "optics/coating/fresnel.hpp"

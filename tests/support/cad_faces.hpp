@@ -2,6 +2,7 @@
 // CAD faces of every carrier, trimmed to odd pieces.
 #pragma once
 
+#include "base/every_module.hpp"
 #include "geometry/cad/cad_face.hpp"
 
 namespace straytrace::testing {

@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "base/math/rng.hpp"
 #include "optics/scatter/diffuse.hpp"
 #include "support/shapes.hpp"

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <complex>
 
+#include "base/every_module.hpp"
 #include "support/trace_support.hpp"
 #include "world/ghosts/main_beam.hpp"
 

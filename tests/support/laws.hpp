@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "base/memory/storage.hpp"
 #include "optics/scatter/mixture.hpp"
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "base/math/functions.hpp"
 #include "base/math/rng.hpp"
 #include "geometry/mesh/triangle_mesh.hpp"

@@ -7,6 +7,7 @@
 
 #include <deque>
 
+#include "base/every_module.hpp"
 #include "scene/scene.hpp"
 
 namespace straytrace::testing {

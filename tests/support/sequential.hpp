@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "trace/coupling.hpp"
 #include "world/model/world.hpp"
 

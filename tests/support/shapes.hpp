@@ -2,6 +2,7 @@
 // Placed shapes in one line, for tests of geometry and search. Lengths in m, angles in rad.
 #pragma once
 
+#include "base/every_module.hpp"
 #include "geometry/shape_types.hpp"
 
 namespace straytrace::testing {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 #include "spectra/series.hpp"

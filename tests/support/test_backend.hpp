@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "base/every_module.hpp"
 #include "trace/backend/device/device_backend.hpp"
 
 namespace straytrace::testing {

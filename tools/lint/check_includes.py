@@ -1,31 +1,25 @@
 #!/usr/bin/env python3
-"""Fail when a module of src/ includes a module that the table does not allow, when headers of the folders of one module include each other in
-a circle, or when two headers define a type of one name, which the linker would take for one.
+"""Fail when a module of src/ includes a module that src/base/namespaces.hpp does not list for it, when a file opens the namespace of
+another module, when headers of the folders of one module include each other in a circle, or when two headers of one module define a
+type of one name, which the linker would take for one.
 Usage: check_includes.py SRC_DIR"""
 import collections
 import pathlib
 import re
 import sys
 
-MAY_INCLUDE = {                        # module: other modules that it may include
-    "base": "",
-    "io": "base",
-    "geometry": "base",
-    "optics": "base",
-    "beams": "base geometry optics",
-    "spectra": "base io",
-    "analysis": "base io spectra",
-    "motion": "base io spectra",
-    "scene": "base io",
-    "world": "base io geometry optics beams scene",
-    "trace": "base geometry optics beams world",
-    "ifo": "base beams spectra",
-    "noise": "base beams spectra motion trace ifo",
-    "results": "base io spectra motion beams scene world trace ifo noise",
-    "report": "base io geometry beams motion scene world trace noise results",
-    "session": "base io beams spectra analysis motion scene world trace ifo noise results report",
-    "cli": "base io beams spectra analysis motion scene world trace ifo noise results report session",
-}
+NAMESPACES = pathlib.Path(__file__).parents[2] / "src/base/namespaces.hpp"
+
+
+def modules():
+    """Modules that each may include besides itself, from the directives of base/namespaces.hpp."""
+    may = {"base": set()}
+    for name, text in re.findall(r"^namespace (\w+) \{(.*?)\}", NAMESPACES.read_text().split("namespace straytrace {")[1], re.MULTILINE | re.DOTALL):
+        may[name] = {"base", *re.findall(r"using namespace (\w+);", text)}
+    return may
+
+
+MAY_INCLUDE = modules()
 NARROW = {                             # (module, other): the only files it may take from there
     ("noise", "beams"): {"beams/cavity_mode.hpp"},
     ("noise", "trace"): {"trace/coupling.hpp"},
@@ -35,12 +29,30 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*"((' + "|".join(MAY_INCLUDE) + r')/[^"]
 TYPE = re.compile(r"(?<!>\n)^(?:struct|class) (?:alignas\([^)]*\) )?(\w+)[^;\n]*\{", re.MULTILINE)    # of no template
 
 
+OPENED = re.compile(r"^namespace straytrace(?:::(\w+))?[\w:]* \{\n((?:(?:class|struct) \w+;.*\n)*)(\})?", re.MULTILINE)
+
+
 def doubles(src):
     first = {}
     for path in sorted(pathlib.Path(src).rglob("*.hpp")):
+        module = path.relative_to(src).parts[0]
         for name in TYPE.findall(path.read_text()):
-            if first.setdefault(name, path) != path:
-                yield f"{path}: '{name}' is a type of {first[name]} already; give it a name of its own"
+            if first.setdefault((module, name), path) != path:
+                yield f"{path}: '{name}' is a type of {first[module, name]} already; give it a name of its own"
+
+
+def foreign_namespaces(src):
+    """Declarations of a type of another module (class World;) stay in the namespace of that module."""
+    for path in sorted(pathlib.Path(src).rglob("*.[hc]*")):
+        module = path.relative_to(src).parts[0]
+        wanted = None if module == "base" else module
+        text = path.read_text()
+        for hit in OPENED.finditer(text):
+            only_declares = hit[2] and hit[3]
+            foreign = hit[1] in MAY_INCLUDE if wanted is None else hit[1] != wanted
+            if foreign and not only_declares:
+                line = text.count("\n", 0, hit.start()) + 1
+                yield f"{path}:{line}: opens a namespace of another module; write straytrace{'' if wanted is None else '::' + wanted}"
 
 
 def includes(src):
@@ -62,10 +74,12 @@ def problems(src):
         seen += 1
         if module not in MAY_INCLUDE:
             continue
-        if other != module and other not in MAY_INCLUDE[module].split():
+        if other != module and other not in MAY_INCLUDE[module]:
             yield f"{path}:{number}: {module} may not include {other}"
         elif file not in NARROW.get((module, other), {file}):
             yield f"{path}:{number}: {module} may not include {file}"
+        if file == "base/every_module.hpp":
+            yield f"{path}:{number}: {file} is for tests, benchmarks and fuzzers"
     if seen == 0:
         yield f"{src}: no project includes found; is the path right?"
 
@@ -99,6 +113,6 @@ def circles(src):
         yield from follow(folder, [])
 
 
-found = [*problems(sys.argv[1]), *circles(sys.argv[1]), *doubles(sys.argv[1])]
+found = [*problems(sys.argv[1]), *foreign_namespaces(sys.argv[1]), *circles(sys.argv[1]), *doubles(sys.argv[1])]
 print("\n".join(found) or "all includes allowed")
 sys.exit(1 if found else 0)

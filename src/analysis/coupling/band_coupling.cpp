@@ -10,7 +10,7 @@
 
 #include "base/math/constants.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 namespace {
 
 // Sums of PSDs over lines, and the variance of their difference: each level varies by S/sqrt(n).
@@ -113,4 +113,4 @@ double upper_factor(double averages, double confidence) {
   return n / quantile(boost::math::chi_squared(n), 1 - confidence);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

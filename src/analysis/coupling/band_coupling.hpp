@@ -5,7 +5,7 @@
 #include "base/math/constants.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 
 // H^2 = (sum of y_inj - y_quiet)/(sum of x_inj - x_quiet) over the lines of low to high, Hz; PSDs of target y and
 // witness x. Slow motion of the same surface spreads what fast small motion makes over neighbouring lines without
@@ -42,4 +42,4 @@ double probability_of_sigmas(double significance);  // 3 -> 1.35e-3
 // Factor on an averaged PSD that the truth stays below with this probability: 2 n / quantile of chi-square.
 double upper_factor(double averages, double confidence);
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

@@ -17,7 +17,7 @@
 #include "spectra/files/unit_text.hpp"
 #include "spectra/integration.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 namespace {
 
 // Relative variance of H^2. Witness and target of one stretch fluctuate together as far as they are coherent:
@@ -404,4 +404,4 @@ ProjectedCoupling project_coupling(CouplingFunction const& c, QuietWitness const
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

@@ -12,7 +12,7 @@
 #include "base/math/constants.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 
 enum class CouplingFlag : std::uint8_t {
   measured,          // witness and target rose: the factor and its error
@@ -118,4 +118,4 @@ struct QuietWitness {
 // fringe wrapping is projected in the time domain.
 ProjectedCoupling project_coupling(CouplingFunction const&, QuietWitness const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

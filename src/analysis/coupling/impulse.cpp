@@ -15,7 +15,7 @@
 #include "base/math/least_squares.hpp"
 #include "spectra/fourier.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 namespace {
 
 constexpr std::size_t noise_bins = 8;  // on each side over which noise is averaged: few stretches know little
@@ -386,4 +386,4 @@ std::vector<LoudStretch> find_events(TimeSeries const& record, TimeSeries const&
   return events;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

@@ -7,10 +7,11 @@
 #include <span>
 #include <vector>
 
+#include "base/namespaces.hpp"
 #include "spectra/series.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 
 // First samples of impulses, GPS s: where the force leaves its median by `threshold` times its usual deviation (1.4826
 // times the median one). The next is looked for `length` s later.
@@ -80,4 +81,4 @@ struct EventSettings {
 // Neighbouring stretches that pass are one event. Throws InputError when the record is shorter than a stretch.
 std::vector<LoudStretch> find_events(TimeSeries const& record, TimeSeries const& quiet, EventSettings const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

@@ -17,7 +17,7 @@
 #include "spectra/welch.hpp"
 #include "spectra/window.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 namespace {
 
 constexpr int nearest_noise = 3, farthest_noise = 10;  // resolutions beside a line; a Hann line is 2 wide
@@ -290,4 +290,4 @@ CouplingFunction coupling_of_ridge(std::vector<RidgePoint> const& ridge, TimeSer
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

@@ -10,7 +10,7 @@
 #include "analysis/coupling/coupling.hpp"
 #include "spectra/series.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 
 // A stretch under a Hann window. Line: x = Re[a exp(2 pi i f (t - middle))], |a| its PEAK amplitude.
 class LineWindow {
@@ -116,4 +116,4 @@ std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries con
 CouplingFunction coupling_of_ridge(std::vector<RidgePoint> const&, TimeSeries const& witness, TimeSeries const& target,
                                    double resolution, double significance);
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

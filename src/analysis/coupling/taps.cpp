@@ -15,7 +15,7 @@
 #include "io/delimited_text.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 namespace {
 
 // Periodograms of one stretch.
@@ -304,4 +304,4 @@ std::vector<TapPlace> parse_tap_list(std::string_view csv, std::string const& fi
   return ListReader(file).read(csv);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

@@ -12,7 +12,7 @@
 #include "spectra/series.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 
 struct TapPlace {
   std::string name;
@@ -67,4 +67,4 @@ struct TapSeries {
 std::vector<TapPeak> tap_peaks(TapSeries const&, std::span<TapPlace const>, GpsSpan quiet, WelchSettings const&,
                                TapThresholds const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

@@ -15,7 +15,7 @@
 #include "spectra/fourier.hpp"
 #include "spectra/series.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 namespace {
 
 constexpr double margin = 1.1;  // of the fringe frequency in eq. 7.13
@@ -393,4 +393,4 @@ FitOutcome verdict_of(FringeFit const& fit, double false_alarm) {
   return expected.value - sure * expected.sigma < needed ? FitOutcome::untested : FitOutcome::not_general;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "analysis/fringes/fringe_stretch.hpp"
+#include "base/namespaces.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 
 // Search range of a parameter; equal ends: fixed.
 struct SearchRange {
@@ -119,4 +120,4 @@ FringeModel fringe_model(FringeRecords const&, FringeFitSettings const&, FringeF
 // characteristic of a Rayleigh field, leading term of each dimension; cf. Davies 1987).
 double ln_chance_of(double gain, std::vector<double> const& lengths);
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

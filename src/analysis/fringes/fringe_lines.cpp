@@ -13,7 +13,7 @@
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 namespace {
 
 double bessel(int n, double z) { return boost::math::cyl_bessel_j(n, z); }
@@ -231,4 +231,4 @@ ScanResult scan_minimum(std::function<double(double)> const& f, double from, dou
   return r;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

@@ -11,7 +11,7 @@
 #include "analysis/coupling/lines.hpp"
 #include "base/math/constants.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 
 struct Harmonic {
   int order = 1;
@@ -70,4 +70,4 @@ struct ScanResult {
 // From `from` to `to` in `steps` equal steps, each minimum refined. The function is finite.
 ScanResult scan_minimum(std::function<double(double)> const& chi_square, double from, double to, int steps);
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

@@ -15,7 +15,7 @@
 #include "base/math/least_squares.hpp"
 #include "spectra/fourier.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 namespace {
 
 std::vector<double> steps(SearchRange const& range, double step) {
@@ -461,4 +461,4 @@ void report_parameters(FringeFit& out, FringeProblem const& problem, RefinedFit 
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

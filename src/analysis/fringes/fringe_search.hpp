@@ -4,7 +4,7 @@
 
 #include "analysis/fringes/fringe_fit.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 
 // Samples of the target where every witness is known: with delays either way, and, where it is sampled more slowly,
 // with the 16 samples that interpolation reaches for. Empty where there are none.
@@ -74,4 +74,4 @@ void report_parameters(FringeFit&, FringeProblem const&, RefinedFit const&);
 OutOfSample out_of_sample(FringeProblem const& fitted, RefinedFit const&, FringeStretch const& rest);
 FitOutcome verdict_of(FringeFit const&, double false_alarm);
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

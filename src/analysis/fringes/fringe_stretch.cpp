@@ -12,7 +12,7 @@
 #include "spectra/fourier.hpp"
 #include "spectra/series.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 namespace {
 
 constexpr double taper_share = 0.05;  // of the stretch, at either end
@@ -217,4 +217,4 @@ Eigen::VectorXd FringeStretch::whitened_samples(FringeLines const& lines, std::v
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

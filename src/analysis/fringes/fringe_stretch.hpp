@@ -9,9 +9,10 @@
 #include <functional>
 #include <vector>
 
+#include "base/namespaces.hpp"
 #include "spectra/series.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 
 // Strain per Im s or Re s of a stray field, convention exp(-2 pi i f t) (docs/theory/interferometer.md).
 using StrainResponse = std::function<std::complex<double>(double hz)>;
@@ -94,4 +95,4 @@ class FringeStretch {
 // Largest |du/dt| of u = x_1 - ratio x_2 between samples, m/s.
 double fastest_motion(FringeRecords const&, double ratio);
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

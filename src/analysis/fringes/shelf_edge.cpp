@@ -19,7 +19,7 @@
 #include "spectra/series.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 namespace {
 
 struct Layout {
@@ -464,4 +464,4 @@ RepeatedEdges repeated(std::vector<FoundEdge> const& edges, double ratio, double
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

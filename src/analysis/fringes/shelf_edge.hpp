@@ -10,7 +10,7 @@
 
 #include "analysis/fringes/fringe_fit.hpp"
 
-namespace straytrace {
+namespace straytrace::analysis {
 
 struct ShelfEdgeSettings {
   double low = 0, high = 0;  // Hz, band: the edge is searched inside
@@ -136,4 +136,4 @@ struct RepeatedEdges {
 };
 RepeatedEdges repeated(std::vector<FoundEdge> const&, double ratio, double wavelength);
 
-}  // namespace straytrace
+}  // namespace straytrace::analysis

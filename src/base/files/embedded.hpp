@@ -6,6 +6,8 @@
 #include <span>
 #include <string_view>
 
+#include "base/namespaces.hpp"
+
 namespace straytrace {
 
 struct EmbeddedFile {

@@ -96,7 +96,7 @@ class Document {
   virtual std::size_t errors() const = 0;  // so far
   bool healthy() const { return errors() == 0; }
   // Value of a scalar with the parameters of a scope; records a problem when it has none.
-  virtual std::optional<Value> evaluate(NodeData const&, Scope const*) = 0;
+  virtual std::optional<Value> evaluate(NodeData const&, scene::Scope const*) = 0;
   virtual std::string data_file(Node const& from, std::string const& name) = 0;
   // The same for an optional file: empty and no problem when it is missing.
   virtual std::optional<std::string> optional_file(Node const& from, std::string const& name) = 0;

@@ -17,6 +17,10 @@
 #include "base/math/constants.hpp"
 #include "base/units/quantity.hpp"
 
+namespace straytrace::scene {
+struct Scope;  // parameters in force: scene/scope.hpp
+}  // namespace straytrace::scene
+
 namespace straytrace {
 
 constexpr double required = std::numeric_limits<double>::quiet_NaN();
@@ -33,7 +37,6 @@ struct Key {
 
 class Document;   // files, sources, problems: base/input/document.hpp
 struct NodeData;  // base/input/document.hpp
-struct Scope;     // parameters in force: scene/scope.hpp
 
 // One value of the input: nothing, a scalar, a list or a mapping ("table"). Cheap to copy.
 class Node {
@@ -41,7 +44,7 @@ class Node {
   enum class Kind : std::uint8_t { none, scalar, list, table };
 
   Node() = default;
-  Node(std::shared_ptr<NodeData> data, std::shared_ptr<Scope const> scope, Document* document)
+  Node(std::shared_ptr<NodeData> data, std::shared_ptr<scene::Scope const> scope, Document* document)
       : data_(std::move(data)), scope_(std::move(scope)), document_(document) {}
 
   Kind kind() const;
@@ -94,7 +97,7 @@ class Node {
                     std::string suggestion) const;
 
   std::shared_ptr<NodeData> const& data() const { return data_; }
-  std::shared_ptr<Scope const> const& scope() const { return scope_; }
+  std::shared_ptr<scene::Scope const> const& scope() const { return scope_; }
   Document* document() const { return document_; }
 
  private:
@@ -103,7 +106,7 @@ class Node {
   bool within(double si, Dimension, double low, double high) const;
 
   std::shared_ptr<NodeData> data_;
-  std::shared_ptr<Scope const> scope_;
+  std::shared_ptr<scene::Scope const> scope_;
   Document* document_ = nullptr;
 };
 

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "base/namespaces.hpp"
+
 namespace straytrace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();

@@ -9,6 +9,8 @@
 #include <functional>
 #include <utility>
 
+#include "base/namespaces.hpp"
+
 namespace straytrace {
 
 // Residuals as a function of parameters. Without `jacobian`, derivatives are central differences with steps of 1.5e-8

@@ -2,6 +2,8 @@
 // Marks functions that compile for the host and, under nvcc, for the device.
 #pragma once
 
+#include "base/namespaces.hpp"
+
 #if defined(__CUDACC__)
 #define STRAY_HD __host__ __device__ inline
 #define STRAY_NO_CHECK(check)

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <functional>
 
+#include "base/namespaces.hpp"
+
 namespace straytrace {
 
 unsigned thread_count(unsigned wanted);  // 0: one for each core that this process may use

@@ -6,6 +6,8 @@
 #include <regex>
 #include <string>
 
+#include "base/namespaces.hpp"
+
 namespace straytrace {
 
 inline constexpr std::size_t longest_match = 2000;  // bytes

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/namespaces.hpp"
+
 namespace straytrace {
 
 template <std::integral Count>

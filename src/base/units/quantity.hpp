@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/namespaces.hpp"
+
 namespace straytrace {
 
 // Powers are counted in halves, so that m/sqrt(Hz) = m s^(1/2) is {2, 0, 1}. Angle, solid angle and counts differ

@@ -16,7 +16,7 @@
 #include "results/text/picture.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct BudgetOptions : PrintOptions {
@@ -103,4 +103,4 @@ void add_budget(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = budget(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

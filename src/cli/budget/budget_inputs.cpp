@@ -23,7 +23,7 @@
 #include "session/open_run.hpp"
 #include "spectra/curve.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 constexpr double lowest_hz = 1e-6, highest_hz = 1e6;  // what --at and --band take
@@ -306,4 +306,4 @@ BudgetView gather_budget(BudgetRequest const& r) {
   return v;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

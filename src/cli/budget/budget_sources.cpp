@@ -15,7 +15,7 @@
 #include "results/results.hpp"
 #include "spectra/curve.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -273,4 +273,4 @@ void name_apart(std::vector<NoiseSource>& sources) {
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -12,7 +12,7 @@
 #include "noise/fundamental/budget.hpp"
 #include "noise/noise.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 // A curve of ASD that is read off where it is needed; `sigma` may be empty. Of a run `hz` are the centres of its bins:
 // the first and the last value hold out to the ends of its band.
@@ -63,4 +63,4 @@ std::vector<InputError> repeats(std::vector<NoiseSource> const&, std::vector<std
 // Equal names get the folder or the file behind them, equal titles as well.
 void name_apart(std::vector<NoiseSource>&);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

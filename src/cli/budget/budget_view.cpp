@@ -12,7 +12,7 @@
 #include "results/results.hpp"
 #include "session/build_info.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -337,4 +337,4 @@ std::string budget_columns(BudgetView const& v) {
   return text;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -11,7 +11,7 @@
 #include "noise/fundamental/budget.hpp"
 #include "noise/noise.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 // A budget on one set of frequencies.
 struct BudgetOn {
@@ -46,4 +46,4 @@ BudgetView gather_budget(BudgetRequest const&);  // throws InputError
 
 std::vector<double> parse_frequencies(std::string const& list, char const* option);  // "10 Hz, 1 kHz"; InputError
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

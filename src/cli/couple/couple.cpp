@@ -6,7 +6,7 @@
 #include "cli/couple/couple_data.hpp"
 #include "session/options.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 void add_couple(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand(
@@ -22,4 +22,4 @@ void add_couple(CLI::App& app, int& exit_code) {
       "  straytrace couple predict demo/run.h5 --body tube --axis z");
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -17,7 +17,7 @@
 #include "spectra/files/series_file.hpp"
 #include "spectra/integration.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 void add_pair_options(CLI::App& command, PairOptions& o, char const* witness) {
   command.add_option("--witness", o.witness, witness)->required();
@@ -215,4 +215,4 @@ CurveSheet line_sheet(Driven const& d) {
   return sheet;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

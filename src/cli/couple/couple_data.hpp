@@ -18,7 +18,7 @@ namespace CLI {
 class App;
 }
 
-namespace straytrace {
+namespace straytrace::cli {
 
 // Each adds its own subcommand to `couple`.
 void add_couple_noise(CLI::App& couple, int& exit_code);
@@ -106,4 +106,4 @@ Driven follow_drive(LineOptions const&);
 // Frequency, drive and target against time.
 CurveSheet line_sheet(Driven const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -16,7 +16,7 @@
 #include "results/text/columns.hpp"
 #include "spectra/files/gps.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct ImpulseOptions {
@@ -201,4 +201,4 @@ void add_couple_events(CLI::App& couple, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = run_events(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -12,7 +12,7 @@
 #include "cli/couple/couple_data.hpp"
 #include "results/text/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct LineAmplitude {
@@ -279,4 +279,4 @@ void add_couple_ramp(CLI::App& couple, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = run_ramp(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

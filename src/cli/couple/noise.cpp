@@ -15,7 +15,7 @@
 #include "results/text/columns.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct NoiseCoupling {
@@ -297,4 +297,4 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = run_noise(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -14,7 +14,7 @@
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 std::size_t bin_of(FrequencyGrid const& grid, double hz) {
@@ -149,4 +149,4 @@ void add_overlay(CurveSheet& sheet, Overlay const& o) {
   for (CurveColumn const& c : {value, limit, sigma}) sheet.y.push_back(c);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

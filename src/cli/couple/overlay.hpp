@@ -11,7 +11,7 @@
 #include "noise/project/predicted_coupling.hpp"
 #include "results/curves/curve_file.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 struct OverlayPoint {
   CouplingPoint measured;  // factor and error in the unit of the prediction
@@ -35,4 +35,4 @@ nlohmann::json overlay_json(Overlay const&);
 // Measured points and limits on the axis of the sheet: each in the bin it lies in, the surest of them.
 void add_overlay(CurveSheet&, Overlay const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

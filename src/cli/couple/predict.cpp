@@ -18,7 +18,7 @@
 #include "scene/expression.hpp"
 #include "session/open_run.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 constexpr std::array<char const*, 6> axes{"x", "y", "z", "rx", "ry", "rz"};
@@ -245,4 +245,4 @@ void add_couple_predict(CLI::App& couple, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = run_predict(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

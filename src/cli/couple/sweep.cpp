@@ -14,7 +14,7 @@
 #include "cli/options.hpp"
 #include "results/text/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct SweepOptions {
@@ -116,4 +116,4 @@ void add_couple_sweep(CLI::App& couple, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = run_sweep(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

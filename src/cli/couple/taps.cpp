@@ -18,7 +18,7 @@
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct TapOptions {
@@ -187,4 +187,4 @@ void add_couple_taps(CLI::App& couple, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = run_taps(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -17,7 +17,7 @@
 #include "results/results.hpp"
 #include "spectra/files/gps.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 constexpr char before_subtraction[] =
@@ -251,4 +251,4 @@ void add_fit_edge(CLI::App& fit, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = edge(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

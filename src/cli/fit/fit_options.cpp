@@ -9,7 +9,7 @@
 #include "base/errors.hpp"
 #include "spectra/integration.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 constexpr double clock_range = 0.25;  // s, to either side: clocks that are not one
@@ -218,4 +218,4 @@ void add_record_options(CLI::App& command, FitOptions& o) {
   add_output_options(command, o.data);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

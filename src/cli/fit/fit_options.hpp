@@ -10,9 +10,11 @@
 #include "cli/data_options.hpp"
 #include "session/options.hpp"
 
-namespace straytrace {
-
+namespace straytrace::session {
 struct Model;
+}  // namespace straytrace::session
+
+namespace straytrace::cli {
 
 struct FitOptions {
   DataOptions data;
@@ -60,4 +62,4 @@ FringeFitSettings settings_of(FitOptions const&, FringeRecords const&, std::vect
 void add_record_options(CLI::App&, FitOptions&);  // --target ... --gps, --wavelength, --ratio
 void add_fit_edge(CLI::App& fit, int& exit_code);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -15,7 +15,7 @@
 #include "spectra/files/unit_text.hpp"
 #include "spectra/series.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 std::string value_text(Fitted const& f, char const* unit) {
@@ -391,4 +391,4 @@ nlohmann::json fit_json(FitAnswer const& a) {
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -9,7 +9,7 @@
 
 #include "cli/fit/fit_options.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 struct FitAnswer {
   FringeRecords const& records;
@@ -41,4 +41,4 @@ CurveSheet fit_curves(FitAnswer const&, FringeModel const&);
 // Target less model; throws InputError when the outcome does not allow it.
 TimeSeries subtracted(FitAnswer const&, FringeModel const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -12,7 +12,7 @@
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 constexpr std::array<char const*, 6> axis_names{"x", "y", "z", "rx", "ry", "rz"};
@@ -114,4 +114,4 @@ std::vector<RoutePrediction> predictions(FitOptions const& o, bool rotation) {
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

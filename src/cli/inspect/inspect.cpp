@@ -28,7 +28,7 @@
 #include "world/import/newmtl.hpp"
 #include "world/model/material.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct InspectOptions : ScatterRequest {
@@ -258,4 +258,4 @@ void add_inspect(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = inspect(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

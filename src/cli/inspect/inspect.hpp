@@ -12,7 +12,7 @@
 #include "world/model/world.hpp"
 #include "world/scatter_data/scatter_fit.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 bool is_geometry(std::string const& file);  // by its ending
 // Prints parts, colours, faces, areas, size, findings and an entry for a scene. `units`: of the numbers in the file, in
@@ -59,4 +59,4 @@ int inspect_scatter(ScatterRequest const&);
 std::string scatter_text(std::string const& name, ScatterFile const&, ScatterAudit const&,
                          std::vector<ScatterFit> const&, std::string const& beyond);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

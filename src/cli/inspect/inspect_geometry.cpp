@@ -21,7 +21,7 @@
 #include "world/import/cad_file.hpp"
 #include "world/import/mesh_doctor.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 std::string last_piece(std::string const& name) { return name.substr(name.rfind('/') + 1); }
@@ -293,4 +293,4 @@ GeometryFile read_geometry(std::string const& file, std::string const& units) {
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -12,7 +12,7 @@
 #include "session/diagnostics.hpp"
 #include "session/model.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 constexpr std::array<double, 3> bands_from = {0.1, 1, 10};  // Hz
@@ -133,4 +133,4 @@ int inspect_motion(Scene const& scene, std::string const& plot, PrintOptions con
   return done;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

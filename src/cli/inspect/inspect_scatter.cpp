@@ -17,7 +17,7 @@
 #include "results/text/picture.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 // "1064 nm" of the command line.
@@ -329,4 +329,4 @@ std::string scatter_text(std::string const& name, ScatterFile const& file, Scatt
   return head(name, file) + totals(audit, beyond) + findings(file, audit) + fits_text(file, fits);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -22,7 +22,7 @@
 #include "results/text/image.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct RenderOptions : SceneOptions {
@@ -340,4 +340,4 @@ Drawn draw_flash(World const& world, Camera const& camera, LookSettings const& s
   return drawn;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -13,7 +13,7 @@
 #include "trace/importance/importance.hpp"
 #include "trace/step/path.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct NamedColour {
@@ -184,4 +184,4 @@ Drawn draw_importance(World& world, Camera const& camera, LookSettings const& se
   return drawn;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -12,7 +12,7 @@
 #include "trace/camera/flash_camera.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 struct LegendEntry {
   std::string colour, name, what;  // "#1f77b4", "blue", "tube"
@@ -44,4 +44,4 @@ Drawn draw_flash(World const&, Camera const&, LookSettings const&, Flash const&)
 
 std::string object_of(std::string const& group);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -13,7 +13,7 @@
 #include "session/compare/run_diff.hpp"
 #include "session/open_run.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 nlohmann::ordered_json as_json(std::vector<Difference> const& all) {
@@ -110,4 +110,4 @@ void add_diff(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = diff(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -25,7 +25,7 @@
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct ExplainOptions : PrintOptions {
@@ -429,4 +429,4 @@ Explanation explain_strain(std::string const& run_file, std::size_t path, double
   return a;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -7,7 +7,9 @@
 #include <optional>
 #include <string>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::cli {
 
 struct Explanation {
   std::string text;
@@ -30,4 +32,4 @@ std::optional<Explanation> explain_message(std::string const& text);
 // docs/theory/interferometer.md). `path`: its rank in the path table.
 Explanation explain_strain(std::string const& run_file, std::size_t path, double hz);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

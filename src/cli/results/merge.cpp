@@ -15,7 +15,7 @@
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct MergeOptions : PrintOptions {
@@ -103,4 +103,4 @@ void add_merge(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = merge(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

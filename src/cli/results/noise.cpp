@@ -15,7 +15,7 @@
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct NoiseOptions : PrintOptions {
@@ -109,4 +109,4 @@ void add_noise(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = noise(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

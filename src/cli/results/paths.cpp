@@ -25,7 +25,7 @@
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct PathsOptions : FirstOrderOptions {
@@ -250,4 +250,4 @@ std::string with_choice(std::string const& json, PathsChoice const& choice, Chos
   return j.dump(2) + "\n";
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

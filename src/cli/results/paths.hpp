@@ -7,7 +7,7 @@
 
 #include "results/route_table/route_sums.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 struct PathsChoice {
   std::string where, sort;
@@ -32,4 +32,4 @@ std::string choice_text(PathsChoice const&, ChosenPaths const&);
 // The same as members "where", "sort", "without" of the JSON text of a table.
 std::string with_choice(std::string const& json, PathsChoice const&, ChosenPaths const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

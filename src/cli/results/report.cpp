@@ -18,7 +18,7 @@
 #include "session/session.hpp"
 #include "trace/importance/importance.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 bool names_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
@@ -197,4 +197,4 @@ void add_view(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = view(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -14,7 +14,7 @@
 #include "spectra/filters.hpp"
 #include "spectra/spectrogram.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct MapOptions : DataOptions {
@@ -124,4 +124,4 @@ void add_signal_maps(CLI::App& signal, int& exit_code) {
   q.callback([t, &exit_code] { exit_code = show_q(*t); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -19,7 +19,7 @@
 #include "spectra/integration.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 constexpr double usual_corner = 1;  // Hz
@@ -231,4 +231,4 @@ void add_signal_records(CLI::App& signal, int& exit_code) {
   c.callback([o, &exit_code] { exit_code = convert(*o); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

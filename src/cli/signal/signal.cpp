@@ -17,7 +17,7 @@
 #include "spectra/filters.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 std::string note_lines(std::vector<std::string> const& notes) {
   std::string text;
@@ -169,4 +169,4 @@ void add_signal_rms(CLI::App& signal, int& exit_code) {
   c.callback([o, &exit_code] { exit_code = show_rms(*o); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

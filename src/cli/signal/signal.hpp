@@ -4,7 +4,7 @@
 
 #include "cli/data_options.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 // Each adds commands below `signal`; the chosen one runs after parsing and sets `exit_code`.
 void add_signal_spectra(CLI::App& signal, int& exit_code);  // psd, coherence, transfer
@@ -19,4 +19,4 @@ std::string note_lines(std::vector<std::string> const& notes);
 // Lines of a sheet within a band, both ends included.
 void keep_band(CurveSheet&, FrequencyBand);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

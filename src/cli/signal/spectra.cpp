@@ -12,7 +12,7 @@
 #include "spectra/files/unit_text.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 constexpr std::size_t rows_shown = 12;
@@ -205,4 +205,4 @@ void add_signal_spectra(CLI::App& signal, int& exit_code) {
   ratio.callback([t, &exit_code] { exit_code = show_transfer(*t); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -14,7 +14,7 @@
 #include "results/text/columns.hpp"
 #include "spectra/files/gps.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct FringesOptions {
@@ -210,4 +210,4 @@ void add_fringes(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = fringes(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

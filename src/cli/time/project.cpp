@@ -14,7 +14,7 @@
 #include "session/backend.hpp"
 #include "session/interrupt.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct ProjectOptions {
@@ -164,4 +164,4 @@ void add_project(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = project(*options); });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -13,7 +13,7 @@
 #include "session/options.hpp"
 #include "spectra/files/unit_text.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 struct Level {
@@ -160,4 +160,4 @@ int project_measured_coupling(CouplingProjectionOptions const& o) {
   return done;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

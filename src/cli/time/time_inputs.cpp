@@ -12,7 +12,7 @@
 #include "session/session.hpp"
 #include "spectra/integration.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 constexpr double usual_duration = 64;  // s, of motion that is drawn
@@ -222,4 +222,4 @@ TimeInputs::TimeInputs(TimeOptions const& o) : OpenRun(o.run, o.motion) {
   choose_routes(o, *this);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

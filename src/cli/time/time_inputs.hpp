@@ -13,7 +13,7 @@
 #include "results/results.hpp"
 #include "session/open_run.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 struct TimeOptions {
   std::string run, motion, unit, gps, duration, corner;
@@ -48,4 +48,4 @@ void replace_coordinate(MotionSet&, BodyId, int axis, RecordedMotion const&);
 // [Hz], below which the motion is taken off. InputError names the option.
 RecordedMotion as_motion(TimeSeries const&, bool rotation, double corner_hz);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

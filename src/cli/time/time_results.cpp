@@ -15,7 +15,7 @@
 #include "spectra/files/series_file.hpp"
 #include "spectra/files/unit_text.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 namespace {
 
 constexpr double level_hz[] = {10, 30, 100}, delay_hz = 100;
@@ -373,4 +373,4 @@ std::vector<std::string> write_time_files(TimeFiles const& f, TimeInputs const& 
   return written;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

@@ -10,7 +10,7 @@
 #include "results/curves/curve_file.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::cli {
 
 struct TimeFiles {
   std::string strain, asd, spectrogram, motion, stride;
@@ -78,4 +78,4 @@ struct CouplingProjectionOptions {
 
 int project_measured_coupling(CouplingProjectionOptions const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::cli

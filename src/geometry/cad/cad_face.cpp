@@ -8,7 +8,7 @@
 
 #include "geometry/drawing.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 namespace {
 
 constexpr std::size_t most_bands = 1024;
@@ -314,4 +314,4 @@ Drawing CadFace::drawing() const {
   return d;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

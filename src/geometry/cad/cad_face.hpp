@@ -20,7 +20,7 @@
 #include "geometry/shapes/sphere.hpp"
 #include "geometry/shapes/torus.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 // Corner of a loop, and the edge to the next: straight, or an arc that turns by 4 atan(bulge), counter-clockwise when
 // positive; |bulge| <= 1.
@@ -205,4 +205,4 @@ struct CadFace {
   STRAY_HD Box bounds() const { return box; }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

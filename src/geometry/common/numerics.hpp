@@ -11,7 +11,7 @@
 #include "base/math/constants.hpp"
 #include "base/memory/host_device.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 struct Sloped {
   double value, slope;
@@ -88,4 +88,4 @@ class Redraw {
   std::uint64_t state_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

@@ -9,9 +9,12 @@
 #include "base/math/vec3.hpp"
 
 namespace straytrace {
+struct Key;  // base/input/table.hpp
+}  // namespace straytrace
+
+namespace straytrace::geometry {
 
 template <class T>
-struct Key;      // base/input/table.hpp
 struct Drawing;  // geometry/drawing.hpp
 
 constexpr std::uint32_t no_piece = 0xffffffffu;
@@ -123,4 +126,4 @@ ShapeComplaint impossible(S const& s) {
     return {};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

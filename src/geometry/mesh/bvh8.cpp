@@ -10,7 +10,7 @@
 
 #include "geometry/mesh/triangle.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 namespace {
 
 double half_area(Box const& b) {
@@ -255,4 +255,4 @@ class Builder {
 
 Bvh8 build_bvh8(std::span<Box const> boxes, Bvh8Settings const& settings) { return Builder(boxes, settings).build(); }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

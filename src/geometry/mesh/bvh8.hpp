@@ -15,7 +15,7 @@
 #include "base/math/vec3.hpp"
 #include "base/memory/ids.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 namespace bvh8_detail {
 struct Probe;
@@ -247,4 +247,4 @@ STRAY_INLINE void Bvh8::View::traverse_from(bvh8_detail::Probe const& probe, dou
   } while (walk.back());
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

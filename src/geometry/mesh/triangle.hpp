@@ -10,7 +10,7 @@
 
 #include "base/math/vec3.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 struct MeshVertex {
   float x = 0, y = 0, z = 0;  // as in the file, in its unit
@@ -163,4 +163,4 @@ class LeavingRule {
   double near_ = 0, rounding_ = 0;  // rounding_: of a height over the plane, times twice the area, per distance
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

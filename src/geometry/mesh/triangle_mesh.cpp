@@ -10,7 +10,7 @@
 
 #include "geometry/drawing.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 namespace {
 
 // Walker's alias table: row i covers 1/n of the whole, shared by i and one other.
@@ -202,4 +202,4 @@ Drawing TriangleMesh::drawing() const {
   return d;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

@@ -12,7 +12,7 @@
 #include "geometry/mesh/bvh8.hpp"
 #include "geometry/mesh/triangle.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 // Eight triangles side by side: [corner][axis][lane].
 struct alignas(64) TrianglePack {
@@ -327,4 +327,4 @@ class MeshTurn {
   bvh8_detail::Walk walk_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

@@ -9,7 +9,7 @@
 #include "base/input/table.hpp"
 #include "geometry/drawing.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 std::span<Key<Cone> const> Cone::keys() {
   static constexpr Key<Cone> keys[] = {
@@ -74,4 +74,4 @@ Drawing SerratedCone::drawing() const {
   });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

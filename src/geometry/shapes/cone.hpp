@@ -11,7 +11,7 @@
 #include "geometry/common/numerics.hpp"
 #include "geometry/common/shape.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 struct Cone {
   Vec3 origin, axis{0, 0, 1};                                      // m; unit axis
@@ -160,4 +160,4 @@ struct SerratedCone : Cone {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

@@ -9,7 +9,7 @@
 #include "base/input/table.hpp"
 #include "geometry/drawing.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 namespace {
 
 // Nodes and weights of Gauss-Legendre quadrature of 16 points on (0, 1), positive half; the others are 1 - x.
@@ -153,4 +153,4 @@ Drawing Conic::drawing() const {
   });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

@@ -12,7 +12,7 @@
 #include "geometry/common/numerics.hpp"
 #include "geometry/common/shape.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 struct Conic {
   Vec3 vertex, e1{1, 0, 0}, e2{0, 1, 0}, axis{0, 0, 1};  // m; the axis points to the centre of curvature for c > 0
@@ -186,4 +186,4 @@ struct Conic {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

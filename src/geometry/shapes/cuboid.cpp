@@ -7,7 +7,7 @@
 #include "base/input/table.hpp"
 #include "geometry/drawing.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 std::span<Key<Cuboid> const> Cuboid::keys() {
   static constexpr Key<Cuboid> keys[] = {
@@ -33,4 +33,4 @@ Drawing Cuboid::drawing() const {
   return d;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

@@ -8,7 +8,7 @@
 #include "base/math/vec3.hpp"
 #include "geometry/common/shape.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 struct Cuboid {
   Vec3 centre, e1{1, 0, 0}, e2{0, 1, 0}, axis{0, 0, 1};  // m; unit vectors
@@ -102,4 +102,4 @@ struct Cuboid {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

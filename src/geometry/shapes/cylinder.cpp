@@ -9,7 +9,7 @@
 #include "base/input/table.hpp"
 #include "geometry/drawing.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 std::span<Key<Cylinder> const> Cylinder::keys() {
   static constexpr Key<Cylinder> keys[] = {
@@ -116,4 +116,4 @@ Drawing PiercedCylinder::drawing() const {  // cells of a sixth of the holes' ra
   return d;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

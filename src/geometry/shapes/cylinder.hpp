@@ -10,7 +10,7 @@
 #include "geometry/common/numerics.hpp"
 #include "geometry/common/shape.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 struct Cylinder {
   Vec3 origin, axis{0, 0, 1};           // m; unit axis
@@ -159,4 +159,4 @@ struct PiercedCylinder : Cylinder {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

@@ -9,7 +9,7 @@
 #include "base/input/table.hpp"
 #include "geometry/drawing.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 std::span<Key<Disk> const> Disk::keys() {
   static constexpr Key<Disk> keys[] = {
@@ -148,4 +148,4 @@ Drawing Polygon::drawing() const {
   });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

@@ -9,7 +9,7 @@
 #include "geometry/common/numerics.hpp"
 #include "geometry/common/shape.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 // A plane with two directions in it.
 struct PlaneFrame {
@@ -237,4 +237,4 @@ struct Polygon : PlaneFrame {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

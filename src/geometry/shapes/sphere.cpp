@@ -5,7 +5,7 @@
 
 #include "base/input/table.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 std::span<Key<Sphere> const> Sphere::keys() {
   static constexpr Key<Sphere> keys[] = {
@@ -59,4 +59,4 @@ ShapeComplaint Cap::impossible() const {
 
 SurfaceCurvature Cap::curvature_at(Vec3 p) const { return SurfaceCurvature::uniform(normal(p), curvature); }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

@@ -8,7 +8,7 @@
 #include "base/math/vec3.hpp"
 #include "geometry/common/shape.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 // Page: docs/reference/shapes/sphere.md.
 struct Sphere {
@@ -174,4 +174,4 @@ struct Cap {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

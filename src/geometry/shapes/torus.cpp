@@ -9,7 +9,7 @@
 #include "base/input/table.hpp"
 #include "geometry/drawing.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 std::span<Key<Torus> const> Torus::keys() {
   static constexpr Key<Torus> keys[] = {
@@ -48,4 +48,4 @@ Drawing Torus::drawing() const {
   });
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

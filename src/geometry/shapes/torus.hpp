@@ -9,7 +9,7 @@
 #include "geometry/common/numerics.hpp"
 #include "geometry/common/shape.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry {
 
 struct Torus {
   Vec3 centre, axis{0, 0, 1};                    // m; unit axis of the ring
@@ -144,4 +144,4 @@ struct Torus {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::geometry

@@ -7,7 +7,7 @@
 #include "base/process/child_process.hpp"
 #include "io/hdf5/load_contents.hpp"
 
-namespace straytrace::hdf5 {
+namespace straytrace::io::hdf5 {
 namespace {
 
 constexpr std::size_t gigabyte = std::size_t{1} << 30;
@@ -57,9 +57,9 @@ std::vector<double> slab(std::string const& image, std::string const& path, std:
   return Unpacker(apart(work, gigabyte + 6 * size, size)).values<double>();
 }
 
-}  // namespace straytrace::hdf5
+}  // namespace straytrace::io::hdf5
 
-namespace straytrace::hdf5 {
+namespace straytrace::io::hdf5 {
 namespace {
 
 void add(Packer& out, Values const& v) {
@@ -120,4 +120,4 @@ Contents unpacked(std::string_view bytes) {
   return contents;
 }
 
-}  // namespace straytrace::hdf5
+}  // namespace straytrace::io::hdf5

@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
-namespace straytrace::hdf5 {
+#include "base/namespaces.hpp"
+
+namespace straytrace::io::hdf5 {
 
 using Sizes = std::vector<std::uint64_t>;
 
@@ -59,4 +61,4 @@ std::vector<double> slab(std::string const& image, std::string const& path, std:
 std::string packed(Contents const&);
 Contents unpacked(std::string_view bytes);
 
-}  // namespace straytrace::hdf5
+}  // namespace straytrace::io::hdf5

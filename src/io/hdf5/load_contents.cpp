@@ -9,7 +9,7 @@
 
 #include "base/errors.hpp"
 
-namespace straytrace::hdf5 {
+namespace straytrace::io::hdf5 {
 namespace {
 
 // Deflate makes at most 1032 bytes of one, and a real of two bytes becomes one of eight.
@@ -234,4 +234,4 @@ std::vector<double> slab_here(std::string const& image, std::string const& path,
   return values;
 }
 
-}  // namespace straytrace::hdf5
+}  // namespace straytrace::io::hdf5

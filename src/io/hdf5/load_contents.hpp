@@ -4,7 +4,7 @@
 
 #include "io/hdf5/contents.hpp"
 
-namespace straytrace::hdf5 {
+namespace straytrace::io::hdf5 {
 
 Contents load_contents(std::string const& image, Wanted const& wanted);
 std::vector<double> slab_here(std::string const& image, std::string const& path, std::uint64_t offset,
@@ -12,4 +12,4 @@ std::vector<double> slab_here(std::string const& image, std::string const& path,
 
 [[noreturn]] void broken_file(std::string const& how);
 
-}  // namespace straytrace::hdf5
+}  // namespace straytrace::io::hdf5

@@ -10,7 +10,7 @@
 
 #include "base/errors.hpp"
 
-namespace straytrace::hdf5 {
+namespace straytrace::io::hdf5 {
 namespace {
 
 [[noreturn]] void damaged(std::string const& path, std::string const& how) {
@@ -190,4 +190,4 @@ std::uint64_t Reader::attribute_count(std::string const& path, std::string const
   return attribute_counts(path, name).front();
 }
 
-}  // namespace straytrace::hdf5
+}  // namespace straytrace::io::hdf5

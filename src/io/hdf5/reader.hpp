@@ -7,7 +7,7 @@
 
 #include "io/hdf5/contents.hpp"
 
-namespace straytrace::hdf5 {
+namespace straytrace::io::hdf5 {
 
 class Reader {
  public:
@@ -48,4 +48,4 @@ class Reader {
 std::optional<double> number_in(Values const&);
 std::optional<std::string> text_in(Values const&);
 
-}  // namespace straytrace::hdf5
+}  // namespace straytrace::io::hdf5

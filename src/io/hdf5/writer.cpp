@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace straytrace::hdf5 {
+namespace straytrace::io::hdf5 {
 namespace {
 
 constexpr std::size_t core_step = std::size_t{1} << 20;         // bytes the file in memory grows by
@@ -124,4 +124,4 @@ void Writer::attribute(std::string const& path, std::string const& name, std::ve
   });
 }
 
-}  // namespace straytrace::hdf5
+}  // namespace straytrace::io::hdf5

@@ -9,7 +9,7 @@
 
 #include "io/hdf5/contents.hpp"
 
-namespace straytrace::hdf5 {
+namespace straytrace::io::hdf5 {
 
 // Type in the file (little endian) and type in memory.
 template <class T>
@@ -76,4 +76,4 @@ class Writer {
   H5::H5File file_;
 };
 
-}  // namespace straytrace::hdf5
+}  // namespace straytrace::io::hdf5

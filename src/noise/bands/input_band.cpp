@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 using Doubles = std::vector<double>;
@@ -239,4 +239,4 @@ void add_input_band(NoiseBudget& b, CouplingTable const& table, MotionSet const&
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

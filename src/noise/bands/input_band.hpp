@@ -6,7 +6,7 @@
 
 #include "noise/noise.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 // How well a material is known, as ratios to the traced value, and which groups have it.
 struct MaterialSpread {
@@ -30,4 +30,4 @@ double coupling_factor(MaterialSpread const&, CouplingClass const&, double ratio
 void add_input_band(NoiseBudget&, CouplingTable const&, MotionSet const&, Interferometer const&, NoiseSettings const&,
                     std::vector<MaterialSpread> const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

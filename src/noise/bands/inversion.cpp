@@ -7,7 +7,7 @@
 
 #include "base/errors.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 using Doubles = std::vector<double>;
@@ -220,4 +220,4 @@ MotionSet with_scaled_body(MotionSet const& motion, BodyId body, double scale) {
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -6,7 +6,7 @@
 
 #include "noise/bands/input_band.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 // Answer for one frequency or for all of them.
 struct Allowed {
@@ -44,4 +44,4 @@ Inversion invert_motion(Projected const&, std::vector<double> const& line);
 // Motion with the gains of one body times `scale`: of what it does by itself and of what carries it.
 MotionSet with_scaled_body(MotionSet const&, BodyId, double scale);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

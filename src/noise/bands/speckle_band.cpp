@@ -11,7 +11,7 @@
 #include "base/math/constants.hpp"
 #include "noise/classes/motion_classes.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 // Root of x^(d+1) = x + 1: the steps 1/x, 1/x^2, ... of a set that fills the unit cube of d dimensions evenly.
@@ -393,4 +393,4 @@ std::vector<SpeckleMode> modes_of(std::vector<SpeckleMoments> const& blocks, boo
 
 double speckle_percentile(double below) { return -std::log1p(-below); }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -12,7 +12,7 @@
 
 #include "noise/noise.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 // Fills speckle_05, _50, _95 and `coherent` of the budget, from the routes that make its total.
 //
 // Linear coupling: all paths that one input moves make one complex amplitude, whatever their route and port, so the law
@@ -76,4 +76,4 @@ class Draws {
   std::vector<std::vector<double>> normal_, squared_, turn_;  // by direction and draw
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

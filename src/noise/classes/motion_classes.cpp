@@ -8,7 +8,7 @@
 
 #include "spectra/shapes.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 using Transfer = MotionClass::Transfer;
@@ -207,4 +207,4 @@ std::vector<std::complex<double>> MotionDirections::to_inputs(FrequencyGrid cons
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -13,7 +13,7 @@
 #include "noise/noise.hpp"
 #include "trace/coupling.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 // The phase of a path has the PSD sum over classes of kappa * reference; for a tone its square peak amplitude is
 // z^2 = kappa (docs/theory/spectra.md, eq. 1.10, 7.11), for a drift the square of its rate [rad^2/s^2].
@@ -95,4 +95,4 @@ class MotionDirections {
   std::vector<std::vector<Entry>> of_body_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

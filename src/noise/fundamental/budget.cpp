@@ -9,7 +9,7 @@
 #include "base/errors.hpp"
 #include "noise/fundamental/fundamental.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 std::vector<double> NoiseTable::total() const {
   std::vector<double> sum(hz.size(), 0.0);
@@ -86,4 +86,4 @@ std::vector<double> thermal_requirement(NoiseTable const& table) {
   return sum;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

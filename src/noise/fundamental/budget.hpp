@@ -8,7 +8,7 @@
 
 #include "noise/fundamental/detector.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 // Uncertainties of stray light besides its Monte-Carlo error, 1/sqrt(Hz); empty where not computed.
 struct BudgetBands {
@@ -65,4 +65,4 @@ FundamentalEntries fundamental_entries(Detector const&, std::span<double const> 
 // ASD, empty when one of them is not known.
 std::vector<double> thermal_requirement(NoiseTable const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -6,7 +6,7 @@
 
 #include "base/errors.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 BesselZeros const& bessel_zeros() {
   static BesselZeros const table = [] {
     BesselZeros b;
@@ -243,4 +243,4 @@ double CoatingThermoOptic::psd(double hz) const {
   return kelvin * sum / (r * xi * xi * gd);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -7,7 +7,7 @@
 
 #include "noise/fundamental/detector.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 // Thermal noise of substrates: mirrors of finite size under a centred Gaussian beam. Displacement PSD of one mirror,
 // m^2/Hz, one-sided; w is the 1/e^2 intensity radius in m.
 
@@ -66,4 +66,4 @@ class CoatingThermoOptic {
   double w_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -13,7 +13,7 @@
 #include "noise/noise.hpp"
 #include "spectra/curve.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 constexpr std::string_view folder = "curves/";
@@ -118,4 +118,4 @@ std::vector<DesignCurve> read_design_curves(Node const& noise_table, NoiseSettin
   return curves;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

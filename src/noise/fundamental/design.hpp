@@ -8,7 +8,9 @@
 #include <string_view>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::noise {
 
 // "adv-lal", "kagra-lal" (formulas), "et-d-points" (seven points), and the tables of data/curves: "et-d",
 // "aligo-gwinc", "aplus-gwinc", "ce1-gwinc", "ce2-silica-gwinc".
@@ -21,4 +23,4 @@ std::vector<std::string> detectors_of_design(std::string_view name);
 // Strain ASD in 1/sqrt(Hz); NaN outside the range of a table and for an unknown name.
 double design_asd(std::string_view name, double hz);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

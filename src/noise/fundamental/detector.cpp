@@ -7,7 +7,7 @@
 #include "beams/cavity_mode.hpp"
 #include "ifo/cavity.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 double CoatingMaterial::loss_at(double hz) const { return loss * std::pow(hz / 100, loss_slope); }
 
@@ -21,7 +21,7 @@ ArmCavity arm_of(Detector const& d) {
 
 double Detector::circulating_power() const {
   if (std::isfinite(arm_power)) return arm_power;
-  return ::straytrace::arm_power(arm_of(*this), input_power, power_recycling, splitter_loss);
+  return ifo::arm_power(arm_of(*this), input_power, power_recycling, splitter_loss);
 }
 
 DetectorNumbers Detector::numbers() const {
@@ -42,4 +42,4 @@ double Detector::strain_per_length_squared(double hz) const {
   return 4 / std::norm(response) / (arm_length * arm_length);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -10,7 +10,7 @@
 #include "ifo/interferometer.hpp"
 #include "ifo/network.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 // Of wires, fibres and blades.
 struct WireMaterial {
@@ -117,4 +117,4 @@ struct Detector {
   double strain_per_length_squared(double hz) const;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -8,7 +8,7 @@
 #include "noise/fundamental/surroundings.hpp"
 #include "noise/fundamental/suspension.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 using Hertz = std::span<double const>;
@@ -150,4 +150,4 @@ constexpr FundamentalNoise all[] = {
 
 std::span<FundamentalNoise const> fundamental_noises() { return all; }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

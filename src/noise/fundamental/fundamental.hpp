@@ -9,7 +9,7 @@
 
 #include "noise/fundamental/detector.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 struct FundamentalNoise {
   std::string_view name;   // as in budget files: letters only
@@ -21,4 +21,4 @@ struct FundamentalNoise {
 };
 std::span<FundamentalNoise const> fundamental_noises();
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

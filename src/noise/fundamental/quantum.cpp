@@ -5,7 +5,7 @@
 
 #include "noise/fundamental/suspension.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 std::vector<double> psd_of(Detector const& d, DualRecycledParameters const& p, std::span<double const> hz) {
@@ -53,4 +53,4 @@ double quantum_limit(double length, double mass, double hz) {
   return std::sqrt(8 * hbar / mass) / (2 * pi * hz * length);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -9,7 +9,7 @@
 #include "ifo/dual_recycled.hpp"
 #include "noise/fundamental/detector.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 // Loss of all mirrors of an arm counts at its end mirror; balanced homodyne read-out.
 DualRecycledParameters dual_recycled(Detector const&);
@@ -19,4 +19,4 @@ std::vector<double> quantum_psd(Detector const&, std::span<double const> hz);
 std::vector<double> shot_psd(Detector const&, std::span<double const> hz);  // mirrors held: no radiation pressure
 double quantum_limit(double length, double mass, double hz);                // strain ASD, eq. 12.5
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -8,7 +8,7 @@
 #include "spectra/curve.hpp"
 #include "spectra/shapes.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 constexpr double gravitation = 6.67430e-11;  // m^3/(kg s^2)
@@ -132,4 +132,4 @@ double gas_damping_force_psd(Detector const& d, GasSpecies const& gas, double te
   return 4 * kt * friction;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -7,7 +7,7 @@
 
 #include "noise/fundamental/detector.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 // Motion of what suspensions hang from, m/sqrt(Hz) (docs/theory/motion.md). "BSC": in-vacuum platform of LIGO, straight
 // lines in log-log between the knots; "6D": the same with a six-axis seismometer; "intermediate": geometric mean of
@@ -26,4 +26,4 @@ double gas_scattering_psd(Detector const&, GasSpecies const&, double hz);
 // Force on one free test mass by molecules that hit it, N^2/Hz (Cavalleri et al. 2010); no squeezed film.
 double gas_damping_force_psd(Detector const&, GasSpecies const&, double temperature);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

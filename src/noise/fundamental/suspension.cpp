@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 using Complex = std::complex<double>;
@@ -53,7 +53,7 @@ double blade_loss(SuspensionStage const& s, double w) {
 
 // Spring between a mass and what it hangs from; its losses at the upper and the lower joints.
 struct Spring {
-  Complex constant;           // N/m
+  Complex constant;             // N/m
   double upper = 0, lower = 0;  // imaginary parts, N/m
 };
 
@@ -80,8 +80,7 @@ Spring horizontal(SuspensionStage const& s, double weight, bool last, double w) 
 
 // Longitudinal wave in N fibres; tapered ones are three in series.
 Complex stretch(SuspensionStage const& s, Wire const& wire, double w) {
-  Complex const young =
-      s.lower.young * Complex(1, s.lower.loss * (1 + wire.surface_stretch * s.lower.surface_depth));
+  Complex const young = s.lower.young * Complex(1, s.lower.loss * (1 + wire.surface_stretch * s.lower.surface_depth));
   Complex const k = std::sqrt(s.lower.density / young) * w;
   auto const part = [&](double section, double length) { return s.wires * section * young * k / std::tan(k * length); };
   if (!std::isfinite(s.end_length)) return part(wire.section, s.length);
@@ -142,4 +141,4 @@ double seismic_transfer_squared(SuspensionChain const& chain, double hz) {
          std::norm(chain.vertical_coupling * chain_response(chain, Direction::vertical, hz).from_top);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -9,7 +9,7 @@
 
 #include "noise/fundamental/detector.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 constexpr double standard_gravity = 9.80665;  // m/s^2
 
@@ -29,4 +29,4 @@ double suspension_thermal_psd(SuspensionChain const&, double hz);
 // |displacement along the beam per displacement of the platform|^2, both directions shaken alike and independently.
 double seismic_transfer_squared(SuspensionChain const&, double hz);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -8,7 +8,7 @@
 #include "base/math/constants.hpp"
 #include "noise/interpolate/mixture_lattice.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 void MixtureLattice::Axis::place(int points) {
   if (!(high > low + 1e-9)) points = 1;
@@ -148,4 +148,4 @@ void MixtureLattice::shares(std::span<double const> kappa, std::vector<Share>& o
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -7,7 +7,9 @@
 #include <span>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::noise {
 
 // Far from linear coupling a spectrum falls as exp(-f^2 / 2 sigma^2), sigma the rms fringe rate: decades for a small
 // change of any strength, but little as long as sigma stays. So the coordinates are u = ln of the square fringe rate T
@@ -76,4 +78,4 @@ inline std::array<double, 9> lagrange(double x, int m) {
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

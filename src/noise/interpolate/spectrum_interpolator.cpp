@@ -9,7 +9,7 @@
 #include "base/math/constants.hpp"
 #include "noise/interpolate/mixture_lattice.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 constexpr double drift_step = 0.02;  // of ln kappa: 1 % in frequency, a quarter of a usual bin
@@ -529,4 +529,4 @@ void SpectrumInterpolator::mixed_shares(std::size_t path, std::vector<Share>& ou
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

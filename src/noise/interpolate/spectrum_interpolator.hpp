@@ -13,7 +13,7 @@
 #include "noise/interpolate/strength_sample.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 // The spectrum of every path is a sum of few spectra of nodes. Several strong classes of Gaussian motion:
 // MixtureLattice, of at most five times `most` nodes. Else nodes lie on a lattice in ln |kappa| of the strong classes:
@@ -128,4 +128,4 @@ class SpectrumInterpolator {
   std::vector<std::uint32_t> drawn_;  // per stratum: basis of its first draw; that of the second follows
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

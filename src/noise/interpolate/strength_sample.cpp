@@ -10,7 +10,7 @@
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 constexpr double of_rate = 4;  // weight of the fringe rate among the coordinates
@@ -225,4 +225,4 @@ std::vector<SpotCheck> SpotChecks::compared(std::function<std::vector<double>(st
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

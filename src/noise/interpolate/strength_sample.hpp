@@ -10,7 +10,7 @@
 
 #include "noise/wrapped/phase_spectra.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 // Strengths of phase modulation of many paths.
 
@@ -92,4 +92,4 @@ class SpotChecks {
   std::vector<Own> own_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

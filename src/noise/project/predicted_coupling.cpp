@@ -6,7 +6,7 @@
 
 #include "base/math/constants.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 // Mean-square phase [rad^2] of the test motion on a path of `many_bounces` normal-incidence bounces: first order is
@@ -108,4 +108,4 @@ double rms_of(MotionSet const& motion, BodyAxis where) {
   return std::sqrt(sum);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -8,7 +8,7 @@
 
 #include "noise/noise.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 struct BodyAxis {
   BodyId body;
@@ -59,4 +59,4 @@ DrivenResponse drive_body(CouplingTable const&, std::vector<std::string> const& 
 MotionSet motion_along(MotionSet const&, BodyAxis);
 double rms_of(MotionSet const&, BodyAxis);  // m (rad); tones with their rms, drifts left out
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -15,7 +15,7 @@
 #include "noise/time_domain/motion_series.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 // |T|^2 from Im s and from Re s to strain, at the centres of the bins. Within a bin of 4 % the mean of f^-4 differs
@@ -332,4 +332,4 @@ std::vector<double> resampled(TimeSeries const& series, SampleTimes const& times
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

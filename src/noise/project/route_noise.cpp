@@ -10,7 +10,7 @@
 #include "base/math/constants.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 FirstOrderRatio::FirstOrderRatio(PhaseSpectra const& spectra, MotionSet const& motion, CouplingTable const& table,
                                  CouplingClass const& c, Strengths const& paths, std::size_t first) {
   double const total = std::accumulate(c.replica_sum.begin(), c.replica_sum.end(), 0.0);
@@ -277,4 +277,4 @@ RouteSpectrum family_spectrum(PhaseSpectra const& spectra, MotionSet const& moti
   return route;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -14,7 +14,7 @@
 #include "noise/wrapped/phase_spectra.hpp"
 #include "trace/coupling.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 // Correction of the noise of a route by second moments of the phase sensitivities, which all paths contribute to
 // (docs/theory/errors.md, Second moments of the phase sensitivities).
 
@@ -101,4 +101,4 @@ std::string sharing_note(CouplingTable const&, MotionSet const&, PhaseSpectra co
 RouteSpectrum family_spectrum(PhaseSpectra const&, MotionSet const&, CouplingClass const&,
                               std::span<double const> mean_square_phase);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

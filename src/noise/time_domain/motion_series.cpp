@@ -14,7 +14,7 @@
 #include "base/math/rng.hpp"
 #include "spectra/fourier.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 using Lines = std::vector<std::complex<double>>;
@@ -235,4 +235,4 @@ std::vector<double> synthesised(std::vector<std::complex<double>> const& coeffic
   return Fourier().inverse(lines, n);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -10,7 +10,7 @@
 
 #include "motion/motion.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 struct SampleTimes {
   double start = 0;  // GPS s
@@ -64,4 +64,4 @@ std::vector<double> filtered(std::vector<double> const& x, double rate,
 // Series of n samples from the coefficients c_k of exp(+2 pi i k i/n), 0 < k < n/2: x = 2 Re sum c_k exp(...).
 std::vector<double> synthesised(std::vector<std::complex<double>> const& coefficients, std::size_t n);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -14,7 +14,7 @@
 #include "base/math/simd.hpp"
 #include "base/process/threads.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 constexpr std::size_t block = 512;  // samples: what one path does stays in the nearest cache
@@ -285,4 +285,4 @@ std::vector<StretchAbove> stretches_above(std::span<FringeStride const> strides,
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -11,7 +11,7 @@
 #include "noise/time_domain/motion_series.hpp"
 #include "trace/coupling.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 // Input of a sum over paths; phases in turns (1 turn = 2 pi).
 struct PhaseTerms {
   std::vector<double> amplitude, turns;             // of each path: root of its power, static phase
@@ -71,4 +71,4 @@ struct StretchAbove {
 };
 std::vector<StretchAbove> stretches_above(std::span<FringeStride const>, double threshold);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

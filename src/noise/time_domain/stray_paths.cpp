@@ -9,7 +9,7 @@
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 constexpr std::uint32_t no_vertex = 0xffffffffu;  // addresses of draws that belong to no record
@@ -225,4 +225,4 @@ MovingRoute moving_route(std::span<StrayPath const> paths, MotionSeries const& m
   return best;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

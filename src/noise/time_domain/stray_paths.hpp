@@ -11,7 +11,7 @@
 #include "noise/time_domain/phase_sum.hpp"
 #include "trace/coupling.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 struct StrayPath {
   PortId port;
@@ -59,4 +59,4 @@ struct MovingRoute {
 };
 MovingRoute moving_route(std::span<StrayPath const>, MotionSeries const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -10,7 +10,7 @@
 #include "base/math/constants.hpp"
 #include "noise/time_domain/motion_series.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 constexpr double highest_rate = 1 << 20;  // Hz
@@ -148,4 +148,4 @@ double second_order_phase(double motion, double distance, double wavelength) {
 
 double delay_cycles(double hz, double path_length) { return hz * path_length / speed_of_light; }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

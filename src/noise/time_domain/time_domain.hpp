@@ -11,7 +11,7 @@
 #include "noise/time_domain/phase_sum.hpp"
 #include "noise/time_domain/stray_paths.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 
 // Eq. 7.13: rate > 2 (fringe + margin). The margin is a quarter of the largest fringe frequency, for the tails of the
 // spectrum beyond it (J_n(z) for n > z), and at least the highest frequency of the motion.
@@ -71,4 +71,4 @@ double second_order_phase(double motion, double distance, double wavelength);
 // Phase error [cycles] at frequency hz of light that takes this path [m].
 double delay_cycles(double hz, double path_length);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

@@ -11,7 +11,7 @@
 #include "base/errors.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 using Values = std::vector<double>;
@@ -290,4 +290,4 @@ std::vector<PhasePair> coherent_family(MotionSet const& motion, std::vector<Moti
   return pairs;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

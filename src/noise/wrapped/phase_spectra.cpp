@@ -9,7 +9,7 @@
 
 #include "base/errors.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 constexpr std::size_t most_kept = std::size_t{1} << 23;  // numbers: 64 MB
@@ -334,4 +334,4 @@ PhaseSpectrum PhaseSpectra::operator()(std::span<double const> kappa) const {
   return s;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

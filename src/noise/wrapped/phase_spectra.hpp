@@ -14,7 +14,7 @@
 #include "noise/noise.hpp"
 #include "noise/wrapped/wrapped_spectrum.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 // Autocovariances of the classes of motion, shared by all paths of about the same fringe rate.
 
 // R(tau) = sum over classes of kappa_c r_c(tau), of the Gaussian motion below a frequency. What many paths use is
@@ -151,4 +151,4 @@ constexpr std::size_t most_coherent = 64;
 std::vector<PhasePair> coherent_family(MotionSet const&, std::vector<MotionClass> const&,
                                        std::span<CoherentPath const>);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

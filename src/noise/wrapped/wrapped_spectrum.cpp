@@ -18,7 +18,7 @@
 #include "base/math/constants.hpp"
 #include "spectra/fourier.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 namespace {
 
 constexpr std::size_t fewest = std::size_t{1} << 14, usual_most = std::size_t{1} << 20;
@@ -355,4 +355,4 @@ Steps as_steps(WrappedSpectrum const& low) {
   return steps;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

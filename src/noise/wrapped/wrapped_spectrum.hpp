@@ -10,7 +10,7 @@
 
 #include "base/errors.hpp"
 
-namespace straytrace {
+namespace straytrace::noise {
 // Phase modulation by a sine: peak z [rad] at a frequency [Hz].
 struct PhaseTone {
   double frequency, peak;
@@ -117,4 +117,4 @@ void modulate(WrappedSpectrum const&, Steps const& fast, std::span<double const>
 // A wrapped spectrum as a density that a line can shift.
 Steps as_steps(WrappedSpectrum const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::noise

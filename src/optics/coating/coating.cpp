@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace straytrace {
+namespace straytrace::optics {
 
 Coating make_coating(std::span<CoatingRow const> rows, bool scatters, Storage& storage) {
   using Knot = AngleKnot<Coating::columns>;
@@ -49,4 +49,4 @@ std::span<CoatingPreset const> coating_presets() {
   return presets;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -10,7 +10,7 @@
 #include "base/memory/storage.hpp"
 #include "optics/amplitudes.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 // Columns of numbers against the angle of incidence, as measured or specified. Between the entries: cubics in the
 // cosine, smooth, without overshoot, and the same for all columns, so that relations between columns (sums, shares)
@@ -130,4 +130,4 @@ struct CoatingPreset {
 };
 std::span<CoatingPreset const> coating_presets();
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

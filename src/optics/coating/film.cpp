@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace straytrace {
+namespace straytrace::optics {
 namespace {
 
 void sample(Film const& film, double cosine, bool from_dense, FilmSample& into) {
@@ -89,4 +89,4 @@ double tabulate(Film& film, double front_index, double back_index, double tolera
   return infinity;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -7,7 +7,7 @@
 #include "base/memory/storage.hpp"
 #include "optics/amplitudes.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 struct FilmLayer {
   Complex index;         // n + i k; k > 0 absorbs
@@ -165,4 +165,4 @@ struct Film {
 // stack of very high finesse).
 double tabulate(Film&, double front_index, double back_index, double tolerance, Storage&);
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -8,7 +8,7 @@
 #include "base/math/vec3.hpp"
 #include "optics/amplitudes.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 struct Fresnel {
   // n + i k of an opaque body behind the surface, seen from either side: metal, absorbing glass. What enters it ends
@@ -64,4 +64,4 @@ STRAY_HD bool refracted(Vec3 dir, Vec3 normal, double n_in, double n_out, Vec3& 
   return true;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

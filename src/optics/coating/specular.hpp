@@ -5,7 +5,7 @@
 #include "optics/coating/specular_types.hpp"
 #include "optics/optic.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 // Field coefficients for light that meets the surface at cos_i > 0 in a medium of index n_in, with n_out behind it;
 // `front`: it comes from the side the normal points to.
@@ -41,4 +41,4 @@ STRAY_HD SpecularShares specular_shares(SpecularPool const& pool, Optic const& o
   return {left * a.reflectance(), left * a.transmittance()};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -15,9 +15,9 @@
 #include "optics/coating/film.hpp"
 #include "optics/coating/fresnel.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 using SpecularTypes = std::tuple<Fresnel, Film, Coating>;
 using SpecularPool = Pool<SpecularTypes>;
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

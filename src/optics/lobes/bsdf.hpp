@@ -13,7 +13,7 @@
 #include "base/math/functions.hpp"
 #include "base/math/vec3.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 template <class Model>
 struct ModelKeys;  // optics/scatter/model_keys.hpp
@@ -58,4 +58,4 @@ struct AlbedoTable {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

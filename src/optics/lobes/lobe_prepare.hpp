@@ -9,7 +9,7 @@
 
 #include "optics/lobes/lobe_table.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 // Gauss-Legendre points and weights on [0, 1].
 struct GaussPoints {
@@ -107,4 +107,4 @@ void LobeTable<Rings>::prepare(Law const& law, double smallest, double hole, int
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -6,7 +6,7 @@
 
 #include "optics/lobes/bsdf.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 // Rings of |alpha - alpha_0| in the plane of direction cosines; area = integral of cos dOmega.
 struct OffsetRings {
@@ -182,4 +182,4 @@ struct SampledByLobe {
   STRAY_HD Model const& model() const { return static_cast<Model const&>(*this); }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

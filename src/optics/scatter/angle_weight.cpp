@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace straytrace {
+namespace straytrace::optics {
 
 AngleWeight weight_of(LawPool const& pool, PoolRef ref, std::function<double(double)> const& weight) {
   constexpr int across = 256, around = 32;
@@ -97,4 +97,4 @@ AngleWeight weight_for_share(LawPool const& pool, PoolRef ref, std::function<dou
   return weight;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

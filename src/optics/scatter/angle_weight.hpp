@@ -7,7 +7,7 @@
 
 #include "optics/scatter/mixture.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 // The weight w(theta) itself: the model is multiplied by sqrt(w(theta_i) w(theta_s)).
 AngleWeight weight_of(LawPool const&, PoolRef ref, std::function<double(double)> const& weight);
@@ -16,4 +16,4 @@ AngleWeight weight_of(LawPool const&, PoolRef ref, std::function<double(double)>
 // where g solves g(theta_i) int model g cos dOmega = share(theta_i) at the angles of the albedo table.
 AngleWeight weight_for_share(LawPool const&, PoolRef ref, std::function<double(double)> const& share);
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

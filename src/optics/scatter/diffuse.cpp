@@ -4,7 +4,7 @@
 #include "optics/lobes/lobe_prepare.hpp"
 #include "optics/scatter/model_keys.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 ModelKeys<Lambertian> Lambertian::keys() {
   return {{},
@@ -15,4 +15,4 @@ ModelKeys<Lambertian> Lambertian::keys() {
 
 void Polynomial::prepare() { lobe.prepare(*this, peak > 0 ? width : 1); }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

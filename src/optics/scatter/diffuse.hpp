@@ -4,7 +4,7 @@
 
 #include "optics/lobes/lobe_table.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 // BSDF = reflectance/pi (docs/theory/surfaces.md, eq. 3.3). Page: docs/reference/scatter/lambertian.md.
 struct Lambertian {
@@ -56,4 +56,4 @@ struct Polynomial : SampledByLobe<Polynomial> {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -8,7 +8,7 @@
 #include "optics/lobes/lobe_prepare.hpp"
 #include "optics/scatter/mie.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 namespace {
 
 constexpr int order = DeflectionTable::order, panels = DeflectionTable::panels;
@@ -263,4 +263,4 @@ void Dust::prepare() {
   lobe.prepare_rings(*this, smallest, 0, 16);  // resolves the glory, which is not centred on a ring
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

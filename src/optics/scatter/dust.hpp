@@ -10,8 +10,10 @@
 #include "optics/lobes/lobe_table.hpp"
 
 namespace straytrace {
-
 class Storage;
+}  // namespace straytrace
+
+namespace straytrace::optics {
 
 // A positive function of the scattering angle Theta from 0 to 180 deg, as fine as it varies: each half of the angles
 // has panels even in sin(Theta/2) from the forward, in cos(Theta/2) from the backward direction, each panel as many
@@ -93,4 +95,4 @@ std::vector<Grain> grains(Cleanliness const&, int classes = 160);
 // Fills optical depth and scatter table. Throws NumericalError for sizes beyond the reach of mie().
 void set_grains(Dust&, std::vector<Grain> const&, double wavelength, double index, double extinction, Storage&);
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -8,7 +8,7 @@
 
 #include "optics/scatter/model_keys.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 namespace {
 
 // Tanh-sinh over 0 to 1: layers at the ends, however thin, are met.
@@ -155,4 +155,4 @@ void Grooves::prepare() {
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

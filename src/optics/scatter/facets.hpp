@@ -8,7 +8,7 @@
 
 #include "optics/lobes/bsdf.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 struct Facets {
   double across = 1, along = 1;  // widths of the normals
@@ -158,4 +158,4 @@ struct Grooves : SmallMirrors<Grooves> {
   STRAY_HD double albedo(double cos_i) const { return mean.at(cos_i); }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

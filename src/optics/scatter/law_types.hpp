@@ -13,10 +13,10 @@
 #include "optics/scatter/roughness.hpp"
 #include "optics/scatter/shift_invariant.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 using LawTypes =
     std::tuple<Lambertian, PowerLaw, Abg, Harvey, Gaussian, Polynomial, Roughness, Dust, Measured, Microfacet, Grooves>;
 using LawPool = Pool<LawTypes>;
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -5,7 +5,7 @@
 
 #include "optics/lobes/lobe_prepare.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 namespace {
 
 constexpr double same = 1e-6;     // incidences closer than this in their sine are one
@@ -110,4 +110,4 @@ MeasuredSummary fit_measured(Measured& law, std::vector<MeasuredPoint> points, B
   return summary;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -8,7 +8,7 @@
 
 #include "optics/lobes/lobe_table.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 struct Measured : SampledByLobe<Measured> {
   static constexpr int most_incidences = 16, points = 160;
@@ -69,4 +69,4 @@ struct MeasuredSummary {
 // Fills everything but the lobe. At most 16 incidences with two points each.
 MeasuredSummary fit_measured(Measured&, std::vector<MeasuredPoint>, Beyond);
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -9,7 +9,7 @@
 #include "base/math/functions.hpp"
 #include "base/process/threads.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 namespace {
 
 using Complex128 = std::complex<double>;
@@ -185,4 +185,4 @@ std::vector<double> mie_series(std::vector<SphereNumber> const& spheres, std::co
   return series;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

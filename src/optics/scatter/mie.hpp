@@ -5,7 +5,9 @@
 #include <complex>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::optics {
 
 struct MieSphere {
   double q_ext = 0, q_sca = 0;    // cross-sections over pi r^2
@@ -25,4 +27,4 @@ struct SphereNumber {
 // Exact: the intensity of a sphere is a polynomial in cos Theta. Throws as mie().
 std::vector<double> mie_series(std::vector<SphereNumber> const&, std::complex<double> index);
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

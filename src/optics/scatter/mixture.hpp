@@ -7,7 +7,7 @@
 #include "optics/scatter/law_types.hpp"
 #include "optics/scatter/through.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 STRAY_HD double cosine_of(double cos_i) { return cos_i; }
 STRAY_HD double cosine_of(Vec3 wi) { return wi.z; }
@@ -79,4 +79,4 @@ STRAY_HD BsdfSample scatter_sample(LawPool const& pool, Optic const& optic, Vec3
   return {};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -10,7 +10,7 @@
 #include "base/input/table.hpp"
 #include "optics/lobes/bsdf.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 constexpr double optional = infinity;  // as a default: the member keeps its value where the key is not written
 
@@ -44,4 +44,4 @@ struct ModelKeys {
   EitherKey<Model> either{};  // no member: none
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -6,7 +6,7 @@
 
 #include "optics/lobes/lobe_prepare.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 namespace {
 
 // Spectrum of unit variance on radii evenly spaced in their logarithm; flat below, zero beyond rho = 2.
@@ -146,4 +146,4 @@ double tis_smooth(double rms, double cos_i, double wavelength) {
   return phase * phase;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -7,7 +7,7 @@
 
 #include "optics/lobes/lobe_table.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 // Polarisation factors Q of roughness scatter from one interface (eq. 3.9): relative permittivity eps, or a constant
 // reflectance for a coated mirror.
@@ -127,4 +127,4 @@ double variance_2d(HeightSpectrum const&, double low, double high);  // m^2, eq.
 // Values come out at or below zero where no isotropic surface has such a profile.
 HeightSpectrum surface_of_profile(HeightSpectrum const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

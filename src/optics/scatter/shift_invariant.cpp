@@ -6,7 +6,7 @@
 #include "optics/lobes/lobe_prepare.hpp"
 #include "optics/scatter/model_keys.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 ModelKeys<Abg> Abg::keys() {
   static constexpr ModelKey<Abg> numbers[] = {
@@ -114,4 +114,4 @@ double statistical_integral(double a, double b) {
 
 double statistical_kappa(double above) { return 1 / statistical_integral(above, pi / 2); }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

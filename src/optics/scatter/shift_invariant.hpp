@@ -4,7 +4,7 @@
 
 #include "optics/lobes/lobe_table.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 // ABg: BSDF = A/(B + |alpha - alpha_0|^g), alpha = projection of the outgoing direction on the surface, alpha_0 the
 // same for the specular direction (docs/theory/surfaces.md, eq. 3.16). Page: docs/reference/scatter/abg.md.
@@ -92,4 +92,4 @@ double statistical_kappa(double above);
 // Integral of sin(t)/t^2 from a to b = [-sin t/t + Ci(t)]_a^b (eq. 3.20), angles in (0, pi].
 double statistical_integral(double a, double b);
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

@@ -9,7 +9,7 @@
 
 #include "optics/lobes/bsdf.hpp"
 
-namespace straytrace {
+namespace straytrace::optics {
 
 struct Through {
   double scale_in = 1, scale_out = 1;  // n_in/m and n_out/m
@@ -77,4 +77,4 @@ STRAY_HD BsdfSample through_sample(Law const& law, Vec3 wi, double u, double v, 
   return {wo, s.pdf * map.density(wo, s.wo)};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::optics

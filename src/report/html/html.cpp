@@ -12,7 +12,7 @@
 #include "report/html/page_json.hpp"
 #include "results/route_table/route_columns.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 namespace {
 
 constexpr char policy[] =
@@ -106,4 +106,4 @@ std::string html_text(HtmlPage const& page) {
   return text + "</body>\n</html>\n";
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::report

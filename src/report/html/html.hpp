@@ -11,7 +11,7 @@
 
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 
 struct HtmlPage {
   std::string title, body;            // body: HTML shown without scripts
@@ -41,4 +41,4 @@ struct PageScript {
 PageScript const& d3_script();                // https://d3js.org, BSD-3-Clause
 std::span<PageScript const> three_scripts();  // https://threejs.org, MIT: the library, then its orbit controls
 
-}  // namespace straytrace
+}  // namespace straytrace::report

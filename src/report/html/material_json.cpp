@@ -5,7 +5,7 @@
 #include "world/build/read_laws.hpp"
 #include "world/model/material.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 
 using nlohmann::json;
 
@@ -94,4 +94,4 @@ json materials_json(Scene const& scene, World const& world) {
   return all;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::report

@@ -15,7 +15,7 @@
 #include "results/route_table/route_sums.hpp"
 #include "results/text/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 
 static_assert(std::endian::native == std::endian::little);  // typed arrays of browsers
 
@@ -479,4 +479,4 @@ PageJson receivers_json(RunContent const& run) {
   return {{"list", all}, {"maps", maps}};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::report

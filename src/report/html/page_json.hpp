@@ -16,7 +16,7 @@
 #include "scene/scene.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 
 using PageJson = nlohmann::json;
 
@@ -53,4 +53,4 @@ nlohmann::json material_json(WorldView const&, MaterialInfo const&, std::vector<
 // All materials of a scene, with the measured points of tables: {deg, offset, bsdf} each, and how well each is known.
 nlohmann::json materials_json(Scene const&, World const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::report

@@ -9,7 +9,7 @@
 
 #include "trace/step/step.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 namespace {
 
 // Errors stay below 30 % where a cell has a dozen paths: what has more than twice as many is halved.
@@ -230,4 +230,4 @@ void add_light(SteeredWorld const& world, std::uint64_t seed, std::uint64_t hist
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::report

@@ -8,7 +8,7 @@
 #include "report/ray_paths.hpp"
 #include "world/model/cell_map.hpp"
 
-namespace straytrace {
+namespace straytrace::report {
 
 struct CellValues {
   std::vector<MapCell> cells;
@@ -50,4 +50,4 @@ std::vector<SurfaceMap> noise_maps(World const&, std::vector<NoisyPath> const&, 
 // Adds the light of the first histories of the run.
 void add_light(SteeredWorld const&, std::uint64_t seed, std::uint64_t histories, std::vector<SurfaceMap>&);
 
-}  // namespace straytrace
+}  // namespace straytrace::report

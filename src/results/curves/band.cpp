@@ -12,7 +12,7 @@
 #include "results/text/columns.hpp"
 #include "spectra/curve.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 using Values = std::vector<double>;
@@ -212,4 +212,4 @@ std::string error_table(NoiseBudget const& b, std::vector<double> const& frequen
              blocks, most);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

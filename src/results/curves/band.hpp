@@ -6,7 +6,7 @@
 
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 constexpr double wrapped_from = 1;  // rad rms; above, fringes wrap (docs/theory/spectra.md, eq. 1.11)
 
@@ -37,4 +37,4 @@ std::string band_summary(NoiseBudget const&, std::vector<double> const& frequenc
 // Integral of the PSD over the bins whose centres lie in the band, strain^2; errors of bins add (they are correlated).
 WithError band_power(NoiseTrace const&, FrequencyGrid const&, double low, double high);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

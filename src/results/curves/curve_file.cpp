@@ -16,7 +16,7 @@
 #include "results/text/picture.hpp"
 #include "spectra/files/unit_text.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,10 +63,10 @@ std::string curve_json(MapSheet const& map) { return curve_format::json(map); }
 void write_curves(std::vector<std::string> const& files, CurveSheet const& sheet) { write_all(files, sheet); }
 void write_map(std::vector<std::string> const& files, MapSheet const& map) { write_all(files, map); }
 
-}  // namespace straytrace
+}  // namespace straytrace::results
 
 // Curves and maps as columns of text, CSV and JSON.
-namespace straytrace::curve_format {
+namespace straytrace::results::curve_format {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -176,10 +176,10 @@ std::string json(MapSheet const& map) {
   return j.dump() + "\n";
 }
 
-}  // namespace straytrace::curve_format
+}  // namespace straytrace::results::curve_format
 
 // Curves and maps as gwpy reads them: TimeSeries, FrequencySeries and Spectrogram, all with regular axes.
-namespace straytrace::curve_format {
+namespace straytrace::results::curve_format {
 namespace {
 
 double regular_step_of(std::vector<double> const& axis, std::string const& name, std::string const& file) {
@@ -230,7 +230,7 @@ double regular_step(std::vector<double> const& axis) {
 
 std::string hdf5(CurveSheet const& sheet, std::string const& file) {
   double const step = regular_step_of(sheet.x.values, sheet.x.name, file);
-  straytrace::hdf5::Writer writer;
+  io::hdf5::Writer writer;
   std::vector<std::string> taken;
   for (CurveColumn const& c : sheet.y) {
     std::string const path = free_path(c.name, taken);
@@ -244,7 +244,7 @@ std::string hdf5(CurveSheet const& sheet, std::string const& file) {
 
 std::string hdf5(MapSheet const& map, std::string const& file) {
   double const step = regular_step_of(map.time, "time", file), df = regular_step_of(map.frequency, "frequency", file);
-  straytrace::hdf5::Writer writer;
+  io::hdf5::Writer writer;
   writer.array("spectrogram", map.value, gwpy_unit(map.unit), {map.time.size(), map.frequency.size()});
   axis(writer, "spectrogram", "x", map.time.front() - step / 2, step,
        "s");  // gwpy counts from the beginning of a stride
@@ -254,10 +254,10 @@ std::string hdf5(MapSheet const& map, std::string const& file) {
   return writer.bytes();
 }
 
-}  // namespace straytrace::curve_format
+}  // namespace straytrace::results::curve_format
 
 // Curves and maps as one self-contained page.
-namespace straytrace::curve_format {
+namespace straytrace::results::curve_format {
 namespace {
 
 constexpr std::size_t most_rows = 2000;  // a browser stays quick; the numbers are complete in the other formats
@@ -316,4 +316,4 @@ std::string html(MapSheet const& map, std::string const& png) {
   return head(map.title, map.notes, png) + table(loudest) + "</body></html>\n";
 }
 
-}  // namespace straytrace::curve_format
+}  // namespace straytrace::results::curve_format

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::results {
 
 struct CurveColumn {
   std::string name, unit;  // "h_mean", "1/sqrt(Hz)"
@@ -42,10 +44,10 @@ std::string curve_json(MapSheet const&);
 // Before anything is computed: throws InputError when write_curves has no format for the ending. `option`: in front.
 void check_curve_ending(std::string const& file, std::string const& option = "");
 
-}  // namespace straytrace
+}  // namespace straytrace::results
 
 // The same formats as bytes, for this module.
-namespace straytrace::curve_format {
+namespace straytrace::results::curve_format {
 
 std::string text(CurveSheet const&);
 std::string csv(CurveSheet const&);
@@ -62,4 +64,4 @@ std::string html(MapSheet const&, std::string const& png);
 // The step of an axis, or 0 where it is not regular to 1e-6 of a step.
 double regular_step(std::vector<double> const& axis);
 
-}  // namespace straytrace::curve_format
+}  // namespace straytrace::results::curve_format

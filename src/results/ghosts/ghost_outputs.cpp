@@ -11,7 +11,7 @@
 #include "results/ghosts/ghost_table.hpp"
 #include "results/text/table.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 std::string watts(double share, double power) {
@@ -408,4 +408,4 @@ std::string GhostCsv::row(std::string const& beam, GhostRow const& row, std::str
   return list_->csv_row({beam, row, where, power});
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

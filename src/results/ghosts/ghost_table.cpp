@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 // The last main-beam surface counts: one row is greater than the other when it is stronger, or the earlier one.
@@ -234,4 +234,4 @@ void GhostTable::fill(GhostReport& report) const {
   report.recoupled_against = recoupled_against_;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

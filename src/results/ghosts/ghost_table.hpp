@@ -16,7 +16,7 @@
 #include "trace/coupling.hpp"
 #include "world/ghosts/main_beam.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 constexpr std::array<double, 3> ghost_frequencies = {10, 30, 100};  // Hz, where h is printed
 using GhostStrain = std::array<double, 3>;                          // 1/sqrt(Hz); NaN: not known
@@ -174,4 +174,4 @@ class GhostCsv {
   std::unique_ptr<List> list_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::results

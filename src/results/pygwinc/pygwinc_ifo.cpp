@@ -14,7 +14,7 @@
 #include "results/pygwinc/pygwinc_tree.hpp"
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 constexpr std::string_view preset_folder = "detectors/";
@@ -218,4 +218,4 @@ IfoFile read_ifo(std::string const& name, std::vector<std::string> const& overri
   return ifo;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

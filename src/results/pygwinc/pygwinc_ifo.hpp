@@ -8,7 +8,7 @@
 
 #include "noise/fundamental/detector.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 // A noise given as a table of two columns, Hz and ASD. Named like a fundamental noise it takes its place.
 struct CurveFile {
@@ -30,4 +30,4 @@ std::vector<std::string> ifo_presets();
 // missing.
 IfoFile read_ifo(std::string const& preset_or_file, std::vector<std::string> const& overrides = {});
 
-}  // namespace straytrace
+}  // namespace straytrace::results

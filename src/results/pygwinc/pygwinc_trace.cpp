@@ -14,7 +14,7 @@
 #include "io/hdf5/writer.hpp"
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 using hdf5::Reader;
@@ -147,4 +147,4 @@ std::string budget_file_bytes(BudgetFile const& budget, std::vector<std::pair<st
   return out.bytes();
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::results {
 
 // A noise with what it is the sum of.
 struct BudgetTrace {
@@ -29,4 +31,4 @@ BudgetFile read_budget_file(std::string const& file);
 // `about`: further attributes of the root, in pairs of name and value. Names must not hold '/'.
 std::string budget_file_bytes(BudgetFile const&, std::vector<std::pair<std::string, std::string>> const& about);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -12,7 +12,7 @@
 #include "base/math/constants.hpp"
 #include "noise/fundamental/surroundings.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 bool is_nan(std::string const& text) { return text == ".nan" || text == ".NaN" || text == ".NAN"; }
@@ -480,4 +480,4 @@ std::string out_of_range(std::string_view path, double value) {
   return "";
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -12,7 +12,7 @@
 #include "base/errors.hpp"
 #include "noise/fundamental/detector.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 class IfoTree {
  public:
@@ -60,4 +60,4 @@ std::optional<Squeezer> read_squeezer(IfoTree&);  // none: no squeezed light
 // Empty when the number is valid at this path ("Suspension.Stage.0.Mass"), otherwise what it must be.
 std::string out_of_range(std::string_view path, double value);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

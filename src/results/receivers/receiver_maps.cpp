@@ -10,7 +10,7 @@
 #include "results/receivers/receivers.hpp"
 #include "results/text/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -187,4 +187,4 @@ std::vector<std::string> write_maps(std::string const& folder, RunContent const&
   return writer.files;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

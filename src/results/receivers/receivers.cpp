@@ -12,7 +12,7 @@
 #include "results/route_table/route_sums.hpp"
 #include "results/text/table.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 std::vector<std::string> first_and_last(CouplingTable const& table, CouplingClass const& c) {
@@ -511,4 +511,4 @@ std::string source_csv(ReceiverTable const& table) {
   return text;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

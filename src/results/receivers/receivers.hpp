@@ -7,7 +7,7 @@
 
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 // Mean per history of each cell of a map, W per W of the main mode, and its standard error from the blocks. NaN, NaN:
 // no light was seen there; error NaN: not resolved. A single block has no spread, equal blocks show none, and the
@@ -73,4 +73,4 @@ std::string receiver_json(ReceiverTable const&, RunContent const&);
 // Maps of all receivers as NAME_image.csv, .npy and so on in a folder that exists; returns the names of the files.
 std::vector<std::string> write_maps(std::string const& folder, RunContent const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -11,7 +11,7 @@
 #include "results/curves/band.hpp"
 #include "results/route_table/route_sums.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 // What shakes, and the mean-square phase in the band, or in all, per unit of kappa of each class.
@@ -242,4 +242,4 @@ std::string regime(NoiseTrace const& t, FrequencyGrid const& grid, double low, d
   return changes == 1 ? fmt::format("linear {} {:.3g} Hz", linear ? ">" : "<", changed_at) : "mixed";
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

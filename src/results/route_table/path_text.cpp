@@ -11,7 +11,7 @@
 #include "results/route_table/route_columns.hpp"
 #include "results/route_table/route_sums.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 using Line = std::map<std::string, std::string>;  // cells of a line of sums by the key of their column
@@ -212,4 +212,4 @@ std::string path_text(PathTable const& table, std::size_t show, PathTable const&
   return explanation(table) + aligned(columns) + statements(table, show) + reasons(table);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

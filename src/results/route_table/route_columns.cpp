@@ -11,7 +11,7 @@
 #include "results/curves/band.hpp"
 #include "results/text/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 using RouteList = std::vector<TableColumn<RouteRow>>;
@@ -394,4 +394,4 @@ RouteColumn const& RouteColumns::strain(double hz) {
   return add(std::move(column));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -13,7 +13,7 @@
 #include "results/results.hpp"
 #include "results/text/table.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 struct RouteRow {
   PathTable const& table;
@@ -66,4 +66,4 @@ double six_digits(double);
 // Names of the objects on a route: ITM, baffles of "ITM·S > baffles·S". None for a row `other`, which sums many routes.
 std::vector<std::string> objects_of(std::string const& sequence);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

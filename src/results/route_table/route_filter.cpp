@@ -18,9 +18,8 @@
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "results/text/columns.hpp"
-#include "base/text/words.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 using RouteTest = std::function<bool(std::size_t row)>;  // refers to the columns it was made for
@@ -469,4 +468,4 @@ InputError error_in_filter(std::string const& option, std::string const& text, F
                     fmt::format("{}\n  {}{} {}", text, std::string(column, ' '), std::string(wide, '^'), p.suggestion));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -8,7 +8,7 @@
 
 #include "results/route_table/route_columns.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 // What is wrong with bytes [begin, begin + width) of a filter.
 struct FilterProblem {
@@ -34,4 +34,4 @@ std::vector<std::pair<std::string, double>> frequency_units();
 // "--where, column 15: 'scaters' is not known", with the text, a caret and the suggestion as the remedy.
 InputError error_in_filter(std::string const& option, std::string const& text, FilterProblem const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

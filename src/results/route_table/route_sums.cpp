@@ -10,7 +10,7 @@
 
 #include "results/curves/band.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 void keep_rows(PathTable& table, std::vector<std::size_t> const& rows) {
@@ -200,4 +200,4 @@ std::string merit_text(std::vector<Merit> const& all, std::size_t routes) {
   return text;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -8,7 +8,7 @@
 
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 // Ranks, verdicts and sums of what `rows` holds. With `shares` of their own noise power; else those they have.
 void rank_and_sum(PathTable&, bool shares);
@@ -76,4 +76,4 @@ std::vector<Merit> merits(RunContent const&);
 // A line each for all ends and the first `routes` routes; those without a value are left out.
 std::string merit_text(std::vector<Merit> const&, std::size_t routes);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

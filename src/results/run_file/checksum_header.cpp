@@ -9,7 +9,7 @@
 #include "results/results.hpp"
 #include "results/run_file/run_file.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 constexpr std::size_t block = 512;  // smallest user block of HDF5
@@ -96,4 +96,4 @@ std::string utc_now() {
                      fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

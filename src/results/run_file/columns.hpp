@@ -9,7 +9,7 @@
 
 #include "results/run_file/run_file.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 // The type in the file: flags and enumerations are bytes.
 template <class T>
@@ -73,4 +73,4 @@ class ColumnReader {
   std::vector<Row>& rows_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -6,7 +6,7 @@
 #include "results/run_file/columns.hpp"
 #include "results/run_file/run_nodes.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 using Doubles = std::vector<double>;
@@ -291,4 +291,4 @@ CouplingTable read_classes(hdf5::Reader const& in) {
   return table;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -9,7 +9,7 @@
 #include "results/route_table/route_sums.hpp"
 #include "results/run_file/run_part.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 void check_kind(hdf5::Reader const& in, std::string const& file) {
@@ -407,4 +407,4 @@ void write_run(std::string const& file, RunContent const& run) {
   write_file(file, with_checksum_header(bytes));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -8,7 +8,7 @@
 #include "io/hdf5/writer.hpp"
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 void write_classes(hdf5::Writer&, CouplingTable const&);  // /names, /classes, /records
 CouplingTable read_classes(hdf5::Reader const&);
@@ -50,4 +50,4 @@ std::string with_checksum_header(std::string const& hdf5_image);
 // The HDF5 image of a run file; throws InputError when `bytes` are not one, or damaged. `name` for the message.
 std::string unsealed(std::string bytes, std::string const& name);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

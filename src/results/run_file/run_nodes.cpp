@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 struct ClassColumns {
@@ -333,4 +333,4 @@ void read_phase_sensitivity_moments(hdf5::Reader const& in, CouplingTable& table
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -11,7 +11,7 @@
 #include "base/math/constants.hpp"
 #include "results/run_file/run_file.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 inline constexpr std::size_t moment_sums = 6, moment_counts = 2;  // columns of Moments: doubles and counts
 using Doubles = std::vector<double>;
@@ -120,4 +120,4 @@ struct PhaseSensitivityColumns {
 void write_phase_sensitivity_moments(hdf5::Writer&, CouplingTable const&);
 void read_phase_sensitivity_moments(hdf5::Reader const&, CouplingTable&);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -3,7 +3,7 @@
 #include "base/errors.hpp"
 #include "results/run_file/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 using Doubles = std::vector<double>;
@@ -219,4 +219,4 @@ NoiseBudget read_noise(hdf5::Reader const& in) {
   return b;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

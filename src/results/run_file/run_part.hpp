@@ -7,7 +7,7 @@
 
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 // What is known of a part before its sums are read.
 struct PartHead {
@@ -27,4 +27,4 @@ SumTree read_part_sums(std::string const& run_file);
 std::string nodes_image(SumTree const&);
 SumTree nodes_of_image(std::string const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -3,7 +3,7 @@
 #include "base/errors.hpp"
 #include "results/run_file/run_file.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 using Counts = std::vector<std::uint64_t>;
@@ -111,4 +111,4 @@ ProjectionInputs read_projection(hdf5::Reader const& in, CouplingTable const& ta
   return p;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

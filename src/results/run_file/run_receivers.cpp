@@ -6,7 +6,7 @@
 #include "results/receivers/receivers.hpp"
 #include "results/run_file/run_file.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 using Doubles = std::vector<double>;
@@ -298,4 +298,4 @@ ImportanceMap read_importance(hdf5::Reader const& in, std::size_t groups) {
   return map;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

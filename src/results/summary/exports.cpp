@@ -15,7 +15,7 @@
 #include "results/route_table/route_columns.hpp"
 #include "results/text/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 std::string file_header(RunContent const& run) {
   Provenance const& p = run.provenance;
@@ -243,4 +243,4 @@ std::string read_file(std::string const& file) {
   return std::move(read.bytes);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

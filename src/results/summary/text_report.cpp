@@ -11,7 +11,7 @@
 #include "results/receivers/receivers.hpp"
 #include "results/text/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 // Three digits, never in powers of ten.
@@ -278,4 +278,4 @@ std::string text_report(RunContent const& run, PathTable const& table, std::size
   return text;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -10,7 +10,7 @@
 #include "results/results.hpp"
 #include "results/text/table.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 std::string line_of(std::vector<std::string> const& cells, std::vector<std::size_t> const& widths,
@@ -184,4 +184,4 @@ std::string percent_text(double share, double sigma) {
                                             : with_brackets(100 * share, 100 * sigma);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -7,7 +7,7 @@
 
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 struct Columns {
   std::vector<std::string> titles;
@@ -27,4 +27,4 @@ std::string reverse_words(bool reverse_routes);              // "C_rev on: ..."
 std::string csv_number(bool known, double value);            // all digits; nan when not known
 std::string finite_text(double, std::string const& format);  // "-" unless finite
 
-}  // namespace straytrace
+}  // namespace straytrace::results

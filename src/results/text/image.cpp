@@ -12,7 +12,7 @@
 #include "base/errors.hpp"
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 std::string png_bytes(Image const& image) {
   png_image about = {};
@@ -130,4 +130,4 @@ bool add_colour_bar(Image& image, ColourBar const& bar) {
   return true;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -9,7 +9,9 @@
 #include <string>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::results {
 
 struct Image {
   std::uint32_t columns = 0, rows = 0;
@@ -31,4 +33,4 @@ struct ColourBar {
 // Adds it below in rows of its own, with labelled decades; false: the picture is too narrow, and is as it was.
 bool add_colour_bar(Image&, ColourBar const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

@@ -16,7 +16,7 @@
 
 extern char** environ;
 
-namespace straytrace {
+namespace straytrace::results {
 namespace {
 
 namespace fs = std::filesystem;
@@ -169,4 +169,4 @@ bool draw_budget_picture(std::string const& json_file, std::string const& png_fi
   return draw({"straytrace.plots.budget", json_file, "-o", png_file}, png_file, message);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::results

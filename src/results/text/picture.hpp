@@ -4,7 +4,9 @@
 
 #include <string>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::results {
 
 // Draws `png_file` from `run_file`; band of the shares in Hz, the whole grid when high <= low. False, and `message`
 // explains what happened and what to install, on failure. Interpreter: STRAYTRACE_PYTHON, /usr/bin/python3, python3 in
@@ -39,4 +41,4 @@ bool draw_ghost_picture(std::string const& json_file, std::string const& png_fil
 // Requirement or ratio over the parameters of a scan, from the JSON of `straytrace scan`.
 bool draw_scan_picture(std::string const& json_file, std::string const& png_file, std::string& message);
 
-}  // namespace straytrace
+}  // namespace straytrace::results

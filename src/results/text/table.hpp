@@ -17,7 +17,7 @@
 
 #include "results/text/columns.hpp"
 
-namespace straytrace {
+namespace straytrace::results {
 
 // The content of a column in one row. Unknown numbers are NaN.
 using TableCell = std::variant<std::string, bool, std::uint64_t, double, WithError>;
@@ -162,4 +162,4 @@ class TableWriter {
                                        json_ = of(&TableColumn<Row>::json);
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::results

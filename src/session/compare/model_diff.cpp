@@ -14,7 +14,7 @@
 #include "noise/fundamental/design.hpp"
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 constexpr std::array<std::string_view, 13> sections{"materials", "media",     "scene", "bodies", "beams",
@@ -387,4 +387,4 @@ void warn_of_other_detector(ProjectionModel const& model, Node const& place) {
     if (auto const other = other_detector(curve.name, *model.detector)) place.warning(other->what, other->suggestion);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -12,7 +12,7 @@
 #include "scene/model_tree.hpp"
 #include "session/model.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 struct Difference {
   std::string section;        // "materials", "scene", ...
@@ -46,4 +46,4 @@ std::optional<OtherDetector> other_detector(IfoFile const& budget, std::string c
 // Warns at `place` for each of the curves that the model is compared with.
 void warn_of_other_detector(ProjectionModel const&, Node const& place);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

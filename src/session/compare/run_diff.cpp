@@ -12,7 +12,7 @@
 #include "noise/interpolate/spectrum_interpolator.hpp"
 #include "results/curves/band.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 constexpr std::array<double, 6> ends{1, 3, 10, 30, 100, 300};  // Hz, between bands
@@ -292,4 +292,4 @@ nlohmann::ordered_json run_difference_json(RunDifference const& d) {
           {"routes", as_json(d.routes)}};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

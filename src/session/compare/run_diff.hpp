@@ -9,7 +9,7 @@
 
 #include "results/results.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 // A value of both runs, and the change in standard errors; NaN where there is no answer.
 struct Change {
@@ -41,4 +41,4 @@ RunDifference run_differences(RunFile const& before, RunFile const& after);
 std::string run_difference_text(RunDifference const&);
 nlohmann::ordered_json run_difference_json(RunDifference const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -9,7 +9,7 @@
 #include "base/errors.hpp"
 #include "session/jobs/job_files.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 // A job ends by itself before it is killed, and a kill loses no more than a checkpoint.
@@ -196,4 +196,4 @@ NamedTexts condor_files(Jobs const& jobs) {
   return files;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

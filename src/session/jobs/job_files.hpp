@@ -9,7 +9,9 @@
 #include <utility>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::session {
 
 struct Jobs {
   std::uint64_t slices = 1;
@@ -43,4 +45,4 @@ inline std::string shell_word(std::string_view text) {
   return quoted + "'";
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

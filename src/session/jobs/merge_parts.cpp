@@ -12,7 +12,7 @@
 #include "session/jobs/job_files.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 constexpr std::size_t lines_shown = 20;
@@ -213,4 +213,4 @@ SumTree merged_sums(RunParts const& parts) {
   return tree;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

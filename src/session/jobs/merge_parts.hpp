@@ -7,7 +7,7 @@
 
 #include "results/run_file/run_part.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 // Sorted by their first block; those that hold none come last.
 struct RunParts {
@@ -29,4 +29,4 @@ std::string missing_text(RunParts const&);
 // Adds up one file after the other: at no time are more than one of them and the sums in memory.
 SumTree merged_sums(RunParts const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

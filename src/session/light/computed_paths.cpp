@@ -5,7 +5,7 @@
 
 #include "world/ghosts/obstacle.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 Footprint const* standing_on(World const& world, GroupId group) {
@@ -86,4 +86,4 @@ std::vector<DrawnPath> computed_paths(World const& world, CouplingClass const& c
   return c.kind == ClassKind::ghost ? by_ghosts(c, ghosts, most) : std::vector<DrawnPath>{};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -13,7 +13,7 @@
 #include "session/open_run.hpp"
 #include "trace/camera/first_order.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 std::string cell(Estimate const& e) {
@@ -141,4 +141,4 @@ int print_first_order(FirstOrderOptions const& options) {
   return done;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -4,7 +4,7 @@
 #include "session/options.hpp"
 #include "trace/coupling.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 struct FirstOrderOptions : SceneOptions {
   std::optional<std::uint64_t> histories;
@@ -20,4 +20,4 @@ int print_first_order(FirstOrderOptions const&);
 constexpr std::uint64_t least_batches = 4;
 inline bool resolved(Estimate const& e) { return e.scored >= least_batches; }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -14,7 +14,7 @@
 #include "results/curves/band.hpp"
 #include "trace/tally/coupling_table.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 char const* statement_of(GhostFamily const& f) {
@@ -181,4 +181,4 @@ GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
   return all;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -8,7 +8,7 @@
 #include "results/ghosts/ghost_table.hpp"
 #include "session/model.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 // The key `ghosts` of a scene, a table or on: how far ghosts are followed for the noise of a run; nothing without it or
 // when it is off.
@@ -30,4 +30,4 @@ GhostClasses ghost_classes(GhostFamilies const&);
 // Strain of each family for the motion and the interferometer of the model, into the families; returns that of all.
 GhostStrain project_ghosts(Model const&, GhostFamilies&);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -10,7 +10,7 @@
 #include "base/text/words.hpp"
 #include "session/light/ghost_noise.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 // Why ghosts of a beam have no h; empty when they may have one.
@@ -184,4 +184,4 @@ void warn_of_uncounted_ghosts(Model const& model) {
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

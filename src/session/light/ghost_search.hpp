@@ -9,7 +9,7 @@
 #include "results/ghosts/ghost_table.hpp"
 #include "session/model.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 struct GhostSearch {
   Model const& model;
@@ -37,4 +37,4 @@ void require_strain(GhostSearch const&, std::vector<BeamLaunch> const&);
 // a quick search finds. `ghosts: off` says that it is known.
 void warn_of_uncounted_ghosts(Model const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -9,7 +9,7 @@
 #include "results/text/columns.hpp"
 #include "world/ghosts/lit_surfaces.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 std::string name_of(World const& world, Footprint const& f) { return world.name_of(f.surface); }
@@ -72,4 +72,4 @@ nlohmann::ordered_json lit_json(Model const& model) {
   return list;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

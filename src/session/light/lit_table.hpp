@@ -8,9 +8,9 @@
 
 #include "session/model.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 std::string lit_table(Model const&);            // empty when no beam says `lit`
 nlohmann::ordered_json lit_json(Model const&);  // a list
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -21,7 +21,7 @@
 #include "session/scan/scan_points.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 // What an inversion of one run needs.
@@ -430,4 +430,4 @@ std::string answer_json(Answer const& a) {
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -11,7 +11,7 @@
 #include "session/scan/scan_axes.hpp"
 #include "session/scan/scan_points.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 struct InvertOrder {
   std::string what;            // "brdf(steel)", "motion(tube)", "param(aperture)"
@@ -47,4 +47,4 @@ std::vector<double> root_spectrum(MotionSet const&, BodyId, FrequencyGrid const&
 std::string answer_text(Answer const&, bool per_frequency);
 std::string answer_json(Answer const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

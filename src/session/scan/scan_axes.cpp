@@ -13,7 +13,7 @@
 #include "base/math/constants.hpp"
 #include "base/text/bounded_regex.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 namespace {
 
 constexpr std::size_t most_points = 10000;
@@ -130,4 +130,4 @@ std::vector<std::vector<std::string>> combinations(std::vector<ScanAxis> const& 
   return all;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

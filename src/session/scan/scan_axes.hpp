@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::session {
 
 struct ScanAxis {
   std::string name;
@@ -29,4 +31,4 @@ struct ScanList {
 };
 ScanList read_points(std::string const& file);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

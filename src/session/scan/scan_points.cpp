@@ -30,7 +30,7 @@
 #include "session/scan/scan_axes.hpp"
 #include "spectra/curve.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 namespace {
 
@@ -375,4 +375,4 @@ std::string scan_json(ScanTable const& t) {
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::session

@@ -12,7 +12,7 @@
 #include "session/scan/scan_axes.hpp"
 #include "session/session.hpp"
 
-namespace straytrace {
+namespace straytrace::session {
 
 struct ScanPoint {
   std::vector<std::string> settings;  // "aperture=0.5 m"
@@ -87,4 +87,4 @@ std::string scan_text(ScanTable const&);
 std::string scan_csv(ScanTable const&);  // all digits
 std::string scan_json(ScanTable const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::session

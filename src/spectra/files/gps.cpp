@@ -11,7 +11,7 @@
 
 #include "base/text/bounded_regex.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 namespace ch = std::chrono;
@@ -69,4 +69,4 @@ std::string gps_text(double gps) {
   return text;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

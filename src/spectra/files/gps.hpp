@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::spectra {
 
 // "2019-02-01T12:00:00", with a space for T, with fractions, with Z; a date alone is its midnight. 23:59:60 only at
 // leap seconds. Empty for other texts and before 1980-01-06.
@@ -16,4 +18,4 @@ std::string utc_of_gps(double gps);
 // To 0.1 us, without trailing zeros: "1234567890.5".
 std::string gps_text(double gps);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

@@ -16,7 +16,7 @@
 #include "spectra/files/gps.hpp"
 #include "spectra/files/unit_text.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace series_source {
 
 void refuse(std::string const& file, std::string const& what, std::string const& suggestion) {
@@ -153,10 +153,10 @@ GpsSpan parse_gps(std::string const& text) {
   return span;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra
 
 // Series in columns of text: the first is time in GPS seconds, at regular steps.
-namespace straytrace::series_source {
+namespace straytrace::spectra::series_source {
 namespace {
 
 NumberTable read_columns(std::string const& text, std::string const& file) {
@@ -283,4 +283,4 @@ TimeSeries from_text(std::string const& text, std::string const& file, SeriesReq
   return cut(series, wanted.span);
 }
 
-}  // namespace straytrace::series_source
+}  // namespace straytrace::spectra::series_source

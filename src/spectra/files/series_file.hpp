@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "base/namespaces.hpp"
 #include "spectra/series.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 
 // Channel and unit to read from a file. A file with one channel needs no name; the unit must be in the file (HDF5
 // attribute, header of the column: "x [um]") or here.
@@ -37,10 +38,10 @@ GpsSpan parse_gps(std::string const&);
 // Bytes of a file that gwpy opens: one dataset for each series, with x0, dx, xunit, unit, name, channel.
 std::string series_hdf5(std::span<TimeSeries const> series);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra
 
 // Readers of the two kinds of files that hold series, for this folder only.
-namespace straytrace::series_source {
+namespace straytrace::spectra::series_source {
 
 // "witness.txt: what\n  suggestion" as an InputError.
 [[noreturn]] void refuse(std::string const& file, std::string const& what, std::string const& suggestion);
@@ -54,4 +55,4 @@ std::string choices(std::vector<std::string> const& names);
 TimeSeries from_text(std::string const& text, std::string const& file, SeriesRequest const&);
 TimeSeries from_hdf5(std::string const& bytes, std::string const& file, SeriesRequest const&);
 
-}  // namespace straytrace::series_source
+}  // namespace straytrace::spectra::series_source

@@ -14,7 +14,7 @@
 #include "spectra/files/series_file.hpp"
 #include "spectra/files/unit_text.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 using namespace series_source;
@@ -212,4 +212,4 @@ std::string series_hdf5(std::span<TimeSeries const> series) {
   return writer.bytes();
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

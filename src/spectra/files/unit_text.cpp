@@ -12,7 +12,7 @@
 
 #include "base/units/quantity.hpp"
 
-namespace straytrace {
+namespace straytrace::spectra {
 namespace {
 
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
@@ -202,4 +202,4 @@ std::string ratio_unit(std::string const& above, std::string const& below) {
   return below == "1" ? above : fmt::format("{}/{}", above, grouped(below));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

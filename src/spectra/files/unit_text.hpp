@@ -6,7 +6,9 @@
 #include <string>
 #include <string_view>
 
-namespace straytrace {
+#include "base/namespaces.hpp"
+
+namespace straytrace::spectra {
 
 // The same unit for parse_unit: "m / s2" -> "m/s^2", "ct" -> "count", "" and "strain" -> "1". Empty when neither
 // notation knows it.
@@ -20,4 +22,4 @@ std::string psd_unit(std::string const& unit);
 // Of a transfer function: "V/m" for V above and m below, "1" where they are equal.
 std::string ratio_unit(std::string const& above, std::string const& below);
 
-}  // namespace straytrace
+}  // namespace straytrace::spectra

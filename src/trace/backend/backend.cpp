@@ -8,7 +8,7 @@
 #include "trace/step/flight.hpp"
 #include "trace/tally/block_sink.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 std::unique_ptr<Backend> make_backend(std::string_view name) {
   if (name == "cpu") return cpu_backend();
@@ -36,4 +36,4 @@ class Cpu final : public Backend {
 
 std::unique_ptr<Backend> cpu_backend() { return std::make_unique<Cpu>(); }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -8,7 +8,7 @@
 #include "trace/result.hpp"
 #include "trace/steered_world.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // It may cache data of a world: a world that it has seen must not change while the backend lives.
 class Backend {
@@ -25,4 +25,4 @@ std::unique_ptr<Backend> make_backend(std::string_view name);  // "cpu", "cuda";
 
 std::unique_ptr<Backend> cpu_backend();
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

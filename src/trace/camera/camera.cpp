@@ -8,7 +8,7 @@
 #include "base/process/threads.hpp"
 #include "optics/coating/specular.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 void aim(Camera& camera, Vec3 direction, Vec3 up) {
@@ -278,4 +278,4 @@ std::vector<std::uint8_t> shaded(WorldView const& world, Camera const& camera, L
   return rgb;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

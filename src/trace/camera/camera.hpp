@@ -8,7 +8,7 @@
 
 #include "world/model/view.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 struct Camera {
   // perspective: pinhole. flat: parallel rays, with scales of its own along both sides. fisheye: the angle from the
@@ -88,4 +88,4 @@ using Paint = std::function<Rgb(Seen const&)>;
 std::vector<std::uint8_t> shaded(WorldView const&, Camera const&, LookSettings const&, Paint const&,
                                  std::vector<bool>& visible);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -9,7 +9,7 @@
 #include "trace/importance/importance.hpp"
 #include "trace/step/step.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 std::vector<Ending> endings_of(WorldView const& world) {
   std::vector<Ending> endings;
@@ -223,4 +223,4 @@ std::vector<FirstOrderList> first_order(World const& world, FirstOrderSettings c
   return all;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

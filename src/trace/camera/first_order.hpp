@@ -10,7 +10,7 @@
 #include "trace/run/trace.hpp"
 #include "trace/step/scatter.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // Where a backward walk begins: light could arrive there. A port (a lit surface and its mode) or a receiver.
 struct Ending {
@@ -79,4 +79,4 @@ struct FirstOrderSettings {
 // surface that is lit or seen evenly within each strip.
 std::vector<FirstOrderList> first_order(World const&, FirstOrderSettings const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -6,7 +6,7 @@
 #include "base/process/threads.hpp"
 #include "trace/step/scatter.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 constexpr std::uint32_t flash_rays = 3;  // rays per pixel along each side
@@ -108,4 +108,4 @@ double solid_angle(Camera const& c, std::uint32_t column, std::uint32_t row) {
   return r > 0 && c.lens == Camera::Lens::fisheye ? area * std::sin(std::min(r, pi)) / r : area;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

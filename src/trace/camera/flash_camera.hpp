@@ -5,7 +5,7 @@
 
 #include "trace/camera/camera.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // A small sphere around the eye shines equally in all directions, with the radiant intensity I [W/sr].
 struct Flash {
@@ -32,4 +32,4 @@ std::vector<FlashLight> flash_picture(WorldView const&, Camera const&, Flash con
 // Solid angle of a pixel, sr: what its radiance is multiplied with to give the irradiance at the eye.
 double solid_angle(Camera const&, std::uint32_t column, std::uint32_t row);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -11,7 +11,7 @@
 #include "trace/tally/coupling_table.hpp"
 #include "trace/tally/replay.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 using Complex = std::complex<double>;
@@ -309,4 +309,4 @@ EdgeWave edge_wave(World const& world, std::uint32_t source, std::uint32_t goal,
   return wave;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -12,7 +12,7 @@
 #include "trace/coupling.hpp"
 #include "world/ghosts/obstacle.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // What one rim carries from footprint `source` to footprint `goal`. `amplitude`: recoupled field over that of the mode,
 // its phase against the straight way from mirror to mirror. `gradient`: its derivative by the six coordinates of each
@@ -39,4 +39,4 @@ struct EdgeClasses {
 // As the table `edges` of the scene asks: one class for each group of rims and each direction between two mirrors.
 EdgeClasses edge_classes(World const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

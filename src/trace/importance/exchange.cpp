@@ -6,7 +6,7 @@
 #include "trace/importance/steering_tables.hpp"
 #include "trace/step/receive.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 // Points of a four-dimensional low-discrepancy sequence: where on the first patch, where on the second.
@@ -225,4 +225,4 @@ std::vector<Exchange> exchanges(World const& world, SteeringTables const& tables
   return Quadrature(world, tables, goals, samples, threads).run();
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -7,7 +7,7 @@
 #include "base/process/threads.hpp"
 #include "trace/importance/steering_tables.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 class Builder {
@@ -149,4 +149,4 @@ SteeredWorld steer(World& world, unsigned threads) {
   return SteeredWorld(world);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

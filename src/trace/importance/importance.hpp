@@ -7,7 +7,7 @@
 
 #include "trace/steered_world.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 struct ImportanceSettings {
   double alpha = 0.25;                      // least share of directions drawn from the BSDF model; at least 0.1
@@ -39,4 +39,4 @@ SteeringTables make_strips(World const&);
 // Bounds of a strip; parts of surfaces by twenty of their points.
 Box bounds_of(WorldView const&, Strip const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

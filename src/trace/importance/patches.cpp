@@ -9,7 +9,7 @@
 #include "trace/importance/importance.hpp"
 #include "trace/importance/steering_tables.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 double extent(Box const& box, int axis) {
@@ -255,4 +255,4 @@ Box bounds_of(WorldView const& view, Strip const& strip) {
   return box;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

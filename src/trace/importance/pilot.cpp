@@ -4,7 +4,7 @@
 #include "trace/importance/steering_tables.hpp"
 #include "trace/step/step.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 namespace {
 
@@ -114,4 +114,4 @@ void find_map_cells(World& world) {
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -4,7 +4,7 @@
 #include "trace/importance/importance.hpp"
 #include "trace/step/specular_connection.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 // Surfaces on which light of beams starts or, of free beams, is scattered first.
@@ -118,4 +118,4 @@ void find_covered_receivers(World& world) {
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -8,7 +8,7 @@
 
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // Exchange of light between patches, by quadrature over pairs of points with visibility.
 
@@ -82,4 +82,4 @@ Pilot run_pilot(World const&, std::uint64_t histories);
 // cells are independent of the cells. A function of the scene only.
 void find_map_cells(World&);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

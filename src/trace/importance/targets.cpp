@@ -6,7 +6,7 @@
 
 #include "trace/importance/steering_tables.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 namespace {
 
@@ -142,4 +142,4 @@ double best_law_share(Arriving const& arriving, double emitted, std::vector<Targ
   return choice[std::size_t(std::min_element(cost.begin(), cost.end()) - cost.begin())];
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -13,7 +13,7 @@
 
 #include "base/errors.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 // A rank gets blocks for this time, so that messages cost little and the loss of a rank costs little; near the end it
@@ -171,4 +171,4 @@ void report_failure(Transport& transport, std::string const& what) {
   transport.send(0, "failed\n" + what.substr(0, longest_failure));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

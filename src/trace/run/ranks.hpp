@@ -12,7 +12,7 @@
 #include "trace/run/runner.hpp"
 #include "trace/run/trace.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // Messages between the ranks of a job: whole byte strings that arrive in the order sent. Used by one thread.
 class Transport {
@@ -74,4 +74,4 @@ void work_for_rank_0(SteeredWorld const&, TraceSettings const&, Backend const&, 
 // Reports to rank 0 that this rank cannot work.
 void report_failure(Transport&, std::string const& what);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -6,7 +6,7 @@
 
 #include "base/process/threads.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 constexpr double report_seconds = 0.5;  // between reports of progress
@@ -136,4 +136,4 @@ void Runner::report() {
   settings_.progress(p);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

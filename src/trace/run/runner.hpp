@@ -15,7 +15,7 @@
 #include "trace/result.hpp"
 #include "trace/run/trace.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // Blocks still to be run, in ascending order; blocks given back come first. Used by several threads at once.
 class BlockQueue {
@@ -107,4 +107,4 @@ class Runner {
   std::uint64_t error_histories_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

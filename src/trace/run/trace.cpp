@@ -11,7 +11,7 @@
 #include "trace/tally/block_sink.hpp"
 #include "trace/tally/coupling_table.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 namespace {
 
@@ -173,4 +173,4 @@ TraceResult trace_to_rule(SteeredWorld world, TraceSettings settings, Backend co
   return trace(world, settings, backend);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -10,7 +10,7 @@
 #include "trace/result.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 struct Ranks;
 
@@ -66,4 +66,4 @@ std::uint64_t next_check(std::uint64_t blocks);
 // full run uses `settings.ranks`.
 TraceResult trace_to_rule(SteeredWorld, TraceSettings settings, Backend const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -8,7 +8,7 @@
 #include "base/math/rng.hpp"
 #include "trace/step/scatter.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // Goals are numbered: footprints first, then receivers. The number of a score within its vertex is even for a hit of
 // the walk and odd for a connection.
@@ -175,4 +175,4 @@ STRAY_HD void score_single(WorldView const& world, PathState const& path, Vertex
   if (coupling > 0) sink.score(path, vertex, path.source, arrival_number(path.source), vertex, coupling);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -8,7 +8,7 @@
 
 #include "trace/step/step.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 template <class Tally>
 class Flight {
@@ -72,4 +72,4 @@ class Flight {
   std::uint32_t count_ = 0;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -8,7 +8,7 @@
 #include "trace/result.hpp"
 #include "world/model/vertex.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // How the present direction was chosen. The density of the mixture depends on the surface hit, so the weight of the hop
 // is completed on arrival (finish_hop_weight()).
@@ -116,4 +116,4 @@ STRAY_HD std::uint64_t extended(std::uint64_t route, GroupId group, Event event)
   return mixed(route * 0x9e3779b97f4a7c15ull + (std::uint64_t(group.value) << 8 | std::uint64_t(event)) + 1);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -5,7 +5,7 @@
 
 #include "trace/step/connect.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 STRAY_HD std::uint32_t goal_of_receiver(WorldView const& world, std::uint32_t receiver) {
   return std::uint32_t(world.lit.size) + receiver;
@@ -121,4 +121,4 @@ STRAY_HD void connect_receivers(WorldView const& world, std::uint64_t seed, Path
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

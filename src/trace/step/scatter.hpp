@@ -10,7 +10,7 @@
 #include "base/math/rng.hpp"
 #include "trace/step/path.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // Conversion between densities per area and per solid angle: the only places with d^2.
 STRAY_HD double per_solid_angle(double per_area, double distance, double cosine) {
@@ -197,4 +197,4 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
   return true;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

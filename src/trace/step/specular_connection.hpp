@@ -11,7 +11,7 @@
 #include "trace/step/receive.hpp"
 #include "trace/step/scatter.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 constexpr std::uint32_t most_specular_hops = 32;  // of a backward sub-path; longer chains are left to the walk
 
@@ -220,4 +220,4 @@ STRAY_HD void connect_behind_glass(WorldView const& world, std::uint64_t seed, P
   }
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

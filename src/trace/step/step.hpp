@@ -17,7 +17,7 @@
 #include "trace/step/scatter.hpp"
 #include "trace/step/specular_connection.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // The first vertex of a history is a point of a lit surface, drawn with the weight |u|^2 of the mode (eq. 1.6), where
 // light is scattered out of the mode. Specular reflection of the mode is the mode itself, not stray light.
@@ -222,4 +222,4 @@ STRAY_HD void trace_history(WorldView const& world, std::uint64_t seed, std::uin
   trace_history(world, seed, number, history, sink);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

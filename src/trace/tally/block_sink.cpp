@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trace/tally/block_sink.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 BlockSink::BlockSink(WorldView const& world, std::size_t groups, int replica)
     : replica_(replica), received_(world.receivers.size) {
@@ -92,4 +92,4 @@ BlockSums BlockSink::finish() {
   return std::move(sums_);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

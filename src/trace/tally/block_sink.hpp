@@ -8,7 +8,7 @@
 
 #include "trace/tally/history_tally.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // Addresses kept for replay: those of one block suffice up to 256 blocks, then their number grows with that of the
 // blocks up to the limit (records_kept()). Part of the run-file schema.
@@ -34,4 +34,4 @@ class BlockSink {
   BlockSums sums_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

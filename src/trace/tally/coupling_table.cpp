@@ -13,7 +13,7 @@
 #include "trace/tally/history_tally.hpp"
 #include "trace/tally/replay.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 namespace {
 
@@ -348,4 +348,4 @@ void add_deterministic(CouplingTable& table, std::vector<CouplingClass> const& c
   if (twice != table.classes.end()) throw NumericalError("two routes have one hash: " + route_name(table, *twice));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -8,7 +8,7 @@
 #include "trace/result.hpp"
 #include "trace/steered_world.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 CouplingTable make_coupling_table(SteeredWorld const&, BlockSums const& total, std::uint64_t seed);
 
@@ -44,4 +44,4 @@ CouplingClass deterministic_class(ClassKind, std::vector<PathStep> steps, PortId
 // Adds deterministic classes to the table, in the order of hashes. Throws NumericalError if two classes share a hash.
 void add_deterministic(CouplingTable&, std::vector<CouplingClass> const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -9,7 +9,7 @@
 #include "trace/step/path.hpp"
 #include "trace/step/specular_connection.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // The route of a score: how many vertices it has, where it ends, and its hash.
 struct Route {
@@ -266,4 +266,4 @@ STRAY_HD void BasicTally<List>::add_to_maps(PathState const& path, std::uint32_t
   if (any) lists_.cells.push_back(cells);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -6,7 +6,7 @@
 #include "trace/tally/history_tally.hpp"
 #include "world/model/body.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 // The footprints at the ends of a path: one, or two, which may be the same.
@@ -212,4 +212,4 @@ std::optional<ReplayedPath> replay(SteeredWorld const& world, std::uint64_t seed
   return sink.found;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

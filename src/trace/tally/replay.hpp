@@ -10,7 +10,7 @@
 #include "trace/step/step.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // One vertex of a path: its event, the unit vectors of the light before and after it, and the indices of the media on
 // both sides. A free beam starts on no surface. On a receiver the outgoing leg is zero
@@ -40,4 +40,4 @@ std::optional<ReplayedPath> replay(SteeredWorld const& world, std::uint64_t seed
 std::vector<PhaseSensitivity> phase_sensitivities_of(World const& world, std::vector<PassedVertex> const& vertices,
                                                      std::uint32_t source, std::uint32_t goal);
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -11,7 +11,7 @@
 #include "world/build/read_parts.hpp"
 #include "world/ghosts/obstacle.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 void read_trace_limits(Scene const& scene, World& world) {
   Node const t = scene.table("trace");
@@ -217,4 +217,4 @@ void read_edges(Scene const& scene, World& world, Registry const& names) {
   table.refuse_unknown("'edges'");
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -16,7 +16,7 @@
 #include "beams/cavity_mode.hpp"
 #include "world/build/read_parts.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // A route and its reverse are one coherent pair: C_rev counts on both ends being ports (docs/theory/path_integral.md,
@@ -439,4 +439,4 @@ void read_ports(Scene const& scene, World& world, Registry const& names, Beams c
       if (port.at == at) open(port, world, beams);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

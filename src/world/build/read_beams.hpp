@@ -8,7 +8,7 @@
 #include "world/build/read_parts.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // Common properties of all footprints of a beam.
 struct Lighting {
@@ -47,4 +47,4 @@ void light_up(Node const& beam, LitWish const&, Registry const&, World&, Lightin
 // most once.
 void place_spot(World const&, Footprint&);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -11,7 +11,7 @@
 #include "world/import/cad_file.hpp"
 #include "world/import/mesh_doctor.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 namespace {
 
@@ -520,4 +520,4 @@ PlacedCadShape cad_shape(CadFileFace const& f, double s, Storage& storage) {
   return {c, about(f.frame, s * f.frame.origin + (s * f.from / std::tan(f.second)) * f.frame.e3, false)};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -15,7 +15,7 @@
 #include "world/import/cad_file.hpp"
 #include "world/import/mesh_file.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // A part as its file names it. Rules match the complete name, "tower/dump", or its last piece, "dump".
 struct PartLabel {
@@ -105,4 +105,4 @@ std::string cad_text(Node const& file);
 void add_cad(Scene::Instance const&, Node const& file, Pose const&, Surface as, std::string const& side,
              FillPart const&, bool first_time, World&, Registry&, CadLibrary&);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -16,7 +16,7 @@
 #include "optics/scatter/angle_weight.hpp"
 #include "world/build/read_parts.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // Shares of power against the angle of incidence and the wavelength, from the scene or a file.
@@ -450,4 +450,4 @@ void prescribe_scatter(Node const& material, World& world, Optic& optic) {
   optic.weight[0] = world.storage.keep(std::vector<AngleWeight>{weight});
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

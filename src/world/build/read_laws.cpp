@@ -12,7 +12,7 @@
 #include "io/delimited_text.hpp"
 #include "optics/scatter/model_keys.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // One of two keys for the same value; returns whether `first` is given.
@@ -408,4 +408,4 @@ std::span<LawReader const> law_readers() {
   return all;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

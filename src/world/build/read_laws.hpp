@@ -10,7 +10,7 @@
 
 #include "world/build/read_parts.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct LawReading {
   World& world;
@@ -43,4 +43,4 @@ LawInfo read_preset(Node const& material, LawReading&, Optic&);
 // Wavelength at which a model is evaluated: the key `wavelength`, or that of the scene.
 double law_wavelength(Node const& law, World const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

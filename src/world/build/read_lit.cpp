@@ -11,7 +11,7 @@
 #include "world/build/read_beams.hpp"
 #include "world/ghosts/lit_surfaces.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 constexpr std::size_t most_spots = 2000;  // every one of them is connected to from every vertex
@@ -173,4 +173,4 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
                  "a cavity needs a mirror that transmits; a free beam something that it meets");
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -14,7 +14,7 @@
 #include "scene/library.hpp"
 #include "world/build/read_laws.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // Pairs [angle, weight], linear in the angle between them and constant outside.
@@ -331,4 +331,4 @@ std::span<MaterialPreset const> material_presets() {
   return all;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -9,7 +9,7 @@
 
 #include "base/input/table.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct MaterialPreset {
   enum class Gives {
@@ -35,4 +35,4 @@ std::optional<MaterialPreset> read_preset_numbers(std::string const& name, Node 
 
 std::span<MaterialPreset const> material_presets();  // of the library, in its order
 
-}  // namespace straytrace
+}  // namespace straytrace::world

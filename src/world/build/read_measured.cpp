@@ -8,7 +8,7 @@
 #include "world/build/read_laws.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 constexpr double far_wavelength = 0.05;  // relative
@@ -147,4 +147,4 @@ std::vector<MeasuredPoint> measured_points(Node const& law) {
   return points;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -10,7 +10,7 @@
 #include "io/delimited_text.hpp"
 #include "world/build/read_parts.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 double whole_power(double x, int n) {
@@ -299,4 +299,4 @@ ElasticMode read_elastic_mode(Node const& node) {
   return mode;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -11,7 +11,7 @@
 #include "scene/scene.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // Names of a scene, for later readers.
 struct Registry {
@@ -41,8 +41,8 @@ void read_receivers(Scene const&, World&, Registry const&);  // before the beams
 void read_beams(Scene const&, World&, Registry const&);
 void read_edges(Scene const&, World&, Registry const&);  // after the beams
 void read_trace_limits(Scene const&, World&);
-// Checks of a finished world: direction of grooves; light that cannot enter or leave glass; beams that illuminate no surface;
-// surfaces that share space.
+// Checks of a finished world: direction of grooves; light that cannot enter or leave glass; beams that illuminate no
+// surface; surfaces that share space.
 void check_lays(Scene const&, World const&);
 void check_glass(Scene const&, World const&, Registry const&);
 bool lets_light_in(World const&, std::uint32_t optic);  // at normal incidence, or as scatter
@@ -77,4 +77,4 @@ struct KnownMedium {
 };
 std::vector<KnownMedium> known_media();
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -10,7 +10,7 @@
 #include "world/build/read_parts.hpp"
 #include "world/model/cell_map.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 constexpr double most_pixels = 4096, most_cells = 1 << 20;
@@ -219,4 +219,4 @@ void read_receivers(Scene const& scene, World& world, Registry const& names) {
   for (auto const& [name, node] : scene.table("receivers").items()) read_receiver(name, node, world, names);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -11,7 +11,7 @@
 #include "world/build/read_files.hpp"
 #include "world/build/read_parts.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // Reads one shape from its table and adds the surface.
@@ -333,4 +333,4 @@ std::optional<Vec3> read_direction(Node const& list) {
   return {};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

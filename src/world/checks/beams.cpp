@@ -9,7 +9,7 @@
 #include "world/build/read_parts.hpp"
 #include "world/ghosts/apertures.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 constexpr int across = 64;  // lines tried in radius, and in azimuth
@@ -128,4 +128,4 @@ void check_beams(Scene const& scene, World const& world) {
   warn_of_glass_in_polarised_light(scene, world);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -12,7 +12,7 @@
 
 #include "world/build/read_parts.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 constexpr double least_depth = 1e-5;  // m: shallower crossings count as inaccurate drawing
@@ -370,4 +370,4 @@ std::vector<FacePair> crossing_faces(World const& world, double least_depth) {
   return all;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

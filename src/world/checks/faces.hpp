@@ -10,7 +10,7 @@
 #include "optics/media_stack.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct FacePair {
   SurfaceId first, second;  // first < second
@@ -85,4 +85,4 @@ inline std::vector<FaceSample> face_samples(WorldView const& view, std::uint32_t
   return all;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

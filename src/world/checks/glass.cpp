@@ -12,7 +12,7 @@
 #include "world/build/read_parts.hpp"
 #include "world/ghosts/beam_tree.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 bool is_bare_boundary(World const& world, std::uint32_t optic) {
@@ -313,4 +313,4 @@ bool encloses(World const& world, std::vector<std::uint32_t> const& faces) {
   return Integrals(world.view(), faces, few).enclosed() > 0 && volume_fault(world, faces).empty();
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

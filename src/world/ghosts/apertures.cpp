@@ -11,7 +11,7 @@
 #include "world/ghosts/beam_tree.hpp"
 #include "world/ghosts/obstacle.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -293,4 +293,4 @@ std::vector<MainLoss> main_losses(World const& world, double least) {
   return all;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

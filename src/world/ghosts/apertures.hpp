@@ -9,7 +9,7 @@
 #include "beams/mode.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct BeamAperture {
   std::uint32_t beam = 0;
@@ -42,4 +42,4 @@ struct MainLoss {
 };
 std::vector<MainLoss> main_losses(World const&, double least = 0.01);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -9,7 +9,7 @@
 #include "optics/coating/specular.hpp"
 #include "world/ghosts/obstacle.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 constexpr double weaker = 0.5,
@@ -390,4 +390,4 @@ double BeamEnergyBalance::total() const {
   return sum;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

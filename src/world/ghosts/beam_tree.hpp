@@ -25,7 +25,7 @@
 #include "world/model/vertex.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // What is launched, with power 1.
 struct BeamLaunch {
@@ -141,4 +141,4 @@ struct BeamEnergyBalance {
 // Grows the tree of one launch. It needs memory for the longest way only.
 BeamEnergyBalance grow_tree(World const&, BeamLaunch const&, TreeLimits const&, BeamSink&);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

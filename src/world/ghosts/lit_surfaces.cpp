@@ -7,7 +7,7 @@
 #include "world/ghosts/obstacle.hpp"
 #include "world/model/body.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // Mean over the states that an unpolarised beam consists of.
@@ -140,4 +140,4 @@ std::vector<LitRow> lit_rows(World const& world) {
   return rows;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

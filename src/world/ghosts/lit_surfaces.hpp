@@ -8,7 +8,7 @@
 
 #include "world/ghosts/beam_tree.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // Place, profile and wavefront of a mode that arrives in a medium of this index.
 Footprint footprint_of(Mode const&, double index);
@@ -36,4 +36,4 @@ struct LitRow {
 };
 std::vector<LitRow> lit_rows(World const&);  // of a finished world; free beams illuminate no surface alone
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -7,7 +7,7 @@
 #include "beams/overlap.hpp"
 #include "world/model/body.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 constexpr double in_line = 0.2;  // rad: beams farther apart have no overlap that counts
@@ -218,7 +218,7 @@ class Rows final : public BeamSink {
     ghost.point = beam.mode.origin;
     ghost.travel = beam.mode.travel;
     ghost.power = beam.field.power();
-    ghost.spot = straytrace::spot(beam.mode);
+    ghost.spot = beams::spot(beam.mode);
     ghost.path_length = beam.path_length;
     if (way.size() < standing_.size()) ghost.standing = standing_[way.size()];
     ghost.way = way;
@@ -241,4 +241,4 @@ BeamEnergyBalance find_ghosts(World const& world, BeamLaunch const& launch, Tree
   return grow_tree(world, launch, limits, rows);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -12,7 +12,7 @@
 
 #include "world/ghosts/beam_tree.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // Where the main beam meets a surface, and the one or two ways in which it leaves.
 struct MainNode {
@@ -91,4 +91,4 @@ struct Ghost {
 BeamEnergyBalance find_ghosts(World const&, BeamLaunch const&, TreeLimits const&, MainBeam const&,
                               std::function<void(Ghost const&)> const& each);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -7,7 +7,7 @@
 
 #include "beams/aperture.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // rho^2 = (root x + b/root y)^2 + (rest y)^2 for Im Q = (a, b; b, c) lambda/pi.
 BeamLines::BeamLines(Mode const& mode) : origin(mode.origin), travel(mode.travel) {
@@ -442,4 +442,4 @@ Stripes Obstacle::searched(Fan const& fan) const {
   return all;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -13,7 +13,7 @@
 #include "world/ghosts/screens.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // Coordinates in which the beam is round: the share exp(-2 rho^2) of its power lies beyond rho.
 class BeamLines {
@@ -145,4 +145,4 @@ class Obstacle {
   double size_ = 0;            // m, its radius
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::world

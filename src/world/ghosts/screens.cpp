@@ -9,7 +9,7 @@
 #include "world/ghosts/beam_tree.hpp"
 #include "world/ghosts/obstacle.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // Upper bound of the square of the larger 1/e^2 radius at z >= 0: a + b z + c z^2, convex. With Q^-1 = A - iY at z = 0,
 // (Im Q)^-1 = Y + (A + z) Y^-1 (A + z) there. Exact for round beams.
@@ -353,4 +353,4 @@ FlightLoss Screens::loss(BeamFlight const& flight) const {
   return loss;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

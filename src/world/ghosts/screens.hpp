@@ -9,7 +9,7 @@
 #include "beams/mode.hpp"
 #include "world/model/view.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // From the surface left (invalid: from space) to the next one (invalid: the beam leaves the scene).
 struct BeamFlight {
@@ -73,4 +73,4 @@ class Screens {
   std::vector<Node> nodes_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::world

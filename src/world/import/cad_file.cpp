@@ -20,7 +20,7 @@
 #include "base/process/child_process.hpp"
 #include "base/text/words.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 using nlohmann::json;
@@ -155,11 +155,11 @@ MeshFault read_cad_file(std::string const& text, CadFile& out) {
   return {};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world
 
 extern char** environ;
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 namespace fs = std::filesystem;
@@ -277,4 +277,4 @@ StepConversion convert_step(std::string const& name, std::string const& bytes) {
   return made;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

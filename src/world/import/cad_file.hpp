@@ -9,7 +9,7 @@
 #include "geometry/cad/cad_face.hpp"
 #include "world/import/mesh_file.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct CadFileFace {
   Carrier carrier = Carrier::plane;
@@ -56,4 +56,4 @@ struct StepConversion {
 // straytrace/step in XDG_CACHE_HOME or ~/.cache; without either there is no cache.
 StepConversion convert_step(std::string const& name, std::string const& bytes);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -11,7 +11,7 @@
 
 #include "base/text/words.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // One side of one triangle; `low` and `high` number its corners over all parts.
@@ -231,4 +231,4 @@ MeshAdvice scale_advice(Box const& box, double unit) {
   return {};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

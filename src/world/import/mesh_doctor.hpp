@@ -8,7 +8,7 @@
 
 #include "world/import/mesh_file.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct MeshHealth {
   struct Part {
@@ -40,4 +40,4 @@ MeshAdvice scale_advice(Box const&, double unit);
 
 std::string size_text(Box const&, double unit);  // "1.2 m x 300 mm x 5 mm"
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -23,7 +23,7 @@
 #include "base/process/child_process.hpp"
 #include "base/text/words.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 class MemoryStream : public Assimp::IOStream {
@@ -354,4 +354,4 @@ void set_library_colours(std::string const& library, MeshFile& mesh) {
     if (auto const hit = colour.find(p.material); hit != colour.end()) p.colour = hit->second;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

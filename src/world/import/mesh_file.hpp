@@ -11,7 +11,7 @@
 
 #include "geometry/mesh/triangle.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct MeshPart {
   std::string name, material;  // empty: not in the file
@@ -54,4 +54,4 @@ std::string gltf_colour(aiScene const&, aiMesh const&);
 // Colours of the faces, from the vertices: that of the first corner. Empty: no colours, or as many as in a photograph.
 std::vector<std::string> vertex_colours(aiMesh const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -8,7 +8,7 @@
 
 #include "io/delimited_text.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // Written as 1064, 1.064 or 1064e-9: the unit follows from the size of the number.
@@ -73,7 +73,7 @@ class NewmtlReader {
     }
   }
   void complain(TextCell const& where, std::string what, std::string suggestion) {
-    straytrace::complain(problems_, where, std::move(what), std::move(suggestion));
+    world::complain(problems_, where, std::move(what), std::move(suggestion));
   }
   std::vector<Problem>& problems_;
 };
@@ -118,4 +118,4 @@ std::string materials_table(std::vector<NewmtlMaterial> const& materials) {
   return (media.empty() ? "" : "media:\n" + media) + "materials:\n" + (out.empty() ? "  {}\n" : out);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -9,7 +9,7 @@
 
 #include "base/errors.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct NewmtlMaterial {
   std::string name;
@@ -26,4 +26,4 @@ std::vector<NewmtlMaterial> read_newmtl(std::string_view text, std::vector<Probl
 // the list does not state its distribution.
 std::string materials_table(std::vector<NewmtlMaterial> const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

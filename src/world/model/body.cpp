@@ -5,7 +5,7 @@
 
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 PhaseSensitivity& phase_sensitivity_of(std::vector<PhaseSensitivity>& phase_sensitivities, BodyId body) {
   auto const at = std::find_if(phase_sensitivities.begin(), phase_sensitivities.end(),
@@ -27,4 +27,4 @@ void add_hit(std::vector<PhaseSensitivity>& phase_sensitivities, World const& wo
         dot(kappa, mode.shape->at(point - (mode.origin_given ? mode.origin : body.pivot)));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -10,7 +10,7 @@
 #include "base/math/vec3.hpp"
 #include "base/memory/ids.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 class World;
 
@@ -43,4 +43,4 @@ PhaseSensitivity& phase_sensitivity_of(std::vector<PhaseSensitivity>&, BodyId);
 // without a body (a measuring plane) adds nothing.
 void add_hit(std::vector<PhaseSensitivity>&, World const&, SurfaceId, Vec3 point, Vec3 kappa);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

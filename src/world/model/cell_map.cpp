@@ -8,7 +8,7 @@
 
 #include "world/model/view.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 namespace {
 constexpr std::uint32_t most_depth = 24;  // a side is halved about twelve times
@@ -172,4 +172,4 @@ double filled_share(WorldView const& view, SurfaceId id, Chart chart, MapCell co
   return first == coarse * coarse ? 1 : double(filled(fine)) / (fine * fine);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -12,7 +12,7 @@
 #include "base/math/functions.hpp"
 #include "base/memory/ids.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct WorldView;
 
@@ -90,4 +90,4 @@ SurfaceChart chart_of(WorldView const&, std::span<SurfaceId const>);
 // frame of the map stands at reference() of the shape, with `axis` as its third axis.
 double filled_share(WorldView const&, SurfaceId, Chart, MapCell const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

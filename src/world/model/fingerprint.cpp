@@ -4,7 +4,7 @@
 
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // Appends plain numbers as bytes and texts with their length in front.
@@ -138,4 +138,4 @@ std::string World::fingerprint() const {
   return std::move(out.text);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -9,7 +9,7 @@
 #include "optics/coating/specular.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 void read_bracket(Node const& bracket, ScatterSpread& spread) {
@@ -80,4 +80,4 @@ double scattered_share(World const& world, MaterialInfo const& info) {
   return scatter_albedo(view.laws, view.optics[info.optic], 1.0);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -10,8 +10,11 @@
 #include "optics/optic.hpp"
 
 namespace straytrace {
-
 class Node;
+}  // namespace straytrace
+
+namespace straytrace::world {
+
 class World;
 struct WorldView;
 
@@ -64,4 +67,4 @@ double bsdf_at(WorldView const&, Optic const&, double degrees, double offset, in
 // Share of the light at normal incidence that a material scatters, to both sides together.
 double scattered_share(World const&, MaterialInfo const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

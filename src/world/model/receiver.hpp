@@ -6,7 +6,7 @@
 #include "base/memory/ids.hpp"
 #include "world/model/cell_map.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct Receiver {
   SurfaceId surface;
@@ -76,4 +76,4 @@ struct Receiver {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::world

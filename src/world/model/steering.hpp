@@ -9,7 +9,7 @@
 
 #include "base/memory/ids.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct Strip {
   SurfaceId surface;
@@ -125,4 +125,4 @@ struct SteeringTables {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::world

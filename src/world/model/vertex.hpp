@@ -7,7 +7,7 @@
 #include "optics/media_stack.hpp"
 #include "world/model/view.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct Vertex {
   SurfaceId surface;
@@ -96,4 +96,4 @@ STRAY_HD double kept_along(WorldView const& world, MediaStack const& media, doub
   return kept_on_the_way(world.media[world.volumes[media.current()].medium].absorption, leg);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

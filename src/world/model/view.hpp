@@ -16,7 +16,7 @@
 #include "world/search/search.hpp"
 #include "world/search/search_kernels.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 using ShapePool = Pool<ShapeTypes>;
 
@@ -132,4 +132,4 @@ struct WorldView {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::world

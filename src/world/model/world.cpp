@@ -9,7 +9,7 @@
 #include "base/errors.hpp"
 #include "world/search/surface_pack.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 template <class List, class Vectors, std::size_t... I>
@@ -172,4 +172,4 @@ std::vector<std::string> World::body_names() const {
   return names;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -11,9 +11,11 @@
 #include "world/model/material.hpp"
 #include "world/model/view.hpp"
 
-namespace straytrace {
-
+namespace straytrace::scene {
 class Scene;
+}  // namespace straytrace::scene
+
+namespace straytrace::world {
 
 // How a beam reached a footprint: its chief ray from the launch. Light that rejoins travels the same way back, by
 // eq. 2.2 with the same phase sensitivities.
@@ -157,4 +159,4 @@ class World {
 // Reads materials, bodies (pivots), parts, beams, ports and trace limits; problems go to the scene's document.
 World build_world(Scene const&);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

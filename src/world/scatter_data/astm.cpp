@@ -11,7 +11,7 @@
 #include "io/delimited_text.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 class AstmReader {
@@ -131,4 +131,4 @@ void read_astm(std::string_view text, ScatterFile& file, std::vector<Problem>& p
   AstmReader(file, problems).read(text);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -12,7 +12,7 @@
 #include "io/delimited_text.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // "1064 nm" of this dimension.
@@ -202,4 +202,4 @@ void read_scatter_columns(std::string_view text, ScatterFile& file, std::vector<
   Columns(file, problems).read(text);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -11,7 +11,7 @@
 #include "io/delimited_text.hpp"
 #include "optics/scatter/measured.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 constexpr std::string_view columns = "laboratory CSV";
@@ -220,4 +220,4 @@ Measured law_of_points(std::vector<ScatterPoint> const& points, std::string_view
   return law;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -10,7 +10,7 @@
 #include "base/errors.hpp"
 #include "optics/scatter/measured.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // Declarations about a measurement in a file, a scene or a command line.
 struct ScatterDeclared {
@@ -80,4 +80,4 @@ constexpr double stated_tis_tolerance = 0.05;
 // zero.
 Measured law_of_points(std::vector<ScatterPoint> const&, std::string_view beyond, MeasuredSummary&);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

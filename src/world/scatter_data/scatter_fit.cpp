@@ -12,7 +12,7 @@
 #include "base/math/least_squares.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 constexpr double huber = 2.5;
@@ -364,4 +364,4 @@ ScatterAudit audit_scatter(ScatterFile const& file, std::string_view beyond) {
   return out;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -12,7 +12,7 @@
 
 #include "world/scatter_data/scatter_file.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct FitParameter {
   std::string name, unit;
@@ -64,4 +64,4 @@ struct ScatterAudit {
 };
 ScatterAudit audit_scatter(ScatterFile const&, std::string_view beyond);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

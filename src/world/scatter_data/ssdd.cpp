@@ -13,7 +13,7 @@
 #include "io/delimited_text.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 struct Block {
@@ -291,4 +291,4 @@ std::string ssdd_text(ScatterFile const& file, std::string_view beyond, std::str
       fmt::join(g.incidence, " "), fmt::join(g.polar, " "), fmt::join(g.azimuth, " "), rows);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

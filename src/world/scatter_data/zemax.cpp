@@ -14,7 +14,7 @@
 #include "io/delimited_text.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // Azimuth 0 points from the specular direction towards the normal.
@@ -307,4 +307,4 @@ void read_abg_catalogue(std::string_view text, ScatterFile& file, std::vector<Pr
                                    e->name, reader.entries.size()));
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

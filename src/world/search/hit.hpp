@@ -5,7 +5,7 @@
 #include "geometry/shape_types.hpp"
 #include "world/search/tube.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 struct Hit {
   SurfaceId surface;
@@ -98,4 +98,4 @@ struct AnyQuery {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -9,7 +9,7 @@
 
 #include "world/search/surface_pack.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // A line in space, the same for both directions along it.
@@ -214,4 +214,4 @@ void SurfacePack::set(int lane, SearchItem const& item, Vec3 origin, double larg
   ref[lane] = item.ref;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

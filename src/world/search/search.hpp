@@ -11,7 +11,7 @@
 #include "world/search/surface_pack.hpp"
 #include "world/search/tube.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // One local tree: a slice of the flat array of nodes. Its leaves are packs; those of the tree over the trees are
 // clusters.
@@ -95,4 +95,4 @@ class SearchTree {
   std::vector<SurfacePack> packs_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -6,7 +6,7 @@
 #include "geometry/mesh/triangle_mesh.hpp"
 #include "world/model/view.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 // Several rays at once. Each first searches everything but the meshes, which it notes; then the rays take turns in the
@@ -286,4 +286,4 @@ SearchKernels const* find_search_kernels(std::string_view name) {
 
 SearchKernels const* search_kernels = choose();
 
-}  // namespace straytrace
+}  // namespace straytrace::world

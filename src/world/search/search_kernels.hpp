@@ -6,11 +6,16 @@
 #include <cstdint>
 #include <string_view>
 
+#include "base/namespaces.hpp"
+
 namespace straytrace {
+struct Ray;
+}  // namespace straytrace
+
+namespace straytrace::world {
 
 struct Departure;
 struct Hit;
-struct Ray;
 struct RayQuery;
 struct WorldView;
 
@@ -27,4 +32,4 @@ extern SearchKernels const* search_kernels;
 // "portable", "avx2" or "avx512"; nullptr: unknown, or not supported by this processor.
 SearchKernels const* find_search_kernels(std::string_view name);
 
-}  // namespace straytrace
+}  // namespace straytrace::world

@@ -12,7 +12,7 @@
 #include "geometry/shape_types.hpp"
 #include "world/search/tube.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // Bounds of a surface: a box, and heights along its axis and distances from it that contain it.
 struct SearchItem {
@@ -126,4 +126,4 @@ SearchItem search_item(Shape const& shape) {
   return item;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

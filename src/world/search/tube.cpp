@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace straytrace {
+namespace straytrace::world {
 namespace {
 
 double squared_below(double r, double slack) {
@@ -134,4 +134,4 @@ TubeArrays TubeData::view() const {
           {starts.data(), starts.size()}};
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::world

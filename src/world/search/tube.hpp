@@ -14,7 +14,7 @@
 #include "base/memory/ids.hpp"
 #include "base/memory/storage.hpp"
 
-namespace straytrace {
+namespace straytrace::world {
 
 // A surface and its shape, packed: the result of a search.
 struct SurfaceRef {
@@ -324,4 +324,4 @@ struct TubeData {
   void find_starts(TubeSide&);
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::world

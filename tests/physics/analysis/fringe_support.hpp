@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/fringes/fringe_fit.hpp"
+#include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 

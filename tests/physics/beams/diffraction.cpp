@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "beams/aperture.hpp"
 #include "support/recorded.hpp"

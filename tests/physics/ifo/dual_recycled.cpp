@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/every_module.hpp"
 #include "ifo/cavity.hpp"
 #include "support/recorded.hpp"
 

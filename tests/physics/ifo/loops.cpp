@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "ifo/network.hpp"
 #include "spectra/transfer_function.hpp"
 #include "support/recorded.hpp"

@@ -7,6 +7,7 @@
 
 #include <random>
 
+#include "base/every_module.hpp"
 #include "ifo/cavity.hpp"
 #include "support/recorded.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "base/every_module.hpp"
 #include "ifo/cavity.hpp"
 #include "ifo/network.hpp"
 #include "support/recorded.hpp"

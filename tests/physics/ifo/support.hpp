@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "ifo/cavity.hpp"
 #include "ifo/dual_recycled.hpp"
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "noise/noise.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
 #include "spectra/shapes.hpp"

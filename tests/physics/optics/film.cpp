@@ -8,6 +8,7 @@
 #include <complex>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "optics/coating/specular.hpp"
 
 namespace straytrace {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "base/math/rng.hpp"
 #include "optics/coating/fresnel.hpp"
 #include "optics/coating/specular.hpp"

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "base/math/rng.hpp"
 #include "optics/coating/film.hpp"
 #include "optics/coating/fresnel.hpp"

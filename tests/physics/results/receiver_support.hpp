@@ -2,6 +2,7 @@
 // Scenes with receivers, traced.
 #pragma once
 
+#include "base/every_module.hpp"
 #include "results/receivers/receivers.hpp"
 #include "support/test_backend.hpp"
 #include "trace/importance/steering_tables.hpp"

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "spectra/shapes.hpp"
 #include "support/recorded.hpp"
 

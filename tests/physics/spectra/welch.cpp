@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 #include "support/recorded.hpp"

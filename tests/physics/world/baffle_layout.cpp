@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/every_module.hpp"
 #include "base/math/rng.hpp"
 #include "scene/scene.hpp"
 #include "support/recorded.hpp"

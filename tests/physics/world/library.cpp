@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "base/files/embedded.hpp"
 #include "base/math/rng.hpp"
 #include "world/build/read_materials.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "base/math/rng.hpp"
 #include "scene/scene.hpp"
 #include "world/model/world.hpp"

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "scene/scene.hpp"
 #include "support/recorded.hpp"
 #include "world/model/world.hpp"

@@ -9,6 +9,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "support/recorded.hpp"
 

@@ -2,6 +2,7 @@
 // A result is a function of scene, seed and number of histories, and of nothing else (docs/develop/architecture.md).
 #include <map>
 
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
 #include "support/recorded.hpp"

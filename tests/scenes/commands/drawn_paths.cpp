@@ -2,6 +2,7 @@
 // Drawn paths that represent all paths: named wherever their noise is shown.
 #include <nlohmann/json.hpp>
 
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
 

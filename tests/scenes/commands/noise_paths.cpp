@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <sstream>
 
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs that are stopped, continued, rerun or in the way (docs/reference/commands.md: exit code 85, manners).
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
 #include "support/recorded.hpp"

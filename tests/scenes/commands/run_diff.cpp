@@ -3,6 +3,7 @@
 // of the row `other` of the other run.
 #include "session/compare/run_diff.hpp"
 
+#include "base/every_module.hpp"
 #include "scenes/program.hpp"
 
 namespace straytrace::testing::app_run_diff {

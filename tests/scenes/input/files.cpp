@@ -4,6 +4,7 @@
 #include <numeric>
 #include <pwd.h>
 
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
 

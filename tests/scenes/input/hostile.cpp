@@ -2,6 +2,7 @@
 // Hostile files: each gives an error message, in bounded time and memory, and no result is lost.
 #include <sys/stat.h>
 
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/limits.hpp"
 

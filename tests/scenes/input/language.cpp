@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "scenes/answers.hpp"
 #include "session/interrupt.hpp"
 

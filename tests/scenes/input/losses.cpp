@@ -6,6 +6,7 @@
 #include <random>
 #include <thread>
 
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/limits.hpp"
 

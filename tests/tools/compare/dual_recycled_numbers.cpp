@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/every_module.hpp"
 #include "ifo/dual_recycled.hpp"
 
 namespace {

@@ -141,31 +141,46 @@ class CheckCalls(unittest.TestCase):
 
 
 class CheckIncludes(unittest.TestCase):
-    def expect(self, line, status, room="trace"):
-        files = {"src/base/math/vec3.hpp": HEAD, f"src/{room}/a.cpp": f"{line}\n"}
-        found, output = verdict("lint/check_includes.py", files, "src")
+    def expect(self, files, status, part):
+        good = {"src/world/a.hpp": '#include "base/math/vec3.hpp"\n'}
+        found, output = verdict("lint/check_includes.py", {**good, **files}, "src")
         self.assertEqual(found, status, output)
+        self.assertIn(part, output)
 
-    def test_allowed_include_passes(self):
-        self.expect('#include "base/math/vec3.hpp"', 0)
+    def test_modules_include_what_the_namespaces_list(self):
+        self.expect({"src/trace/b.cpp": '#include "world/model/world.hpp"\n'}, 0, "all includes allowed")
+        self.expect({"src/trace/b.cpp": '#include "motion/motion.hpp"\n'}, 1, "b.cpp:1: trace may not include motion")
+        self.expect({"src/world/b.cpp": '\n#  include "motion/motion.hpp"\n'}, 1, "b.cpp:2: world may not include motion")
+        self.expect({"src/noise/b.cpp": '#include "trace/coupling.hpp"\n'}, 0, "all includes allowed")
+        self.expect({"src/noise/b.cpp": '#include "trace/run/trace.hpp"\n'}, 1, "noise may not include trace/run/trace.hpp")
+        self.expect({"src/attic/b.cpp": '#include "base/math/vec3.hpp"\n'}, 1, "module 'attic' is not in the map")
+        self.expect({"src/noise/b.cpp": '#include "base/every_module.hpp"\n'}, 1, "is for tests")
 
-    def test_motion_cannot_enter_the_trace(self):
-        self.expect('#include "motion/motion.hpp"', 1)
-
-    def test_noise_sees_only_the_coupling_table(self):
-        self.expect('#include "trace/coupling.hpp"', 0, "noise")
-        self.expect('#include "trace/result.hpp"', 1, "noise")
+    def test_headers_of_folders_in_a_circle_fail(self):
+        up, down = '#include "world/search/s.hpp"\n', '#include "world/model/m.hpp"\n'
+        self.expect({"src/world/model/m.hpp": up, "src/world/search/s.hpp": ""}, 0, "all includes allowed")
+        self.expect({"src/world/model/m.hpp": up, "src/world/search/s.hpp": down}, 1, "closes a circle of folders, world/")
+        self.expect({"src/world/model/m.hpp": up, "src/world/search/s.cpp": down}, 0, "all includes allowed")  # sources close none
 
     def test_no_includes_at_all_fails(self):
-        self.expect("int a;", 1)
+        found, output = verdict("lint/check_includes.py", {"src/trace/a.cpp": "int a;\n"}, "src")
+        self.assertEqual(found, 1, output)
+        self.assertIn("no project includes found", output)
 
     def test_two_types_of_one_name_fail(self):
-        line = {"src/trace/a.cpp": '#include "base/math/vec3.hpp"\n'}
         one, other = HEAD + "struct Answer {\n};\n", HEAD + "class Answer : Base {\n};\n"
-        self.assertEqual(verdict("lint/check_includes.py", {**line, "src/base/a.hpp": one, "src/base/b.hpp": other}, "src")[0], 1)
+        self.expect({"src/base/a.hpp": one, "src/base/b.hpp": other}, 1, "is a type of")
+        self.expect({"src/world/a.hpp": HEAD + '#include "base/math/vec3.hpp"\n' + one, "src/base/b.hpp": other}, 0, "all includes allowed")
         for good in (HEAD + "struct Answer;\n", HEAD + "template <class T>\nclass Answer {\n};\n", HEAD + "struct Answers {\n};\n"):
-            found, output = verdict("lint/check_includes.py", {**line, "src/base/a.hpp": one, "src/base/b.hpp": good}, "src")
-            self.assertEqual(found, 0, output)
+            self.expect({"src/base/a.hpp": one, "src/base/b.hpp": good}, 0, "all includes allowed")
+
+    def test_namespace_of_another_module_fails(self):
+        for file, name in (("world/b.hpp", "straytrace::world"), ("base/b.hpp", "straytrace"), ("io/b.hpp", "straytrace::io::hdf5")):
+            self.expect({f"src/{file}": f"namespace {name} {{\nint a;\n}}\n"}, 0, "all includes allowed")
+        for file, name in (("world/b.hpp", "straytrace::trace"), ("world/b.hpp", "straytrace"), ("base/b.hpp", "straytrace::world")):
+            self.expect({f"src/{file}": f"namespace {name} {{\nint a;\n}}\n"}, 1, "b.hpp:1: opens a namespace of another module")
+        declared = "namespace straytrace::world {\nclass World;\n}  // namespace straytrace::world\n"
+        self.expect({"src/trace/b.hpp": declared}, 0, "all includes allowed")
 
 
 class CheckHeaders(unittest.TestCase):

@@ -7,6 +7,7 @@
 
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/every_module.hpp"
 #include "base/math/rng.hpp"
 #include "beams/cavity_mode.hpp"
 #include "beams/ray_matrix.hpp"

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/every_module.hpp"
+
 namespace straytrace {
 namespace {
 

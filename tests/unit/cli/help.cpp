@@ -7,6 +7,7 @@
 
 #include <filesystem>
 
+#include "base/every_module.hpp"
 #include "support/help_examples.hpp"
 
 namespace straytrace {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "base/math/functions.hpp"
 #include "base/math/rng.hpp"
 

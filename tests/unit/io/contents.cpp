@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 
+#include "base/every_module.hpp"
 #include "io/hdf5/reader.hpp"
 #include "io/hdf5/writer.hpp"
 #include "support/message_of.hpp"

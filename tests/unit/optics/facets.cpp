@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "base/every_module.hpp"
+
 namespace straytrace {
 namespace {
 

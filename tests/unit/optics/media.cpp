@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "optics/coating/fresnel.hpp"
 #include "optics/media_presets.hpp"
 #include "optics/media_stack.hpp"

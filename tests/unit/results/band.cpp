@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "base/every_module.hpp"
+
 namespace straytrace::test {
 
 // A sine fills one bin: h is its average at every frequency of that bin, below and above the centre, and zero outside.

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "results/curves/band.hpp"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "results/text/image.hpp"
 
 namespace straytrace::testing {

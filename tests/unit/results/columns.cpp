@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/every_module.hpp"
+
 namespace straytrace::testing::report_columns {
 namespace {
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "io/delimited_text.hpp"
 #include "spectra/curve.hpp"
 #include "spectra/files/series_file.hpp"

@@ -7,6 +7,7 @@
 #include <png.h>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "base/files/embedded.hpp"
 #include "ifo/dual_recycled.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "results/receivers/receivers.hpp"
 
 namespace straytrace::test {

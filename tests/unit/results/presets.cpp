@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "ifo/dual_recycled.hpp"
 #include "noise/fundamental/design.hpp"
 #include "noise/fundamental/quantum.hpp"

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "io/hdf5/reader.hpp"
 #include "io/hdf5/writer.hpp"
 #include "noise/fundamental/design.hpp"

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 
 namespace straytrace::test {

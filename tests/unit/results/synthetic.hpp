@@ -7,6 +7,7 @@
 #include <string>
 #include <unistd.h>
 
+#include "base/every_module.hpp"
 #include "results/results.hpp"
 
 namespace straytrace::test {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "scene/scene.hpp"
 
 namespace straytrace::test {

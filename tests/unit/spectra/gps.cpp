@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "spectra/files/series_file.hpp"
 #include "spectra/files/unit_text.hpp"
 

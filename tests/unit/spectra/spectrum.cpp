@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "spectra/curve.hpp"
 #include "spectra/shapes.hpp"

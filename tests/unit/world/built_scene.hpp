@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
+#include "base/every_module.hpp"
 #include "scene/scene.hpp"
 #include "world/model/world.hpp"
 

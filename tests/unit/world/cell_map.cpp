@@ -10,6 +10,7 @@
 #include <functional>
 #include <random>
 
+#include "base/every_module.hpp"
 #include "base/math/functions.hpp"
 #include "world/model/world.hpp"
 

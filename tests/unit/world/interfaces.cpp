@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/every_module.hpp"
 #include "optics/coating/specular.hpp"
 #include "scene/scene.hpp"
 #include "world/build/read_parts.hpp"

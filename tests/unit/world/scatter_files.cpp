@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "trace/backend/device/engine_body.hpp"
 
-namespace straytrace::device {
+namespace straytrace::trace::device {
 namespace {
 
 constexpr int threads = 128;  // of a block: small, since what they do lasts very differently long
@@ -57,11 +57,11 @@ class Cuda {
 };
 
 }  // namespace
-}  // namespace straytrace::device
+}  // namespace straytrace::trace::device
 
-extern "C" __attribute__((visibility("default"))) straytrace::DeviceEngine* straytrace_device_engine(
+extern "C" __attribute__((visibility("default"))) straytrace::trace::DeviceEngine* straytrace_device_engine(
     std::uint32_t abi) {
-  if (abi != straytrace::device_abi)
+  if (abi != straytrace::trace::device_abi)
     throw std::runtime_error("libstraytrace_cuda.so belongs to another version of straytrace");
-  return new straytrace::device::EngineBody<straytrace::device::Cuda>();
+  return new straytrace::trace::device::EngineBody<straytrace::trace::device::Cuda>();
 }

@@ -16,7 +16,7 @@
 #include "trace/step/step.hpp"
 #include "trace/tally/block_sink.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 namespace {
 
@@ -254,4 +254,4 @@ std::unique_ptr<DeviceEngine> cuda_engine() {
   return load_engine(library);
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

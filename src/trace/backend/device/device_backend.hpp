@@ -6,7 +6,7 @@
 #include "trace/backend/backend.hpp"
 #include "trace/backend/device/engine.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // The engine in a shared library. Throws InputError when the library cannot be loaded or finds no device.
 std::unique_ptr<DeviceEngine> load_engine(std::string const& library);
@@ -43,4 +43,4 @@ class BatchBlocks {
   BatchSums sums_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

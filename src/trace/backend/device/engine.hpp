@@ -12,7 +12,7 @@
 
 #include "trace/tally/history_tally.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 // Which histories a batch holds: whole blocks, any of them. Within the batch they are numbered from 0.
 struct BatchHistories {
@@ -153,4 +153,4 @@ class DeviceEngine {
 using MakeDeviceEngine = DeviceEngine* (*)(std::uint32_t abi);
 constexpr std::uint32_t device_abi = 1;  // changes with anything in this file or in what it includes
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

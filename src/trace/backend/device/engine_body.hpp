@@ -14,7 +14,7 @@
 #include "trace/backend/device/ordered.hpp"
 #include "trace/backend/device/sums.hpp"
 
-namespace straytrace::device {
+namespace straytrace::trace::device {
 
 struct SumPhases {
   double const *amplitude, *turns, *phase_sensitivity, *position;
@@ -235,4 +235,4 @@ class EngineBody final : public DeviceEngine {
   Memory<HistoryCells> cells_;
 };
 
-}  // namespace straytrace::device
+}  // namespace straytrace::trace::device

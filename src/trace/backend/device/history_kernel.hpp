@@ -6,7 +6,7 @@
 #include "trace/backend/device/engine.hpp"
 #include "trace/backend/device/noinline.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 template <class T>
 struct Slab {
@@ -134,4 +134,4 @@ struct DeviceWalk {
   }
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

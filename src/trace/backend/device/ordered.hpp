@@ -20,7 +20,7 @@
 
 #include "base/math/functions.hpp"
 
-namespace straytrace::device {
+namespace straytrace::trace::device {
 
 template <class T>
 using Array = thrust::device_vector<T>;
@@ -143,4 +143,4 @@ std::uint32_t lay_out(Array<Row>& rows, std::uint32_t Row::*first, std::uint32_t
   return sums.back();
 }
 
-}  // namespace straytrace::device
+}  // namespace straytrace::trace::device

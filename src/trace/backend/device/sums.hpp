@@ -8,7 +8,7 @@
 #include "trace/result.hpp"
 #include "trace/tally/block_sink.hpp"
 
-namespace straytrace::device {
+namespace straytrace::trace::device {
 
 using TotalRecord = Recorded<HistoryTotal>;
 using ScoreRecord = Recorded<HistoryScore>;
@@ -257,4 +257,4 @@ inline void make_cell_rows(Array<CellsRecord> const& cells, Array<CellRow>& rows
   for_each_number(rows.size(), MakeCellRow{run_of(keys, starts), cell_of, data_of(rows)});
 }
 
-}  // namespace straytrace::device
+}  // namespace straytrace::trace::device

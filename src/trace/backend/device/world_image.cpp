@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace straytrace {
+namespace straytrace::trace {
 namespace {
 
 // What a type points to: calls f(view) for each of its arrays. A type that is not named here has none; the test
@@ -145,4 +145,4 @@ std::vector<std::byte> WorldImage::placed_at(void const* address) const {
   return bytes;
 }
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

@@ -8,7 +8,7 @@
 
 #include "world/model/view.hpp"
 
-namespace straytrace {
+namespace straytrace::trace {
 
 class WorldImage {
  public:
@@ -29,4 +29,4 @@ class WorldImage {
   std::vector<Pointer> pointers_;
 };
 
-}  // namespace straytrace
+}  // namespace straytrace::trace

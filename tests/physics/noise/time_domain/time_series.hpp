@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "base/every_module.hpp"
 #include "base/math/rng.hpp"
 #include "spectra/spectrum.hpp"
 
