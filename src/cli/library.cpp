@@ -250,7 +250,7 @@ LibraryEntry entry_of(std::string kind, NodeData::Entry const& e, EmbeddedFile c
 }
 
 // The first comment of a file without its signs.
-std::string headline(std::string_view text) {
+std::string first_sentence(std::string_view text) {
   std::string out;
   for (std::string_view line : lines_of(text)) {
     if (!line.starts_with("# ")) break;
@@ -277,7 +277,7 @@ LibraryEntry detector_of(EmbeddedFile const& file, NodeData const& root) {
                           number("mirror_radius"), number("tube_radius"), number("rim"));
   out.wavelength = number("lambda");
   out.status = fmt::format("{} numbers, {} assumed", params.entries.size(), assumed);
-  out.note = headline(file.text);
+  out.note = first_sentence(file.text);
   out.numbers = numbers_of(root);
   return out;
 }
@@ -323,7 +323,7 @@ std::vector<LibraryEntry> library_entries() {
     if (is_library(file.name)) {
       if (file.name.starts_with("library/arm"))
         all.push_back({"arm", std::filesystem::path(file.name).stem().string(), std::string(file.name), "", "", "", "",
-                       headline(file.text), std::string(file.text)});
+                       first_sentence(file.text), std::string(file.text)});
       add_file(file, all);
     }
   static constexpr std::string_view order[] = {"detector", "arm", "material", "medium", "part"};

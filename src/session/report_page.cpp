@@ -108,7 +108,7 @@ void add_warnings(PageJson& j, RunContent const& run) {
 PageJson scene_part(Model const& model, std::vector<DrawnPath> const& paths, std::vector<GhostReport> const& ghosts) {
   PageJson j = scene_json(scene_drawing(model.world));
   j["paths"] = paths_json(model.world, paths);
-  j["lit"] = lit_json(model.world);
+  j["lit"] = report::lit_json(model.world);
   j["ghosts"] = ghosts_json(ghosts);
   PageJson beams = PageJson::array();
   for (auto const& [name, node] : model.scene.table("beams").items()) beams.push_back(name);

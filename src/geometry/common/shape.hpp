@@ -9,12 +9,12 @@
 #include "base/math/vec3.hpp"
 
 namespace straytrace {
+template <class T>
 struct Key;  // base/input/table.hpp
 }  // namespace straytrace
 
 namespace straytrace::geometry {
 
-template <class T>
 struct Drawing;  // geometry/drawing.hpp
 
 constexpr std::uint32_t no_piece = 0xffffffffu;
