@@ -116,3 +116,88 @@ TEST(BudgetInput, ErrorsOfDetectorsAreReportedOnce) {
     write_text(folder / "mine.yaml", "extends: aligo\n" + text);
     return folder / "mine.yaml";
   };
+  rejected({file("Laser: {Power: 25}\nOptics: {Loss: 1e-5}\nLaser: {Power: 50}\n")},
+           {"mine.yaml:4:1", "'Laser' is given twice", "keep one"});
+  rejected({file("Optics: {ITM: {Transmittance: 0.01, Transmittance: 0.02}}\n")}, {"mine.yaml:2:", "twice"});
+  rejected({file("Squeezer: {AmplitudedB: -10}\n")},
+           {"mine.yaml:2:25", "'Squeezer.AmplitudedB' is -10", "from 0 to 60"});
+  rejected({file("Squeezer: {Type: Freq dependent, AmplitudedB: 6}\n")}, {"not a kind of squeezing", "Freq Dependent"});
+  rejected({file("Materials: {MassRadius: 0.05}\n")}, {"smaller than the beam", "0.062 m at the end mirrors"});
+  rejected({file("Optics: {ITM: {Transmittance: 1}}\n")}, {"'Optics.ITM.Transmittance' is 1", "above 0 and below 1"});
+  rejected({file("Optics: {ETM: {Transmittance: -1e-6}}\n")}, {"from 0 and below 1"});
+  rejected({file("Suspension: {Temp: 0}\n")}, {"'Suspension.Temp' is 0", "above 0"});
+  rejected({file("Materials: {Substrate: {Temp: 0}}\n")}, {"'Materials.Substrate.Temp' is 0"});
+  rejected({file("Laser: {Power: much}\n")}, {"'Laser.Power' is a number, got \"much\""});
+  rejected({file("Laser: {Power: -1}\n")}, {"'Laser.Power' is -1"});
+  rejected({file("Infrastructure: {Length: 0}\n")}, {"'Infrastructure.Length' is 0", "above 0"});
+  rejected({file("Laser: {Power: 1, ArmPower: 2}\n")}, {"both Laser.Power and Laser.ArmPower"});
+  rejected({file("Curves: [{name: a, file: x}, {name: a, file: y}]\n")}, {"a second curve is named 'a'"});
+  rejected({file("Seismic: {RayleighWaveSpeed: 1000}\n")}, {"slower than s waves"});
+  rejected({"aligo", "--at", "1e300 Hz"}, {"'1e300 Hz' is not between 1 uHz and 1 MHz"});
+  rejected({"aligo", "--band", "1e-9 Hz, 1 kHz"}, {"not between"});
+}
+
+TEST(BudgetInput, PowerStatedLaterReplacesThePreset) {  // the example of the help, on a preset with ArmPower
+  auto const arm = [](Words const& words) {
+    Words all{"budget", "adv", "--at", "1 kHz", "--format", "json"};
+    all.insert(all.end(), words.begin(), words.end());
+    Finished const done = straytrace(all);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return Json::parse(done.out)["at"]["lines"][0]["strain"][0].get<double>();  // shot noise
+  };
+  double const design = arm({}), quarter = arm({"-p", "Laser.ArmPower=162.5e3"});
+  EXPECT_NEAR(quarter / design, 2, 1e-9);  // shot noise goes with one over the root of the power
+  EXPECT_NEAR(arm({"-p", "Laser.Power=25"}) / arm({"-p", "Laser.Power=100"}), 2, 1e-9);
+  Folder const folder;
+  EXPECT_EQ(straytrace({"budget", "adv", "-p", "Laser.Power=25", "--export", "pygwinc", "-o", folder / "out"}).code, 0);
+}
+
+TEST(BudgetInput, TitleOfTheFileIsShown) {
+  Folder const folder;
+  write_text(folder / "mine.yaml", "extends: aligo\ntitle: Advanced LIGO with 25 W\nLaser: {Power: 25}\n");
+  EXPECT_THAT(straytrace({"budget", folder / "mine.yaml"}).out, HasSubstr("noise budget of Advanced LIGO with 25 W\n"));
+  write_text(folder / "mine.yaml", "extends: aligo\nLaser: {Power: 25}\n");
+  EXPECT_THAT(straytrace({"budget", folder / "mine.yaml"}).out, HasSubstr("noise budget of mine.yaml\n"));
+}
+
+TEST(BudgetInput, UnwritableOutputLeavesNoFiles) {
+  Folder const folder;
+  write_text(folder / "file", "");
+  rejected({"aligo", "-o", folder / "file/out"}, {"cannot make the folder", "-o"});
+  rejected({"alogo", "-o", folder / "deep/deeper"}, {"did you mean"});
+  EXPECT_FALSE(fs::exists(folder / "deep"));  // made before reading, removed after the error
+  fs::create_directories(folder / "taken/budget.json");
+  rejected({"aligo", "-o", folder / "taken"}, {"'budget.json' is a folder"});
+  EXPECT_FALSE(fs::exists(folder / "taken/budget.txt"));
+  if (::geteuid() != 0) {
+    fs::create_directory(folder / "closed");
+    ::chmod(std::string(folder / "closed").c_str(), 0500);
+    rejected({"aligo", "-o", folder / "closed/new"}, {"cannot make the folder"});
+    rejected({"aligo", "-o", folder / "closed"}, {"cannot write to the folder"});
+  }
+}
+
+TEST(BudgetInput, JsonHoldsForProblemsAndWarnings) {
+  Folder const folder;
+  auto const list_of = [](Words const& words, int code) {
+    Finished const done = straytrace(words);
+    EXPECT_EQ(done.code, code) << done.err;
+    return Json::parse(done.err);
+  };
+  Json const two = list_of({"budget", "alogo", "kagro", "--format", "json"}, 2);
+  EXPECT_EQ(two.size(), 2u);
+  EXPECT_EQ(list_of({"budget", "aligo", "--nonsense", "--format", "json"}, 2)[0]["severity"], "error");
+  write_text(folder / "one_index.yaml", "extends: aligo\nMaterials: {Coating: {Indexlown: 2.09}}\n");
+  Json const numerical = list_of({"budget", folder / "one_index.yaml", "--format", "json"}, 3);
+  EXPECT_THAT(numerical[0]["what"].get<std::string>(), HasSubstr("doublets"));
+  ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "4096", "--quiet"}).code, 0);
+  Json const warning = list_of({"budget", folder / "run/run.h5", "--format", "json"}, 0);
+  EXPECT_EQ(warning[0]["severity"], "warning");
+  EXPECT_THAT(warning[0]["what"].get<std::string>(), HasSubstr("no detector is named"));
+  Finished const both = straytrace({"paths", folder / "run/run.h5", "--format", "json", "--csv"});
+  EXPECT_EQ(both.code, 2);
+  EXPECT_THAT(both.err, HasSubstr("two forms of one answer"));
+}
+
+}  // namespace
+}  // namespace straytrace::testing::app_budget_input
