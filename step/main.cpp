@@ -45,7 +45,7 @@ int convert(std::string const& input, std::string output, std::string const& tol
     if (output.empty()) output = fs::path(input).replace_extension(".cad.json").string();
     AtomicFile file(output);
     file.write(step::as_json(
-        model, settings, fmt::format("straytrace-step {}, OpenCASCADE {}", build_info::version, OCC_VERSION_COMPLETE)));
+        model, settings, fmt::format("straytrace-step {}, OpenCASCADE {}", session::build_info::version, OCC_VERSION_COMPLETE)));
     file.publish();
     if (!quiet) std::cout << step::summary(model, name) << "wrote  " << output << '\n';
     return 0;
@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
   app.add_option("--chord", chord, "between free surfaces and the triangles that stand for them");
   app.add_flag("--quiet", quiet, "do not print what the file holds");
   app.add_flag("--end-with-parent", with_parent, "end when the program that started it ends");
-  app.set_version_flag("--version", fmt::format("straytrace-step {}", build_info::version));
+  app.set_version_flag("--version", fmt::format("straytrace-step {}", session::build_info::version));
   app.footer(
       "Examples:\n"
       "  straytrace-step ne_bench.step\n"

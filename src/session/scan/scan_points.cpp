@@ -258,7 +258,7 @@ ScanList read_points(std::string const& file) {
     for (std::size_t i = 0; i < row.cells.size(); ++i) {
       ScanAxis& axis = list.axes[i];
       axis.values.push_back(std::string(row.cells[i].text) + (axis.unit.empty() ? "" : " " + axis.unit));
-      axis.numbers.push_back(number_in(row.cells[i].text).value_or(not_a_number));
+      axis.numbers.push_back(io::number_in(row.cells[i].text).value_or(not_a_number));
       point.push_back(axis.name + "=" + axis.values.back());
     }
     list.points.push_back(std::move(point));
