@@ -14,7 +14,7 @@
 #include "io/hdf5/writer.hpp"
 #include "support/message_of.hpp"
 
-namespace straytrace::hdf5 {
+namespace straytrace::io::hdf5 {
 namespace {
 
 using test::message_of;
@@ -183,4 +183,4 @@ TEST(Hdf5Contents, TextsOfNoLengthAreErrors) {
 }
 
 }  // namespace
-}  // namespace straytrace::hdf5
+}  // namespace straytrace::io::hdf5

@@ -111,7 +111,8 @@ struct Population : Silent {
 
 TEST(ClosedMesh, CopiesOfAHistoryAreBoundedWithoutBias) {
   double const rho = 0.7;
-  World const world = splitting(rho);
+  World world = splitting(rho);
+  world.limits.max_order = 24;  // rho^24: 2e-4 of the light is left
   Population population;
   population.bound = most_events_per_order * world.limits.max_order;
   Sampler all, cut;
