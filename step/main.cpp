@@ -45,7 +45,8 @@ int convert(std::string const& input, std::string output, std::string const& tol
     if (output.empty()) output = fs::path(input).replace_extension(".cad.json").string();
     AtomicFile file(output);
     file.write(step::as_json(
-        model, settings, fmt::format("straytrace-step {}, OpenCASCADE {}", session::build_info::version, OCC_VERSION_COMPLETE)));
+        model, settings,
+        fmt::format("straytrace-step {}, OpenCASCADE {}", session::build_info::version, OCC_VERSION_COMPLETE)));
     file.publish();
     if (!quiet) std::cout << step::summary(model, name) << "wrote  " << output << '\n';
     return 0;

@@ -7,8 +7,8 @@
 #include "noise/fundamental/quantum.hpp"
 #include "noise/fundamental/surroundings.hpp"
 #include "noise/fundamental/suspension.hpp"
+#include "physics/noise/fundamental/closed_forms.hpp"
 #include "physics/noise/support.hpp"
-#include "support/closed_forms.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -3,8 +3,8 @@
 // 1e-3 where they are given with four digits. Controls: the formulas as the thesis of 1997 prints them.
 #include "noise/fundamental/budget.hpp"
 #include "noise/fundamental/surroundings.hpp"
+#include "physics/noise/fundamental/closed_forms.hpp"
 #include "physics/noise/support.hpp"
-#include "support/closed_forms.hpp"
 
 namespace straytrace::testing::noise_fundamental_forms {
 namespace {

@@ -7,8 +7,8 @@
 #include "noise/fundamental/budget.hpp"
 #include "noise/fundamental/fundamental.hpp"
 #include "noise/fundamental/suspension.hpp"
+#include "physics/noise/fundamental/closed_forms.hpp"
 #include "physics/noise/support.hpp"
-#include "support/closed_forms.hpp"
 
 namespace straytrace::testing::noise_fundamental_kinds {
 namespace {
