@@ -19,7 +19,7 @@ inline unsigned atomicAdd(unsigned* counter, unsigned count) {
 #include "trace/backend/device/engine_body.hpp"
 // clang-format on
 
-namespace straytrace::device {
+namespace straytrace::trace::device {
 namespace {
 
 class HostEmulation {
@@ -34,8 +34,8 @@ class HostEmulation {
 };
 
 }  // namespace
-}  // namespace straytrace::device
+}  // namespace straytrace::trace::device
 
-extern "C" __attribute__((visibility("default"))) straytrace::DeviceEngine* straytrace_device_engine(std::uint32_t) {
-  return new straytrace::device::EngineBody<straytrace::device::HostEmulation>();
+extern "C" __attribute__((visibility("default"))) straytrace::trace::DeviceEngine* straytrace_device_engine(std::uint32_t) {
+  return new straytrace::trace::device::EngineBody<straytrace::trace::device::HostEmulation>();
 }

@@ -83,7 +83,7 @@ inline TraceResult run_histories(World const& world, std::uint64_t histories, st
   settings.seed = seed;
   settings.histories = histories;
   settings.threads = threads;
-  return trace(SteeredWorld::as_given(world), settings, *test_backend());
+  return run_trace(SteeredWorld::as_given(world), settings, *test_backend());
 }
 
 // A sink that listens to nothing; tests overrule what they want to hear.

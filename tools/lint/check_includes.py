@@ -29,7 +29,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*"((' + "|".join(MAY_INCLUDE) + r')/[^"]
 TYPE = re.compile(r"(?<!>\n)^(?:struct|class) (?:alignas\([^)]*\) )?(\w+)[^;\n]*\{", re.MULTILINE)    # of no template
 
 
-OPENED = re.compile(r"^namespace straytrace(?:::(\w+))?[\w:]* \{\n((?:(?:class|struct) \w+;.*\n)*)(\})?", re.MULTILINE)
+OPENED = re.compile(r"^namespace straytrace(?:::(\w+))?[\w:]* \{\n((?:(?:template <.*>\n)?(?:class|struct) \w+;.*\n)*)(\})?", re.MULTILINE)
 
 
 def doubles(src):

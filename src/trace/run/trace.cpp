@@ -86,7 +86,7 @@ TraceResult result_of(SteeredWorld const& world, TraceSettings const& settings, 
   return result;
 }
 
-TraceResult trace(SteeredWorld const& world, TraceSettings const& settings, Backend const& backend) {
+TraceResult run_trace(SteeredWorld const& world, TraceSettings const& settings, Backend const& backend) {
   Runner runner(world, settings, backend, settings.resume);
   std::optional<RankScheduler> scheduler;
   if (settings.ranks) scheduler.emplace(*settings.ranks);
@@ -159,7 +159,7 @@ TraceResult trace_to_rule(SteeredWorld world, TraceSettings settings, Backend co
       histories = table.histories;
       return error = settings.error(table);
     };
-    TraceResult result = trace(world, early, backend);
+    TraceResult result = run_trace(world, early, backend);
     if (result.stopped != Stopped::by_histories) {
       if (settings.ranks) stop_workers(settings.ranks->transport);
       return result;
@@ -170,7 +170,7 @@ TraceResult trace_to_rule(SteeredWorld world, TraceSettings settings, Backend co
     settings.seconds_before = result.seconds;
   }
   world.block_size = full_size;
-  return trace(world, settings, backend);
+  return run_trace(world, settings, backend);
 }
 
 }  // namespace straytrace::trace

@@ -50,7 +50,7 @@ struct TraceSettings {
   std::vector<CouplingClass> deterministic;
 };
 
-TraceResult trace(SteeredWorld const&, TraceSettings const&, Backend const&);
+TraceResult run_trace(SteeredWorld const&, TraceSettings const&, Backend const&);
 
 // The result of these sums, with the energy balance checked and the records replayed; traces nothing. Uses only `seed`
 // and `deterministic` of the settings.

@@ -24,7 +24,7 @@ FringeFit fitted(std::uint64_t seed, double late, double clock) {
   s.high = 85;
   s.paths.push_back({"path 1", {0.5, 1.5}, {}, {}, {}, {}});
   s.clock = clock;
-  return fit_fringes({h, {motion(sway, 64, seconds)}}, s);
+  return fit_fringes({h, {sine_motion(sway, 64, seconds)}}, s);
 }
 
 TEST(FringeClock, ACommonClockIsFoundAndNotQuestionedR6_07) {

@@ -43,7 +43,7 @@ double pull(Fitted const& f, double truth) { return (f.value - truth) / f.sigma;
 TEST(FringeFit, SwingingBaffleR6_07) {
   TimeSeries h = quiet(1);
   add_fringes(h, baffle, 2e-21, 1.1, 1);
-  FringeRecords const records{h, {motion({{4e-6, 1.14, 0.3}}, 128, seconds)}};
+  FringeRecords const records{h, {sine_motion({{4e-6, 1.14, 0.3}}, 128, seconds)}};
   FringeFit const fit = fit_fringes(records, around(0.5, 3));
   FittedPath const& p = fit.paths[0];
   EXPECT_EQ(fit.verdict, FitOutcome::found);
@@ -60,7 +60,7 @@ TEST(FringeFit, SwingingBaffleR6_07) {
 TEST(FringeFit, AMaximumAtTheEndOfTheRangeIsNotFound) {
   TimeSeries h = quiet(1);
   add_fringes(h, baffle, 2e-21, 1.1, 1);
-  FringeRecords const records{h, {motion({{4e-6, 1.14, 0.3}}, 128, seconds)}};
+  FringeRecords const records{h, {sine_motion({{4e-6, 1.14, 0.3}}, 128, seconds)}};
   for (auto const& [low, high] : {std::pair{0.5, 1.295}, std::pair{1.305, 3.0}}) {
     FringeFit const fit = fit_fringes(records, around(low, high));
     EXPECT_TRUE(fit.paths[0].multiplicity.at_end) << low;
@@ -79,7 +79,7 @@ void expect_coverage(FitMethod method, int trials) {
     s.train = 1;
     s.method = method;
     s.paths[0].drift = {0, 0.6};
-    FringeFit const fit = fit_fringes({h, {motion(baffle, rate, 10)}}, s);
+    FringeFit const fit = fit_fringes({h, {sine_motion(baffle, rate, 10)}}, s);
     FittedPath const& p = fit.paths[0];
     double const at_middle = phase_at_mean(fit, phase + drift * (fit.middle - 1e9), 1);
     Fitted turned = p.phase;
@@ -104,7 +104,7 @@ TEST(FringeFit, ErrorsCoverTheTrueValueInTheTimeDomainR6_07) { expect_coverage(F
 TEST(FringeFit, TimeDomainAgreesWithFrequencyDomainR6_07) {
   TimeSeries h = quiet(7, 1e-22);
   add_fringes(h, baffle, 2e-21, 2, 1, 0.004);
-  FringeRecords const records{h, {motion(baffle, rate, seconds)}};
+  FringeRecords const records{h, {sine_motion(baffle, rate, seconds)}};
   FringeFitSettings s = around(0.8, 1.2);
   s.paths[0].delay = {-0.02, 0.02};
   FringeFit const lines = fit_fringes(records, s);
@@ -130,7 +130,7 @@ TEST(FringeFit, WrongWitnessGivesNoFringe) {
     FringeFitSettings s = around(0.5, 2);
     s.false_alarm = 0.05;
     FringeFit const fit =
-        fit_fringes({quiet(1000 + std::uint64_t(i), 1e-22, 10), {motion({{3e-6, 0.7, 0.1 * i}}, 64, 10)}}, s);
+        fit_fringes({quiet(1000 + std::uint64_t(i), 1e-22, 10), {sine_motion({{3e-6, 0.7, 0.1 * i}}, 64, 10)}}, s);
     alarms += fit.verdict != FitOutcome::none;
     found += fit.verdict == FitOutcome::found;
     odds += fit.test.ln_odds >= -std::log(0.05);
@@ -148,7 +148,7 @@ TEST(FringeFit, WrongWitnessGivesNoFringe) {
 TEST(FringeFit, WrongModelsAreRejected) {
   TimeSeries h = quiet(3);
   add_fringes(h, baffle, 2e-21, 0.4, 1);
-  FringeRecords const records{h, {motion(baffle, 128, seconds)}};
+  FringeRecords const records{h, {sine_motion(baffle, 128, seconds)}};
   EXPECT_EQ(fit_fringes(records, around(1, 1)).verdict, FitOutcome::found);
   EXPECT_EQ(fit_fringes(records, around(1e-3, 1e-3)).verdict, FitOutcome::none);
   EXPECT_EQ(fit_fringes(records, around(2, 2)).verdict, FitOutcome::none);
@@ -162,7 +162,7 @@ TEST(FringeFit, AFitThatFailsOnTheRestDoesNotGeneralise) {
   add_fringes(late, baffle, 2e-21, 0.4 + pi, 1);
   std::copy(late.samples.begin() + std::ptrdiff_t(0.7 * seconds * rate), late.samples.end(),
             h.samples.begin() + std::ptrdiff_t(0.7 * seconds * rate));
-  FringeFit const fit = fit_fringes({h, {motion(baffle, 128, seconds)}}, around(0.9, 1.1));
+  FringeFit const fit = fit_fringes({h, {sine_motion(baffle, 128, seconds)}}, around(0.9, 1.1));
   EXPECT_EQ(fit.verdict, FitOutcome::not_general);
   EXPECT_LT(fit.test.scale.value, 0);
 }
@@ -176,7 +176,7 @@ TEST(FringeFit, TwoPathsR6_07) {
   FringeFitSettings s = around(0.7, 2.5);
   s.paths.push_back(s.paths[0]);
   for (FringePath& p : s.paths) p.drift = {-0.5, 0.5};
-  FringeFit const fit = fit_fringes({h, {motion(slow, 64, seconds)}}, s);
+  FringeFit const fit = fit_fringes({h, {sine_motion(slow, 64, seconds)}}, s);
   ASSERT_EQ(fit.verdict, FitOutcome::found);
   // The one that explains more of the band comes first: here the faster.
   FittedPath const &two = fit.paths[0], &one = fit.paths[1];
@@ -196,7 +196,7 @@ TEST(FringeFit, DifferentialMotionOfTwoBodies) {
   add_fringes(h, {one[0], {-0.6 * 3e-6, 0.55, 1}}, 2e-21, 1, 1);
   FringeFitSettings s = around(0.8, 1.2);
   s.ratio = {0.3, 0.9};
-  FringeFit const fit = fit_fringes({h, {motion(one, 64, seconds), motion(two, 64, seconds)}}, s);
+  FringeFit const fit = fit_fringes({h, {sine_motion(one, 64, seconds), sine_motion(two, 64, seconds)}}, s);
   EXPECT_EQ(fit.verdict, FitOutcome::found);
   EXPECT_NEAR(fit.ratio.value, 0.6, 4 * fit.ratio.sigma);
   EXPECT_LT(fit.ratio.sigma, 0.01);
@@ -210,7 +210,7 @@ TEST(FringeFit, BothQuadraturesR6_06) {
   FringeFitSettings s = around(0.9, 1.1);
   s.paths[0].phase = phase;
   s.paths[0].amplitude = amplitude;
-  FringeRecords records{quiet(13), {motion(baffle, 128, seconds)}};
+  FringeRecords records{quiet(13), {sine_motion(baffle, 128, seconds)}};
   FringeFit truth;
   truth.paths = {{"path", {2e-5}, {0.5}, {1}, {}, {}, 0, 0}};
   truth.means = {0};
@@ -237,7 +237,7 @@ TEST(FringeFit, SubtractionLeavesTheNoise) {
   add_fringes(h, baffle, 2e-21, 1, 1, 0.003);
   FringeFitSettings s = around(0.9, 1.1);
   s.paths[0].delay = {-0.01, 0.01};
-  FringeRecords const records{h, {motion(baffle, 256, seconds)}};
+  FringeRecords const records{h, {sine_motion(baffle, 256, seconds)}};
   FringeModel const model = fringe_model(records, s, fit_fringes(records, s));
   std::vector<double> rest, before, alone;
   for (std::size_t i = 0; i < model.values.size(); ++i) {

@@ -40,7 +40,7 @@ struct Sine {
   double metres, hz, phase = 0;
 };
 
-inline TimeSeries motion(std::vector<Sine> const& sines, double rate, double seconds, double start = 1e9) {
+inline TimeSeries sine_motion(std::vector<Sine> const& sines, double rate, double seconds, double start = 1e9) {
   TimeSeries x{"x", "m", start, rate, {}};
   for (std::size_t i = 0; i < std::size_t(rate * seconds); ++i) {
     double sum = 0;

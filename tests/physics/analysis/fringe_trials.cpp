@@ -53,7 +53,7 @@ TEST(FringeTrials, ErrorsOfDelayRatioAndScaleCoverTheTrueValueR6_07) {
     s.train = 0.5;
     s.paths[0].delay = {0.001, 0.007};
     s.ratio = {0.58, 0.62};
-    FringeFit const fit = fit_fringes({h, {motion(one, 128, seconds), motion(two, 128, seconds)}}, s);
+    FringeFit const fit = fit_fringes({h, {sine_motion(one, 128, seconds), sine_motion(two, 128, seconds)}}, s);
     FittedPath const& p = fit.paths[0];
     shares["amplitude"].add(pull(p.amplitude, 1e-21));
     shares["multiplicity"].add(pull(p.multiplicity, 1));
@@ -81,7 +81,7 @@ TEST(FringeTrials, OutcomeFollowsTheStrengthR6_07) {
       add_fringes(h, baffle, gain, 0.7 * i, 1);
       FringeFitSettings s = settings();
       s.paths[0].multiplicity = {0.8, 1.25};
-      ++seen[fit_fringes({h, {motion(baffle, 128, seconds)}}, s).verdict];
+      ++seen[fit_fringes({h, {sine_motion(baffle, 128, seconds)}}, s).verdict];
     }
     return seen;
   };

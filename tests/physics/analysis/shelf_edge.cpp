@@ -36,7 +36,7 @@ TimeSeries with_fringes(std::uint64_t seed, std::vector<Sine> const& sines, doub
 
 // R2.40: synthetic A_eff = 0.7 A, recovered to 2 %.
 TEST(ShelfEdge, EffectiveAmplitudeR2_40) {
-  ShelfEdgeFit const fit = fit_shelf_edge({with_fringes(1, swing, 0.7), {motion(swing, 64, seconds)}}, band());
+  ShelfEdgeFit const fit = fit_shelf_edge({with_fringes(1, swing, 0.7), {sine_motion(swing, 64, seconds)}}, band());
   EXPECT_EQ(fit.used, 8u);
   EXPECT_NEAR(fit.factor.value, 0.7, 0.02 * 0.7);
   for (EdgeStride const& e : fit.strides) EXPECT_NEAR(e.amplitude, 2e-21, 0.05 * 2e-21) << e.start;
@@ -46,7 +46,7 @@ TEST(ShelfEdge, EffectiveAmplitudeR2_40) {
 TEST(ShelfEdge, DifferentialMotionR2_40) {
   std::vector<Sine> const one{{7e-6, 0.9, 0.3}}, two{{5e-6, 0.9, 0.9}};
   TimeSeries const h = with_fringes(2, {one[0], {-0.8 * 5e-6, 0.9, 0.9}}, 1);
-  FringeRecords const both{h, {motion(one, 64, seconds), motion(two, 64, seconds)}};
+  FringeRecords const both{h, {sine_motion(one, 64, seconds), sine_motion(two, 64, seconds)}};
   ShelfEdgeSettings s = band();
   ShelfEdgeFit const alone = fit_shelf_edge({h, {both.witnesses[0]}}, s);
   EXPECT_LT(alone.factor.value, 0.8) << "the edge is lower than the formula says";
@@ -62,7 +62,7 @@ TEST(ShelfEdge, FreeRatioOfTwoBodiesR2_40) {
   auto const records = [&](double second, double length) {
     std::vector<Sine> const one{{7e-6, 0.9, 0.3}}, two{{5e-6, second, 0.9}};
     TimeSeries const h = with_fringes(3, {one[0], {-0.8 * 5e-6, second, 0.9}}, 1, 3e-23, length);
-    return FringeRecords{h, {motion(one, 64, length), motion(two, 64, length)}};
+    return FringeRecords{h, {sine_motion(one, 64, length), sine_motion(two, 64, length)}};
   };
   FringeRecords const apart = records(0.55, 20);
   s.ratio = {0.5, 1.1};
@@ -122,7 +122,7 @@ TEST(ShelfEdge, ErrorsCoverTheScatterR2_40) {
       for (std::size_t k = 0; k < noise.size(); ++k) h.samples[k] += noise[k];
       ShelfEdgeSettings s = band();
       s.factor = {0.8, 1.1};
-      ShelfEdgeFit const fit = fit_shelf_edge({h, {motion(sway, 64, length)}}, s);
+      ShelfEdgeFit const fit = fit_shelf_edge({h, {sine_motion(sway, 64, length)}}, s);
       ASSERT_EQ(fit.used, 2u);
       double const pull = (fit.factor.value - factor) / fit.factor.sigma;
       all.add(pull);
@@ -142,7 +142,7 @@ TEST(ShelfEdge, FalseAlarms) {
   for (int i = 0; i < 12; ++i) {
     TimeSeries const h{"h", "1", 1e9, rate,
                        detector_noise(50 + std::uint64_t(i), std::size_t(rate * 20), rate, 1e-22, 20)};
-    alarms += fit_shelf_edge({h, {motion(swing, 64, 20)}}, band()).used > 0;
+    alarms += fit_shelf_edge({h, {sine_motion(swing, 64, 20)}}, band()).used > 0;
   }
   EXPECT_LE(alarms, 1);
 }

@@ -53,7 +53,7 @@ inline Traced traced(std::string const& text, std::uint64_t blocks, unsigned thr
   settings.histories = blocks * largest_block;
   settings.threads = threads;
   settings.resume = std::move(resume);
-  t.result = trace(SteeredWorld::as_given(t.world), settings, *test_backend());
+  t.result = run_trace(SteeredWorld::as_given(t.world), settings, *test_backend());
   return t;
 }
 

@@ -120,6 +120,7 @@ TEST(Help, FaultsAreFound) {
   command.add_flag("--new", flag, "of no group");
   EXPECT_EQ(fault_of(command, command_groups()), "--new is in no group");
 
+  Program program;
   EXPECT_THAT(program.error_text_of(split("run examples/virgo_arm.yaml")), HasSubstr("--out is required"));
   EXPECT_NE(program.error_text_of(split("check examples/virgo_arm.yaml --rim 3")), "");
   EXPECT_NE(program.error_text_of(split("paths run.h5 --by size")), "");

@@ -43,7 +43,7 @@ class ReportFilter : public ::testing::Test {
 
   TraceResult trace = trace_result();
   NoiseBudget noise = noise_budget(trace.coupling);
-  MotionSet shake = motion();
+  MotionSet shake = test::motion();
   PathTable table = path_table(trace.coupling, &noise, &shake, {{10, 30, 100}, 10, 500, 12});
   RouteColumns columns{table, &noise};
 };

@@ -19,7 +19,7 @@ struct ReportReading : ::testing::Test {
   PathTable table() const { return path_table(trace.coupling, &noise, &shake, {{10, 30, 100}, 10, 500, 12}); }
   TraceResult trace = trace_result();
   NoiseBudget noise = noise_budget(trace.coupling);
-  MotionSet shake = motion();
+  MotionSet shake = test::motion();
 };
 
 // Band power of h = a constant: a^2 times the width of the bins inside.

@@ -62,14 +62,14 @@ TEST(Determinism, InterruptedAndResumed) {
   settings.histories = blocks * largest_block;
   settings.threads = 2;
   settings.stop = &stop;
-  TraceResult const part = trace(SteeredWorld::as_given(world), settings, Interrupting(2, stop));
+  TraceResult const part = run_trace(SteeredWorld::as_given(world), settings, Interrupting(2, stop));
   EXPECT_EQ(part.stopped, Stopped::by_signal);
   EXPECT_TRUE(part.checkpointed());
   EXPECT_GE(part.total.blocks, 2u);
   EXPECT_LT(part.total.blocks, blocks);
   stop = false;
   settings.resume = part.tree;
-  TraceResult const whole = trace(SteeredWorld::as_given(world), settings, *test_backend());
+  TraceResult const whole = run_trace(SteeredWorld::as_given(world), settings, *test_backend());
   EXPECT_EQ(whole.stopped, Stopped::by_histories);
   EXPECT_TRUE(same(whole.total, total(world, 1, 1)));
   EXPECT_FALSE(same(part.total, whole.total));
@@ -81,7 +81,7 @@ TEST(Determinism, OutOfTimeKeepsTheHistoriesSoFar) {
   settings.histories = blocks * largest_block;
   settings.threads = 1;
   settings.max_seconds = 0;
-  TraceResult const r = trace(SteeredWorld::as_given(small_tube()), settings, *test_backend());
+  TraceResult const r = run_trace(SteeredWorld::as_given(small_tube()), settings, *test_backend());
   EXPECT_EQ(r.stopped, Stopped::by_time);
   EXPECT_TRUE(r.checkpointed());
 }
@@ -97,7 +97,7 @@ std::vector<std::uint64_t> looks(std::vector<double> const& errors, Stopped& why
     seen.push_back(table.histories / largest_block);
     return seen.size() <= errors.size() ? errors[seen.size() - 1] : 2;
   };
-  why = trace(SteeredWorld::as_given(one_plate()), settings, *test_backend()).stopped;
+  why = run_trace(SteeredWorld::as_given(one_plate()), settings, *test_backend()).stopped;
   return seen;
 }
 

@@ -108,7 +108,7 @@ struct Job {
     Ranks const ranks{transport, "same", packed, unpacked};
     settings.ranks = &ranks;
     settings.stop = &backends[0].stop;
-    return trace(SteeredWorld::as_given(world), settings, backends[0]);
+    return run_trace(SteeredWorld::as_given(world), settings, backends[0]);
   }
   Mail mail;
   std::vector<Counting> backends;
@@ -117,7 +117,7 @@ struct Job {
 };
 
 TEST(Ranks, AnyNumberOfThemIsOneRun) {
-  TraceResult const one = trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
+  TraceResult const one = run_trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
   for (int const ranks : {1, 2, 4})
     for (unsigned const threads : {1u, 2u}) {
       Job job(ranks);
@@ -158,7 +158,7 @@ TEST(Ranks, StopRulesAreEvaluatedAtTheSameBlockCounts) {
 
 // A rank that ends on a signal returns its unfinished blocks.
 TEST(Ranks, OneMayLeave) {
-  TraceResult const one = trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
+  TraceResult const one = run_trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
   Job job(3);
   job.backends[2].stop_after = 2;
   TraceResult const r = job.run(settings_for(1));
@@ -169,7 +169,7 @@ TEST(Ranks, OneMayLeave) {
 // One that hangs (its node is gone, and nobody ended the job) costs its share of the work, not the run. When it comes
 // back late, its sums are not counted twice.
 TEST(Ranks, OneMayFallSilent) {
-  TraceResult const one = trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
+  TraceResult const one = run_trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
   for (bool const comes_back : {false, true}) {
     Mail mail;
     mail.boxes.resize(2);
@@ -181,14 +181,14 @@ TEST(Ranks, OneMayFallSilent) {
     there.send(0, "hello\nsame");
     TraceSettings settings = settings_for(1);
     settings.ranks = &ranks;
-    TraceResult const r = trace(SteeredWorld::as_given(world), settings, *cpu);
+    TraceResult const r = run_trace(SteeredWorld::as_given(world), settings, *cpu);
     EXPECT_TRUE(same(r.total, one.total)) << comes_back;
     EXPECT_GE(here.losses, 1);
   }
 }
 
 TEST(Ranks, InterruptedAndResumed) {
-  TraceResult const one = trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
+  TraceResult const one = run_trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
   Job job(3);
   job.backends[0].stop_after = 2;
   TraceResult const part = job.run(settings_for(1));

@@ -108,7 +108,7 @@ TraceSettings settings_for(Slice slice = {}, SumTree resume = {}) {
   return settings;
 }
 TraceResult traced(TraceSettings const& settings) {
-  return trace(SteeredWorld::as_given(two_plates()), settings, *make_backend("cpu"));
+  return run_trace(SteeredWorld::as_given(two_plates()), settings, *make_backend("cpu"));
 }
 
 void add(SumTree& into, SumTree const& from) {
@@ -179,7 +179,7 @@ TEST(Slices, CheckpointsResumeToTheSameBits) {
     kept.push_back(so_far);
     backend.seen = true;
   };
-  TraceResult const one = trace(SteeredWorld::as_given(two_plates()), settings, backend);
+  TraceResult const one = run_trace(SteeredWorld::as_given(two_plates()), settings, backend);
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_TRUE(kept[0].checkpointed());
   EXPECT_EQ(kept[0].stopped, Stopped::by_checkpoint);
