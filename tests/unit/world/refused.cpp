@@ -39,7 +39,7 @@ TEST(RefusedEntries, OnlyTheirOwnErrorIsPrinted) {
   };
   for (Damage const& d : std::vector<Damage>{
            {"[0, 0, 0]", cap, "a direction of length zero"},
-           {"[0, 0, nothing]", cap, "cannot understand 'nothing'"},
+           {"[0, 0, nothing]", cap, "parameter 'nothing' is not defined"},
            {"[0, 0, -1]", "shape: {capp: {curvature: 5e-4 /m, outer_radius: 10 cm}}", "unknown shape 'capp'"},
            {"[0, 0, -1]", "shape: {cap: {curvature: 5e-4 /m, outer_radius: 3000 km}}", "'outer_radius' must be"},
            {"[0, 0, -1]", "shape: {cap: {curvature: 5e-4 /m}}", "key 'outer_radius' (a length) is missing"},
