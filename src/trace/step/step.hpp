@@ -89,7 +89,7 @@ constexpr std::uint32_t most_copies = 16;
 // A history with more vertices than this, for each order and child, splits no more. Where walls absorb nothing and the
 // adjoint varies, a few histories would otherwise do most of the work. The past of a history alone decides, so the mean
 // is kept.
-constexpr std::uint64_t most_events_per_order = 1024;
+constexpr std::uint64_t most_events_per_order = 256;
 STRAY_HD bool may_split(WorldView const& world, History const& history) {
   return history.events < most_events_per_order * world.limits.max_order * world.limits.children;
 }
