@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tests of the helper scripts, and the Python side on a run of the program.
+// The Python side on a run of the program.
 #include "scenes/program.hpp"
 
 namespace straytrace::testing {
@@ -7,10 +7,6 @@ namespace {
 
 int run_python(std::string const& words) {
   return std::system(("timeout 60 /usr/bin/python3 " + words + " >/dev/null").c_str());
-}
-
-TEST(Tools, IncludeGuard) {
-  EXPECT_EQ(run_python("'" + source_folder + "/tests/tools/tree/test_check_includes.py'"), 0);
 }
 
 TEST(Tools, PythonReadsARun) {
