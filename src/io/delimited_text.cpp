@@ -133,6 +133,7 @@ class CsvReader {
     for (TextLine const& line : text_lines(*table_.text, comments)) {
       bool const in_header = table_.columns.empty();
       in_header ? header(line) : row(line);
+      if (in_header && problems_.size() > before) table_.columns.clear();
       if (problems_.size() >= before + (in_header ? 1 : most_problems)) break;
     }
     if (problems_.size() == before && table_.rows.empty())
@@ -209,7 +210,7 @@ CsvTable parse_csv_table(std::string_view text, Comments comments, std::string c
 
 CsvTable read_csv_table(Node const& owner, std::string const& file, Comments comments, std::string const& example) {
   std::string const text = owner.data_file(file);
-  if (text.empty()) return {};
+  if (text.empty() && !owner.document()->optional_file(owner, file)) return {};  // data_file() reports it
   std::vector<Problem> problems;
   CsvTable table = parse_csv_table(text, comments, example, problems);
   for (Problem const& p : problems) owner.file_problem(file, p.place.line, p.place.column, p.what, p.suggestion);

@@ -126,10 +126,9 @@ class OffsetTable {
       return repeat_;
     }
     CsvTable const table = read_csv_table(name_, name_.text(), Comments::whole_lines, "z [m], aperture [cm]");
-    if (table.rows.empty()) return repeat_;
     for (CsvTable::Column const& column : table.columns)
       if (!add_column(column)) return repeat_;
-    if (repeat_.axis < 0)
+    if (repeat_.axis < 0 && !table.columns.empty())
       return refuse(table.columns[0].line, 1, "no position column", "name one column 'x [m]', 'y [m]' or 'z [m]'");
     if (table.rows.size() > most_instances)
       return refuse(table.rows[most_instances].line(), 1, fmt::format("more than {} rows", most_instances),

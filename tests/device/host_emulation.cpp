@@ -36,6 +36,7 @@ class HostEmulation {
 }  // namespace
 }  // namespace straytrace::trace::device
 
-extern "C" __attribute__((visibility("default"))) straytrace::trace::DeviceEngine* straytrace_device_engine(std::uint32_t) {
+extern "C" __attribute__((visibility("default"))) straytrace::trace::DeviceEngine* straytrace_device_engine(
+    std::uint32_t) {
   return new straytrace::trace::device::EngineBody<straytrace::trace::device::HostEmulation>();
 }

@@ -38,7 +38,8 @@ class MeasuredReader {
     name_ = law_.word("file");
     if (name_.empty() || beyond_.empty() || scaling.empty() || !law_.healthy()) return false;
     std::string const text = law_["file"].data_file(name_);
-    if (text.empty()) return false;
+    if (text.empty() && !law_["file"].document()->optional_file(law_["file"], name_))
+      return false;  // data_file() reports it
     std::vector<Problem> problems;
     file = read_scatter_file(text, given, problems);
     if (problems.empty()) check_scatter_points(file.points, problems);

@@ -35,7 +35,8 @@ TEST(ReplicaSum, SumsIncludeTheCorrelationOfRoutes) {
     EXPECT_NEAR(t.total_coupling.sigma / wanted, 1, 1e-12);
     double const relative = wanted / (2 * mean), seconds = trace.seconds;
     EXPECT_NEAR(merits(content(trace, nullptr)).front().value * relative * relative * seconds, 1, 1e-12);
-    bool const said = path_text(t, 5).find("1 route was taken from the reversed route (reciprocity)") != std::string::npos;
+    bool const said =
+        path_text(t, 5).find("1 route was taken from the reversed route (reciprocity)") != std::string::npos;
     EXPECT_EQ(said, mirrored);
   }
 }

@@ -158,6 +158,8 @@ TEST(Instances, RepeatFromATable) {
       {"z [m], aperture [cm]\n1, nan\n", "b.csv:2:4: error: 'nan' is not a number"},
       {"z [m], aperture [cm]\n1, 50 cm\n", "b.csv:2:4: error: '50 cm' is not a number"},
       {"z [m], aperture [cm]\n", "b.csv: error: the table has no rows"},
+      {"", "b.csv: error: the table has no rows"},
+      {"z [m], aperure [cm]\n1, 5, 50\n", "did you mean 'aperture'?"},  // beside the error of the row
       {"z [m], z [m]\n1, 2\n", "column 'z' appears twice"},
       {"z [m], half [m], half [m]\n1, 2, 3\n", "column 'half' appears twice"},
   };

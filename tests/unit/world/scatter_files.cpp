@@ -233,6 +233,7 @@ TEST(ScatterFiles, OtherFormatsAreErrorsThatNameThem) {
   EXPECT_THAT(error_text("Symmetry PlaneSymmetrical\nSpectralContent Monochrome\nAOI 10\n"), HasSubstr("LightTools"));
   EXPECT_THAT(error_text(std::string("\x89HDF\r\n\0", 7)), HasSubstr("binary file of no known format"));
   EXPECT_THAT(error_text("hello\n"), HasSubstr("no known format of measured scatter"));
+  EXPECT_THAT(error_text(""), HasSubstr("no known format of measured scatter"));
 }
 
 }  // namespace
