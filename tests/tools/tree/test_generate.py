@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).parents[3]
 CHANGES = (("schema/straytrace-1.schema.json", '"$schema"', '"$Schema"'),
            ("docs/reference/keys.md", "\n| ", "\n|  "),
            ("docs/reference/commands.md", "\n| `--quiet` |", "\n| `--silence` |"),
-           ("docs/reference/library.md", "| `", "| ` "),
+           ("docs/reference/library.md", "| material | value", "| material |  value"),
            ("docs/reference/python.md", "\n## Models", "\n## The models"))
 
 
