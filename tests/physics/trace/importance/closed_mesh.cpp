@@ -112,9 +112,10 @@ struct Population : Silent {
 TEST(ClosedMesh, CopiesOfAHistoryAreBoundedWithoutBias) {
   double const rho = 0.7;
   World world = splitting(rho);
-  world.limits.max_order = 24;  // rho^24: 2e-4 of the light is left
+  world.limits.max_order = 24;
+  double const bound = double(most_events_per_order * world.limits.max_order);
   Population population;
-  population.bound = most_events_per_order * world.limits.max_order;
+  population.bound = std::uint64_t(bound / 2);
   Sampler all, cut;
   walk(world, 400, population, [&] {
     all.add(population.arrived / population.emitted_power);
@@ -123,12 +124,11 @@ TEST(ClosedMesh, CopiesOfAHistoryAreBoundedWithoutBias) {
     population.arrived = population.before_the_bound = 0;
     population.events = 0;
   });
-  EXPECT_GT(population.most, population.bound) << "the bound does not act";
-  EXPECT_LT(population.most, population.bound + (History::most_waiting + 2) * world.limits.max_order);
-  double const expected = 1 / (1 - rho);
+  EXPECT_NEAR(double(population.most), bound, 0.1 * bound) << "without the bound there would be far more";
+  double const expected = (1 - std::pow(rho, world.limits.max_order)) / (1 - rho);
   expect_mean("arriving power", all.mean(), expected, 2e-2 * expected);
   expect_rejected("a wall that is 10 % more reflecting", all.mean(), 1 / (1 - 1.1 * rho));
-  EXPECT_LT(cut.mean().mean, 0.97 * expected) << "negative control: paths beyond the bound do not count";
+  EXPECT_LT(cut.mean().mean, 0.97 * expected) << "negative control: the second half of the events does not count";
 }
 
 }  // namespace
