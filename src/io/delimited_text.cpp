@@ -246,7 +246,7 @@ bool has_decimal_commas(std::string_view line) {
   }
 }
 
-// Appends the numbers of one line; returns the first word that is none, as a part of `line`, or nothing.
+// Appends the numbers of one line. Returns the first word that is not a number (a view into `line`), or an empty view.
 std::string_view read_row(std::string_view line, std::vector<double>& row, NonFinite words) {
   line = line.substr(0, line.find_first_of("#%"));
   while (true) {

@@ -18,7 +18,7 @@ Transport& open_mpi();
 // this exit code, and what was not written by then is not seen.
 void close_mpi(int exit_code);
 
-// Sums of moving phases on this backend. Throws InputError for a name that is none and where there is no device.
+// Sums of moving phases on this backend. Throws InputError for an unknown name, and when no device is available.
 DirectSum phase_summer(std::string const& backend);
 
 // "cuda: NVIDIA H100, 80 GB", or why there is none; for --version.

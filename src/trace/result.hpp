@@ -182,7 +182,7 @@ struct TraceResult {
   bool checkpointed() const { return stopped >= Stopped::by_signal; }
 };
 
-// Draws paths of a block that was traced, at most 32 on all routes to ports together (part of the run-file schema), and
+// Draws paths of a traced block, at most 128 on all routes to ports together (part of the run-file schema), and
 // adds their phase sensitivities to the sums. A route is drawn as often as the root of its light says, and within it a
 // path with the chance of its coupling: priority sampling (docs/theory/errors.md) of coupling over the root of that of
 // the route in the block. `replica`: of the block. What is drawn is a function of the scores of the block.

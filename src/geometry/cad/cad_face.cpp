@@ -242,8 +242,8 @@ SurfaceCurvature CadFace::curvature_at(Vec3 p) const {
   return sense > 0 ? k : k.from_behind();
 }
 
-// Faces of CAD files as triangles: their chart is cut into slabs in which no edge of a loop begins or ends, and each
-// slab into the trapezoids between its edges.
+// Triangulates CAD faces. Cuts the chart at the ends of all edges into slabs, and each slab into the trapezoids between
+// its edges.
 
 namespace {
 

@@ -101,7 +101,7 @@ WithError band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double 
 
 namespace {
 
-// A zero is no number of a noise: either no route makes noise there, or none is resolved.
+// h = 0 is never printed: it means that no route makes noise there, or that no route is resolved.
 std::string strain_number(NoiseBudget const& b, double h) {
   if (h == 0) return b.unresolved.empty() ? "none" : "not resolved";
   return std::isnan(h) ? "-" : fmt::format("{:.2e}", h);

@@ -43,7 +43,7 @@ struct Medium {
 
 // Limits of the walk, and whether it uses the search structure. They are part of what determines a result.
 struct WalkLimits {
-  std::uint32_t max_order = 64;      // surface events after the source; light beyond counts as `limit`
+  std::uint32_t max_order = 64;      // surface events after the source; light beyond counts as `truncated`
   double roulette_below = 0.1;       // of the power first scattered: below it paths survive by chance (unbiased)
   std::uint32_t route_vertices = 5;  // routes with more vertices than this are summed in the class `other`
   bool targets = true;               // aim at patches that the adjoint tables rate important (docs/theory/sampling.md)
