@@ -1,5 +1,5 @@
 """Keys that the readers request, as `straytrace print --format json` reports them: tables by their name in messages
-("contexts"), their keys, and for each key every way in which it was asked for and written."""
+("contexts"), their keys, and for each key every way in which it was read and written."""
 import json
 import pathlib
 import re

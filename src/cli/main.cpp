@@ -121,7 +121,7 @@ int answer(int argc, char** argv) {
 }  // namespace straytrace::cli
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // beyond the limit of file sizes a write fails and is told, as on a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the file size limit fails with a message, as on a full disk
   int const exit_code = straytrace::cli::answer(argc, argv);
   straytrace::session::close_mpi(exit_code);
   return exit_code;

@@ -110,7 +110,7 @@ std::vector<std::string> words_of(CLI::App const& app) {
   return words;
 }
 
-// What the command line held that nobody asked for; empty when only the command is missing.
+// The word of the command line that no option takes; empty when only the command is missing.
 std::string unknown_word(CLI::App const& command, CLI::App const& app) {
   for (CLI::App const* a : {&command, &app})
     for (std::string const& word : a->remaining())

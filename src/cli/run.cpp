@@ -103,8 +103,8 @@ void add_run(CLI::App& app, int& exit_code) {
       "  straytrace run examples/virgo_arm.yaml -o out/\n"
       "  straytrace run examples/virgo_arm.yaml -o fine/ --until \"h_total < 1 %\" -p rim=48cm\n"
       "  straytrace run out/run.h5 -o again/\n"
-      "A run file is made again from its own content, with the same numbers.\n"
-      "Interrupted with Ctrl-C it leaves a valid result and exits with 85; the same command goes on from there.");
+      "Given a run file, run repeats it from its own content, with the same numbers.\n"
+      "After Ctrl-C it leaves a valid result and exits with 85; the same command resumes from there.");
   command->callback([options, &exit_code] {
     drop_slashes(options->out);
     exit_code = run(*options);

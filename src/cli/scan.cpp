@@ -136,8 +136,8 @@ void add_scan(CLI::App& app, int& exit_code) {
       "Examples:\n"
       "  straytrace scan examples/et_hf_arm.yaml rim=40cm,42cm --histories 200000\n"
       "  straytrace scan examples/et_hf_arm.yaml --invert \"brdf(baffle)\" --margin 1/10 --histories 200000\n"
-      "Where --invert brdf(MATERIAL) answers with an upper bound, its quoted error may be up to twice too large.\n"
-      "Interrupted with Ctrl-C it leaves the finished points and exits with 85; with -o the same command goes on.");
+      "If --invert brdf(MATERIAL) finds an upper bound, the quoted error may be too large by up to a factor 2.\n"
+      "After Ctrl-C it keeps the finished points and exits with 85; with -o the same command resumes.");
   command->callback([options, &exit_code] {
     drop_slashes(options->out);
     exit_code = start(*options);

@@ -143,7 +143,7 @@ void add_submit(CLI::App& app, int& exit_code) {
   add_history_options(*command, o);
   command->add_option_function<std::string>(
       "--time", [options](std::string const& text) { options->seconds = job_time(text); },
-      "that a job may take, for example 50min; it goes on in another one; default 1h");
+      "limit of one job, for example 50min; the run continues in another job; default 1h");
   command->add_option("--threads", o.threads, "of a job; default 1")->check(whole_between(1, 1024, "4"));
   command->add_option("--accounting", o.accounting, "account or accounting group");
   add_force_option(*command, o.force);

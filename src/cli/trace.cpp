@@ -147,7 +147,7 @@ void add_trace(CLI::App& app, int& exit_code) {
       "  straytrace trace part007.h5\n"
       "  mpirun straytrace trace examples/virgo_arm.yaml -o virgo.h5 --histories 1e9 --backend mpi\n"
       "  straytrace trace virgo.h5 --history 1234\n"
-      "A run file is continued to the number of histories asked for.");
+      "Given a run file, trace resumes up to the requested number of histories.");
   command->callback([options, &exit_code, out] {
     TraceCommandOptions& wanted = *options;
     if (wanted.history) {

@@ -65,7 +65,7 @@ std::vector<Problem> warnings_of_gaps(std::span<MotionFile const> files, Band no
     if (!missing.empty()) what += fmt::format(": {} it is taken as still", missing);
     if (slow)
       what += fmt::format(
-          "{} motion below {:.4g} Hz changes how fringes wrap: going on as f^-2 it would put noise up "
+          "{} motion below {:.4g} Hz changes how fringes wrap: continued as f^-2 it would put noise up "
           "to about {:.2g} Hz",
           missing.empty() ? ": missing" : "; the missing", file.covered.low, reach);
     else if (begins_above)
@@ -118,7 +118,7 @@ std::optional<Columns> read_columns(Node const& spec, bool rotation) {
     c.frequency = column_number(use[0]);
     c.value = column_number(use[1]);
     if (units.size() > 2 && std::max(c.frequency, c.value) > units.size()) {
-      spec.problem(fmt::format("'use' asks for a column beyond the {} that 'columns' names", units.size()),
+      spec.problem(fmt::format("'use' names a column beyond the {} of 'columns'", units.size()),
                    "name the unit of every column");
       return {};
     }
@@ -151,7 +151,7 @@ Spectrum read_spectrum_file(Node const& spec, bool rotation) {
   if (wanted > there) {
     (spec.has("use") ? spec["use"] : file)
         .problem(
-            fmt::format("'{}' has {} column{}, and column {} is asked for", name, there, there == 1 ? "" : "s", wanted),
+            fmt::format("'{}' has {} column{}; column {} does not exist", name, there, there == 1 ? "" : "s", wanted),
             "write the numbers of the columns of frequency and motion, for example 'use: [1, 2]'");
     return {};
   }

@@ -181,8 +181,8 @@ std::optional<RecordedMotion> read_recorded(Node const& spec, bool rotation) {
   auto const calibration = read_calibration(spec, unit.value_or(Quantity{}), series->unit, false, rotation, unit_at);
   if (!calibration || !std::isfinite(highpass)) return {};
   if (calibration->derivatives > 0 && highpass == 0) {
-    spec.problem("velocity and acceleration are integrated, and what is slower than the record has no end",
-                 "add 'highpass: 0.05 Hz': below it the motion is taken off");
+    spec.problem("velocity and acceleration are integrated, and motion slower than the record grows without limit",
+                 "add 'highpass: 0.05 Hz'; slower motion is removed");
     return {};
   }
   if (series->samples.size() < 32) {

@@ -28,7 +28,7 @@ InjectionPoint injection_point_of(World const& world, std::uint32_t footprint) {
   return standing ? InjectionPoint::end_mirror : InjectionPoint::through_end;
 }
 
-// Of the mirrors of a cavity, m; 0: the beam is none.
+// Between the mirrors of a cavity, m; 0: the beam is not a cavity.
 double cavity_length(World const& world, std::uint32_t beam) {
   std::vector<Vec3> mirrors;
   for (Footprint const& f : world.footprints())

@@ -41,7 +41,7 @@ class RunInput {
  public:
   explicit RunInput(std::string input);
   Model read(std::vector<std::string> const& overrides) const;  // refers to the texts held here
-  // The same with as many histories as were asked for, where the run was stopped before.
+  // The same with the number of histories originally requested, where the run stopped early.
   Model read_to_the_end(std::vector<std::string> const& overrides) const;
   Slice slice() const { return file_ ? file_->trace.slice : Slice{}; }
   RunContent completed(RunContent) const;  // with the motion file the run was projected with

@@ -21,7 +21,7 @@ struct ReportWanted {
   bool has(std::string const& picture) const;
 };
 std::vector<std::string> const& report_pictures();  // budget, scene, maps, ghosts, materials, convergence
-// `pictures` of the table `report` of a scene; a word that is none is a problem there. Empty: all.
+// `pictures` of the table `report` of a scene; an unknown word is a problem there. Empty: all.
 std::vector<std::string> read_pictures(Node const& report);
 
 // The page of a run; `picture`: for browsers without scripts.

@@ -61,7 +61,7 @@ std::string progress_line(TraceProgress const& p, StopRule const& rule) {
     }
   }
   if (std::isfinite(rule.max_seconds)) {
-    if (!rule.by_error()) goal = fmt::format("{} asked for", duration(rule.max_seconds));
+    if (!rule.by_error()) goal = fmt::format("of at most {}", duration(rule.max_seconds));
     left = std::fmin(left, std::fmax(rule.max_seconds - p.seconds, 0));
   }
   std::string const time = std::isfinite(left) ? "about " + duration(left) + " left" : "";
@@ -96,7 +96,7 @@ void resume_earlier(Model& model, TraceOptions const& options, std::string const
   if (!options.quiet)
     std::cerr << (anew ? fmt::format("the {:.3g} histories in '{}' are a whole small run: a longer one begins anew\n",
                                      double(histories), run_file)
-                       : fmt::format("going on from {:.3g} histories in '{}'\n", double(histories), run_file));
+                       : fmt::format("resuming from {:.3g} histories in '{}'\n", double(histories), run_file));
   if (anew) {
     settings.good_checks = 0;
     return;
@@ -132,8 +132,9 @@ void save(std::string const& run_file, RunContent const& content, PrintOptions c
     write_run(run_file, content);
   } catch (InputError const& e) {
     print_warning(
-        fmt::format("no checkpoint was written: {}\n  the trace goes on; make room or it ends without a result",
-                    e.reason()),
+        fmt::format(
+            "no checkpoint was written: {}\n  the trace continues; free disk space, or it ends without a result",
+            e.reason()),
         options);
   }
 }

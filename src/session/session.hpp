@@ -61,8 +61,8 @@ class FolderLock {
 };
 
 inline constexpr std::size_t merits_shown = 3;  // routes whose figure of merit is printed
-inline constexpr char no_way_to_go_on[] = "stopped early; with -o FOLDER the same command would go on from here\n";
-inline constexpr char how_to_go_on[] = "stopped early with a valid result; the same command goes on from here\n";
+inline constexpr char no_way_to_go_on[] = "stopped early; with -o FOLDER the same command would resume from here\n";
+inline constexpr char how_to_go_on[] = "stopped early with a valid result; the same command resumes from here\n";
 
 RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);
 // run.h5, h_asd.txt, paths.csv, report.txt, report.png in the folder; returns what could not be drawn.

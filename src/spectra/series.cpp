@@ -47,7 +47,7 @@ TimeSeries cut(TimeSeries const& s, GpsSpan span) {
   bool const inside = span.from < span.to && (span.from <= -1e300 || span.from >= s.start - slack) &&
                       (span.to >= 1e300 || span.to <= s.end() + slack) && span.from < s.end() && span.to > s.start;
   if (!inside)
-    throw InputError(fmt::format("'{}' holds GPS {}, and {}..{} is asked for", s.name, span_text(s),
+    throw InputError(fmt::format("'{}' covers GPS {}, not the requested {}..{}", s.name, span_text(s),
                                  span.from <= -1e300 ? "its start" : gps_text(span.from),
                                  span.to >= 1e300 ? "its end" : gps_text(span.to)),
                      "choose a span inside it, with --gps A..B or the option that names the stretch");

@@ -67,7 +67,7 @@ C TransferFunction::operator()(double hz) const {
 C TransferFunction::Table::operator()(double f) const {
   if (!covers(hz, f) && !holds)
     throw InputError(
-        fmt::format("'{}' holds {:g} Hz to {:g} Hz, and {:g} Hz is asked for", name, hz.front(), hz.back(), f),
+        fmt::format("'{}' covers {:g} Hz to {:g} Hz, not the requested {:g} Hz", name, hz.front(), hz.back(), f),
         "give a file that covers the band, or choose 'band' in 'noise' inside it");
   if (holds) f = std::clamp(f, hz.front(), hz.back());
   auto const above =
@@ -123,7 +123,7 @@ TransferFunction read_response_file(Node const& file, bool decibels, std::option
     return {};
   }
   if (band && (!covers(hz, band->low) || !covers(hz, band->high)))
-    file.problem(fmt::format("'{}' holds {:g} Hz to {:g} Hz, and the band of the noise asks for {:.4g} Hz to {:.4g} Hz",
+    file.problem(fmt::format("'{}' covers {:g} Hz to {:g} Hz, and the band of the noise needs {:.4g} Hz to {:.4g} Hz",
                              name, hz.front(), hz.back(), band->low, band->high),
                  "give a file that covers the band, or choose 'band' in 'noise' inside it");
   return {name, std::move(hz), std::move(values)};

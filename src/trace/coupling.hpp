@@ -48,7 +48,7 @@ struct Estimate {
 struct PathRecord {
   std::uint64_t history = 0;
   std::uint32_t event = 0;       // vertex number
-  std::uint32_t connection = 0;  // 2 i: arrived by itself at footprint i, 2 i + 1: connected to it
+  std::uint32_t connection = 0;  // 2 i: hit footprint i, 2 i + 1: connected to it
   double coupling = 0;           // recoupled power fraction of this score times the number of histories [1]
   double weight = 0;             // share of the class mean it stands for; the weights of a class sum to the mean
   double path_length = 0;        // optical, m

@@ -173,7 +173,7 @@ struct TraceResult {
   BlockSums total;
   CouplingTable coupling;  // with replayed records
   Slice slice;
-  std::uint64_t all_blocks = 0;  // of the run that was asked for, with all its slices
+  std::uint64_t all_blocks = 0;  // of the requested run, with all its slices
   Stopped stopped = Stopped::by_histories;
   std::string stop_rule;          // as the user wrote it
   std::uint32_t good_checks = 0;  // looks in a row at which the rule held

@@ -87,7 +87,7 @@ inline void expect_same(char const* what, SampleMean a, SampleMean b) {
 }
 inline double relative(SampleMean s) { return s.std_error / s.mean; }
 
-// Scatter law alone, targets at the first hop alone, targets at every hop with weight windows, and waiting for hits
+// The BSDF alone, targets at the first hop alone, targets at every hop with weight windows, and waiting for hits
 // agree within 5 standard errors; receiver A is known to `goal`.
 inline void expect_estimators_agree(std::uint64_t histories, double goal) {
   World world = baffled_tube();

@@ -15,7 +15,7 @@ WORDS = {
     r"knock(?:s|ed|ing)?": "impulse",
     r"stands? beside": "is listed with, is off the axis",
     r"rims? of (?:a |the )?baffles?|baffle(?:'s)? rims?": "inner edge, clear aperture",
-    r"(?:go|goes|going|gone|went) on with": "resume, continue",
+    r"(?:goes|going|gone|went) on|go on with": "resume, continue",
     r"hand-over": "minimum scatter angle",
     r"dump me first": "mitigation ranking",
     r"lights? nothing": "illuminates no surface",
@@ -34,6 +34,12 @@ WORDS = {
     r"at hand": "available",
     r"asks? nothing of": "does not need",
     r"is worth only": "has an effective sample size of",
+    r"asked for": "requested",
+    r"scatter laws?": "BSDF model, BSDF",
+    r"(?:is|are|was|were) (?:refused|told|said)": "is rejected, is reported; name who does it",
+    r"taken off": "subtracted, removed",
+    r"(?<!there\s)(?-i:is none)": "is not one of, does not exist",    # case: Python's 'is None'
+    r"by (?:itself|themselves)": "automatically, alone, separately",
 }
 SELF = ("tools/lint/check_words.py", "tests/tools/tree/test_checks.py")      # they name the words
 PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs")

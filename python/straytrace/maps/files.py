@@ -44,7 +44,7 @@ def counts_to_map(path, counts, header, kind) -> MirrorMap:
         if not (np.isfinite(header[name]) and 0 < header[name] < 100):
             raise MapError(f"{path}: {what} of the header is {header[name]:g}; export the map again")
     if header["phase_res"] not in RESOLUTION:
-        raise MapError(f"{path}: phase resolution {header['phase_res']} is none of 0, 1, 2; export the map again")
+        raise MapError(f"{path}: phase resolution {header['phase_res']} is not 0, 1 or 2; export the map again")
     resolution = RESOLUTION[header["phase_res"]]
     one = height_per_count(header["scale_factor"], header["obliquity"], header["wavelength"], resolution)
     height = np.where(counts >= INVALID, np.nan, counts * one)
@@ -56,7 +56,7 @@ def counts_to_map(path, counts, header, kind) -> MirrorMap:
 def read_metropro(path, data: bytes) -> MirrorMap:
     magic, version, size = struct.unpack(">IhI", data[:10])
     if MAGIC.get(magic) != (version, size):
-        raise MapError(f"{path}: MetroPro with header format {version} of {size} bytes, which is none of its three")
+        raise MapError(f"{path}: MetroPro with header format {version} of {size} bytes, which is not one of the three known ones")
     if len(data) < size:
         raise MapError(f"{path}: ends within its header; copy the file again")
     intensity_bytes, = struct.unpack(">i", data[60:64])

@@ -55,11 +55,11 @@ std::string coupling_unit(std::string const& target, std::string const& witness)
 // |S_xy|^2/(S_xx S_yy) without what n averages of independent noises share by chance: (c - 1/n)/(1 - 1/n), not below 0.
 double unbiased_coherence(double coherence, double averages);
 
-// H = sqrt((y_inj - y_quiet)/(x_inj - x_quiet)), PSDs of target y and witness x: what the quiet witness makes of the
-// quiet target is taken off with it, so H is right also where the injection is weak. Error: averages of all four
-// spectra, less what witness and target share (coherence). Upper limit (C.4): the truth lies above it in 1 -
-// `confidence` of all trials, or fewer where no coupling could be seen. Both spectra on one axis. Throws InputError
-// when they are not.
+// H = sqrt((y_inj - y_quiet)/(x_inj - x_quiet)), PSDs of target y and witness x: this also
+// subtracts what the quiet witness couples into the quiet target, so H is right also where the injection is weak.
+// Error: averages of all four spectra, less what witness and target share (coherence). Upper limit (C.4): the truth
+// lies above it in 1 - `confidence` of all trials, or fewer where no coupling could be seen. Both spectra on one axis.
+// Throws InputError when they are not.
 std::vector<CouplingPoint> measure_coupling(CrossSpectra const& injection, CrossSpectra const& quiet,
                                             CouplingThresholds const&);
 

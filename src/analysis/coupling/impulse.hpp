@@ -49,9 +49,9 @@ struct ImpulseResponse {
 };
 
 // Stretches at `starts` (GPS s) without a window: what rings must not be weighted. In time the response is damped by
-// the coherence, so that frequencies without force or answer do not fill it with noise. What still rings of impulses
-// before is taken off the amplitudes of modes. Throws InputError with fewer than two stretches inside the data: without
-// repeats there is no error.
+// the coherence, so that frequencies without force or answer do not fill it with noise. Ringing left by earlier
+// impulses is subtracted from the amplitudes of modes. Throws InputError with fewer than two stretches inside the data:
+// without repeats there is no error.
 ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts,
                                  ImpulseSettings const&);
 

@@ -152,7 +152,7 @@ struct Ridge {
   std::size_t low, high;  // lines, both within
 };
 
-// Within the band, `high` excluded: a drive outside of it is none of its ridge.
+// Within the band, `high` excluded: a drive outside it is not part of the ridge.
 Ridge ridge_of(Complexes const& x, std::size_t low, std::size_t high) {
   auto const louder = [](auto const& a, auto const& b) { return std::norm(a) < std::norm(b); };
   auto const top = std::size_t(

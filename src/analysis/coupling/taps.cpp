@@ -52,7 +52,7 @@ struct Quiet {
   std::vector<Stretch> local;
 };
 
-// Logarithms of target over force at one bin: of the ASDs, and with the quiet levels taken off.
+// Logarithms of target over force at one bin: of the ASDs, and after subtraction of the quiet levels.
 struct LogRatio {
   double value, excess, sigma;  // sigma: standard error of both from the spread of the segments
   double force;                 // logarithm of the force without its quiet level, as an ASD

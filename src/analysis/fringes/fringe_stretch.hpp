@@ -35,7 +35,7 @@ struct FringeFrame {
   double low = 0, high = 0;   // Hz, the band
   double wavelength = 0;      // m
   double middle = 0;          // GPS s, where a drift is zero
-  double highest_fringe = 0;  // Hz, largest |d theta/dt|/2pi of any shape that will be asked for
+  double highest_fringe = 0;  // Hz, largest |d theta/dt|/2pi of any shape evaluated
   double longest_delay = 0;   // s, either sign
   std::vector<double> means;  // m, of the witnesses, which are taken away
 };

@@ -142,7 +142,7 @@ AtRatio at_ratio(std::vector<ShelfStride> const& data, ShelfEdgeSettings const& 
   return out;
 }
 
-// Offsets taken off, errors by repetition.
+// Offsets subtracted, errors by repetition.
 ShelfEdgeFit with_errors(AtRatio const& a, ShelfEdgeSettings const& s) {
   ShelfEdgeFit fit = a.fit;
   if (fit.used == 0) return fit;

@@ -48,7 +48,7 @@ double parse_margin(std::string const& text) {
   return a / b;
 }
 
-// The band asked for; empty when none is.
+// The requested band; empty without one.
 std::vector<double> band_of(BudgetRequest const& r) {
   if (r.band.empty()) return {};
   std::vector<double> ends = parse_frequencies(r.band, "--band");

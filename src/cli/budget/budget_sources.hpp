@@ -51,7 +51,7 @@ struct NoiseSource {
 bool holds_fundamental(NoiseSource const&);  // by its name: of a budget file
 
 enum class InputKind { detector, run, budget };
-InputKind kind_of_input(std::string const& file);  // by its content; throws InputError when it is none of them
+InputKind kind_of_input(std::string const& file);  // by its content; throws InputError for any other file
 
 NoiseSource stray_light(std::string const& run_file);                // total, and the routes that are resolved
 std::vector<NoiseSource> noises_of_budget(std::string const& file);  // every noise of a budget of pygwinc

@@ -54,8 +54,8 @@ StretchArgument parse_stretch(std::string const& text, std::string const& option
 TimeSeries channel_in(StretchArgument const&, std::string const& channel, std::string const& unit,
                       std::string const& option);
 
-// A stretch as it was found in a record. Two of them that share time are refused: what is quiet would hold what was
-// injected, or one injection would count twice. Records of different files share their time only where that is GPS.
+// A stretch as found in a record. Two stretches must not overlap: quiet data would contain the injection, or one
+// injection would count twice. Records of different files share their time only where that is GPS.
 struct FoundStretch {
   std::string name, file;   // "--quiet 0..24"
   double from = 0, to = 0;  // GPS s

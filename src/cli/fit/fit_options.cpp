@@ -76,7 +76,7 @@ SearchRange range_or(FitOptions const& o, std::string const& text, Dimension dim
   return is_free(o, name) ? when_free : SearchRange{fixed, fixed};
 }
 
-// 0.5 to 6, as far as the sample rate holds the fringes (eq. 7.13); the upper end is said with the result.
+// 0.5 to 6, as far as the sample rate holds the fringes (eq. 7.13); the result states the upper end.
 SearchRange default_multiplicity(FringeRecords const& r, FringeFitSettings const& s) {
   double const single = 2 * fastest_motion(r, std::max(std::fabs(s.ratio.low), std::fabs(s.ratio.high))) / s.wavelength;
   double const most = 0.99 * r.target.rate / (2.2 * single);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `straytrace fit` and `fit edge` are told, and the records and ranges that come of it.
+// Options of `straytrace fit` and `fit edge`, and the records and ranges that follow from them.
 #pragma once
 
 #include <memory>

@@ -45,7 +45,7 @@ std::uint32_t body_named(CouplingTable const& table, std::string const& name) {
                    fmt::format("it is one of: {}", fmt::join(table.bodies, ", ")));
 }
 
-// The axis that is asked for, or that of most phase among those that the witness can measure.
+// The requested axis, or that with most phase among those that the witness can measure.
 std::size_t axis_of(std::string const& asked, PhaseSensitivities const& phase_sensitivities, bool rotation) {
   std::size_t const first = rotation ? 3 : 0;
   auto const from = phase_sensitivities.square.begin() + std::ptrdiff_t(first);

@@ -147,7 +147,7 @@ int print_list(std::string const& file, bool json) {
   return done;
 }
 
-// The scene that is asked for; nothing where it is a file of measured scatter.
+// The requested scene; nothing where the input is a file of measured scatter.
 std::optional<Scene> scene_asked(InspectOptions const& i, FileTexts& texts) {
   std::string const& name = i.file;
   bool const whole = is_scene(name), own = !i.scene.empty();

@@ -95,7 +95,7 @@ struct ViewOptions : SceneOptions {
   std::string out, vtk, glb;
 };
 
-// A page, unless only other files are asked for.
+// A page, unless only other files are requested.
 void write_view(ViewOptions const& options, Model const& model, SteeredWorld const& world, RunContent const* run,
                 PathTable const* table) {
   ViewWanted const& wanted = options.wanted;

@@ -25,7 +25,7 @@ struct ProjectOptions {
   std::uint32_t realisations = 1;
 };
 
-// Fields in all, copies aside, that are summed without being asked for others: seconds for a minute at 8 kHz.
+// Default number of fields that are summed, without copies: takes seconds for a minute of data at 8 kHz.
 constexpr std::size_t usual_paths = 2048;
 
 TimeDomainSettings settings_of(TimeOptions const& o, TimeInputs const& in) {

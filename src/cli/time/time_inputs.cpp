@@ -65,7 +65,7 @@ std::string warnings_of_channels(TimeOptions const& o, TimeInputs const& in) {
   return text;
 }
 
-// The stretch that all recordings cover, or what is asked for.
+// The stretch that all recordings cover, or the requested one.
 void choose_times(TimeOptions const& o, TimeInputs& in) {
   double from = -infinity, to = infinity;
   for (MotionInput const& input : in.model.motion.inputs)
@@ -99,7 +99,7 @@ bool touches(CouplingClass const& c, BodyId body) {
   });
 }
 
-// Whether a route is one of those asked for by rank in the path table or by part of its name.
+// Whether a route is selected, by rank in the path table or by part of its name.
 class RouteChoice {
  public:
   RouteChoice(TimeOptions const& o, TimeInputs const& in) : asked_(o.routes) {
@@ -141,8 +141,7 @@ void choose_routes(TimeOptions const& o, TimeInputs& in) {
     if (at_port && moved && usable && asked(table, c) && !c.records.empty()) in.routes.push_back(r);
   }
   if (in.routes.empty())
-    throw InputError("no route with kept paths is among those that were asked for",
-                     "see straytrace paths RUN for ranks and names");
+    throw InputError("none of the selected routes has stored paths", "see straytrace paths RUN for ranks and names");
 }
 
 }  // namespace
@@ -188,7 +187,7 @@ RecordedMotion as_motion(TimeSeries const& series, bool rotation, double corner)
   if (c.derivatives > 0 && corner <= 0)
     throw InputError(fmt::format("--channel: '{}' is in {} and has to be integrated, which makes slow errors large",
                                  series.name, series.unit),
-                     "write --corner 0.05Hz, below which the motion is taken off");
+                     "write --corner 0.05Hz; slower motion is removed");
   if (series.samples.size() < 32)
     throw InputError(fmt::format("--channel: '{}' has fewer than 32 samples", series.name), "choose a longer stretch");
   c.factor = unit->si;

@@ -44,8 +44,8 @@ struct TimeInputs : OpenRun {
 // The recording takes the place of all that moved this coordinate; other bodies keep what they had.
 void replace_coordinate(MotionSet&, BodyId, int axis, RecordedMotion const&);
 
-// Displacement [m] or angle [rad] from a channel of displacement, velocity or acceleration; these two need a corner
-// [Hz], below which the motion is taken off. InputError names the option.
+// Displacement [m] or angle [rad] from a channel of displacement, velocity or acceleration; the last two need a
+// corner [Hz], below which motion is removed. InputError names the option.
 RecordedMotion as_motion(TimeSeries const&, bool rotation, double corner_hz);
 
 }  // namespace straytrace::cli

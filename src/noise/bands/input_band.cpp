@@ -100,7 +100,7 @@ double share_of(NoiseBudget const& b, Materials const& all, std::size_t m, doubl
   return total > 0 ? band_power(b.grid, through) / total : 0;
 }
 
-// Of the total and of each route by itself.
+// Of the total and of each route alone.
 struct Spreads {
   Spread total;
   std::vector<Spread> routes;

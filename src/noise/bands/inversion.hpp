@@ -41,7 +41,7 @@ using Projected = std::function<NoiseTrace(double scale)>;
 // Looks between 1e-4 and 100 in 8 steps per decade and at the crossing more closely.
 Inversion invert_motion(Projected const&, std::vector<double> const& line);
 
-// Motion with the gains of one body times `scale`: of what it does by itself and of what carries it.
+// Motion with the gains of one body times `scale`: both its own motion and that of its carrier.
 MotionSet with_scaled_body(MotionSet const&, BodyId, double scale);
 
 }  // namespace straytrace::noise

@@ -349,7 +349,7 @@ void SpectrumInterpolator::refine_cells(std::size_t most) {
   }
 }
 
-// Paths computed by themselves, where spectra of nodes do not hold.
+// Paths computed individually, where interpolated spectra fail their checks.
 
 void SpectrumInterpolator::compute_paths(std::size_t most) {
   Lattice each{same, same, {}, {}};

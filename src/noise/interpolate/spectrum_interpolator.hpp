@@ -34,9 +34,9 @@ class SpectrumInterpolator {
     std::size_t most = 400;     // nodes
     bool refine = true;         // false: nodes stay as first placed, even when checks fail
     std::size_t checks = 24;    // paths whose own spectra are computed
-    std::size_t direct = 2000;  // paths that are computed by themselves where checks fail; 0: none are
+    std::size_t direct = 2000;  // paths that are computed individually where checks fail; 0: none are
   };
-  // Of SpotCheck::error: above it nodes are refined, then paths computed by themselves.
+  // Of SpotCheck::error: above it nodes are refined, then paths computed individually.
   static constexpr double tolerance = 1e-3;
   SpectrumInterpolator(PhaseSpectra const&, Strengths const&, Options);
   SpectrumInterpolator(PhaseSpectra const& spectra, Strengths const& paths)

@@ -121,7 +121,7 @@ class PhaseSpectra {
 
 // One term weight * exp(-(own R(0) - cross R(tau))) of a correlation, summed over the classes in the exponent; a tone
 // is a factor J_0(sqrt(2 own - 2 cross cos(2 pi f tau))), a drift that both paths share a factor cos(sqrt(own) tau).
-// own = cross = kappa is a path by itself (eq. 1.11). PSDs of motion come in through kappa, so that part of a
+// own = cross = kappa is a single path (eq. 1.11). PSDs of motion come in through kappa, so that part of a
 // cross-covariance that is odd in tau is left out. It is zero unless two paths see one input through transfers of
 // different phase.
 struct PhasePair {

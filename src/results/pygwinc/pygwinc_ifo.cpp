@@ -32,7 +32,7 @@ CoatedMirror read_mirror(IfoTree& t, std::string const& name, bool coated) {
   return m;
 }
 
-// One of the two: what is said later, in a file that extends a preset or on the command line, takes the other's place.
+// One of the two: the later entry, in a file that extends a preset or on the command line, replaces the other.
 void read_power(IfoTree& t, Detector& d) {
   char const *const power = "Laser.Power", *const arm = "Laser.ArmPower";
   auto const first = t.source_of(power), second = t.source_of(arm);
@@ -89,7 +89,7 @@ Detector read_detector(IfoTree& t) {
   return d;
 }
 
-// Checks of several numbers together; only where each is valid by itself.
+// Checks of several numbers together; only where each alone is valid.
 void check_together(IfoTree& t, Detector const& d) {
   double const g = (1 - d.arm_length / d.input.curvature) * (1 - d.arm_length / d.end.curvature);
   if (std::isnan(g) || std::isnan(d.wavelength)) return;

@@ -18,7 +18,7 @@ struct CurveFile {
 
 struct IfoFile {
   Detector detector;
-  std::string title;              // what the file (or preset) itself is called; empty: nothing is said
+  std::string title;              // name of the file or preset; empty: unnamed
   std::string compare;            // design curve that belongs to it; empty: none
   std::vector<CurveFile> curves;  // technical noises
   std::string yaml;               // all its values, as pygwinc reads them

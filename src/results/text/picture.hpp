@@ -21,7 +21,7 @@ std::string svg_of_run(std::string const& run_file, std::string& message);
 bool draw_map_pictures(std::string const& run_file, std::string const& folder, std::string const& one_of_them,
                        std::string& message);
 
-// The same for a scatter law, from the JSON that `straytrace inspect --format json` prints.
+// The same for a BSDF model, from the JSON that `straytrace inspect --format json` prints.
 bool draw_law_picture(std::string const& json_file, std::string const& png_file, std::string& message);
 // Measured scatter with fits and residuals, from the same JSON of a file of measured scatter.
 bool draw_scatter_picture(std::string const& json_file, std::string const& png_file, std::string& message);

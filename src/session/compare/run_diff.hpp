@@ -21,7 +21,7 @@ struct Change {
   // there, together with all such routes.
   std::string within{};
   double held = 0;         // of the same histories: what spectra do not hold, 5e-4 of each value
-  bool too_small() const;  // a smaller change is none
+  bool too_small() const;  // to count as a change
   double sigmas() const;   // NaN: no answer
 };
 

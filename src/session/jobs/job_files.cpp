@@ -12,7 +12,7 @@
 namespace straytrace::session {
 namespace {
 
-// A job ends by itself before it is killed, and a kill loses no more than a checkpoint.
+// A job ends before its time limit, and a kill loses no more than the work since the last checkpoint.
 std::string times(Jobs const& jobs) {
   return fmt::format("--max-time {:.0f}s --checkpoint {:.0f}s", std::floor(jobs.seconds * 5 / 6),
                      std::ceil(std::min(1200.0, jobs.seconds / 3)));
@@ -66,7 +66,7 @@ while kill -0 "$trace" 2>/dev/null; do   # a signal ends a wait
   code=$?
 done
 
-# 85: stopped before the end with a result to go on from, so back into the queue.
+# 85: stopped early with a result to resume from, so requeue the job.
 if [ "$code" -eq 85 ] && [ "${{SLURM_RESTART_COUNT:-0}}" -lt 500 ]; then
   scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID" && exit 0
 fi
@@ -128,7 +128,7 @@ part = part$INT(number,%0{digits}d).h5
 arguments = "trace input.h5 --slice $INT(number)/{slices} -o $(part) {times} --threads {threads} --quiet"
 transfer_input_files = input.h5
 transfer_output_files = $(part)
-# 85: stopped before the end; the part is kept, and the job goes on from it, here or on another machine.
+# 85: stopped early; the job keeps its part and resumes from it, here or on another machine.
 checkpoint_exit_code = 85
 transfer_checkpoint_files = $(part)
 queue {slices}

@@ -212,7 +212,7 @@ std::set<std::string> trace_together(std::vector<Settings> const& points, ScanOp
     if (running.empty()) break;  // stopped
     int status = 0;
     pid_t const child = ::waitpid(-1, &status, 0);
-    if (child < 0 && errno == EINTR) {  // Ctrl-C the jobs have had too; what was sent to this process alone goes on
+    if (child < 0 && errno == EINTR) {  // Ctrl-C reached the jobs too; a signal to this process alone is passed on
       for (auto const& [process, ignored] : running)
         if (stop) ::kill(process, SIGTERM);
       continue;

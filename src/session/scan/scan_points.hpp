@@ -80,7 +80,7 @@ struct ScanTable {
   std::string model, line;  // file name; "0.1 x adv-lal", empty: not compared
   std::vector<ScanAxis> axes;
   std::vector<ScanPoint> points;
-  std::size_t wanted = 0;  // points asked for
+  std::size_t wanted = 0;  // points requested
 };
 
 std::string scan_text(ScanTable const&);

@@ -21,7 +21,7 @@ std::vector<Ending> endings_of(WorldView const& world) {
 
 namespace {
 
-// The mode run backwards: light leaves its surface as it would rejoin (reciprocity of the scatter law).
+// The mode run backwards: light leaves its surface as it would rejoin (reciprocity of the BSDF).
 bool start_at_port(WorldView const& world, std::uint64_t seed, Footprint const& lit, Rng& rng, PathState& path) {
   double const u = rng.uniform(), v = rng.uniform();
   Ray const line = lit.sample(u, v);
@@ -206,7 +206,7 @@ class Lists {
 std::vector<FirstOrderList> first_order(World const& world, FirstOrderSettings const& settings) {
   SteeringTables const tables = make_strips(world);
   WorldView view = world.view();
-  view.steering = tables.view();  // names the strips; without targets the scatter law alone chooses directions
+  view.steering = tables.view();  // names the strips; without targets only the BSDF chooses directions
   WorldView source = view;
   source.receivers = {};  // no connections are wanted
   Batches const forward = walk_all(view, settings, [&](std::uint64_t n, PathState& path) {

@@ -23,7 +23,7 @@ struct FlashWay {
   int mirrors = 0;
 };
 
-// Where the way goes on; straight on through what is not drawn.
+// The next directions of the path; straight ahead through surfaces that are not drawn.
 void follow(WorldView const& world, FlashWay const& way, Vertex const& at, Flash const& flash,
             std::vector<FlashWay>& waiting) {
   for (bool const through : {false, true}) {

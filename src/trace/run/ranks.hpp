@@ -56,7 +56,7 @@ class RankScheduler final : public RemoteWorkers {
 
  private:
   struct Member {
-    bool ready = false, halted = false;  // halted: was told to stop
+    bool ready = false, halted = false;  // halted: must stop
     std::optional<BlockRange> busy;
     double started = 0, heard = 0, blocks_per_s = 0;  // s, of a steady clock; heard: its last message
   };

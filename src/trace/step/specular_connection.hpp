@@ -2,10 +2,10 @@
 // Receivers behind lenses and mirrors (docs/theory/sampling.md): connections do not reach them, and the walk rarely
 // hits a small one. A sub-path starts on the receiver, walks backwards through specular surfaces to the first
 // scattering surface z, and the vertex x of the walk is connected to z. It is combined with the walk that goes x -> z
-// -> glass -> receiver by itself by the balance heuristic, in area at z times projected solid angle from z [1/(m^2
-// sr)], where the sub-path has the density of its start (start_density): etendue is the same at both ends. Where a
-// sub-path meets a surface that a beam lights, directly or as a free beam by the straight way from its plane, that
-// light's own scatter is scored as well, weighed against the walk that starts with it.
+// -> glass -> receiver without a connection by the balance heuristic, in area at z times projected solid angle from z
+// [1/(m^2 sr)], where the sub-path has the density of its start (start_density): etendue is the same at both ends.
+// Where a sub-path meets a surface that a beam lights, directly or as a free beam by the straight way from its plane,
+// that light's own scatter is scored as well, weighed against the walk that starts with it.
 #pragma once
 
 #include "trace/step/receive.hpp"

@@ -73,7 +73,7 @@ class Declarations {
       into = text;
       return;
     }
-    complain(problems_, where_, fmt::format("'{}' is none of {}", shortened(text), fmt::join(choices, ", ")),
+    complain(problems_, where_, fmt::format("'{}' is not one of {}", shortened(text), fmt::join(choices, ", ")),
              fmt::format("write '# {}: {}'", where_.text, choices[0]));
   }
   std::vector<Problem>& problems_;

@@ -88,7 +88,7 @@ double largest_side(Box const& b) {
 
 constexpr double local_size = 200;  // m; a tree this wide widens its boxes by 12 um
 
-// Cuts items into neighbourhoods: large ones of a wide region by themselves, the rest in halves until it is local.
+// Cuts items into neighbourhoods: large ones of a wide region separately, the rest in halves until it is local.
 void find_clusters(std::vector<SearchItem> items, std::vector<std::vector<SearchItem>>& out) {
   if (items.empty()) return;
   Box all, centres;

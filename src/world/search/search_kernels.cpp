@@ -10,8 +10,8 @@ namespace straytrace::world {
 namespace {
 
 // Several rays at once. Each first searches everything but the meshes, which it notes; then the rays take turns in the
-// meshes noted, so that some go on while one waits for memory. The hits equal those of one ray after the other, bit by
-// bit.
+// meshes noted, so that some proceed while one waits for memory. The hits equal those of one ray after the other, bit
+// by bit.
 
 // A mesh that a ray may hit, nearest first.
 struct MeshAhead {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Paths that no nodes of strength can follow: they are computed by themselves, or so many of them are drawn (R4.08).
+// Paths that no nodes of strength can follow: they are computed individually, or so many of them are drawn (R4.08).
 #include "base/errors.hpp"
 #include "base/math/rng.hpp"
 #include "noise/interpolate/spectrum_interpolator.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scatter laws against their closed forms: validation case A16 (docs/theory/surfaces.md, eq. 3.15, 3.17), power between
+// BSDF models against their closed forms: validation case A16 (docs/theory/surfaces.md, eq. 3.15, 3.17), power between
 // two angles of eq. 3.18, the statistical 1/theta^2 law of eq. 3.19 and 3.20 (requirements R5.06), mean cosine of
 // eq. 3.3.
 #include <gtest/gtest.h>

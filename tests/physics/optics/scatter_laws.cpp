@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scatter laws against closed forms and published numbers: docs/theory/sampling.md, requirements R2.29, R2.30,
+// BSDF models against closed forms and published numbers: docs/theory/sampling.md, requirements R2.29, R2.30,
 // R2.32, docs/theory/surfaces.md, eq. 3.5 to 3.24. Next to each check a variant that must fail it.
 #include <gtest/gtest.h>
 

@@ -103,8 +103,8 @@ TEST(Receivers, CensusOfATwoMirrorPath) {
   EXPECT_THAT(census_text(table, 10), ::testing::HasSubstr("M2"));
 }
 
-// R3.32 and docs/develop/architecture.md: bits do not depend on threads, nor on stopping, writing, reading and going
-// on.
+// R3.32 and docs/develop/architecture.md: bits do not depend on threads, nor on stopping, writing, reading and
+// resuming.
 TEST(Receivers, TheSameBitsInAnyOrder) {
   test::Folder const folder;
   auto const hash_of = [&](Traced const& t) {

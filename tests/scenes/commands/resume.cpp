@@ -42,7 +42,7 @@ TEST(Resume, InterruptedAndContinuedIsOneLongRun) {
   std::string const n = more_than(half);
   Finished const continued = straytrace(run_into(folder / "a", {"--histories", n}));
   EXPECT_EQ(continued.code, 0) << continued.err;
-  EXPECT_THAT(continued.err, HasSubstr("going on from"));
+  EXPECT_THAT(continued.err, HasSubstr("resuming from"));
   EXPECT_EQ(straytrace(run_into(folder / "b", {"--histories", n})).code, 0);
   EXPECT_TRUE(read_run(folder / "a/run.h5").complete);
   EXPECT_EQ(data_hash(folder / "a/run.h5"), data_hash(folder / "b/run.h5"));

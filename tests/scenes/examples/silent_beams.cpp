@@ -134,7 +134,7 @@ TEST(SilentBeams, AVectorWithAnUnknownParameterIsNotOfLengthZero) {
   std::string const undefined = complaint("nowhere"), zero = complaint("0");
   EXPECT_EQ(count(undefined, "error: parameter 'nowhere' is not defined"), 5) << undefined;
   EXPECT_EQ(count(undefined, "error: "), 5) << undefined;
-  EXPECT_EQ(count(zero, "error: a direction of length zero"), 4) << zero;  // [0, 0, 1] is none
+  EXPECT_EQ(count(zero, "error: a direction of length zero"), 4) << zero;  // [0, 0, 1] is not zero
 }
 
 // A mirror keeps the light of a mode in the mode: allowed, but a trace of nothing else reports that nothing was

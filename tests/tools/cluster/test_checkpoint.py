@@ -29,7 +29,7 @@ class Checkpoints(unittest.TestCase):
     def wait_for(self, there, child, seconds=60):
         until = time.monotonic() + seconds
         while not there():
-            self.assertIsNone(child.poll(), "it ended by itself")
+            self.assertIsNone(child.poll(), "it ended early")
             self.assertLess(time.monotonic(), until, "too long")
             time.sleep(0.01)
 
@@ -91,7 +91,7 @@ class Checkpoints(unittest.TestCase):
                 child.send_signal(number)                        # may come twice
             _, said = child.communicate(timeout=60)
             self.assertEqual(child.returncode, 85, f"{number}: {said}")
-            self.assertIn("the same command goes on from here", said)
+            self.assertIn("the same command resumes from here", said)
         self.goes_on_to_the_same_bits()
 
     def test_full_disk(self):
@@ -100,7 +100,7 @@ class Checkpoints(unittest.TestCase):
         words = ["trace", *SCENE, "-o", str(self.out), "--histories", LONG, "--checkpoint", "0.1s", "--max-time", "2.5s"]
         child = subprocess.run(["bash", "-c", 'trap "" XFSZ; ulimit -f 100; exec "$@"', "bash", str(PROGRAM), *words], text=True,
                                capture_output=True, env=QUIET)
-        self.assertGreaterEqual(child.stderr.count("no checkpoint was written: cannot write"), 2, child.stderr)   # it went on
+        self.assertGreaterEqual(child.stderr.count("no checkpoint was written: cannot write"), 2, child.stderr)   # it continued
         self.assertIn("File too large", child.stderr)
         self.assertEqual(child.returncode, 2)                    # the end could not be written either
         self.assertEqual(self.out.read_bytes(), before)

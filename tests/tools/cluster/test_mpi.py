@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """`trace --backend mpi` under mpirun: the bits of one process, from any number of ranks; a rank that is killed ends the job, and
-its checkpoint goes on to the same bits. Usage: test_mpi.py PROGRAM"""
+its checkpoint resumes to the same bits. Usage: test_mpi.py PROGRAM"""
 import os
 import pathlib
 import signal

@@ -200,7 +200,7 @@ def test_drop_in_beyond_the_band(folder):
     assert close(asd["slope"][0], h[0] * 0.25**slope, 1e-9)
     try:
         log_log(hz, f, h, "zero")
-        raise AssertionError("a rule that is none")
+        raise AssertionError("an invalid rule")
     except ValueError:
         pass
 

@@ -155,7 +155,7 @@ def check_limits():
 
 
 def check_map_errors():
-    """An error of 0 or NaN is none: not drawn as 0 %."""
+    """An error of 0 or NaN means no error: not drawn as 0 %."""
     error = maps.relative_error(np.array([2.0, 7.9e-212, 1e-9, np.nan]), np.array([0.1, 0, np.nan, np.nan]))
     np.testing.assert_allclose(error, [5, np.nan, np.nan, np.nan])
 

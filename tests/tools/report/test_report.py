@@ -54,7 +54,7 @@ class Addresses(html.parser.HTMLParser):
         for name, value in attributes:
             if name in ("src", "href", "data", "action", "poster", "srcset") and not re.match("data:|#", value or ""):
                 self.found.append(value)
-            check(not name.startswith("on"), f"<{tag}> acts by itself: {name}")
+            check(not name.startswith("on"), f"<{tag}> runs a script: {name}")
 
     def handle_data(self, text):
         if self.style:

@@ -129,7 +129,7 @@ def check_ring(folder):
     check(abs(light - 1e3 * arriving["value"]) < 4 * error, f"the map holds {light} ± {error} W, {1e3 * arriving['value']} arrive")
     (folder / "wrong.yaml").write_text(RING.replace("[maps]", "[mapps]"))
     done = subprocess.run([PROGRAM, "check", "wrong.yaml"], cwd=folder, capture_output=True, text=True)
-    check(done.returncode == 2 and "did you mean 'maps'?" in done.stderr, f"a picture that is none: {done.stderr}")
+    check(done.returncode == 2 and "did you mean 'maps'?" in done.stderr, f"an unknown picture: {done.stderr}")
 
 
 def main():

@@ -72,16 +72,22 @@ class CheckWords(unittest.TestCase):
         self.expect({"README.md": "Light is emended and ammended; the twinkle of a handover, acknowledged.\n"}, 0, "1 texts use")
         self.expect({"docs/a.md": "Light is handed to the overlay; a beforehand known, forever held factor.\n"}, 0, "1 texts use")
         self.expect({"docs/a.md": "`the verdict` and `twin`\n", "tests/fuzz/corpus/a": "twin"}, 0, "1 texts use")
-        self.expect({"docs/a.md": "a theory\n", "src/a.cpp": "int between, bookshelf;  // or come by way of a mirror\n"}, 0, "2 texts use")
+        self.expect({"docs/a.md": "a theory; there is none yet\n", "python/a.py": "if a is None:\n",
+                     "src/a.cpp": "int between, bookshelf;  // or come by way of a mirror\n"}, 0, "3 texts use")
 
     def test_private_words_fail(self):
         for words in ("broken twin", "Twins:", "in the books", "no fate", "the verdict", "knocks", "stands beside", "rim of a baffle",
                       "goes on with", "hand-over angle", "dump me first", "lights nothing", "comes by", "to mend", "mesh doctor", "told apart",
-                      "held against", "knows nothing of", "does not know of", "as it stands", "for ever", "hands over", "at hand"):
-            for name, text in (("src/a/b.hpp", "// A {} here\n"), ("docs/a.md", "A {} here.\n"), ("schema/words.yaml", "a: '{}'\n"),
-                               ("scripts/a", "# {}\n"), ("python/a.py", '"""A {}."""\n')):
-                with self.subTest(words, name=name):
-                    self.expect({name: text.format(words)}, 1, f"{name}:1: says '")
+                      "held against", "knows nothing of", "does not know of", "as it stands", "for ever", "hands over", "at hand",
+                      "goes on", "asked for", "scatter law", "Scatter laws", "was refused", "are told", "is said", "taken off", "is none of",
+                      "by itself", "by themselves"):
+            files = {"src/a/b.hpp": "// A {} here\n", "docs/a.md": "A {} here.\n", "schema/words.yaml": "a: '{}'\n", "scripts/a": "# {}\n",
+                     "python/a.py": '"""A {}."""\n'}
+            with self.subTest(words):
+                status, output = verdict("lint/check_words.py", {name: text.format(words) for name, text in files.items()})
+                self.assertEqual(status, 1, output)
+                for name in files:
+                    self.assertIn(f"{name}:1: says '", output)
 
     def test_phrase_on_two_lines_fails(self):
         self.expect({"src/a.cpp": "int a;\n// What stands\n// beside the ray.\n"}, 1, "src/a.cpp:2: says 'stands // beside'")

@@ -103,7 +103,7 @@ def check_interrupt():
             alive = pathlib.Path(f"/proc/{worker}/stat").exists() and " Z " not in pathlib.Path(f"/proc/{worker}/stat").read_text()
             if alive:
                 os.kill(worker, signal.SIGKILL)
-            check(alive != ends, f"after Ctrl-C the work of '{how}' {'goes on' if alive else 'has ended'}")
+            check(alive != ends, f"after Ctrl-C the work of '{how}' {'is still running' if alive else 'has ended'}")
             own.unlink()
 
 

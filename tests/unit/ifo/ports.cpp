@@ -174,7 +174,7 @@ TEST(ReadPorts, InvalidFiles) {
   FileTexts const files = {{"short.txt", "20 1 0\n50 1 0\n"}, {"one.txt", "20 1 0\n"}};
   std::string const columns = ", columns: [Hz, re, im], unit: strain}}";
   EXPECT_THAT(detector("preset: adv, responses: {bench: {phase: short.txt" + columns, files).problems,
-              HasSubstr("scene.yaml:2:58: error: 'short.txt' holds 20 Hz to 50 Hz, and the band of the noise asks for "
+              HasSubstr("scene.yaml:2:58: error: 'short.txt' covers 20 Hz to 50 Hz, and the band of the noise needs "
                         "10 Hz to 100 Hz"));
   EXPECT_THAT(detector("preset: adv, frequency_servo: {file: short.txt, columns: [Hz, re, im]}", files).problems,
               HasSubstr("error: 'short.txt' holds"));

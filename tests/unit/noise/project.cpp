@@ -196,7 +196,7 @@ TEST(Project, MotionBeyondTheRangeIsAnError) {  // 1 m rms at 100 Hz: fringes at
   EXPECT_THROW(project_noise(table, moving({gaussian_line(100, 1, 1)}), UnitDetector(), on(band)), NumericalError);
 }
 
-// Paths share spectra; a few are computed by themselves (requirement R4.08). Fringes of a slow line fall by decades
+// Paths share spectra; a few are computed individually (requirement R4.08). Fringes of a slow line fall by decades
 // within a bin: where each path also has a strong tone of different strength, nodes cannot follow. 600 paths are then
 // computed each, without a word; of 2500, some are drawn: said, and in the error, which has nothing else here (all
 // replicas are equal).

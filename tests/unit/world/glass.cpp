@@ -131,7 +131,7 @@ TEST(Glass, GlassThatNoLightEntersIsAWarning) {
 }
 
 // A lens or mirror substrate of opaque faces takes the whole beam without a word about the missing medium. Controls: a
-// medium that is none on purpose, faces that transmit or reflect, a lens beside the beam.
+// medium deliberately set to none, faces that transmit or reflect, a lens beside the beam.
 TEST(Glass, AnOpaqueOpticThatEndsTheBeamIsAWarning) {
   std::string const said = "'x' is opaque: beam '";
   for (std::string const part : {"lens", "thick_mirror", "plate"}) {

@@ -1,4 +1,4 @@
-# The engine for NVIDIA devices: a shared library beside the program, which loads it when it is asked for. nvcc is called
+# The engine for NVIDIA devices: a shared library beside the program, which loads it on request. nvcc is called
 # here and not through CMake, which knows no C++20 for it before 3.26 and wants the toolkit wherever it configures.
 # --fmad=false: no operation is contracted, so that a device has the bits of the host.
 if(NOT STRAYTRACE_CUDA MATCHES "^(AUTO|ON|OFF)$")

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A machine that runs many histories at once, in a shared library of its own that is loaded when it is asked for: the
-// program itself needs nothing of it.
+// The engine runs many histories at once on a device. It is a shared library that is loaded on request; the program
+// itself does not depend on it.
 #pragma once
 
 #include <complex>
@@ -97,9 +97,6 @@ struct BatchRows {
   Array<CellRow> cells;
 };
 using BatchSums = BatchRows<GrowingList>;
-
-// A machine that runs many histories at once, in a shared library of its own that is loaded when it is asked for: the
-// program itself needs nothing of it.
 
 // What one history would have written: for those that did not fit.
 struct HistoryRun {

@@ -101,7 +101,7 @@ TEST(Patches, WrongPatchAreaIsRejected) {
   }
 }
 
-// Neighbours of one kind: no patch mixes groups, lit surfaces and receivers stay by themselves, all strips are listed
+// Neighbours of one kind: no patch mixes groups, lit surfaces and receivers stay separate, all strips are listed
 // once, and patches near the beam are smaller than those far away.
 TEST(Patches, NeighboursAreJoined) {
   World const world = cloud();
