@@ -21,9 +21,9 @@ double finesse(ArmCavity const&);     // eq. 6.5
 double power_gain(ArmCavity const&);  // eq. 6.4, on resonance
 double cavity_pole(ArmCavity const&);
 
-// What the differential field sees: tuned signal recycling (resonant sideband extraction), low frequency, eq. 6.8. The
-// input mirror counts with r_eff, and losses of the arm as r2 below 1, so that signal_transmission = 1 (no mirror) is
-// the arm alone with its losses.
+// The interferometer as seen by the differential field: tuned signal recycling (resonant sideband extraction), low
+// frequency, eq. 6.8. The input mirror counts with r_eff, and losses of the arm as r2 below 1, so that
+// signal_transmission = 1 (no mirror) is the arm alone with its losses.
 struct DifferentialMode {
   double gain;  // amplitude gain Gamma of the differential field in the arm
   double pole;  // Hz
@@ -39,18 +39,18 @@ double strain_per_phase_in_arm(double wavelength, double length);
 std::complex<double> strain_per_amplitude_in_arm(double hz, double power, double mass, double length, DifferentialMode);
 
 // h = (lambda / 4 pi L) (pi/2F) (1 + i f/f_p) Im s for a field in one short Michelson arm; eq. 9.5. The pole is that of
-// the arm alone, also with signal recycling: what follows the arm treats the stray field as it treats the signal. Times
-// as exp(-2 pi i f t): the arm reflects sidebands with (1 + i f/f_p)/(1 - i f/f_p) and lets the signal out with
+// the arm alone, also with signal recycling: the optics behind the arm treat the stray field like the signal. Time
+// convention exp(-2 pi i f t): the arm reflects sidebands with (1 + i f/f_p)/(1 - i f/f_p) and lets the signal out with
 // 1/(1 - i f/f_p).
 std::complex<double> strain_per_phase_in_short_arm(ArmCavity const&, double wavelength, double hz);
 // Largest h per relative field that comes back to the antisymmetric port, over the static phase; eq. 9.6.
 std::complex<double> strain_at_antisymmetric_port(double dark_fringe_offset, double length, double hz,
                                                   DifferentialMode);
 
-// Length change of the arm [m] that would change the phase of the light returning to the splitter as much as the stray
-// fields do: exact plane waves, eq. 9.10. s_arm joins the round trip, s_in the light from the splitter.
+// Length change of the arm [m] with the same phase change of the light returning to the splitter as the stray
+// fields: exact plane waves, eq. 9.10. s_arm joins the round trip, s_in the light from the splitter.
 double equivalent_length(ArmCavity const&, double wavelength, std::complex<double> s_arm, std::complex<double> s_in);
 
-constexpr double least_transmission = 1e-12, most_transmission = 1 - 1e-9;  // of power, of a mirror that exists
+constexpr double least_transmission = 1e-12, most_transmission = 1 - 1e-9;  // of power, of the real mirror
 
 }  // namespace straytrace::ifo

@@ -13,7 +13,7 @@
 namespace straytrace::ifo {
 namespace {
 
-constexpr double probe_hz = 1e-3;  // far below any pole: the shape of the slow answer
+constexpr double probe_hz = 1e-3;  // far below any pole: the quasi-static response
 
 }  // namespace
 
@@ -96,7 +96,7 @@ DualRecycled::Quadratures DualRecycled::quadratures() const {
   std::uint32_t const dark = network_.number_of({network_.find("dark"), 0});
   Phasor seen[2];
   for (int i : {0, 1}) seen[i] = to_freedom(response(Readout::homodyne(dark, i * pi / 2), probe_hz), Freedom::darm);
-  // Both are of one phase so far below the pole; the sum of squares does not vanish as the plain sum can.
+  // Both have the same phase far below the pole; unlike the plain sum, the sum of squares cannot vanish.
   Phasor const unit = std::abs(seen[0]) > std::abs(seen[1]) ? seen[0] / std::abs(seen[0]) : seen[1] / std::abs(seen[1]);
   double const read = std::atan2(std::real(seen[1] / unit), std::real(seen[0] / unit));
   return {read, response(Readout::homodyne(dark, read), probe_hz).seen_quadrature(dark)};
@@ -299,7 +299,8 @@ std::vector<Modulation> read_modulators(Node const& table) {
     node.refuse_unknown("a modulator");
   }
   if (list.size() > 3)
-    table["modulators"].problem("more than three modulators make too many carriers", "leave out those of no account");
+    table["modulators"].problem("more than three modulators produce too many carriers",
+                                "remove the least important ones");
   return list;
 }
 
@@ -315,30 +316,30 @@ void read_power(Node const& table, P& p) {
   }
 }
 
-constexpr double rounding = 1e-12;  // of a field: what is below may be rounding alone; it is some 1e-18
+constexpr double rounding = 1e-12;  // of a field: smaller values may be pure rounding, which is some 1e-18
 
 std::array<double, 3> probes(Band const& band) { return {band.low, std::sqrt(band.low * band.high), band.high}; }
 
-// A read-out that does not see DARM cannot be calibrated.
+// A read-out without response to DARM cannot be calibrated.
 void refuse_a_blind_readout(Node const& table, DualRecycled const& model, Band const& band) {
   if (model.parameters().dark_fringe_offset != 0 && !(model.reference(InjectionPoint::as_port) > rounding))
-    return table["dark_fringe_offset"].problem("with so small an offset no light of the carrier leaves the dark port",
+    return table["dark_fringe_offset"].problem("with this offset no carrier light leaves the dark port",
                                                "write 'dark_fringe_offset: 4 pm'; 0 m for a homodyne detector");
   for (double const hz : probes(band))
     if (!model.sees_darm(hz))
       return (table.has("homodyne_angle") ? table["homodyne_angle"] : table)
-          .problem("the homodyne detector reads the quadrature in which DARM does not appear",
+          .problem("the homodyne detector reads the quadrature without DARM",
                    "write 'homodyne_angle: 90 deg', or give a 'dark_fringe_offset'");
 }
 
-// Keys without effect, and lengths that cannot be built.
+// Keys without effect, and impossible lengths.
 void refuse_keys_at_odds(Node const& table, P const& p) {
   if (table.has("homodyne_angle") && p.dark_fringe_offset != 0)
-    table["homodyne_angle"].problem("the read-out is the power at the dark port, where 'homodyne_angle' does nothing",
-                                    "leave it out, or write 'dark_fringe_offset: 0 m' for a homodyne detector");
+    table["homodyne_angle"].problem("the read-out is the power at the dark port, where 'homodyne_angle' has no effect",
+                                    "remove it, or write 'dark_fringe_offset: 0 m' for a homodyne detector");
   if (std::fabs(p.schnupp_asymmetry) > 2 * p.short_arm)
     (table.has("schnupp_asymmetry") ? table["schnupp_asymmetry"] : table)
-        .problem(fmt::format("with a mean of {:g} m and a difference of {:g} m one short arm is shorter than nothing",
+        .problem(fmt::format("a mean of {:g} m and a difference of {:g} m give one short arm a negative length",
                              p.short_arm, p.schnupp_asymmetry),
                  fmt::format("write 'short_arm: {:g} m' or more", std::fabs(p.schnupp_asymmetry) / 2));
 }
@@ -349,12 +350,12 @@ void warn_of_idle_servos(Node const& table, std::vector<PortEntry> const& entrie
   });
   for (char const* key : {"frequency_servo", "intensity_servo"})
     if (table.has(key) && !served)
-      table[key].warning(fmt::format("'{}' quiets light at 'input-bench', and no port is there", key),
-                         "say by 'at: input-bench' which port is, or leave it out");
+      table[key].warning(fmt::format("'{}' suppresses light at 'input-bench', but no port is there", key),
+                         "mark a port with 'at: input-bench', or remove the key");
 }
 
-// A stray field is relative to the light at its port; where none is, and where what joins does not reach the read-out,
-// the solution holds rounding alone.
+// A stray field is relative to the light at its port. Without light there, or where light from there does not reach the
+// read-out, the solution is pure rounding.
 void refuse_ports_without_response(Node const& table, RecycledInterferometer const& ifo,
                                    std::vector<PortEntry> const& entries, Band const& band) {
   P const& p = ifo.model().parameters();
@@ -367,8 +368,8 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
     Node const place = place_of_entrance(table, e.name);
     if (!(light > rounding)) {
       place.problem(
-          fmt::format("no light is at '{}' of this interferometer, so a stray field has nothing to be "
-                      "relative to",
+          fmt::format("this interferometer has no light at '{}', so a relative stray field is not "
+                      "defined",
                       at),
           fmt::format("add '{}' to the interferometer, or give the port a file in 'responses'",
                       is_behind_the_end(e.injection_point) ? "end_transmission: 4.4 ppm" : "dark_fringe_offset: 4 pm"));
@@ -391,7 +392,7 @@ std::span<Key<P> const> dual_recycled_keys() { return recycled_keys; }
 RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
   HeldResponse const r(*model_, hz);
   std::complex<double> const darm = r.to_freedom(Freedom::darm) * model_->parameters().arm_length;
-  if (!(std::abs(darm) > 0)) throw NumericalError("the read-out of the interferometer does not see DARM");
+  if (!(std::abs(darm) > 0)) throw NumericalError("the read-out of the interferometer has no response to DARM");
   Answer a;
   for (std::size_t e = 0; e < entrance_names.size(); ++e) {
     Injection const i = model_->injection(InjectionPoint(e));
@@ -440,10 +441,10 @@ std::string RecycledInterferometer::description() const {
                       (8 * model_->arm_power());
   std::string const readout =
       p.dark_fringe_offset != 0
-          ? fmt::format("power of the carrier with {:g} pm of DARM offset", p.dark_fringe_offset * 1e12)
+          ? fmt::format("carrier power with a DARM offset of {:g} pm", p.dark_fringe_offset * 1e12)
           : fmt::format("homodyne at {:g} deg", p.homodyne_angle * 180 / pi);
   return fmt::format(
-             "dual-recycled Fabry-Perot Michelson '{}', plane waves with radiation pressure, free of closed forms; "
+             "dual-recycled Fabry-Perot Michelson '{}', plane waves with radiation pressure, numerical solution; "
              "read-out: {}, calibrated as DARM, h = (dLx - dLy)/L, CARM, MICH, PRCL and SRCL held; lambda "
              "{:g} nm, L {:g} m, P {:.5g} W per arm from "
              "{:.4g} W, M {:g} kg, signal recycling {:g} % tuned to {:g} deg, at {:g} Hz Gamma of "
@@ -474,7 +475,8 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   if (p.transmission_difference != 0 || p.loss_difference != 0) {
     double const largest = p.input_transmission * (1 + std::fabs(p.transmission_difference) / 2);
     if (!(largest < 1) || !(std::fabs(p.loss_difference) / 2 <= p.round_trip_loss))
-      table.problem("the differences of the arms leave a mirror with a share below 0 or above 1", "make them smaller");
+      table.problem("the differences of the arms give a mirror a transmission or loss below 0 or above 1",
+                    "make them smaller");
   }
   refuse_keys_at_odds(table, p);
   warn_of_idle_servos(table, entries);

@@ -28,7 +28,8 @@ namespace straytrace::ifo {
 
 // Arms, short arms from the splitter, power- and signal-recycling mirror from the splitter.
 enum class Length : std::uint8_t { arm_x, arm_y, short_x, short_y, recycling, signal };
-// The sixth, the mean short arm with PRCL and SRCL held, moves every mirror but the splitter's alike: no light sees it.
+// The sixth, the mean short arm with PRCL and SRCL held, moves every mirror but the splitter's alike: it affects no
+// light.
 enum class Freedom : std::uint8_t { darm, carm, mich, prcl, srcl, mean_short };
 
 using LengthMatrix = Eigen::Matrix<double, 6, 6>;
@@ -80,7 +81,7 @@ struct Modulation {
   double hz = 0, index = 0;  // rad
 };
 
-// Power in the arms that stray light in an arm makes: (dPx - dPy)/P = 2 (amplitude Re s + phase Im s), eq. 8.6.
+// Power fluctuation in the arms by stray light in an arm: (dPx - dPy)/P = 2 (amplitude Re s + phase Im s), eq. 8.6.
 struct StrayGain {
   Phasor amplitude = 0, phase = 0;
   double total() const { return std::sqrt(std::norm(amplitude) + std::norm(phase)); }  // random static phase
@@ -107,9 +108,9 @@ class DualRecycled {
   // The field s at this place that an injection of 1 represents: light that passed the end mirror twice has
   // s = T_E s_bench (eq. 9.3), and is injected behind that mirror.
   double share_outside(InjectionPoint) const;
-  // Field that a stray field at this place is relative to, over that in arm x. Without light there: rounding.
+  // Reference field of a stray field at this place, over that in arm x. Without light there: rounding.
   double reference(InjectionPoint) const;
-  // Whether DARM appears in the read-out; not: its response there is rounding.
+  // Whether DARM appears in the read-out; otherwise its response there is rounding.
   bool sees_darm(double hz) const;
   StrayGain stray_gain(double hz) const;
   double pole() const;  // Hz where the response to DARM without radiation pressure is 1/sqrt(2) of its largest
@@ -134,8 +135,8 @@ class DualRecycled {
   Readout readout_;
 };
 
-// The read-out of DARM with CARM, MICH, PRCL and SRCL held, as their loops do: light that pushes both arms alike would
-// otherwise reach the read-out through the dark-fringe offset, far above all else below 10 Hz.
+// The read-out of DARM with CARM, MICH, PRCL and SRCL held, as their loops do: common
+// radiation pressure on both arms would otherwise dominate the read-out below 10 Hz, through the dark-fringe offset.
 class HeldResponse {
  public:
   HeldResponse(DualRecycled const&, double hz);
@@ -146,7 +147,7 @@ class HeldResponse {
  private:
   static constexpr int loops = 4;
   template <class Cause>
-  Phasor held(Cause const&) const;  // cause(response): answer of any read-out
+  Phasor held(Cause const&) const;  // cause(response): output of any read-out
 
   DualRecycled const& d_;
   LinearResponse read_;
@@ -205,7 +206,7 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
                                                              std::vector<TracedPort> const& ports, double wavelength,
                                                              Band const&);
 
-// What the table may hold, for the reader and the reference page. The fallback is that of the preset.
+// Keys of the table, for the reader and the reference page. The fallback is that of the preset.
 std::span<Key<DualRecycledParameters> const> dual_recycled_keys();
 
 }  // namespace straytrace::ifo

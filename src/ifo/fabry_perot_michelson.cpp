@@ -23,7 +23,7 @@ constexpr Key<K> michelson_keys[] = {
      "loss of power per round trip of an arm"},
     {"signal_recycling_transmission", &K::signal_recycling_transmission, dim::plain, 1, least_transmission, 1,
      "power transmission of the signal-recycling mirror; 1: none (eq. 6.8)"},
-    {"arms", &K::arms, dim::plain, 2, 1, 1000, "equal arms, of which one is traced; powers add"},
+    {"arms", &K::arms, dim::plain, 2, 1, 1000, "number of equal arms, of which one is traced; powers add"},
     {"dark_fringe_offset", &K::dark_fringe_offset, dim::length, 0, -1e-9, 1e-9, "of DARM, for eq. 9.6"},
 };
 
@@ -58,7 +58,8 @@ FabryPerotMichelson::Parameters read_parameters(Node const& table, double wavele
   p.mass = k.mirror_mass;
   p.arms = k.arms;
   p.dark_fringe_offset = k.dark_fringe_offset;
-  if (k.arms != std::floor(k.arms)) table["arms"].problem("'arms' counts arms", "write a whole number, for example 2");
+  if (k.arms != std::floor(k.arms))
+    table["arms"].problem("'arms' is the number of arms", "write a whole number, for example 2");
   p.mode = differential_mode(p.arm, k.signal_recycling_transmission);
   if (table.has("gain")) p.mode.gain = table.number("gain", dim::plain, required, least_transmission);
   if (table.has("cavity_pole")) p.mode.pole = table.number("cavity_pole", dim::frequency, required, least_transmission);
@@ -111,14 +112,13 @@ void refuse_without_closed_form(Node const& table, FabryPerotMichelson::Paramete
     InjectionPoint const at = e.injection_point;
     if (at == InjectionPoint::recycling_cavity || at == InjectionPoint::signal_cavity ||
         at == InjectionPoint::symmetric_port || at == InjectionPoint::input_bench)
-      table["ports"][e.name].problem(
-          fmt::format("there is no closed form for light at '{}'", entrance_names[std::size_t(at)]),
-          "take a preset that solves the network, for example 'preset: adv'");
+      table["ports"][e.name].problem(fmt::format("light at '{}' has no closed form", entrance_names[std::size_t(at)]),
+                                     "take a preset that solves the network, for example 'preset: adv'");
     if (at == InjectionPoint::as_port && p.dark_fringe_offset == 0)
       table["ports"][e.name].problem("at the antisymmetric port stray light needs an offset of the dark fringe",
                                      "add 'dark_fringe_offset: 4 pm' to the interferometer");
     if (at == InjectionPoint::end_bench && p.arm.end_transmission == 0)
-      table["ports"][e.name].problem("light from an end bench passes the end mirror, which transmits nothing",
+      table["ports"][e.name].problem("light from an end bench passes the end mirror, whose transmission is zero",
                                      "add 'end_transmission: 4.4 ppm' to the interferometer");
   }
 }

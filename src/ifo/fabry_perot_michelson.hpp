@@ -42,7 +42,7 @@ class FabryPerotMichelson final : public Interferometer {
 std::unique_ptr<Interferometer> read_closed_forms(Node const& table, std::vector<TracedPort> const& ports,
                                                   double wavelength, Band const&);
 
-// What the table may hold, for the reader and the reference page.
+// Keys of the table, for the reader and the reference page.
 struct FabryPerotMichelsonKeys {
   double arm_length, mirror_mass, input_transmission, end_transmission, round_trip_loss, signal_recycling_transmission,
       arms, dark_fringe_offset;

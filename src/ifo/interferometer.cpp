@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view closed_forms = "fabry-perot-michelson", own_numbers = "dual-recycled";
 
-// No numbers but those that have a neutral value.
+// Only numbers with a neutral value.
 DualRecycledPreset without_numbers() {
   DualRecycledParameters p;
   p.arm_length = p.input_transmission = p.mirror_mass = p.input_power = required;

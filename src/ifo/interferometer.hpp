@@ -41,7 +41,7 @@ constexpr bool is_behind_the_end(InjectionPoint e) {
 // Relative to the light that circulates in an arm.
 constexpr bool is_inside_an_arm(InjectionPoint e) { return e <= InjectionPoint::through_end; }
 
-// A port of the scene, as the interferometer finds it.
+// A port of the scene, as input of the interferometer.
 struct TracedPort {
   std::string name;
   InjectionPoint injection_point = InjectionPoint::arm;  // where its light joins unless the table says otherwise

@@ -14,11 +14,11 @@
 namespace straytrace::ifo {
 namespace {
 
-// What the solvers of a network share: every way of light through components and spaces, and sparse linear systems.
+// Shared by the solvers of a network: all paths of light through components and spaces, and sparse linear systems.
 
 Phasor const i_unit{0, 1};
 
-// Number of the carrier at this frequency, when it is one that is kept.
+// Number of the carrier at this frequency, if it is included.
 std::optional<std::size_t> carrier_at(std::span<double const> carriers, double hz) {
   for (std::size_t n = 0; n < carriers.size(); ++n)
     if (std::fabs(carriers[n] - hz) < 1e-3) return n;
@@ -61,7 +61,7 @@ Eigen::VectorXcd solved(Sparse const& matrix, Eigen::VectorXcd const& right, cha
   if (solver.info() == Eigen::Success) x = solver.solve(right);
   bool const good = solver.info() == Eigen::Success && x.allFinite() &&
                     (matrix * x - right).norm() <= 1e-12 * (matrix.norm() * x.norm() + right.norm());
-  if (!good) throw NumericalError(std::string("the network has no single answer for ") + what);
+  if (!good) throw NumericalError(std::string("the network has no unique solution for ") + what);
   return x;
 }
 
@@ -160,7 +160,7 @@ void Network::link(NetworkPort a, NetworkPort b, double length, double phase) {
   Space const s{number_of(a), number_of(b), length, phase};
   for (Space const& other : spaces_)
     for (std::uint32_t end : {other.from, other.to})
-      if (end == s.from || end == s.to) throw std::invalid_argument("a port can have one space only");
+      if (end == s.from || end == s.to) throw std::invalid_argument("a port can have only one space");
   spaces_.push_back(s);
 }
 
@@ -195,8 +195,8 @@ std::vector<double> Network::carriers() const {
   return all;
 }
 
-// Unknowns: what leaves every port, all ports of carrier 0 first. What enters a port is what left the other end of its
-// space.
+// Unknowns: the fields leaving every port, all ports of carrier 0 first. The field entering a port left the other end
+// of its space.
 SteadyField::SteadyField(Network const& network) : carriers_(network.carriers()) {
   auto const ports = Eigen::Index(network.ports()), size = ports * Eigen::Index(carriers_.size());
   std::vector<std::pair<std::uint32_t, std::size_t>> other(network.ports(), {network.ports(), 0});
@@ -224,7 +224,7 @@ SteadyField::SteadyField(Network const& network) : carriers_(network.carriers())
   }
   Sparse matrix(size, size);
   matrix.setFromTriplets(entries.begin(), entries.end());
-  Eigen::VectorXcd const left = solved(matrix, source, "the light that stands in it");
+  Eigen::VectorXcd const left = solved(matrix, source, "the steady light");
   for (std::size_t n = 0; n < carriers_.size(); ++n) {
     out_.push_back(left.segment(Eigen::Index(n) * ports, ports));
     in_.push_back(Eigen::VectorXcd::Zero(ports));
@@ -259,7 +259,7 @@ QuadratureCovariance rotation(double angle) {
   return m;
 }
 
-// What acts on both sidebands, the lower one conjugated, as it acts on the quadratures.
+// An operation on both sidebands, the lower one conjugated, expressed for the quadratures.
 Eigen::Matrix2cd in_quadratures(Phasor upper, Phasor lower) {
   Phasor const i{0, 1};
   Phasor const sum = (upper + lower) / 2.0, difference = i * (upper - lower) / 2.0;
@@ -268,7 +268,7 @@ Eigen::Matrix2cd in_quadratures(Phasor upper, Phasor lower) {
   return m;
 }
 
-// Reflected light, and the vacuum that the end mirror and the losses let in.
+// Reflected light, and the vacuum that enters through the end mirror and the losses.
 QuadratureCovariance after(FilterCavity const& c, double hz, QuadratureCovariance const& before) {
   double const r1 = std::sqrt(1 - c.input_transmission), r2 = std::sqrt(1 - c.end_transmission),
                round = r1 * r2 * std::sqrt(1 - c.loss);
@@ -494,7 +494,7 @@ double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const 
     for (std::size_t n = 0; n < field_.carriers().size(); ++n) {
       for (std::uint32_t p = 0; p < network_.ports(); ++p)
         if (open[p]) sum += std::norm(weight_[at.field(false, side, n, p)]);
-      for (Network::Component const& c : network_.components()) {  // what is lost comes back as vacuum: 1 - S S*
+      for (Network::Component const& c : network_.components()) {  // losses add vacuum: 1 - S S*
         if (!c.bands.empty()) continue;
         Eigen::MatrixXcd const s = c.scattering_at_place(network_.wavenumber());
         Eigen::MatrixXcd const missing = Eigen::MatrixXcd::Identity(c.ports, c.ports) - s * s.adjoint();

@@ -31,7 +31,7 @@ struct NetworkPort {
   std::uint32_t number = 0;
 };
 
-// How a component answers a force: free above its resonance.
+// Mechanical response of a component: free above its resonance.
 struct Suspension {
   double mass = infinity;              // kg
   double resonance = 0;                // Hz
@@ -110,7 +110,7 @@ class Network {
 // The steady light in a network.
 class SteadyField {
  public:
-  explicit SteadyField(Network const&);                              // NumericalError when there is no single answer
+  explicit SteadyField(Network const&);                              // NumericalError without a unique solution
   std::vector<double> const& carriers() const { return carriers_; }  // Hz from the laser
   // sqrt(W): light that enters, leaves the component at this port; carrier by number.
   Phasor in(std::uint32_t port, std::size_t carrier) const { return in_[carrier][Eigen::Index(port)]; }
@@ -150,7 +150,7 @@ struct Squeezer {
   QuadratureCovariance covariance(double hz) const;  // after loss and cavities; the angle fluctuates by phase_noise
 };
 
-// What is read: linear in the sidebands that enter a port.
+// A read-out: linear in the sidebands that enter a port.
 struct Readout {
   // Power, W, of the light that enters this port.
   static Readout power(std::uint32_t port) { return {port, Kind::power, 0, 0}; }
@@ -171,7 +171,7 @@ struct Readout {
   std::vector<std::pair<ComponentId, double>> moving{};
 };
 
-// The demodulated light itself, W: what a lock looks at. Light by carriers, sqrt(W) and Hz.
+// The demodulated light itself, W: the error signal of a lock. Light by carriers, sqrt(W) and Hz.
 double demodulated(std::span<double const> carriers, std::span<Phasor const> light, double hz, double phase);
 double demodulated(SteadyField const&, std::uint32_t port, double hz, double phase);
 // The same of a sampled power, W, at a constant rate, Hz: mean of P cos(2 pi hz t + phase) over whole periods.
@@ -195,18 +195,18 @@ struct Injection {
 
 class LinearResponse {
  public:
-  // One solution answers for every cause.
+  // One solution gives the response to every cause.
   LinearResponse(Network const&, SteadyField const&, Readout const&, double hz);
 
   Phasor to_displacement(ComponentId) const;  // per m that an actuator or the ground adds
   Phasor to_force(ComponentId) const;         // per N
-  // Stray field s (docs/theory/interferometer.md), of what enters this port of a component unless said otherwise: s = i
-  // e for phase, s = e for amplitude. Carriers get it alike.
+  // Stray field s (docs/theory/interferometer.md), of the light entering this port of a component by default: s = i
+  // e for phase, s = e for amplitude. It applies to all carriers equally.
   Phasor to_phase(std::uint32_t port) const { return to_phase(Injection{port}); }
   Phasor to_amplitude(std::uint32_t port) const { return to_amplitude(Injection{port}); }
   Phasor to_phase(Injection const&) const;
   Phasor to_amplitude(Injection const&) const;
-  // Angle of the quadrature of what leaves a dump (or laser) that the read-out sees most of: the one to squeeze.
+  // Angle of the quadrature leaving a dump (or laser) with the largest effect on the read-out: the one to squeeze.
   double seen_quadrature(std::uint32_t port) const;
   // One-sided PSD of the read-out from the vacuum that enters at losses and open ports, squared units per Hz.
   double quantum_noise(std::span<Squeezing const> = {}) const;

@@ -11,7 +11,7 @@
 namespace straytrace::ifo {
 namespace {
 
-constexpr double faintest = 1e-30;  // of the light that a port returns: without any it is not a port
+constexpr double faintest = 1e-30;  // of the light that a port returns: below it the place is not a port
 constexpr double same_power = 0.1;  // relative: powers nearer than this may be rounded, or with and without a loss
 constexpr double same_length = 0.01;
 
@@ -56,7 +56,7 @@ void unknown_port(Node const& at, std::string const& name, std::vector<TracedPor
 PortEntry read_entry(Node const& node, TracedPort const& port, double arms) {
   PortEntry entry{.name = port.name, .injection_point = port.injection_point};
   if (node.kind() != Node::Kind::table) {
-    node.problem(fmt::format("what port '{}' is must be said in a table", entry.name), "write {at: end-bench}");
+    node.problem(fmt::format("port '{}' must be a table", entry.name), "write {at: end-bench}");
     return entry;
   }
   std::string const at = node.choice("at", entrance_names, entrance_names[std::size_t(port.injection_point)]);
@@ -83,7 +83,7 @@ struct Measured {
 Measured read_measured(Node const& node, std::string const& name, double arm_length, Band const& band) {
   Measured m;
   if (node.kind() != Node::Kind::table) {
-    node.problem(fmt::format("the responses of port '{}' stand in a table", name),
+    node.problem(fmt::format("the responses of port '{}' must be a table", name),
                  "write {phase: phase.txt, amplitude: amplitude.txt, columns: [Hz, re, im], unit: strain}");
     return m;
   }
@@ -91,7 +91,7 @@ Measured read_measured(Node const& node, std::string const& name, double arm_len
   constexpr std::array<std::string_view, 2> shares = {"field", "power"};
   bool const decibels = read_columns_are_decibels(node);
   std::string const unit = node.choice("unit", units);
-  // dP/P = 2 Re s: what is given per relative power is half of what it is per relative field.
+  // dP/P = 2 Re s: a response per relative power is half of that per relative field.
   m.factor = (unit == "strain" ? 1 : 1 / arm_length) * (node.choice("per", shares, shares[0]) == "power" ? 2 : 1);
   for (auto [key, into] : {std::pair{"phase", &m.phase}, std::pair{"amplitude", &m.amplitude}})
     if (Node const file = node[key]) {
@@ -104,8 +104,8 @@ Measured read_measured(Node const& node, std::string const& name, double arm_len
   if (m.calibrated && !node.has("darm"))
     node.problem("a response in W needs that of the same read-out to DARM", "add 'darm: FILE', in W/m");
   if (node.has("darm") && (unit == "strain" || unit == "m"))
-    node["darm"].problem(fmt::format("a response in {} is calibrated already: 'darm' would do nothing", unit),
-                         "leave it out, or write 'unit: W' when the file gives watts of the read-out");
+    node["darm"].problem(fmt::format("a response in {} is already calibrated: 'darm' would have no effect", unit),
+                         "remove it, or write 'unit: W' when the file gives watts of the read-out");
   if (node.has("darm")) m.calibration = read_response_file(node["darm"], decibels, band);
   node.refuse_unknown(fmt::format("the responses of port '{}'", name));
   return m;
@@ -174,7 +174,7 @@ double beam_power_in_arm(Node const& interferometer, std::vector<TracedPort> con
     interferometer.problem(
         fmt::format("two beams in the arms state different powers: {:.4g} W at port '{}', {:.4g} W at port '{}'",
                     arm[0].power, arm[0].name, arm[1].power, arm[1].name),
-        "make them agree, add 'arm_power' here, or say by 'at' of its port which beam is not in an arm");
+        "make them agree, add 'arm_power' here, or mark the beam outside the arms with 'at' of its port");
   return arm.empty() ? 0 : arm[0].power;
 }
 
@@ -186,14 +186,16 @@ void warn_of_other_arms(Node const& interferometer, std::vector<TracedPort> cons
       interferometer.warning(
           fmt::format("the beam of port '{}' has {:.4g} W, and the interferometer {:.4g} W in each arm", p.name,
                       p.power, arm_power),
-          "make them agree, add 'arm_power' here, or say by 'at' of its port where the beam is; strain is computed "
+          "make them agree, add 'arm_power' here, or state the place of the beam with 'at' of its port; strain is "
+          "computed "
           "with the power of the interferometer");
   for (TracedPort const& p : different(inside, &TracedPort::cavity_length, same_length))
     if (!agrees(p.cavity_length, arm_length, same_length))
       interferometer.warning(
-          fmt::format("the cavity of port '{}' is {:.5g} m long, and the arms of the interferometer {:.5g} m", p.name,
-                      p.cavity_length, arm_length),
-          "make them agree, or say by 'at' of its port where the beam is; strain is computed with the length of the "
+          fmt::format("the cavity of port '{}' is {:.5g} m long, but the arms of the interferometer are {:.5g} m long",
+                      p.name, p.cavity_length, arm_length),
+          "make them agree, or state the place of the beam with 'at' of its port; strain is computed with the length "
+          "of the "
           "interferometer");
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ports of a scene in the table `interferometer`: where their light joins again, and responses measured or computed
-// elsewhere.
+// The ports of a scene in the table `interferometer`: where their light rejoins, and responses from files.
 #pragma once
 
 #include <memory>
@@ -36,7 +35,7 @@ void warn_of_other_arms(Node const& interferometer, std::vector<TracedPort> cons
 // the ends of the band when these lie beyond.
 std::string describe(std::vector<PortEntry> const&, Interferometer const&, Band const&);
 
-// A detector of which some ports have responses from files, instead of those it has: table `responses` of the table
+// A detector of which some ports have responses from files, instead of its own: table `responses` of the table
 // `interferometer`, here called the holder. The detector itself when there is none.
 std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer>, Node const& holder,
                                                std::vector<TracedPort> const& ports, Band const&);

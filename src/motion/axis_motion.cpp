@@ -19,7 +19,7 @@ Dimension asd_of(int axis) { return is_rotation(axis) ? dim::angle_asd : dim::di
 Dimension speed_of(int axis) { return is_rotation(axis) ? Dimension{0, 0, -2, 2} : Dimension{2, 0, -2}; }
 Dimension amplitude_of(int axis) { return is_rotation(axis) ? dim::angle : dim::length; }
 
-// One specification, with what all kinds of motion have in common.
+// One specification: the keys common to all kinds of motion.
 struct AxisSpec {
   Node spec;
   std::string_view kind;
@@ -35,7 +35,7 @@ Spectrum read_power_law(Node const& spec, int axis) {
                exponent = t.number("exponent", dim::plain), from = t.number("from", dim::frequency, required, 1e-9),
                to = t.number("to", dim::frequency, required, 1e-9);
   t.refuse_unknown("motion 'power-law'");
-  if (from >= to) t.problem("the power law ends before it begins", "write 'from' below 'to'");
+  if (from >= to) t.problem("the power law has 'to' below 'from'", "write 'from' below 'to'");
   return from < to ? power_law_asd(asd, at, exponent, from, to) : Spectrum();
 }
 
@@ -46,7 +46,7 @@ Spectrum read_peterson(Node const& spec, int axis) {
                to = spec.number("to", dim::frequency, 1000, 1e-5);
   if (is_rotation(axis))
     spec.problem("the Peterson models describe translations of the ground", "give an ASD in rad/sqrt(Hz)");
-  if (from >= to) spec.problem("the ground model ends before it begins", "write 'from' below 'to'");
+  if (from >= to) spec.problem("the ground model has 'to' below 'from'", "write 'from' below 'to'");
   if (model.empty() || is_rotation(axis) || !(from < to)) return {};
   return peterson(model == "low"    ? GroundModel::low
                   : model == "high" ? GroundModel::high
@@ -109,7 +109,7 @@ Spectrum with_resonance(Node const& spec, Spectrum const& s) {
   return std::isfinite(frequency * quality) && s.total() > 0 ? through_resonance(s, frequency, quality) : s;
 }
 
-// Motion known equally well makes one input.
+// Motion with equal uncertainty becomes one input.
 void add_own(OwnMotion motion, AxisMotion& into) {
   into.bands.push_back({motion.spectrum.lowest(), motion.spectrum.highest()});
   auto const same = std::find_if(into.own.begin(), into.own.end(), [&](OwnMotion const& o) {
@@ -138,7 +138,7 @@ void read_record(AxisSpec const& a, AxisMotion& into) {
   auto const record = read_recorded(spec, is_rotation(axis));
   Transfer const through = read_chain(spec["through"]);
   if (spec.has("resonance"))
-    spec["resonance"].problem("a record goes through a resonance as a link of a chain",
+    spec["resonance"].problem("a resonance of a record is a link of a chain",
                               "write 'through: {resonance: {frequency: ..., quality: ...}}'");
   if (!record || !covers(through, record->spectrum.lowest(), record->spectrum.highest(), spec["through"])) return;
   OwnMotion const own{record->spectrum, uncertainty, through, record->displacement, scale};
@@ -229,7 +229,7 @@ Kind const* kind_of(Node const& spec) {
     bool const bound = found && std::count(found->keys.begin(), found->keys.end(), kind.name) > 0;
     if (bound || !spec.has(kind.name)) continue;
     if (found) {
-      spec.problem(fmt::format("one motion cannot be '{}' and '{}' at once", found->name, kind.name),
+      spec.problem(fmt::format("one motion cannot be both '{}' and '{}'", found->name, kind.name),
                    "write a list: [{...}, {...}] adds");
       return nullptr;
     }
@@ -237,7 +237,7 @@ Kind const* kind_of(Node const& spec) {
   }
   if (found) return found;
   std::string const near = kind_meant(spec);
-  spec.problem("this does not say how the body moves",
+  spec.problem("the kind of motion is missing",
                near.empty() ? suggested_kinds() : fmt::format("did you mean '{}'?", near));
   return nullptr;
 }

@@ -63,10 +63,9 @@ void read_axis(Node const&, int axis, double uncertainty, AxisMotion& into);
 
 // Bodies that hang: `suspended: {from: ground, vertical: y, stages: [...], vertical_stages: [...]}`.
 
-// Adds to the coordinates of a body the motion through its suspension: the two horizontal ones through `stages`, the
-// one
-// named by `vertical` through `vertical_stages` if there are any; rotations of the support are not passed on. Returns
-// the coordinates that it covers.
+// Adds the motion through the suspension to the coordinates of a body: the two horizontal ones through `stages`, the
+// one named by `vertical` through `vertical_stages` if there are any; rotations of the support are not transmitted.
+// Returns the coordinates that it covers.
 std::array<bool, 6> add_suspended(Node const& suspended, std::array<AxisMotion, 6>& axes);
 
 }  // namespace straytrace::motion

@@ -38,7 +38,7 @@ TransferFunction read_chain_of_masses(Node const& t) {
     return chain;
   }
   for (std::size_t i = 0; i < masses.size(); ++i)
-    if (!std::isfinite(masses[i] * lengths[i] * quality)) return chain;  // said already
+    if (!std::isfinite(masses[i] * lengths[i] * quality)) return chain;  // reported already
   for (double const hz : pendulum_modes(masses, lengths))
     chain = TransferFunction::product(chain, TransferFunction::oscillator(hz, quality, Response::inertial));
   return chain;
@@ -65,7 +65,7 @@ TransferFunction read_link(Node const& link) {
     std::vector<std::string> const words = {"resonance", "pendulum", "mode", "file", "zeros", "poles", "gain"};
     for (auto const& entry : link.items())
       if (near.empty()) near = nearest_word(entry.first, words);
-    link.problem("this link of a chain does not say what it does",
+    link.problem("the kind of this link of a chain is missing",
                  near.empty() ? links : fmt::format("did you mean '{}'?", near));
     return {{}, {}, 1};
   }
@@ -87,10 +87,9 @@ bool covers(Transfer const& t, double low, double high, Node const& where) {
   constexpr double edge = 1e-9;  // relative, of a printed number
   Band const known = t ? t->range() : Band{0, infinity};
   if (low >= known.low * (1 - edge) && high <= known.high * (1 + edge)) return true;
-  where.problem(
-      fmt::format("the chain is known from {:g} Hz to {:g} Hz, and the motion reaches from {:g} Hz to {:g} Hz",
-                  known.low, known.high, low, high),
-      "give a file that covers it, end the motion there, or write 'beyond: hold' beside the file");
+  where.problem(fmt::format("the chain covers {:g} Hz to {:g} Hz, but the motion {:g} Hz to {:g} Hz", known.low,
+                            known.high, low, high),
+                "give a file that covers it, end the motion there, or write 'beyond: hold' beside the file");
   return false;
 }
 

@@ -71,7 +71,7 @@ std::optional<Members> read_units(Node const& spec, std::size_t member, bool rot
   if (!sound) return {};
   if (m.units.size() >= member && m.units.size() >= 2) return m;
   if (m.units.size() >= 2) {
-    spec["member"].problem(fmt::format("there is no member {} of a matrix with {} units", member, m.units.size()),
+    spec["member"].problem(fmt::format("a matrix with {} units has no member {}", m.units.size(), member),
                            "name the unit of each member in 'units'; they count from 1");
     return {};
   }
@@ -79,7 +79,7 @@ std::optional<Members> read_units(Node const& spec, std::size_t member, bool rot
   return {};
 }
 
-// Factors of all frequencies; empty and a problem when the file does not fit.
+// Factors of all frequencies; empty and a problem when the file does not match.
 std::vector<ComplexMatrix> factors_of(Node const& file, NumberTable const& table, std::string const& form,
                                       std::vector<Calibration> const& units) {
   std::vector<ComplexMatrix> factors;
@@ -94,8 +94,7 @@ std::vector<ComplexMatrix> factors_of(Node const& file, NumberTable const& table
     if (!(row[0] > before)) return refuse("frequencies must be positive and rise", "sort the lines by frequency");
     before = row[0];
     ComplexMatrix c = matrix_of(row, form, units.size());
-    if (!is_hermitian(c))
-      return refuse("the matrix is not its own conjugate transpose", "S_ji is the conjugate of S_ij");
+    if (!is_hermitian(c)) return refuse("the matrix is not Hermitian", "S_ji is the conjugate of S_ij");
     for (std::size_t i = 0; i < c.size(); ++i)
       for (std::size_t j = 0; j < c.size(); ++j) {
         C const w{0, -2 * pi * row[0]};
@@ -104,7 +103,7 @@ std::vector<ComplexMatrix> factors_of(Node const& file, NumberTable const& table
       }
     auto factor = cholesky(c);
     if (!factor)
-      return refuse("the matrix is not positive semidefinite, so no motion has it",
+      return refuse("the matrix is not positive semidefinite, so it is not a spectrum of any motion",
                     "coherences are at most 1, of all members together; print more digits, or average over more");
     factors.push_back(std::move(*factor));
   }
@@ -163,7 +162,7 @@ std::optional<JointMotion> read_joint(Node const& spec, bool rotation) {
       file, columns, fmt::format("'form: {}' of {} members has {} columns: Hz and the elements", form, n, columns));
   if (!table) return {};
   if (table->rows() < 2) {
-    file.file_problem(name, 0, 0, "cross spectra need two frequencies at least", "give more lines");
+    file.file_problem(name, 0, 0, "cross spectra need at least two frequencies", "give more lines");
     return {};
   }
   std::vector<ComplexMatrix> const factors = factors_of(file, *table, form, members->units);

@@ -20,7 +20,7 @@ double MotionSet::sensitivity(std::size_t i, std::span<PhaseSensitivity const> p
 
 namespace {
 
-// Equal chains become one object, so that bodies that move alike are seen to do so.
+// Equal chains become one object, so that bodies with equal motion are recognised.
 void share_transfers(std::vector<Gain>& gains) {
   for (auto gain = gains.begin(); gain != gains.end(); ++gain)
     for (auto before = gains.begin(); gain->transfer && before != gain; ++before)
@@ -72,7 +72,7 @@ MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& 
       axes[b] = reader.resolve(bodies[b]);
       continue;
     }
-    if (!met) continue;  // no light sees whether it moves
+    if (!met) continue;  // its motion does not affect any light
     report_missing(bodies_table, bodies[b], traced ? &bodies : nullptr);
   }
   reader.finish(traced ? &bodies : nullptr);

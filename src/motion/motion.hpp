@@ -53,11 +53,10 @@ class MotionSet {
   double sensitivity(std::size_t i, std::span<PhaseSensitivity const> phase_sensitivities, double hz) const;
 };
 
-// Reads the table `bodies` of a scene. Every body that light can reach must have a motion ("still" is a statement, not
-// a
-// default). Problems go to the document. `bodies`: names in the order of BodyId; `placed`: whether surfaces belong to
-// each (empty: to all). A body without surfaces that carries no body with surfaces is a warning. A body outside
-// `bodies` of a `traced` run that carries none of them is a problem, since it has no phase sensitivities.
+// Reads the table `bodies` of a scene. Every body that light can reach must have a motion ("still" must be stated;
+// it is not a default). Problems go to the document. `bodies`: names in the order of BodyId; `placed`: whether surfaces
+// belong to each (empty: to all). A body without surfaces that carries no body with surfaces is a warning. A body
+// outside `bodies` of a `traced` run that carries none of them is a problem, since it has no phase sensitivities.
 MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies, bool traced = false,
                       std::vector<bool> const& placed = {});
 

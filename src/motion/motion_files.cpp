@@ -18,10 +18,10 @@ namespace straytrace::motion {
 namespace {
 
 constexpr double edge = 0.02;           // relative, half a bin of the usual grid
-constexpr double slowest = 0.1;         // Hz: below the microseism hardly any speed is left
+constexpr double slowest = 0.1;         // Hz: below the microseism the speed is negligible
 constexpr double largest_over_rms = 4;  // of a Gaussian speed
 
-// "below 5 Hz and above 100 Hz"; nothing when the file holds the whole band.
+// "below 5 Hz and above 100 Hz"; empty when the file covers the whole band.
 std::string missing_part(Band const& have, Band const& noise) {
   bool const below = have.low > noise.low * (1 + edge), above = have.high < noise.high * (1 - edge);
   std::string text = below ? fmt::format("below {:.4g} Hz", have.low) : "";
@@ -59,19 +59,19 @@ std::vector<Problem> warnings_of_gaps(std::span<MotionFile const> files, Band no
     bool const slow = reach > noise.low, begins_above = file.covered.low > noise.low * (1 + edge);
     if ((missing.empty() && !slow) || !told.insert(file.name).second) continue;
     std::string what = fmt::format(
-        "'{}' holds the motion of '{}' from {:.4g} Hz to {:.4g} Hz, and the noise is asked "
-        "from {:.4g} Hz to {:.4g} Hz",
+        "'{}' gives the motion of '{}' from {:.4g} Hz to {:.4g} Hz, and the noise covers "
+        "{:.4g} Hz to {:.4g} Hz",
         file.name, file.coordinate, file.known.low, file.known.high, noise.low, noise.high);
-    if (!missing.empty()) what += fmt::format(": {} it is taken as still", missing);
+    if (!missing.empty()) what += fmt::format(": {} the body counts as still", missing);
     if (slow)
       what += fmt::format(
-          "{} motion below {:.4g} Hz changes how fringes wrap: continued as f^-2 it would put noise up "
+          "{} motion below {:.4g} Hz changes how fringes wrap: continued as f^-2 it would add noise up "
           "to about {:.2g} Hz",
           missing.empty() ? ": missing" : "; the missing", file.covered.low, reach);
     else if (begins_above)
       what += "; slow motion that is missing also changes how fringes wrap";
     all.push_back({file.place, std::move(what),
-                   "give a file that holds it, add a model for the rest in a list, [{...}, {power-law: ...}], choose "
+                   "give a file that covers it, add a model for the rest in a list, [{...}, {power-law: ...}], choose "
                    "'band' in 'noise' inside it, or write 'beyond: zero' beside the file where there is no motion",
                    Severity::warning, std::max(1u, code_points(file.name))});
   }
@@ -109,7 +109,7 @@ std::optional<Columns> read_columns(Node const& spec, bool rotation) {
     return {};
   }
   if (units.size() < 2 || (units.size() > 2 && use.empty()) || (!use.empty() && use.size() != 2)) {
-    spec.problem("the two columns to read and their units must be named",
+    spec.problem("name the two columns to read and their units",
                  fmt::format("write '{}', and 'use: [1, 3]' to pick two", example));
     return {};
   }
@@ -157,7 +157,7 @@ Spectrum read_spectrum_file(Node const& spec, bool rotation) {
   }
   if (there > 2 && !spec.has("use") && spec.list("columns").size() != there) {
     file.problem(fmt::format("'{}' has {} columns, and 'columns' names two", name, there),
-                 "pick two with 'use: [1, 2]'; write numbers with points, 0.5, not with commas");
+                 "pick two with 'use: [1, 2]'; write decimal points, 0.5, not commas");
     return {};
   }
   Curve curve = curve_of(*table, columns->frequency, columns->value);
@@ -197,7 +197,7 @@ std::optional<Scale> read_scale(Node const& node) {
                          "write motion per reading, for example 'um/s^2/count'");
   bool const flat = !node.has("file") && !node.has("gain") && !node.has("zeros") && !node.has("poles");
   if (flat && !node.has("resonance") && !node.has("pendulum") && !node.has("mode")) {
-    node.problem("the calibration has a unit, and no response of the sensor",
+    node.problem("the calibration has a unit but no response of the sensor",
                  fmt::format("write 'calibration: 1 {}', or add zeros, poles and gain, or a file", text));
     return {};
   }
@@ -216,9 +216,9 @@ void refuse(Quantity const& unit, std::string const& written, bool of_density, b
   bool const raw = unit.dimension.count != 0 || unit.dimension.volt != 0;
   if (calibrated)
     at.problem(what + ", nor is it with this calibration",
-               "the calibration says how much motion one unit of the reading is, for example '6.1 um/s^2/count'");
+               "the calibration is the motion per unit of the reading, for example '6.1 um/s^2/count'");
   else
-    at.problem(what, raw ? "add the motion that one unit stands for, for example 'calibration: 6.1 um/s^2/count'"
+    at.problem(what, raw ? "add the motion per unit, for example 'calibration: 6.1 um/s^2/count'"
                          : fmt::format("write {}", good));
 }
 

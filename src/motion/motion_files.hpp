@@ -32,14 +32,14 @@ Band joined(Band a, std::span<Band const> others);
 double reach_of_missing(MotionFile const&, double wavelength_m);
 
 // One warning for each file that does not cover the band of the noise, or begins so high that the missing motion below
-// it may change how fringes wrap in that band.
+// it may affect fringe wrapping in that band.
 std::vector<Problem> warnings_of_gaps(std::span<MotionFile const>, Band noise, double wavelength_m);
 
 // Measured motion spectra in text files.
 
 // {asd: FILE, columns: [Hz, m/sqrt(Hz)], use: [1, 3]}: two columns of text as a displacement PSD [m^2/Hz], or an angle
 // PSD [rad^2/Hz] for rotations. The units are those of the two columns, or of all columns of the file when `use` picks
-// two of them; The unit decides between ASD and PSD and between displacement, velocity and acceleration; readings of a
+// two of them. The unit decides between ASD and PSD and between displacement, velocity and acceleration; readings of a
 // sensor need `calibration`.
 Spectrum read_spectrum_file(Node const& spec, bool rotation);
 

@@ -42,9 +42,9 @@ void MotionReader::finish(std::vector<std::string> const* of_run) {
                         !near.empty() ? fmt::format("did you mean '{}'?", near)
                         : body.is_mode
                             ? "phase sensitivities come from the trace: run the scene again with this mode in it"
-                            : fmt::format("let a body of the run hang on it: {}", fmt::join(*of_run, ", ")));
+                            : fmt::format("let a body of the run follow it: {}", fmt::join(*of_run, ", ")));
     else
-      body.node.warning(fmt::format("body '{}' moves, but no part belongs to it", name),
+      body.node.warning(fmt::format("body '{}' has a motion but no parts", name),
                         "write 'body: " + name + "' at a part, or remove it");
     resolve(name);  // reports its own mistakes too
   }
@@ -58,8 +58,9 @@ bool report_misplaced(Node const& motion) {
   for (NodeData::Entry const& e : motion.data()->entries) {  // keys without a reader remain unknown
     std::string const& key = e.key;
     if (!says_how_one_moves(key)) continue;
-    motion[key].problem(fmt::format("'{}' says how one coordinate moves, and does not name it", key),
-                        fmt::format("write it under its name: z: {{{}: ...}}, and 'others: still' for the rest", key));
+    motion[key].problem(
+        fmt::format("'{}' is the motion of one coordinate, which is not named", key),
+        fmt::format("write it under the coordinate: z: {{{}: ...}}, and 'others: still' for the rest", key));
     any = true;
   }
   return any;
@@ -82,7 +83,7 @@ void MotionReader::read_body(std::string const& name, Body& body) {
   if (still) return;
   if (motion.kind() != Node::Kind::table) {
     Node const& where = motion ? motion : body.node;
-    where.problem(fmt::format("body '{}' does not say how it moves", name),
+    where.problem(fmt::format("body '{}' has no 'motion'", name),
                   "write 'motion: still' or 'motion: {x: ..., y: ..., z: ...}'");
     return;
   }
@@ -100,12 +101,12 @@ void MotionReader::read_body(std::string const& name, Body& body) {
     if (!spec && !hangs[axis] && !is_rotation(axis) && !rest_still && !follows) untold.emplace_back(axis_names[axis]);
   }
   if (!report_misplaced(motion) && !untold.empty())
-    motion.problem(fmt::format("body '{}' does not say how it moves along {}", name, fmt::join(untold, " and ")),
-                   fmt::format("write '{}: still', or 'others: still' for all that is not named", untold.front()));
+    motion.problem(fmt::format("body '{}' has no motion along {}", name, fmt::join(untold, " and ")),
+                   fmt::format("write '{}: still', or 'others: still' for all other coordinates", untold.front()));
   for (int axis = 0; axis < 6; ++axis) resolve_axis(draft, axis);
   body.axes = std::move(draft.axes);
   if (motion.has("through") && !follows)
-    motion["through"].problem("'through' says what stands between a body and the one it follows",
+    motion["through"].problem("'through' is the chain between a body and the one it follows",
                               "write 'follows: BODY' beside it, or 'through' in the motion of a coordinate");
   if (follows) carry_along(name, motion["follows"], read_chain(motion["through"]), body);
   if (motion.has("relative_to")) carry_along(name, motion["relative_to"], {}, body);
@@ -122,7 +123,7 @@ void MotionReader::read_mode(std::string const& name, Body& body) {
   Node const motion = body.node["motion"];
   body.node.refuse_unknown(fmt::format("mode '{}'", name));
   if (!motion) {
-    body.node.problem(fmt::format("mode '{}' does not say how it moves", name),
+    body.node.problem(fmt::format("mode '{}' has no 'motion'", name),
                       "write 'motion: still', or the motion of its one coordinate, as of 'x' of a body");
     return;
   }
@@ -147,7 +148,7 @@ void MotionReader::note_files(Draft const& draft, Axes const& axes, bool is_mode
     }
 }
 
-// The motion of a body that another one hangs on; nothing and a problem when it is unknown or hangs on that one itself.
+// The motion of the carrier of another body; empty and a problem when it is unknown or depends on that body.
 Axes const* MotionReader::carrier(std::string const& name, std::string const& target, Node const& where) {
   auto const hit = bodies_.find(target);
   if (hit == bodies_.end()) {
@@ -209,7 +210,7 @@ void MotionReader::resolve_reference(Draft& draft, int axis, AxisReference const
       draft.axes[axis].push_back(passed_on(term, r.scale, r.through, r.where));
     else if (input.tone_frequency > 0 || input.drift)
       r.where.problem(
-          fmt::format("a {} is definite, so it has no independent copy", input.drift ? "drift" : "sine"),
+          fmt::format("a {} is deterministic, so it has no independent copy", input.drift ? "drift" : "sine"),
           fmt::format("write 'same_as: {}', or a '{}' of its own", axis_names[r.axis], input.drift ? "drift" : "sine"));
     else
       draft.axes[axis].push_back(independent(term, fmt::format("{} {}", draft.name, axis_names[axis]), r));
@@ -229,7 +230,7 @@ Term MotionReader::passed_on(Term term, double scale, Transfer const& through, N
   return term;
 }
 
-// A new input with the spectrum that another coordinate has.
+// A new input with the spectrum of another coordinate.
 Term MotionReader::independent(Term const& term, std::string name, AxisReference const& r) {
   MotionInput const& input = inputs[term.input];
   OwnMotion copy{input.spectrum.scaled(std::norm(term.gain)), input.uncertainty};
@@ -255,7 +256,7 @@ std::size_t MotionReader::gaussian(std::string name, OwnMotion const& own) {
   return inputs.size() - 1;
 }
 
-// Tones of one frequency are one input, because their phases are stated. Its uncertainty is the largest of theirs.
+// Tones of one frequency form one input, because their phases are stated. Its uncertainty is the largest of theirs.
 std::size_t MotionReader::tone(Tone const& t) {
   auto same =
       std::find_if(inputs.begin(), inputs.end(), [&](MotionInput const& i) { return i.tone_frequency == t.frequency; });

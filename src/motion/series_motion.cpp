@@ -16,7 +16,7 @@ namespace straytrace::motion {
 namespace {
 
 constexpr double longest_segment = 128;  // s, unless it is stated or the high pass needs more
-constexpr double lines_below = 4;        // of the periodogram that the high pass must have below it
+constexpr double lines_below = 4;        // of the periodogram that must lie below the high pass
 
 double high_passed(double hz, double corner) {
   double const x = std::pow(hz / corner, 4);
@@ -54,7 +54,7 @@ std::vector<double> continued(std::vector<double> const& x, std::size_t margin) 
   return out;
 }
 
-// Steps of constant density between edges, from lines of the same spacing: nothing is lost between them.
+// Steps of constant density between edges, from lines of the same spacing: no power is lost between them.
 Spectrum as_steps(std::vector<double> const& density, double spacing, std::size_t first) {
   constexpr double widest = 1e-3, edge = 1e-9;
   std::vector<double> hz, psd;
@@ -82,7 +82,7 @@ std::optional<double> read_segment(Node const& spec, double duration, double hig
     return {};
   }
   if (highpass > 0 && highpass * segment < lines_below) {
-    spec.problem(fmt::format("a high pass at {:g} Hz needs segments of {:.3g} s, and there are {:.3g} s", highpass,
+    spec.problem(fmt::format("a high pass at {:g} Hz needs segments of {:.3g} s; the record allows {:.3g} s", highpass,
                              lines_below / highpass, segment),
                  "write a higher 'highpass', a longer 'segment', or give a longer record");
     return {};
@@ -90,7 +90,7 @@ std::optional<double> read_segment(Node const& spec, double duration, double hig
   return segment;
 }
 
-// The words of the command line, with keys of the scene for its options.
+// Messages of the command line, with its options replaced by keys of the scene.
 std::string in_words_of_scene(std::string text, std::string const& file) {
   std::pair<std::string, std::string> const words[] = {
       {"--unit ", "unit: "}, {"--unit", "'unit'"}, {"--gps ", "span: "}, {file + "::", "channel: "}};
@@ -128,7 +128,7 @@ std::optional<TimeSeries> read_series(Node const& spec) {
   if (name.empty() || !span) return {};
   request.span = *span;
   std::string const bytes = file.data_file(name);
-  if (bytes.empty() && !file.document()->optional_file(file, name)) return {};  // said by data_file()
+  if (bytes.empty() && !file.document()->optional_file(file, name)) return {};  // reported by data_file()
   try {
     return parse_series(bytes, name, request);
   } catch (InputError const& e) {

@@ -30,7 +30,7 @@ double log_log_at(std::span<double const> hz, std::span<double const> value, dou
 struct Curve {
   std::vector<double> hz, value;
   std::string error;             // why there is no curve
-  std::uint32_t error_line = 0;  // its line, where `error` does not state it
+  std::uint32_t error_line = 0;  // its line, unless `error` states it
   double at(double f) const { return log_log_at(hz, value, f); }
 };
 // Columns are counted from 1.

@@ -214,7 +214,7 @@ std::vector<double> both_ways(std::vector<Section> const& sections, std::vector<
 
 namespace {
 
-// Without its mean, with both ends brought to zero over so many samples: a step there would drown the faint lines.
+// Removes the mean and tapers both ends to zero over this many samples: a step there would hide weak lines.
 std::vector<double> faded(std::vector<double> x, std::size_t length) {
   double const mean = std::accumulate(x.begin(), x.end(), 0.0) / double(x.size());
   for (double& v : x) v -= mean;

@@ -45,7 +45,7 @@ std::vector<double> both_ways(std::vector<Section> const&, std::vector<double> c
 
 // Whitening.
 
-// Divided, line by line and without phase, by its own ASD (Welch, straight between its lines) and by sqrt(2/rate): of
+// Divided, line by line and without phase, by its own ASD (Welch, straight between its lines) and by sqrt(2/rate): for
 // stationary Gaussian noise the result has variance 1 and one-sided PSD 2/rate at all frequencies; no unit. Frequencies
 // below the first line of the ASD are removed. Both ends fade to zero over half a segment.
 TimeSeries whitened(TimeSeries const&, WelchSettings const&);

@@ -25,7 +25,7 @@ TimeSeries prepared(TimeSeries const& s, int times, double corner) {
     throw InputError(fmt::format("'{}' in {} cannot be integrated {} times", s.name, s.unit, times),
                      "give its unit with --unit, for example m/s^2");
   if (!(corner > 0 && corner < s.rate / 4))
-    throw InputError(fmt::format("a high pass at {:g} Hz for '{}' with {:g} Hz", corner, s.name, s.rate),
+    throw InputError(fmt::format("a high pass at {:g} Hz for '{}', sampled at {:g} Hz", corner, s.name, s.rate),
                      "choose it above 0 and below a quarter of the sample rate");
   TimeSeries out = s;
   out.unit = example_unit(*after);
@@ -40,9 +40,10 @@ int integrations_to_displacement(std::string const& unit) {
   auto const u = parse_unit(unit);
   for (int times = 0; u && times <= 2; ++times)
     if (u->dimension == Dimension{2, 0, static_cast<std::int8_t>(-2 * times)}) return times;
-  throw InputError(fmt::format("'{}' is no unit of displacement, velocity or acceleration", unit),
-                   "say which it is with --unit or --witness-unit: m, m/s, m/s^2; of counts or volts with what one of "
-                   "them is, \"2e-6 m/s^2\"");
+  throw InputError(
+      fmt::format("'{}' is not a unit of displacement, velocity or acceleration", unit),
+      "give the unit with --unit or --witness-unit: m, m/s, m/s^2; calibrate counts or volts with the value of "
+      "one, \"2e-6 m/s^2\"");
 }
 
 double integrated_asd(double asd, double hz, int times) { return asd / std::pow(2 * pi * hz, times); }
@@ -61,7 +62,7 @@ TimeSeries integrated(TimeSeries const& s, int times, double corner) {
 TimeSeries settled(TimeSeries const& s, double corner) {
   if (s.duration() * corner < 6)
     throw InputError(
-        fmt::format("--corner: '{}' has {:.3g} s, fewer than six periods of {:g} Hz", s.name, s.duration(), corner),
+        fmt::format("--corner: '{}' lasts {:.3g} s, fewer than six periods of {:g} Hz", s.name, s.duration(), corner),
         "give a longer record or a higher corner");
   return cut(s, {s.start + 2 / corner, s.end() - 2 / corner});
 }

@@ -34,8 +34,8 @@ TimeSeries part(TimeSeries const& s, std::size_t first, std::size_t last) {
 std::size_t factor_between(TimeSeries const& fast, TimeSeries const& slow) {
   double const ratio = fast.rate / slow.rate, factor = std::round(ratio);
   if (std::abs(ratio - factor) > 1e-9 * ratio)
-    throw InputError(fmt::format("'{}' has {:g} Hz and '{}' {:g} Hz, and no whole factor lies between them", fast.name,
-                                 fast.rate, slow.name, slow.rate),
+    throw InputError(fmt::format("the sample rates of '{}', {:g} Hz, and '{}', {:g} Hz, are not in a whole ratio",
+                                 fast.name, fast.rate, slow.name, slow.rate),
                      "resample one of them first");
   return std::size_t(factor);
 }
@@ -56,7 +56,7 @@ TimeSeries cut(TimeSeries const& s, GpsSpan span) {
   double const to = std::ceil((std::min(span.to, s.end()) - s.start) * s.rate - s.rate * slack);
   auto const first = std::size_t(std::clamp(from, 0.0, count)), last = std::size_t(std::clamp(to, 0.0, count));
   if (last < first + 2)
-    throw InputError(fmt::format("GPS {}..{} holds fewer than two samples of '{}', which has {:g} Hz",
+    throw InputError(fmt::format("GPS {}..{} contains fewer than two samples of '{}', sampled at {:g} Hz",
                                  gps_text(span.from), gps_text(span.to), s.name, s.rate),
                      "choose a longer span");
   return part(s, first, last);
@@ -84,8 +84,8 @@ std::vector<TimeSeries> aligned(std::vector<TimeSeries> const& all) {
     std::size_t const factor = factor_between(s, slow);
     double const steps = whole_steps(s, start);
     if (std::isnan(steps))
-      throw InputError(fmt::format("the samples of '{}' stand between those of '{}'", s.name, slow.name),
-                       "they must be taken at the same times");
+      throw InputError(fmt::format("the samples of '{}' lie between those of '{}'", s.name, slow.name),
+                       "resample one record to the times of the other");
     TimeSeries const same = factor == 1 ? s : decimated(s, factor, std::size_t(steps) % factor);
     out.push_back(part(same, std::size_t(steps) / factor, std::size_t(steps) / factor + count));
     out.back().start = start;
@@ -104,7 +104,7 @@ double kaiser(double x) {  // |x| <= 1
 }
 
 // Row s: weights of the samples -15 ... 16 around a point s/steps behind a sample; they sum to 1, so that a constant
-// stays one.
+// stays constant.
 using Row = std::array<double, 2 * half>;
 std::vector<Row> const& kernel() {
   static std::vector<Row> const rows = [] {

@@ -35,9 +35,9 @@ void check(TimeSeries const& s, QSettings const& q) {
     throw InputError(fmt::format("a Q of {:g}", q.q), "choose from 3.4 to 1000");
   double const reach = 1 + std::sqrt(11) / q.q;
   if (!(q.low_hz > 0 && q.low_hz < q.high_hz && q.high_hz * reach <= s.rate / 2))
-    throw InputError(
-        fmt::format("a Q transform from {:g} Hz to {:g} Hz of a record with {:g} Hz", q.low_hz, q.high_hz, s.rate),
-        fmt::format("with Q {:g} the band must be between 0 and {:.4g} Hz", q.q, s.rate / 2 / reach));
+    throw InputError(fmt::format("a Q transform from {:g} Hz to {:g} Hz of a record sampled at {:g} Hz", q.low_hz,
+                                 q.high_hz, s.rate),
+                     fmt::format("with Q {:g} the band must be between 0 and {:.4g} Hz", q.q, s.rate / 2 / reach));
   if (s.duration() * q.low_hz < 2 * q.q)
     throw InputError(fmt::format("{:g} s are too short for Q {:g} at {:g} Hz", s.duration(), q.q, q.low_hz),
                      "choose a longer span, a smaller Q or a higher band");
@@ -66,9 +66,9 @@ std::vector<double> energies(Complexes const& lines, double duration, double hz,
 Spectrogram spectrogram(TimeSeries const& s, double stride, WelchSettings const& settings) {
   auto const step = std::size_t(std::max(0.0, std::round(stride * s.rate)));
   if (step < settings.segment || step > s.samples.size())
-    throw InputError(fmt::format("strides of {:g} s, segments of {:g} s and a record of {:g} s", stride,
+    throw InputError(fmt::format("strides of {:g} s do not match segments of {:g} s and a record of {:g} s", stride,
                                  double(settings.segment) / s.rate, s.duration()),
-                     "a stride holds a segment or more, and fits the record");
+                     "a stride must hold at least one segment and fit into the record");
   Spectrogram out;
   for (std::size_t i = 0; i + step <= s.samples.size(); i += step) {
     WelchSpectrum const part = welch(std::span(s.samples).subspan(i, step), s.rate, settings);

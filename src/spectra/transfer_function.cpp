@@ -112,14 +112,14 @@ TransferFunction read_response_file(Node const& file, bool decibels, std::option
     if (!(f > (hz.empty() ? 0 : hz.back())) || value == 0.0) {
       file.file_problem(name, table->line[i], 1,
                         value == 0.0 ? "a response of zero has no logarithm" : "frequencies must be positive and rise",
-                        value == 0.0 ? "leave the line out" : "sort the lines by frequency, each one once");
+                        value == 0.0 ? "remove the line" : "sort the lines by frequency, each one once");
       return {};
     }
     hz.push_back(f);
     values.push_back(value);
   }
   if (hz.size() < 2) {
-    file.file_problem(name, 0, 0, "a response needs two frequencies at least", "give more lines: Hz and two numbers");
+    file.file_problem(name, 0, 0, "a response needs at least two frequencies", "give more lines: Hz and two numbers");
     return {};
   }
   if (band && (!covers(hz, band->low) || !covers(hz, band->high)))
@@ -135,7 +135,7 @@ bool read_columns_are_decibels(Node const& table) {
   if (columns == "Hz dB deg ") return true;
   if (columns != "Hz re im ")
     (table.has("columns") ? table["columns"] : table)
-        .problem("the columns of the file must be named", "write 'columns: [Hz, re, im]' or 'columns: [Hz, dB, deg]'");
+        .problem("name the columns of the file", "write 'columns: [Hz, re, im]' or 'columns: [Hz, dB, deg]'");
   return false;
 }
 

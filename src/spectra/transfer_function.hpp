@@ -36,7 +36,7 @@ class TransferFunction {
   bool operator==(TransferFunction const&) const = default;
   TransferFunction holding_ends() const;  // tables keep their first and last value beyond their ends
   Band range() const;                     // Hz, range of validity: 0 to infinity without tables
-  std::vector<double> features() const;   // frequencies where it bends, Hz, not sorted; samples of tables
+  std::vector<double> features() const;   // corner frequencies, Hz, not sorted; samples of tables
 
  private:
   struct Oscillator {

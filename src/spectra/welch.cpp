@@ -139,7 +139,7 @@ RmsTrend rms_trend(TimeSeries const& s, double low, double high, double stride) 
   if (step < 2 || step > s.samples.size())
     throw InputError(
         fmt::format("strides of {:g} s for '{}' of {:g} s at {:g} Hz", stride, s.name, s.duration(), s.rate),
-        "choose them between two samples and the record");
+        "choose between two samples and the length of the record");
   TimeSeries const band = band_passed(s, low, high);
   RmsTrend out;
   for (std::size_t i = 0; i + step <= band.samples.size(); i += step) {
@@ -157,8 +157,9 @@ void check(std::size_t samples, double rate, WelchSettings const& s) {
     throw InputError(fmt::format("a segment of {} samples does not fit a series of {}", s.segment, samples),
                      fmt::format("choose between 2 and {}", samples));
   if (!(s.overlap >= 0 && s.overlap < 1))
-    throw InputError(fmt::format("an overlap of {:g} is not a share", s.overlap), "choose from 0 to below 1");
-  if (!(rate > 0 && rate < infinity)) throw InputError(fmt::format("a sample rate of {:g} Hz", rate), "it is positive");
+    throw InputError(fmt::format("an overlap of {:g} is not a fraction", s.overlap), "choose from 0 to below 1");
+  if (!(rate > 0 && rate < infinity))
+    throw InputError(fmt::format("a sample rate of {:g} Hz", rate), "give a positive rate");
 }
 
 // Takes the mean, or the straight line of least squares, from the samples.

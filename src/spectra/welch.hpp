@@ -53,7 +53,7 @@ Interval confidence(WelchSpectrum const&, double probability = 0.95);
 // Median over mean of n independent periodograms of Gaussian noise, 1 for n = 1, ln 2 for many.
 double median_bias(std::size_t n);
 
-// How much a record moves within a band of frequencies.
+// rms of a record within a band of frequencies.
 
 struct BandPower {
   double power = 0, sigma = 0;  // integral of the PSD over the band, x^2; one standard error for Gaussian noise
@@ -75,7 +75,7 @@ double rms(std::span<double const> samples);  // about zero
 
 class Segments {
  public:
-  // Throws InputError as welch() says.
+  // Throws InputError as welch() does.
   Segments(std::size_t samples, double rate, WelchSettings const&);
 
   std::size_t count() const { return count_; }

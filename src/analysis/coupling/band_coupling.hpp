@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coupling of a whole band, from all the power that rose in it (docs/theory/commissioning.md, eq. C.13).
+// Coupling of a whole band, from the total excess power in it (docs/theory/commissioning.md, eq. C.13).
 #pragma once
 
 #include "base/math/constants.hpp"
@@ -14,16 +14,16 @@ struct BandCoupling {
   double factor = not_a_number,
          sigma = not_a_number;                 // target unit per witness unit; one standard error of the averages
   double witness_ratio = 0, target_ratio = 0;  // injection over quiet, of amplitudes in the whole band
-  double share = not_a_number;  // of the power of the quiet target that the quiet witness makes, 1 for all
-  bool rises_at_low = false, rises_at_high = false;  // the target has risen at this end too: the band is too narrow
+  double share = not_a_number;  // of the power of the quiet target that the quiet witness explains, 1 for all
+  bool rises_at_low = false, rises_at_high = false;  // the target rises at this end too: the band is too narrow
 };
 
 // `settings`: of both spectra; how much neighbouring lines share follows from the window. NaN factor where witness or
-// target have not risen by three standard errors.
+// target rise by less than three standard errors.
 BandCoupling band_coupling(CrossSpectra const& injection, CrossSpectra const& quiet, double low, double high,
                            WelchSettings const& settings);
 
-// How surely one averaged spectrum lies above another (R6.01). A PSD averaged over n independent
+// Significance with which one averaged spectrum lies above another (R6.01). A PSD averaged over n independent
 // segments of Gaussian noise is chi-square with 2 n degrees of freedom; the ratio of two of them follows Fisher's F.
 
 struct AveragedPsd {
@@ -39,7 +39,7 @@ double excess_significance(AveragedPsd const& loud, AveragedPsd const& quiet);
 double sigmas_of_probability(double one_sided);     // 1.35e-3 -> 3
 double probability_of_sigmas(double significance);  // 3 -> 1.35e-3
 
-// Factor on an averaged PSD that the truth stays below with this probability: 2 n / quantile of chi-square.
+// Factor on an averaged PSD that bounds the true PSD with this probability: 2 n / quantile of chi-square.
 double upper_factor(double averages, double confidence);
 
 }  // namespace straytrace::analysis

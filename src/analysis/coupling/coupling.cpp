@@ -133,7 +133,7 @@ double unbiased_coherence(double c, double averages) {
 std::vector<CouplingPoint> measure_coupling(CrossSpectra const& injection, CrossSpectra const& quiet,
                                             CouplingThresholds const& t) {
   if (injection.hz != quiet.hz)
-    throw InputError("injection and quiet stretch differ in their frequencies", "use one segment length for both");
+    throw InputError("injection and quiet stretch have different frequencies", "use one segment length for both");
   std::vector<double> const loud = coherence(injection), still = coherence(quiet);
   auto const levels = [](CrossSpectra const& s, std::vector<double> const& c, std::size_t k) {
     return CouplingLevels{s.input[k], s.output[k], unbiased_coherence(c[k], s.effective_averages),
@@ -152,14 +152,14 @@ CouplingFunction combine(std::span<CouplingFunction const> all) {
   CouplingFunction out = all.front();
   for (CouplingFunction const& c : all)
     if (c.unit != out.unit || c.points.size() != out.points.size())
-      throw InputError(fmt::format("couplings of '{}' and '{}' differ in unit or frequencies and cannot be combined",
+      throw InputError(fmt::format("cannot combine couplings of '{}' and '{}': different units or frequencies",
                                    out.witness, c.witness),
                        "use one segment length and one unit");
   for (std::size_t k = 0; k < out.points.size(); ++k) {
     std::vector<CouplingPoint const*> at;
     for (CouplingFunction const& c : all) {
       if (c.points[k].hz != out.points[k].hz)
-        throw InputError("couplings on different frequencies cannot be combined", "use one segment length");
+        throw InputError("cannot combine couplings at different frequencies", "use one segment length");
       at.push_back(&c.points[k]);
     }
     out.points[k] = combined(at);
@@ -189,7 +189,7 @@ std::optional<CouplingFlag> flag_of(std::string_view text) {
   return {};
 }
 
-// Reads one file; knows its name and the line, for messages.
+// Reads one file; messages state its name and the line.
 class Reader {
  public:
   explicit Reader(std::string const& file) : file_(file) {}
@@ -210,11 +210,11 @@ class Reader {
   }
 
  private:
-  static constexpr std::string_view glued = "darmbgcoherence";  // pemcoupling forgets a comma between two names
+  static constexpr std::string_view glued = "darmbgcoherence";  // pemcoupling omits a comma between two names
   static constexpr std::string_view wanted = "frequency, factor, factor_counts, flag";
 
-  // Names hold no blanks, so one that separates two of them is a comma that was forgotten. A cell without a name is a
-  // column all the same: that of the row numbers of pandas.
+  // Names contain no blanks, so a blank inside a name replaces an omitted comma. A cell without a name is a column too:
+  // the row numbers of pandas.
   void take_header(TextLine const& line) {
     std::size_t at = 0;
     for (TextCell const& cell : comma_cells(line)) {
@@ -335,7 +335,7 @@ void refuse_wrapped(CouplingFunction const& c, double low, double high) {
     if (p.flag == CouplingFlag::not_linear && p.hz >= low && p.hz <= high && ++count == 1) first = &p;
   if (count > 0)
     throw InputError(
-        fmt::format("the coupling of '{}' is not linear at {} frequencies, the first of them {:g} Hz: what it makes "
+        fmt::format("the coupling of '{}' is not linear at {} frequencies, the first of them {:g} Hz: its noise "
                     "does not grow with the level of the witness",
                     c.witness, count, first->hz),
         "project the motion in the time domain: straytrace project RUN --body BODY --channel FILE::CHANNEL");
@@ -375,15 +375,16 @@ struct Conversion {
   int integrations = 0;  // an ASD of m/s^2 over (2 pi f)^2 is one of m
 };
 
-// What takes the unit of the spectrum to that of the coupling's witness.
+// Converts the unit of the spectrum to that of the coupling's witness.
 Conversion conversion(CouplingFunction const& c, QuietWitness const& w) {
   auto const have = parse_unit(w.unit), want = parse_unit(c.witness_unit);
   for (int n = 0; have && want && n <= 2; ++n)
     if (auto const reached = times(have->dimension, *power_of(dim::time, n)); reached && *reached == want->dimension)
       return {have->si / want->si, n};
-  throw InputError(fmt::format("the coupling is per {}, and the witness is in {}", c.witness_unit, w.unit),
-                   "give the witness in the unit of the coupling, or per s or s^2 of it; of counts with what one is: "
-                   "--unit \"2e-6 m/s^2\"");
+  throw InputError(
+      fmt::format("the coupling is per {}, and the witness is in {}", c.witness_unit, w.unit),
+      "give the witness in the unit of the coupling or its time derivatives; for counts, give the calibration: "
+      "--unit \"2e-6 m/s^2\"");
 }
 
 }  // namespace

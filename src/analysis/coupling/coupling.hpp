@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coupling functions from injections: how much of a target (strain) a unit of a witness (motion, sound) makes, per
+// Coupling functions from injections: response of a target (strain) per unit of a witness (motion, sound) at each
 // frequency (R6.01, R6.08).
 #pragma once
 
@@ -15,19 +15,19 @@
 namespace straytrace::analysis {
 
 enum class CouplingFlag : std::uint8_t {
-  measured,          // witness and target rose: the factor and its error
-  upper_limit,       // only the witness rose: the factor is at most this
-  below_thresholds,  // the witness did not rise: nothing is known
+  measured,          // witness and target rise: the factor and its error
+  upper_limit,       // only the witness rises: the factor is an upper limit
+  below_thresholds,  // the witness does not rise: no information
   no_data,
-  not_linear  // most of what the target gained is not coherent with the witness: no factor may be used
+  not_linear  // most of the target's excess is not coherent with the witness: no factor is valid
 };
-// As pemcoupling writes them: "Real", "Upper Limit", "Thresholds not met", "No data"; and ours, "Fringe wrapped".
+// The flags of pemcoupling, "Real", "Upper Limit", "Thresholds not met", "No data"; and our "Fringe wrapped".
 char const* name_of(CouplingFlag);
 
 struct CouplingPoint {
   double hz = 0;
   double factor = not_a_number, sigma = not_a_number;  // target unit per witness unit; one standard error, NaN unknown
-  double factor_counts = not_a_number;                 // the same per ADC count of the witness, where a file says it
+  double factor_counts = not_a_number;                 // the same per ADC count of the witness, where a file states it
   CouplingFlag flag = CouplingFlag::no_data;
   double witness_ratio = not_a_number, target_ratio = not_a_number;  // injection over quiet, of amplitudes (ASD)
   double significance = not_a_number;                                // of the excess of the target
@@ -52,7 +52,7 @@ struct CouplingThresholds {
 // Of factors: "1/m", "m/m", "1/(m/s^2)".
 std::string coupling_unit(std::string const& target, std::string const& witness);
 
-// |S_xy|^2/(S_xx S_yy) without what n averages of independent noises share by chance: (c - 1/n)/(1 - 1/n), not below 0.
+// |S_xy|^2/(S_xx S_yy) less the chance coherence of n averages of independent noise: (c - 1/n)/(1 - 1/n), not below 0.
 double unbiased_coherence(double coherence, double averages);
 
 // H = sqrt((y_inj - y_quiet)/(x_inj - x_quiet)), PSDs of target y and witness x: this also
@@ -63,16 +63,16 @@ double unbiased_coherence(double coherence, double averages);
 std::vector<CouplingPoint> measure_coupling(CrossSpectra const& injection, CrossSpectra const& quiet,
                                             CouplingThresholds const&);
 
-// PSDs of witness x and target y at one frequency; coherence without what chance gives.
+// PSDs of witness x and target y at one frequency; coherence less the chance coherence.
 struct CouplingLevels {
   double x, y, coherence, averages;
 };
 // Largest H at `confidence` (C.4): where the upper end of Y_inj - Y_quiet - H^2 (X_inj - X_quiet), true levels, passes
 // zero. Its ends are those of the single levels, added in quadrature less what witness and target share. A target below
-// its quiet level counts as equal to it: a low draw of noise is no knowledge.
+// its quiet level counts as equal to it: a low noise fluctuation is no information.
 double coupling_limit(CouplingLevels const& injection, CouplingLevels const& quiet, double confidence);
 
-// Confidence that each of n limits must have for the lowest of them to hold at `confidence`.
+// Confidence of each of n limits such that the lowest holds at `confidence`.
 inline double each_of(std::size_t n, double confidence) { return 1 - (1 - confidence) / double(n); }
 
 // Several injections on one witness: measured points by their weighted mean, whose error grows by sqrt(chi^2/dof) where
@@ -82,11 +82,12 @@ CouplingFunction combine(std::span<CouplingFunction const>);
 
 inline double squared(double v) { return v * v; }
 
-// Coupling functions as CSV of pemcoupling: frequency, factor, factor_counts, flag. Ours add columns behind these.
+// Coupling functions as CSV of pemcoupling: frequency, factor, factor_counts, flag. Ours append further columns.
 
-// Read tolerantly: columns in any order, further columns, flags in any case, "Measured" for "Real", a header with a
-// comma missing. The unit of the factor, the unit and names of channels come from our own columns; pemcoupling's have
-// none, so `unit` ("m/m", "1/m", ...) and `witness_unit` must say them then. Throws InputError with file and line.
+// The reader is tolerant: columns in any order, further columns, flags in any case, "Measured" for "Real", a header
+// with a comma missing. The unit of the factor, the unit and names of channels come from our own columns; files of
+// pemcoupling lack these, so `unit` ("m/m", "1/m", ...) and `witness_unit` must supply them. Throws InputError with
+// file and line.
 CouplingFunction parse_coupling(std::string_view csv, std::string const& file, std::string const& unit = "",
                                 std::string const& witness_unit = "");
 
@@ -106,15 +107,15 @@ struct ProjectedCoupling {
   std::vector<ProjectedPoint> points;
 };
 
-// ASD of the witness where nothing was injected.
+// ASD of the witness without an injection.
 struct QuietWitness {
   std::string unit;  // "m": of the amplitude whose density this is
   std::vector<double> hz, asd, sigma;
 };
 
 // At each frequency of the witness: factor times level, errors in quadrature. Between two couplings of one kind the
-// factor runs straight in log-log; limits stay limits, and next to an unknown is unknown. Frequencies that the coupling
-// does not reach have no data. Throws InputError when the units do not fit, and where the coupling is not linear:
+// factor is interpolated in log-log; limits stay limits, and a value next to an unknown one is unknown. Frequencies
+// outside the coupling have no data. Throws InputError when the units do not fit, and where the coupling is not linear:
 // fringe wrapping is projected in the time domain.
 ProjectedCoupling project_coupling(CouplingFunction const&, QuietWitness const&);
 

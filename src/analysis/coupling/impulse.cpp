@@ -18,8 +18,8 @@
 namespace straytrace::analysis {
 namespace {
 
-constexpr std::size_t noise_bins = 8;  // on each side over which noise is averaged: few stretches know little
-constexpr double fewest_sigmas = 3;    // of Q, or it is a hump of noise and no mode
+constexpr std::size_t noise_bins = 8;  // on each side over which noise is averaged: few stretches determine it poorly
+constexpr double fewest_sigmas = 3;    // of Q; otherwise it is a noise fluctuation, not a mode
 constexpr std::size_t most_bins = 40;  // on each side of a peak that are fitted
 
 double median(std::vector<double> v) {
@@ -68,13 +68,13 @@ ImpulseSums sums_of(TimeSeries const& force, TimeSeries const& target, std::span
     ++s.count;
   }
   if (s.count < 2)
-    throw InputError(fmt::format("{} of {} impulses lie with their whole stretch inside the data; two are needed",
+    throw InputError(fmt::format("only {} of {} impulses have their whole stretch inside the data; two are needed",
                                  s.count, starts.size()),
                      "choose a lower --threshold or a shorter --length");
   return s;
 }
 
-// What still rings of earlier impulses has the mode's own shape: it moves its amplitude, and neither frequency nor Q.
+// Ringing left by earlier impulses has the shape of the mode: it biases the amplitude, but neither frequency nor Q.
 // With s = -1/tau + 2 pi i f and F_i the force of stretch i, R_i = exp(s T_i) (F_(i-1) + R_(i-1)) rings at its start
 // beside F_i; the amplitude is that of sum conj(F_i) (F_i + R_i) instead of sum |F_i|^2.
 // Returns F_i + R_i.
@@ -97,8 +97,7 @@ Complexes take_off_left_over(RingDown& mode, ImpulseSums const& s, std::size_t k
   return with;
 }
 
-// Relative error of the amplitude from how much the impulses differ: no two hit quite alike, and the fit of their mean
-// does not see it.
+// Relative error of the amplitude from the spread of the impulses, which the fit of their mean does not contain.
 double scatter_of_impulses(ImpulseSums const& s, Complexes const& force, std::size_t k) {
   std::complex<double> mean = 0;
   double weight = 0, scatter = 0;
@@ -166,11 +165,12 @@ std::vector<double> find_taps(TimeSeries const& force, double threshold, double 
 ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts,
                                  ImpulseSettings const& s) {
   if (force.rate != target.rate || force.samples.size() != target.samples.size())
-    throw InputError("force and target do not share their samples", "give both at one rate, over the same stretch");
+    throw InputError("force and target are not sampled at the same times",
+                     "give both at one rate, over the same stretch");
   auto const n = std::size_t(std::lround(s.length * force.rate)),
              silent = std::size_t(std::lround(s.before * force.rate));
   if (n < 32 || n > force.samples.size() || silent * 2 > n)
-    throw InputError(fmt::format("a stretch of {:g} s does not fit the data", s.length),
+    throw InputError(fmt::format("a stretch of {:g} s is outside the range for these data", s.length),
                      fmt::format("choose --length between {:g} and {:g} s", 32 / force.rate, force.duration()));
   std::vector<double> in_order(starts.begin(), starts.end());
   std::sort(in_order.begin(), in_order.end());
@@ -237,7 +237,7 @@ class Mode {
     return {x, (answer_ - a * x).squaredNorm()};
   }
 
-  // What the best amplitude and constant leave.
+  // Residual after the best amplitude and constant.
   Eigen::VectorXd residuals(double hz, double gamma) const {
     return answer_ - columns(hz, gamma) * fit(hz, gamma).linear;
   }
@@ -309,8 +309,8 @@ RingDown fit_ring_down(ImpulseResponse const& r, std::size_t from, std::size_t t
   RingDown out;
   out.chi_square = best_fit.chi;
   out.degrees = mode.degrees();
-  // What the bins scatter around the mode is their error: the noise may be less, where the impulse before still rings,
-  // or another mode more.
+  // The scatter of the bins around the fitted mode is their error. Ringing of an earlier impulse or another mode can
+  // make it larger than the noise.
   Eigen::MatrixXd const covariance =
       mode.covariance(at[0], std::exp(at[1]), best_fit.linear) * out.chi_square / out.degrees;
   out.hz = at[0];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a target answers to an impulse: its response divided by the force, in frequency and in time, and the modes that
-// ring (R6.02, R6.03).
+// Response of a target to impulse excitation, divided by the force, in frequency and in time, and the modes that ring
+// (R6.02, R6.03).
 #pragma once
 
 #include <complex>
@@ -14,16 +14,16 @@
 namespace straytrace::analysis {
 
 // First samples of impulses, GPS s: where the force leaves its median by `threshold` times its usual deviation (1.4826
-// times the median one). The next is looked for `length` s later.
+// times the median one). The search for the next resumes `length` s later.
 std::vector<double> find_taps(TimeSeries const& force, double threshold, double length);
 
 struct ImpulseSettings {
   double before = 0.01;      // s of silence taken in front of each start
   double length = 2;         // s of each stretch
-  double low = 0, high = 0;  // Hz, where modes are looked for
+  double low = 0, high = 0;  // Hz, search range of modes
   int modes = 3;             // at most
-  // The stretch ends while the target still rings, as after an impulse; false: all is over at its end (a sweep and
-  // silence), so the response is not cut.
+  // The stretch ends while the target still rings, as after an impulse; false: the response has decayed by the end (a
+  // sweep and silence), so it is not truncated.
   bool cut = true;
 };
 
@@ -42,13 +42,13 @@ struct ImpulseResponse {
   std::size_t stretches = 0;
   std::vector<double> hz;
   std::vector<std::complex<double>> response;  // sum conj(F) Y/sum |F|^2: target unit per force unit, exp(+2 pi i f t)
-  std::vector<double> sigma, coherence;        // of |response|; coherence without what chance gives
+  std::vector<double> sigma, coherence;        // of |response|; coherence less the chance coherence
   std::vector<double> time, value;             // s after the impulse; target unit per (force unit x s)
   double value_sigma = 0;                      // from the noise of the target
   std::vector<RingDown> modes;                 // the strongest first
 };
 
-// Stretches at `starts` (GPS s) without a window: what rings must not be weighted. In time the response is damped by
+// Stretches at `starts` (GPS s) without a window, which would distort the ringing. In time the response is damped by
 // the coherence, so that frequencies without force or answer do not fill it with noise. Ringing left by earlier
 // impulses is subtracted from the amplitudes of modes. Throws InputError with fewer than two stretches inside the data:
 // without repeats there is no error.
@@ -56,18 +56,18 @@ ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& targ
                                  ImpulseSettings const&);
 
 // a exp(-t/tau) cos(2 pi f t + phase) from t = 0 to `length`, as a line of the transform around f, with a constant for
-// what lies beside it; the line at -f is in it. `from`, `to`: bins that are fitted. Errors are those of what the fit
-// leaves: times the root of chi^2 per degree.
+// the background; the line at -f is included. `from`, `to`: bins that are fitted. Errors are scaled by the
+// residuals: times the root of chi^2 per degree of freedom.
 RingDown fit_ring_down(ImpulseResponse const&, std::size_t from, std::size_t to, double length);
 
-// When was something injected? Stretches of a record whose spectrum rises above that of a quiet one (R6.01).
+// Finds injections: stretches of a record whose spectrum rises above that of a quiet one (R6.01).
 
 struct LoudStretch {
   double from = 0, to = 0;  // GPS s
-  double hz = 0;            // where it is surest
+  double hz = 0;            // of largest significance
   double ratio = 0;         // of ASDs there, event over quiet
   double significance = 0;  // there, of one bin and stretch
-  double overall = 0;       // with all bins and stretches that were looked at: what noise alone would show
+  double overall = 0;       // corrected for all bins and stretches searched: probability in noise alone
   std::size_t bins = 0;     // that pass
 };
 
@@ -75,7 +75,7 @@ struct EventSettings {
   WelchSettings welch;
   std::size_t averages = 20;        // segments of each stretch
   double overall_significance = 3;  // of an event: one false one in 740 records
-  double low = 0, high = 1e300;     // Hz, bins that are looked at
+  double low = 0, high = 1e300;     // Hz, bins searched
 };
 
 // Neighbouring stretches that pass are one event. Throws InputError when the record is shorter than a stretch.

@@ -25,8 +25,8 @@ constexpr int nearest_noise = 3, farthest_noise = 10;  // resolutions beside a l
 std::size_t window_samples(TimeSeries const& s, double window) {
   auto const n = std::size_t(std::lround(window * s.rate));
   if (!(window > 0) || n < 16 || n > s.samples.size())
-    throw InputError(fmt::format("a window of {:g} s does not fit '{}', which has {:g} s at {:g} Hz", window, s.name,
-                                 s.duration(), s.rate),
+    throw InputError(fmt::format("a window of {:g} s is outside the range for '{}', which has {:g} s at {:g} Hz",
+                                 window, s.name, s.duration(), s.rate),
                      fmt::format("choose --window between {:g} s and {:g} s", 16 / s.rate, s.duration()));
   return n;
 }
@@ -100,13 +100,13 @@ double LineWindow::peak_sigma(double amplitude, double sigma) const {
 
 std::vector<LinePoint> track_line(TimeSeries const& s, LineBand const& b) {
   if (!(b.low > 0 && b.low < b.high && b.high < s.rate / 2))
-    throw InputError(fmt::format("a line between {:g} and {:g} Hz cannot be followed in '{}', which has {:g} Hz", b.low,
-                                 b.high, s.name, s.rate),
+    throw InputError(fmt::format("cannot track a line between {:g} and {:g} Hz in '{}', which is sampled at {:g} Hz",
+                                 b.low, b.high, s.name, s.rate),
                      fmt::format("choose a band between 0 and {:g} Hz", s.rate / 2));
   std::size_t const n = window_samples(s, b.window);
   if (b.window * b.low < fewest_periods)
     throw InputError(fmt::format("a window of {:g} s holds {:.1f} periods of a line at {:g} Hz, and {:g} are needed to "
-                                 "tell noise from harmonics",
+                                 "separate noise from harmonics",
                                  b.window, b.window * b.low, b.low, fewest_periods),
                      fmt::format("choose --window {:g} s or more", std::ceil(10 * fewest_periods / b.low) / 10));
   std::vector<LinePoint> track;
@@ -248,11 +248,12 @@ RidgePoint coupling_at(Complexes const& x, Complexes const& y, Ridge const& r, R
 
 std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries const& target, RidgeSettings const& s) {
   if (witness.rate != target.rate || witness.samples.size() != target.samples.size())
-    throw InputError("witness and target do not share their samples", "give both at one rate, over the same stretch");
+    throw InputError("witness and target are not sampled at the same times",
+                     "give both at one rate, over the same stretch");
   if (!(s.low > 0 && s.low < s.high && s.high <= witness.rate / 2))
-    throw InputError(
-        fmt::format("no sweep between {:g} and {:g} Hz can be seen at {:g} Hz", s.low, s.high, witness.rate),
-        fmt::format("choose --band between 0 and {:g} Hz", witness.rate / 2));
+    throw InputError(fmt::format("a sweep between {:g} and {:g} Hz is not visible at a sample rate of {:g} Hz", s.low,
+                                 s.high, witness.rate),
+                     fmt::format("choose --band between 0 and {:g} Hz", witness.rate / 2));
   WelchSettings const settings{.segment = std::size_t(std::lround(s.window * witness.rate))};
   Segments of_x(witness.samples.size(), witness.rate, settings), of_y(target.samples.size(), target.rate, settings);
   auto const low = std::size_t(std::max(1.0, std::floor(s.low * s.window)));

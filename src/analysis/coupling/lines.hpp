@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lines that a shaker or loudspeaker drives: frequency, amplitude and phase over time, with errors (R6.03).
+// Lines driven by a shaker or loudspeaker: frequency, amplitude and phase over time, with errors (R6.03).
 #pragma once
 
 #include <cmath>
@@ -44,8 +44,8 @@ struct LineBand {
 };
 // Noise is seen between harmonics: windows hold at least `fewest_periods` of the line.
 constexpr double fewest_periods = 8;
-// One point for each half-overlapping window, whether the line stands out or not. Throws InputError for a band outside
-// (0, rate/2) or a window longer than the series or too short for the line.
+// One point for each half-overlapping window, whether the line is significant or not. Throws InputError for a band
+// outside (0, rate/2) or a window longer than the series or too short for the line.
 std::vector<LinePoint> track_line(TimeSeries const&, LineBand const&);
 // Amplitudes of another channel at harmonic n of the tracked frequencies, on the same samples.
 std::vector<LinePoint> follow_line(TimeSeries const&, std::span<LinePoint const> track, double window,
@@ -95,13 +95,13 @@ inline WeightedLine weighted_line(std::span<double const> x, std::span<double co
 struct RidgePoint {
   double time = 0;                // GPS s, middle of the window
   double witness = 0;             // rms of the witness along the ridge in this window, its unit
-  double modulus = 0, sigma = 0;  // |H| and the error of each quadrature, whatever the flag
+  double modulus = 0, sigma = 0;  // |H| and the error of each quadrature, for any flag
   double level = 0, lines = 0;    // |line|^2 of the target beside the ridge, and of how many independent lines
   CouplingPoint coupling;         // hz: centre of the ridge; coherence: share of the target's power there
 };
 
 struct RidgeSettings {
-  double low = 0, high = 0;   // Hz, where the drive is looked for
+  double low = 0, high = 0;   // Hz, search range of the drive
   double window = 2;          // s
   double witness_ratio = 10;  // amplitude of the ridge over the witness beside it; below: thresholds not met
   double significance = 3;    // of the target; below: an upper limit
@@ -111,8 +111,8 @@ struct RidgeSettings {
 // y>/<|x|^2>. |H| with its error from the target beside the ridge; upper limits at 95 %. Both series on equal samples.
 std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries const& target, RidgeSettings const&);
 
-// One coupling function from all windows: those of a bin of `resolution` Hz are judged together (C.12), whatever each
-// alone would say. Upper limits at 95 %.
+// One coupling function from all windows: those of a bin of `resolution` Hz are evaluated together (C.12), not
+// flag by flag. Upper limits at 95 %.
 CouplingFunction coupling_of_ridge(std::vector<RidgePoint> const&, TimeSeries const& witness, TimeSeries const& target,
                                    double resolution, double significance);
 

@@ -97,7 +97,7 @@ void add_local(TapAnswer& a, Visit const& v, Quiet const& q, std::size_t k, std:
 
 struct Answered {
   TapAnswer answer;
-  double log_sigma = 0;  // of the coupling, without what all places share
+  double log_sigma = 0;  // of the coupling, without the error common to all places
 };
 
 Answered answer(std::vector<Visit const*> const& visits, Quiet const& q, std::size_t k, TapThresholds const& t,
@@ -138,7 +138,7 @@ Answered answer(std::vector<Visit const*> const& visits, Quiet const& q, std::si
   return out;
 }
 
-// Of the places that answered nothing: the lowest limit of the visits whose force rose.
+// Of places without a response: the lowest limit of the visits whose force rose.
 std::vector<TapLimit> limits_at(std::vector<Visit> const& visits, Quiet const& q, std::size_t k, TapThresholds const& t,
                                 std::set<std::string> const& answered) {
   constexpr double confidence = 0.95;

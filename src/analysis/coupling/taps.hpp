@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tapping: a hammer with a force sensor strikes one place after another; ranks the places by the response of the target
-// (R6.02).
+// Tapping: a hammer with a force sensor strikes one place after another; the places are ranked by the response of the
+// target (R6.02).
 #pragma once
 
 #include <span>
@@ -43,7 +43,7 @@ struct TapAnswer {
   double local_ratio = 0;
 };
 
-// Limit of a place whose taps raised the target no further than noise.
+// Limit of a place whose taps did not raise the target above the noise.
 struct TapLimit {
   std::string place;
   double coupling = 0;  // at most, at 95 % confidence of all its repeats together; target unit per unit of force

@@ -40,12 +40,12 @@ void check_samples(TimeSeries const& x) {
   auto const bad = std::find_if(x.samples.begin(), x.samples.end(), [](double v) { return !std::isfinite(v); });
   if (bad != x.samples.end())
     throw InputError(
-        fmt::format("'{}' has no number at GPS {:.4f}", x.name, x.time(std::size_t(bad - x.samples.begin()))),
+        fmt::format("'{}' is not a number at GPS {:.4f}", x.name, x.time(std::size_t(bad - x.samples.begin()))),
         "choose a span without gaps");
   auto const [low, high] = std::minmax_element(x.samples.begin(), x.samples.end());
   if (x.samples.empty() || *low == *high)
-    throw InputError(fmt::format("'{}' has one value all the time, so nothing can be fitted", x.name),
-                     "give a record that is alive");
+    throw InputError(fmt::format("'{}' is constant, so there is nothing to fit", x.name),
+                     "check that the channel is connected");
 }
 
 void check(FringeRecords const& r, FringeFitSettings const& s) {
@@ -60,7 +60,7 @@ void check(FringeRecords const& r, FringeFitSettings const& s) {
   for (TimeSeries const& x : r.witnesses) check_samples(x);
 }
 
-// The highest frequency that any shape in the ranges makes; an error when the target is sampled too slowly for it.
+// The highest fringe frequency within the ranges; an error when the sample rate of the target is too low for it.
 double highest_fringe(FringeRecords const& r, FringeFitSettings const& s) {
   double highest = 0;
   double const fastest = fastest_motion(r, furthest(s.ratio));
@@ -111,7 +111,7 @@ void check_work(FringeStretch const& stretch, FringeFitSettings const& s, double
         "narrow the ranges of multiplicity, drift and ratio, or give a shorter stretch");
 }
 
-// What one path takes from chi^2, the others adjusting their amplitudes.
+// Reduction of chi^2 by one path, with the amplitudes of the others free.
 double gain_of_path(FringeProblem const& problem, RefinedFit const& fit, Eigen::VectorXd const& target, std::size_t p) {
   FringePlace const others = [&] {
     FringePlace o = fit.place;
@@ -130,7 +130,7 @@ void report_significance(FringeFit& out, FringeProblem const& problem, RefinedFi
   out.with = fit.fit.chi2;
   out.degrees = double(problem.settings.method == FitMethod::time ? 0 : problem.stretch.degrees());
   if (problem.settings.method == FitMethod::time) {
-    // Of pure noise of the very spectrum: the mask at the ends of the band and the missing tapers.
+    // Of pure noise of exactly this spectrum: the mask at the ends of the band and the missing tapers.
     double const middle = double(target.size()) / double(problem.stretch.model_samples());
     double const wide = problem.settings.high - problem.settings.low;
     out.degrees = 2 * problem.stretch.duration() * wide * (1 - 2 * 0.1 * (1 - 0.375)) * middle;
@@ -321,11 +321,11 @@ FringeModel fringe_model(FringeRecords const& r, FringeFitSettings const& s, Fri
   return out;
 }
 
-// The fit against the part of the record that it has not seen, and the outcome (docs/theory/fit.md).
+// Test of the fit on the unused part of the record, and the outcome (docs/theory/fit.md).
 
 namespace {
 
-constexpr double sure = 3;  // standard deviations by which a right fit would have been confirmed
+constexpr double sure = 3;  // standard deviations by which a correct fit would be confirmed
 
 std::vector<double> psd_at(FringeProblem const& fitted, std::vector<double> const& hz) {
   std::vector<double> const& known = fitted.stretch.hz();
@@ -337,7 +337,7 @@ std::vector<double> psd_at(FringeProblem const& fitted, std::vector<double> cons
   return out;
 }
 
-// Columns B with B B^T = J C J^T: what the errors of the fit may do to the model in the rest.
+// Columns B with B B^T = J C J^T: effect of the errors of the fit on the model in the rest.
 Eigen::MatrixXd spread_of_model(Eigen::MatrixXd const& slope, Eigen::MatrixXd const& covariance) {
   Eigen::VectorXd const sigma = covariance.diagonal().cwiseSqrt();
   Eigen::MatrixXd const correlation =

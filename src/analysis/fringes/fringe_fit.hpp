@@ -70,10 +70,10 @@ struct OutOfSample {
 
 enum class FitOutcome : std::uint8_t {
   none,         // noise alone explains it
-  untested,     // significant, but the rest of the record could not confirm it even if it were right
+  untested,     // significant, but the rest of the record cannot confirm it even if it is correct
   not_general,  // significant, but does not predict the rest of the record
   clock,        // another delay of the witness fits better, and gives another amplitude
-  at_end,       // significant, but a parameter is at the end of its range: the maximum may lie beyond
+  at_end,       // significant, but a parameter is at the end of its range: the maximum may lie outside
   found         // significant in the fitted stretch, all places of the search counted, and in the rest
 };
 
@@ -104,7 +104,7 @@ struct FringeFit {
 };
 
 // Throws InputError: records that do not overlap, a band outside the sampled one, a sample rate that cannot hold the
-// fringes of the ranges (docs/theory/spectra.md, eq. 7.13), too few data, a search without end.
+// fringes of the ranges (docs/theory/spectra.md, eq. 7.13), too few data, a search that would take too long.
 FringeFit fit_fringes(FringeRecords const&, FringeFitSettings const&);
 
 // The fitted noise at the samples of the target from first to last (beyond the witness: 0), inside the band, with edges

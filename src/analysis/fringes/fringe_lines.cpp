@@ -41,7 +41,7 @@ Harmonic harmonic_of(std::vector<LinePoint> const& windows, int order) {
   return h;
 }
 
-// Amplitude in front of shape_n for the harmonics of one parity, least squares; and what is left.
+// Coefficient of shape_n for the harmonics of one parity, by least squares; and the residual.
 struct Part {
   double factor = 0, chi = 0;
 };
@@ -96,8 +96,8 @@ class Steps {
   }
 
  private:
-  // One window sees its noise in few frequencies. Weights that scatter make a mean worse than its error says, so the
-  // noise is the mean over neighbouring windows.
+  // One window determines its noise from few frequencies. Noisy weights make a mean worse than its stated error, so the
+  // noise is averaged over neighbouring windows.
   static double level_around(std::span<LinePoint const> target, std::size_t i) {
     std::size_t const from = i > neighbours ? i - neighbours : 0, to = std::min(i + neighbours + 1, target.size());
     double sum = 0;
@@ -117,7 +117,7 @@ HarmonicFit fit_harmonics(std::span<std::vector<LinePoint> const> windows, doubl
   HarmonicFit f;
   for (std::size_t i = 0; i < windows.size(); ++i) f.harmonics.push_back(harmonic_of(windows[i], int(i) + 1));
   if (f.harmonics.size() < 3)
-    throw InputError("harmonics up to the third are needed to tell a fringe", "choose --harmonics 3 or more");
+    throw InputError("harmonics up to the third are needed to identify a fringe", "choose --harmonics 3 or more");
   double const first = f.harmonics.front().power;
   for (Harmonic& h : f.harmonics)
     if (first > 0 && h.power > 0) {
@@ -147,7 +147,7 @@ double motion_of_phase(double z, double wavelength, double multiplicity) {
 
 RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> target, double threshold, double z_max) {
   if (drive.size() != target.size() || drive.size() < 4)
-    throw InputError(fmt::format("a ramp of {} windows tells nothing", drive.size()),
+    throw InputError(fmt::format("a ramp of {} windows is too short", drive.size()),
                      "at least 4 are needed: choose a shorter --window");
   Steps const steps(drive, target);
   ScanResult const r =

@@ -28,7 +28,7 @@ struct HarmonicFit {
   double z_limit = 0;                              // 95 %
   bool limit_only = false;                         // less than three standard deviations: the limit is the answer
   bool open = false;                               // even the limit lies beyond the scan
-  std::vector<double> others;                      // other z that fit about as well
+  std::vector<double> others;                      // other z with a similar fit
   double odd = 0, even = 0;  // G |cos phi_0|, G |sin phi_0|: target unit; even is NaN when z is not known
   double chi_square = 0;
   int degrees = 0;
@@ -65,7 +65,7 @@ struct ScanResult {
   double low = 0, high = 0;    // chi^2 + 1: one standard error; `low` = start of the scan: none below
   double limit = 0;            // chi^2 + 2.71 above: 95 %, one-sided
   bool open = false;           // chi^2 never rises to the limit within the scan
-  std::vector<double> others;  // further minima within chi^2 + 4: as good answers
+  std::vector<double> others;  // further minima within chi^2 + 4: equally good solutions
 };
 // From `from` to `to` in `steps` equal steps, each minimum refined. The function is finite.
 ScanResult scan_minimum(std::function<double(double)> const& chi_square, double from, double to, int steps);

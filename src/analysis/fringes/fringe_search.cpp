@@ -41,7 +41,7 @@ Eigen::MatrixXd orthonormal(Eigen::MatrixXd columns, Eigen::MatrixXd const& othe
          Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
 }
 
-// chi^2 that two columns take from y, which is free of the others already; nothing where they are nearly spanned by
+// Reduction of chi^2 by two columns for y, which is already orthogonal to the others; zero where the others nearly span
 // them.
 double gain_of(Eigen::MatrixXd const& columns, Eigen::MatrixXd const& others, Eigen::VectorXd const& y) {
   Eigen::Matrix2d gram = columns.transpose() * columns;
@@ -63,7 +63,7 @@ double length_between(Eigen::MatrixXd const& a, Eigen::MatrixXd const& b) {
 }
 
 // chi^2 that the columns of a path take from y at each delay, by one transform for each column: a delay turns both
-// columns, which leaves their products with each other as they are. For a path that is alone.
+// columns, which leaves their products with each other unchanged. For a single path.
 class DelayScan {
  public:
   DelayScan(FringeStretch const& stretch, SearchRange const& range, double step) : n_(1) {
@@ -345,8 +345,8 @@ Eigen::MatrixXd jacobian(FringeProblem const& problem, FringePlace const& place,
 
 namespace {
 
-// What the best linear parameters leave, as a function of the steps of the free ones from a place. Derivatives after
-// Kaufman (1975): those of the model at fixed linear parameters, less what the columns can take of them.
+// Residual after the best linear parameters, as a function of the steps of the free ones. Derivatives after Kaufman
+// (1975): those of the model at fixed linear parameters, less their projection on the columns.
 LeastSquaresProblem shape_problem(FringeProblem const& problem, FringePlace const& from,
                                   std::vector<FreeParameter> const& free, Eigen::VectorXd const& target) {
   auto const count = Eigen::Index(free.size());
@@ -398,7 +398,7 @@ RefinedFit refine(FringeProblem const& problem, FringePlace const& from) {
   Eigen::MatrixXd const unit = scale.asDiagonal() * curvature * scale.asDiagonal();
   Eigen::FullPivLU<Eigen::MatrixXd> const lu(unit);
   if (!lu.isInvertible() || !unit.allFinite())
-    throw NumericalError("the fit cannot tell its parameters apart; fix some of them");
+    throw NumericalError("the parameters of the fit are degenerate; fix some of them");
   out.covariance = scale.asDiagonal() * lu.inverse() * scale.asDiagonal();
   return out;
 }

@@ -43,7 +43,7 @@ struct SearchGrid {
 };
 SearchGrid search_grid(FringeStretch const&, FringeFitSettings const&, std::size_t path, double ratio);
 
-// The best places for path `path`, best first, at most `most`, with the others where they are.
+// The best places for path `path`, best first, at most `most`, with the others fixed.
 std::vector<FringePlace> scan(FringeProblem const&, FringePlace const& others, std::size_t path, std::size_t most);
 // Side lengths of the ranges of a path around a place, for ln_chance_of.
 std::vector<double> range_lengths(FringeProblem const&, FringePlace const&, std::size_t path);
@@ -65,7 +65,7 @@ Eigen::MatrixXd jacobian(FringeProblem const&, FringePlace const&, Eigen::Vector
 // Least squares in all free parameters, within their ranges.
 RefinedFit refine(FringeProblem const&, FringePlace const& from);
 
-// Searches path after path and moves all together; learns the noise level of the problem from what is left.
+// Searches path after path and moves all together; takes the noise level of the problem from the residuals.
 RefinedFit fit_all(FringeProblem&);
 // Paths, ratio, names and correlations: amplitude and phase instead of cosine and sine, with their errors.
 void report_parameters(FringeFit&, FringeProblem const&, RefinedFit const&);

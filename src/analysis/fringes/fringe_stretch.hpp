@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A stretch of h(t) and of the motion beside it, seen on the lines of one Fourier transform inside a band
+// A stretch of h(t) and of the simultaneous motion, on the lines of one Fourier transform inside a band
 // (requirements R6.06, R6.07).
 #pragma once
 
@@ -25,19 +25,19 @@ struct FringeShape {
 };
 
 struct FringeRecords {
-  TimeSeries target;                  // h, or whatever carries the fringes
+  TimeSeries target;                  // h, or another signal with fringes
   std::vector<TimeSeries> witnesses;  // x_1 and, where two bodies move, x_2; m
-  std::vector<double> unseen = {};    // m rms right below the high pass of an integrated one; NaN: not told
+  std::vector<double> unseen = {};    // m rms right below the high pass of an integrated one; NaN: unknown
 };
 
-// What all stretches of one fit have in common.
+// Settings common to all stretches of one fit.
 struct FringeFrame {
   double low = 0, high = 0;   // Hz, the band
   double wavelength = 0;      // m
   double middle = 0;          // GPS s, where a drift is zero
   double highest_fringe = 0;  // Hz, largest |d theta/dt|/2pi of any shape evaluated
   double longest_delay = 0;   // s, either sign
-  std::vector<double> means;  // m, of the witnesses, which are taken away
+  std::vector<double> means;  // m, of the witnesses, which are subtracted
 };
 
 // Complex lines of a transform, one for each frequency in the band.

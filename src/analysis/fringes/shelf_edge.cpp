@@ -66,9 +66,10 @@ Layout layout_of(FringeRecords const& r, ShelfEdgeSettings const& s) {
                                  s.low, s.high, r.target.rate / 2, r.target.name),
                      "choose a band inside");
   if (!(s.segment * 4 <= s.stride && (s.high - s.low) * s.segment > 12))
-    throw InputError(fmt::format("segments of {:g} s do not suit strides of {:g} s and a band of {:g} Hz", s.segment,
-                                 s.stride, s.high - s.low),
-                     "a stride holds at least four, and the band a dozen lines of 1/segment");
+    throw InputError(
+        fmt::format("segments of {:g} s are too long for strides of {:g} s, or too short for a band of {:g} Hz",
+                    s.segment, s.stride, s.high - s.low),
+        "a stride needs at least four segments, and the band a dozen lines of 1/segment");
   double const fringe =
       2 * s.factor.high * fastest_motion(r, std::max(std::fabs(s.ratio.low), std::fabs(s.ratio.high))) / s.wavelength;
   // Shapes whose edge lies beyond the band are not needed.
@@ -181,10 +182,10 @@ ShelfEdgeFit fit_shelf_edge(FringeRecords const& records, ShelfEdgeSettings cons
   double const left = best->twice_log - best[-1].twice_log, right = best->twice_log - best[1].twice_log;
   double const curvature = (left + right) / (2 * spacing * spacing), top = (left - right) / (4 * curvature * spacing);
   ShelfEdgeFit out = with_errors(at_ratio(data, s, best->fit.ratio.value + top), s);
-  // What repetition makes of the likelihood's error of the factor it makes of that of the ratio.
+  // Repetition scales the likelihood's error of the ratio as it scales that of the factor.
   double const scale = out.used > 0 ? out.factor.sigma / out.of_likelihood.sigma : 1;
   out.ratio.sigma = std::max(scale / std::sqrt(curvature), spacing / 2);
-  for (AtRatio const& a : all)  // other maxima that are as good
+  for (AtRatio const& a : all)  // other maxima that are equally good
     if (best->twice_log - a.twice_log < std::max(1.0, scale * scale))
       out.ratio.sigma = std::max(out.ratio.sigma, std::fabs(a.fit.ratio.value - out.ratio.value));
   // The factor follows the ratio; NaN where a neighbour shows no edge.

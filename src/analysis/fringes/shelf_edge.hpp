@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Effective motion from the edge of the shelf of fringe noise (requirements R2.40, R2.41): edge = factor * 2
+// Effective motion from the edge of the fringe-noise shelf (requirements R2.40, R2.41): edge = factor * 2
 // v_max/lambda (docs/theory/spectra.md, eq. 7.1, 7.2), stride by stride. Only powers are compared, so that static
 // phase, drift and delays below a segment do not matter.
 #pragma once
@@ -74,7 +74,7 @@ Eigen::MatrixXd shelf_shapes(ShelfStride const&, std::vector<double> const& moti
                              double wavelength);
 
 // S(f) = sum of n_i f^p_i (floor) plus the shape times |T|^2, the response of a port: Bernstein polynomials of ln(f) of
-// degree 4 across the band, which rise, fall and bend as responses do and are too broad to make an edge. No coefficient
+// degree 4 across the band, which follow the shape of a response and are too broad to form an edge. No coefficient
 // is negative.
 class ShelfSpectrum {
  public:

@@ -26,7 +26,7 @@ void refuse(std::string const& file, std::string const& what, std::string const&
 
 namespace {
 
-// Counts, volts and plain numbers await a calibration, which a unit on the command line may be.
+// Counts, volts and plain numbers need a calibration, which a unit on the command line may supply.
 bool is_calibrated(Quantity const& unit) {
   return unit.dimension.count == 0 && unit.dimension.volt == 0 && !(unit.dimension == dim::plain);
 }
@@ -45,8 +45,8 @@ void refuse_second_calibration(std::string const& file, std::string const& place
   auto const in_file = unit_of_file(found);
   auto const unit = in_file ? parse_unit(*in_file) : std::nullopt;
   if (unit && is_calibrated(*unit))
-    refuse(file, fmt::format("{} is in {}, which needs no calibration", place, *in_file),
-           "a number before the unit is for counts, volts and plain numbers: leave it out");
+    refuse(file, fmt::format("{} is in {} and needs no calibration", place, *in_file),
+           "remove the number before the unit: it calibrates only counts, volts and plain numbers");
 }
 
 }  // namespace
@@ -56,15 +56,15 @@ std::string unit_or_refuse(std::string const& file, std::string const& place, st
   std::string const& wanted = request.unit;
   if (wanted.empty() && !found)
     refuse(file, fmt::format("{} has no unit", place),
-           "say it with --unit, or the option that names the unit of this record, for example --unit um/s^2");
+           "give --unit, or the option for the unit of this record, for example --unit um/s^2");
   if (found && request.calibrates) refuse_second_calibration(file, place, *found);
   if (found && !wanted.empty() && !request.contradicts) refuse_contradiction(file, place, *found, wanted);
   std::string const text = wanted.empty() ? *found : wanted;
   if (auto const unit = unit_of_file(text)) return *unit;
   std::string const near = likely_unit(text);
   refuse(file, fmt::format("'{}' of {} is not a unit", text, place),
-         near.empty() ? "say the unit with --unit, for example --unit m/s^2, V or count"
-                      : fmt::format("did you mean '{}'? say it with --unit", near));
+         near.empty() ? "give the unit with --unit, for example --unit m/s^2, V or count"
+                      : fmt::format("did you mean '{}'? give it with --unit", near));
 }
 
 std::string choices(std::vector<std::string> const& names) {
@@ -162,12 +162,12 @@ namespace {
 NumberTable read_columns(std::string const& text, std::string const& file) {
   NumberTable table = parse_numbers(text, NonFinite::kept, HeaderRow::allowed);
   if (!table.error.empty())
-    refuse(file, table.described_error(), "series are columns of numbers, the first of them time in s");
+    refuse(file, table.described_error(), "a series consists of columns of numbers; the first is time in s");
   if (table.column.size() < 2)
-    refuse(file, "it has one column, and a series needs the times too", "write two columns: time in s, value");
+    refuse(file, "it has one column; a series also needs the times", "write two columns: time in s, value");
   if (auto const unit = parse_unit(table.unit[0]); !table.unit[0].empty() && !(unit && unit->dimension == dim::time))
     refuse(file, fmt::format("the first column is '{}' in {}, not time", table.name[0], table.unit[0]),
-           "a series has time in s in its first column; a spectrum is read by other commands");
+           "a series has time in s in its first column; other commands read spectra");
   if (table.line.size() < 2) refuse(file, "it has one row of numbers", "a series has at least two samples");
   return table;
 }
@@ -215,11 +215,11 @@ double regular_step(NumberTable const& table, std::vector<double> const& t, std:
       refuse(file,
              fmt::format("{}the time {} s does not come after {} s", at_line(table, i + 1), gps_text(t[i + 1]),
                          gps_text(t[i])),
-             "times rise from row to row, written with enough digits");
+             "times must increase from row to row; write them with enough digits");
     if (steps[i] > 1.5 * usual)
       refuse(file,
-             fmt::format("{}a gap of {:.6g} s after {} s, where samples stand {:.6g} s apart", at_line(table, i + 1),
-                         steps[i], gps_text(t[i]), usual),
+             fmt::format("{}a gap of {:.6g} s after {} s; the sample step is {:.6g} s", at_line(table, i + 1), steps[i],
+                         gps_text(t[i]), usual),
              fmt::format("choose a span without it, for example --gps {}..{}", gps_text(t[0]), gps_text(t[i])));
     if (std::abs(steps[i] / usual - 1) > 0.25)
       refuse(file,
@@ -233,7 +233,7 @@ double regular_step(NumberTable const& table, std::vector<double> const& t, std:
       refuse(file, at_line(table, i) + "the clock drifts by more than half a sample",
              "resample the record at a constant rate");
   if (!(mean >= shortest_step && mean <= longest_step))
-    refuse(file, fmt::format("its step is {:g} s", mean), "times are in seconds, or say their unit: time [ms]");
+    refuse(file, fmt::format("its step is {:g} s", mean), "times are in seconds; state any other unit: time [ms]");
   return mean;
 }
 

@@ -105,12 +105,12 @@ std::vector<Found> series_in(hdf5::Reader const& reader, std::string const& file
   bool const gwosc =
       std::any_of(all.begin(), all.end(), [](Found const& f) { return f.path == "strain/Strain" && is_series(f); });
   std::copy_if(all.begin(), all.end(), std::back_inserter(series), [&](Found const& f) {
-    return is_series(f) && !(gwosc && f.path.starts_with("quality/"));  // masks of bits are no records
+    return is_series(f) && !(gwosc && f.path.starts_with("quality/"));  // bit masks are not records
   });
   if (!series.empty()) return series;
-  if (all.empty()) refuse(file, "it holds no list of numbers", "write a series with gwpy, or as columns of text");
-  refuse(file, fmt::format("no dataset in it has a sample rate ('{}' has not)", all[0].path),
-         "series carry the attributes x0 and dx (gwpy) or Xstart and Xspacing (GWOSC); spectra are no series");
+  if (all.empty()) refuse(file, "it contains no list of numbers", "write a series with gwpy, or as columns of text");
+  refuse(file, fmt::format("no dataset in it has a sample rate (for example '{}')", all[0].path),
+         "series carry the attributes x0 and dx (gwpy) or Xstart and Xspacing (GWOSC); spectra are not series");
 }
 
 // Small values such as names are read at once; samples on request.
@@ -160,8 +160,7 @@ TimeSeries samples_of(std::string const& image, Found const& f, GpsSpan span) {
 
 void check_clock(Found const& f, std::string const& file) {
   if (!f.start)
-    refuse(file, fmt::format("'{}' does not say when it begins", f.path),
-           "give it the attribute x0, GPS seconds as a number");
+    refuse(file, fmt::format("'{}' has no start time", f.path), "give it the attribute x0, GPS seconds as a number");
   if (!(*f.step >= shortest_step && *f.step <= longest_step) || !std::isfinite(*f.start))
     refuse(file, fmt::format("'{}' has a step of {:g} s from {:g} s", f.path, *f.step, *f.start),
            "dx is in seconds, between 1e-12 and 1e12");

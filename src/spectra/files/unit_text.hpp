@@ -10,8 +10,8 @@
 
 namespace straytrace::spectra {
 
-// The same unit for parse_unit: "m / s2" -> "m/s^2", "ct" -> "count", "" and "strain" -> "1". Empty when neither
-// notation knows it.
+// The same unit for parse_unit: "m / s2" -> "m/s^2", "ct" -> "count", "" and "strain" -> "1". Empty when it is valid
+// in neither notation.
 std::optional<std::string> unit_of_file(std::string_view);
 // The same unit in astropy's generic format: "m/sqrt(Hz)" -> "m / Hz(1/2)", "1" -> "".
 std::string gwpy_unit(std::string_view unit);

@@ -60,7 +60,7 @@ TEST_F(Projected, MotionFilesGiveTheSameErrorsInAllCommands) {
   write_text(at("bench.txt"), "0.1 1e-9\n100 1e-12\n");
   write_text(at("short.yaml"), with("asd: bench.txt, columns: [Hz, m/sqrt(Hz)]"));
   write_text(at("bad.yaml"), with("asd: bench.txt, columns: [Hz, m], uncertainty: 30") + "noise: {band: 3}\n");
-  std::string const run = at("run/run.h5"), warning = "above 100 Hz it is taken as still";
+  std::string const run = at("run/run.h5"), warning = "above 100 Hz the body counts as still";
   for (Words const& words : {Words{"check", at("short.yaml")}, Words{"inspect", at("short.yaml")},
                              Words{"noise", run, "--motion", at("short.yaml")},
                              Words{"project", run, "--motion", at("short.yaml"), "--duration", "4s", "--route", "1"}}) {

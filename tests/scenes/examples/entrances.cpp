@@ -93,7 +93,7 @@ TEST(Entrances, FilesCoverTheRequestedBand) {
   Finished const wide =
       straytrace({"noise", folder / "arm.h5", "--motion", folder / "wide.yaml", "-o", folder / "noise"});
   EXPECT_EQ(wide.code, 2);
-  EXPECT_THAT(wide.err, HasSubstr("error: 'phase.txt' holds 10 Hz to 100 Hz"));
+  EXPECT_THAT(wide.err, HasSubstr("error: 'phase.txt' covers 10 Hz to 100 Hz"));
   write_text(folder / "arm.yaml", edited(text_of(folder / "arm.yaml"), "[10 Hz, 100 Hz]", "[10 Hz, 1 kHz]"));
   Finished const checked = straytrace({"check", folder / "arm.yaml"});
   EXPECT_EQ(checked.code, 2);

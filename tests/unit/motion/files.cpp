@@ -65,7 +65,7 @@ TEST(ReadMotionFiles, SensorWithAResponse) {
            "[Hz, re, im]}",
            {{"raw.txt", "1 50\n100 50\n"}, {"short.txt", "2 1 0\n10 1 0\n"}})
           .problems,
-      HasSubstr("the chain is known from 2 Hz to 10 Hz"));
+      HasSubstr("the chain covers 2 Hz to 10 Hz"));
 }
 
 // --- series
@@ -174,8 +174,7 @@ TEST(ReadMotionFiles, RequiredKeysOfARecord) {
   EXPECT_THAT(read("series: x.hdf5, highpass: 0.01 Hz", files).problems, HasSubstr("needs segments of 400 s"));
   EXPECT_THAT(read("series: x.hdf5, highpass: 1 Hz, segment: 500 s", files).problems, HasSubstr("lasts 125 s"));
   EXPECT_THAT(read("series: x.hdf5, highpass: 1 Hz, channel: other", files).problems, HasSubstr("other"));
-  EXPECT_THAT(read("series: x.hdf5, highpass: 1 Hz, unit: V", files).problems,
-              HasSubstr("add the motion that one unit"));
+  EXPECT_THAT(read("series: x.hdf5, highpass: 1 Hz, unit: V", files).problems, HasSubstr("add the motion per unit"));
   EXPECT_THAT(read("series: none.hdf5, highpass: 1 Hz", files).problems, HasSubstr("cannot read file"));
   EXPECT_THAT(read("series: x.txt, highpass: 1 Hz", files).problems, HasSubstr("'unit'"));
   EXPECT_THAT(read("series: x.hdf5, highpass: 1 Hz, resonance: {frequency: 1 Hz, quality: 3}", files).problems,

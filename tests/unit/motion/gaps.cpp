@@ -46,11 +46,11 @@ TEST(MotionGaps, EachFileOnceWithItsBand) {
   auto const low = along_z("{asd: low.txt" + columns + "}", texts);
   ASSERT_EQ(low.size(), 1u);
   EXPECT_EQ(low[0],
-            "'low.txt' holds the motion of 'a z' from 0.1 Hz to 100 Hz, and the noise is asked from 3 Hz to 1000 Hz: "
-            "above 100 Hz it is taken as still");
+            "'low.txt' gives the motion of 'a z' from 0.1 Hz to 100 Hz, and the noise covers 3 Hz to 1000 Hz: "
+            "above 100 Hz the body counts as still");
   auto const middle = along_z("{asd: middle.txt" + columns + "}", texts);
   ASSERT_EQ(middle.size(), 1u);
-  EXPECT_THAT(middle[0], AllOf(HasSubstr(": below 5 Hz and above 100 Hz it is taken as still"),
+  EXPECT_THAT(middle[0], AllOf(HasSubstr(": below 5 Hz and above 100 Hz the body counts as still"),
                                HasSubstr("; slow motion that is missing also changes how fringes wrap")));
   EXPECT_EQ(warnings("  a: {motion: {z: {asd: low.txt" + columns + "}, x: {asd: low.txt" + columns +
                          "}, y: {like: z}}}\n  b: {motion: {z: {asd: high.txt" + columns + "}, others: still}}\n",
@@ -98,7 +98,7 @@ TEST(MotionGaps, RecordsAndMatrices) {
                            {"c.txt", "0.1 1e-24 0 0 1e-24\n50 1e-24 0 0 1e-24\n"}};
   auto const of_record = along_z("{series: r.hdf5}", files);
   ASSERT_EQ(of_record.size(), 1u);
-  EXPECT_THAT(of_record[0], HasSubstr("above 32.04 Hz it is taken as still"));
+  EXPECT_THAT(of_record[0], HasSubstr("above 32.04 Hz the body counts as still"));
   EXPECT_THAT(along_z("{series: r.hdf5, beyond: zero}", files), IsEmpty());
   auto const of_matrix = along_z("{csd: c.txt, form: cross, units: [m, m], member: 2}", files);
   ASSERT_EQ(of_matrix.size(), 1u);
@@ -116,8 +116,7 @@ TEST(MotionOfARun, MayOmitBodiesThatNoLightMeets) {
   EXPECT_EQ(told(tower, true, {false, true}), "");
   EXPECT_THAT(told(tower, true, {true, true}), HasSubstr("body 'ground' has no motion"));
   EXPECT_THAT(told(ground, true, {false, true}), HasSubstr("body 'tower' has no motion"));
-  EXPECT_THAT(told(tower + ground, true, {false, true}),
-              HasSubstr("warning: body 'ground' moves, but no part belongs"));
+  EXPECT_THAT(told(tower + ground, true, {false, true}), HasSubstr("warning: body 'ground' has a motion but no parts"));
   EXPECT_EQ(told(tower + ground, true, {true, true}), "");
   EXPECT_EQ(told(ground + "  tower: {motion: {follows: ground}}\n", true, {false, true}), "");
 }

@@ -71,8 +71,8 @@ std::string const asd = "asd: asd.txt, columns: [Hz, m/sqrt(Hz)]";
 TEST(MotionMessages, OfSpectra) {
   std::string const columns = ", columns: [Hz, m/sqrt(Hz)]";
   for (Mistake const& m : {
-           Mistake{"petersen: low", "{petersen", "does not say how the body moves", "did you mean 'peterson'?"},
-           Mistake{asd + ", drift: 1 um/h", "{asd", "'asd' and 'drift' at once", "write a list"},
+           Mistake{"petersen: low", "{petersen", "the kind of motion is missing", "did you mean 'peterson'?"},
+           Mistake{asd + ", drift: 1 um/h", "{asd", "both 'asd' and 'drift'", "write a list"},
            Mistake{asd + ", skale: 2", "skale", "unknown key 'skale'", "did you mean 'scale'?"},
            Mistake{asd + ", uncertainty: 30", "30", "at most 100 %", "did you mean '30 %' or 'factor 30'?"},
            Mistake{asd + ", beyond: nothing", "nothing", "'beyond' cannot be \"nothing\"", "zero"},
@@ -84,12 +84,11 @@ TEST(MotionMessages, OfSpectra) {
            Mistake{"asd: empty.txt" + columns, "empty.txt:", "no numbers in it", "columns of numbers"},
            Mistake{"asd: one.txt" + columns, "one.txt:", "fewer than two rows", "columns of numbers"},
            Mistake{"asd: commas.txt" + columns, "commas.txt:1:1", "has decimal commas", "columns of numbers"},
-           Mistake{"asd: three.txt" + columns, "three.txt", "has 3 columns, and 'columns' names two",
-                   "not with commas"},
+           Mistake{"asd: three.txt" + columns, "three.txt", "has 3 columns, and 'columns' names two", "not commas"},
            Mistake{"asd: asd.txt, columns: [Hz, V/sqrt(Hz)]", "V/sqrt", "not a unit of a motion spectrum",
                    "calibration: 6.1 um/s^2/count"},
            Mistake{"power-law: {asd: 1e-9 m/sqrt(Hz), at: 1 Hz, exponent: 0, from: 3 Hz, to: 1 Hz}", "{asd",
-                   "ends before it begins", "'from' below 'to'"},
+                   "has 'to' below 'from'", "'from' below 'to'"},
            Mistake{"line: {at: 1 Hz, width: 0.1 Hz, rms: 1 um peak}", "1 um peak", "no peak value", "um rms"},
            Mistake{"sine: {amplitude: 1 um, frequency: 3 Hz}", "1 um", "does not say which amplitude", "'1 um peak'"},
            Mistake{"sine: 3 Hz", "3 Hz", "'sine' needs a table of keys", "write"},
@@ -126,7 +125,7 @@ TEST(MotionMessages, OfMatricesAndChains) {
            Mistake{"csd: csd.txt, form: crss, units: [m, m], member: 1", "crss", "'form' cannot be \"crss\"",
                    "did you mean 'cross'?"},
            Mistake{"csd: csd.txt, form: cross, units: [m, V], member: 1", "V]", "the reading of a sensor", "in 'm'"},
-           Mistake{csd + "3", "3}", "no member 3 of a matrix with 2 units", "unit of each"},
+           Mistake{csd + "3", "3}", "a matrix with 2 units has no member 3", "unit of each"},
            Mistake{"csd: five.txt, form: cross, units: [m, m], member: 1", "five.txt:3:4", "'five' is not a number",
                    "has 5 columns"},
            Mistake{"csd: asd.txt, form: cross, units: [m, m], member: 1", "asd.txt:1:1", "has 2 numbers, not 5",
@@ -137,8 +136,8 @@ TEST(MotionMessages, OfMatricesAndChains) {
                    "at 1 Hz: the matrix is not positive semidefinite", "coherences are at most 1"},
            Mistake{"from: n", "n}", "body 'n' is not defined", "did you mean"},
            Mistake{"from: m, through: {resonanse: {frequency: 1 Hz, quality: 3}}", "{resonanse",
-                   "does not say what it does", "did you mean 'resonance'?"},
-           Mistake{asd + ", through: {file: half.txt" + columns, "{file", "the chain is known from 1 Hz to 50 Hz",
+                   "the kind of this link of a chain is missing", "did you mean 'resonance'?"},
+           Mistake{asd + ", through: {file: half.txt" + columns, "{file", "the chain covers 1 Hz to 50 Hz",
                    "beyond: hold"},
            Mistake{"from: m, through: {file: commas.txt" + columns, "commas.txt:1:1", "has decimal commas", "Hz"},
            Mistake{"from: m, through: {file: zero.txt" + columns, "zero.txt:2:1", "zero has no logarithm", "leave"},
@@ -150,7 +149,7 @@ TEST(MotionMessages, OfMatricesAndChains) {
 
 TEST(MotionMessages, OfBodies) {
   for (Mistake const& m : {
-           Mistake{"{motion: quiet}", "quiet", "does not say how it moves", "motion: still"},
+           Mistake{"{motion: quiet}", "quiet", "has no 'motion'", "motion: still"},
            Mistake{"{motion: {z: {peterson: low}, y: still}}", "{z", "along x", "x: still"},
            Mistake{"{motion: {z: {peterson: low}}}", "{z", "along x and y", "x: still"},
            Mistake{"still", "still", "body 'd' is a table", "{motion: still}"},
@@ -158,8 +157,7 @@ TEST(MotionMessages, OfBodies) {
            Mistake{
                "{motion: {suspended: {from: m, vertical: w, stages: {frequency: 1 Hz, quality: 9}}, others: still}}",
                "w,", "'vertical' cannot be \"w\"", "x, y, z"},
-           Mistake{"{motion: still, modes: {bend: {shape: {}}}}", "{shape", "does not say how it moves",
-                   "motion: still"},
+           Mistake{"{motion: still, modes: {bend: {shape: {}}}}", "{shape", "has no 'motion'", "motion: still"},
        })
     expect_one(m);
 }

@@ -42,7 +42,7 @@ TEST(ReadMotion, StillIsAStatement) {
   EXPECT_EQ(r.problems, "");
   EXPECT_TRUE(r.motion.inputs.empty());
   EXPECT_THAT(read("  a: {motion: still}\n", {"a", "b"}).problems, HasSubstr("body 'b' has no motion"));
-  EXPECT_THAT(read("  a: {pivot: [0 m, 0 m, 0 m]}\n", {"a"}).problems, HasSubstr("'a' does not say how it moves"));
+  EXPECT_THAT(read("  a: {pivot: [0 m, 0 m, 0 m]}\n", {"a"}).problems, HasSubstr("body 'a' has no 'motion'"));
 }
 
 // A ground that only the new motion has may carry bodies of a run; what has no phase sensitivities there is not dropped
@@ -118,7 +118,7 @@ TEST(ReadMotion, AmplitudesMustStateTheirKind) {
 
 TEST(ReadMotion, UnnamedTranslationIsAnError) {
   EXPECT_THAT(read("  a: {motion: {x: still, z: {peterson: low}}}\n", {"a"}).problems,
-              HasSubstr("how it moves along y"));
+              HasSubstr("has no motion along y"));
   EXPECT_EQ(read("  a: {motion: {x: still, y: still, z: {peterson: low}}}\n", {"a"}).problems, "");
   EXPECT_EQ(read("  a: {motion: {z: {peterson: low}, others: still}}\n", {"a"}).problems, "");
 }
@@ -196,7 +196,7 @@ TEST(ReadMotion, UnusedBodyIsAWarning) {
 
 TEST(ReadMotion, UnknownKeysAndKinds) {
   EXPECT_THAT(read("  a: {motion: {z: {petersen: low}, others: still}}\n", {"a"}).problems,
-              HasSubstr("how the body moves"));
+              HasSubstr("the kind of motion is missing"));
   EXPECT_THAT(read("  a: {motion: {z: stil, others: still}}\n", {"a"}).problems, HasSubstr("'stil' is not a motion"));
   EXPECT_THAT(read("  a: {motion: {z: {peterson: low, skale: 2}, others: still}}\n", {"a"}).problems,
               HasSubstr("did you mean 'scale'?"));

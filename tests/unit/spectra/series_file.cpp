@@ -97,20 +97,19 @@ TEST(SeriesFile, ErrorsStateARemedy) {
   auto const error_text = [](std::string const& text, SeriesRequest const& wanted) {
     return message([&] { parse_series(text, "a.txt", wanted); });
   };
-  EXPECT_EQ(
-      error_text("0 1\n1 2\n", {}),
-      "a.txt: error: column 2 has no unit\n  say it with --unit, or the option that names the unit of this record, for "
-      "example --unit um/s^2");
+  EXPECT_EQ(error_text("0 1\n1 2\n", {}),
+            "a.txt: error: column 2 has no unit\n  give --unit, or the option for the unit of this record, for "
+            "example --unit um/s^2");
   EXPECT_EQ(
       error_text("0 1\n1 nan\n", {"", "m", {}}),
       "a.txt: error: line 2: column 2 is not a number at 1 s\n  choose a span without such samples with --gps A..B");
   EXPECT_EQ(error_text("0 1\n1 2\n2 3\n3 4\n", {"", "m", {7, 8}}).substr(0, 52),
             "error: 'a.txt' covers GPS 0..4, not the requested 7..8");
   EXPECT_EQ(error_text("5\n6\n", {"", "m", {}}),
-            "a.txt: error: it has one column, and a series needs the times too\n  write two columns: time in s, value");
+            "a.txt: error: it has one column; a series also needs the times\n  write two columns: time in s, value");
   EXPECT_EQ(error_text("t x [um] \n", {}).substr(0, 14), "a.txt: error: ");
   EXPECT_EQ(error_text("0 1\n1e-310 2\n2e-310 3\n", {"", "m", {}}),
-            "a.txt: error: its step is 1e-310 s\n  times are in seconds, or say their unit: time [ms]");
+            "a.txt: error: its step is 1e-310 s\n  times are in seconds; state any other unit: time [ms]");
 }
 
 }  // namespace
