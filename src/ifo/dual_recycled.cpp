@@ -350,8 +350,8 @@ void warn_of_idle_servos(Node const& table, std::vector<PortEntry> const& entrie
   });
   for (char const* key : {"frequency_servo", "intensity_servo"})
     if (table.has(key) && !served)
-      table[key].warning(fmt::format("'{}' suppresses light at 'input-bench', but no port is there", key),
-                         "mark a port with 'at: input-bench', or remove the key");
+      table[key].warning(fmt::format("'{}' quiets light at 'input-bench', and no port is there", key),
+                         "say by 'at: input-bench' which port is, or leave it out");
 }
 
 // A stray field is relative to the light at its port. Without light there, or where light from there does not reach the
@@ -441,10 +441,10 @@ std::string RecycledInterferometer::description() const {
                       (8 * model_->arm_power());
   std::string const readout =
       p.dark_fringe_offset != 0
-          ? fmt::format("carrier power with a DARM offset of {:g} pm", p.dark_fringe_offset * 1e12)
+          ? fmt::format("power of the carrier with {:g} pm of DARM offset", p.dark_fringe_offset * 1e12)
           : fmt::format("homodyne at {:g} deg", p.homodyne_angle * 180 / pi);
   return fmt::format(
-             "dual-recycled Fabry-Perot Michelson '{}', plane waves with radiation pressure, numerical solution; "
+             "dual-recycled Fabry-Perot Michelson '{}', plane waves with radiation pressure, free of closed forms; "
              "read-out: {}, calibrated as DARM, h = (dLx - dLy)/L, CARM, MICH, PRCL and SRCL held; lambda "
              "{:g} nm, L {:g} m, P {:.5g} W per arm from "
              "{:.4g} W, M {:g} kg, signal recycling {:g} % tuned to {:g} deg, at {:g} Hz Gamma of "

@@ -186,16 +186,14 @@ void warn_of_other_arms(Node const& interferometer, std::vector<TracedPort> cons
       interferometer.warning(
           fmt::format("the beam of port '{}' has {:.4g} W, and the interferometer {:.4g} W in each arm", p.name,
                       p.power, arm_power),
-          "make them agree, add 'arm_power' here, or state the place of the beam with 'at' of its port; strain is "
-          "computed "
+          "make them agree, add 'arm_power' here, or say by 'at' of its port where the beam is; strain is computed "
           "with the power of the interferometer");
   for (TracedPort const& p : different(inside, &TracedPort::cavity_length, same_length))
     if (!agrees(p.cavity_length, arm_length, same_length))
       interferometer.warning(
-          fmt::format("the cavity of port '{}' is {:.5g} m long, but the arms of the interferometer are {:.5g} m long",
-                      p.name, p.cavity_length, arm_length),
-          "make them agree, or state the place of the beam with 'at' of its port; strain is computed with the length "
-          "of the "
+          fmt::format("the cavity of port '{}' is {:.5g} m long, and the arms of the interferometer {:.5g} m", p.name,
+                      p.cavity_length, arm_length),
+          "make them agree, or say by 'at' of its port where the beam is; strain is computed with the length of the "
           "interferometer");
 }
 

@@ -59,8 +59,7 @@ std::vector<Problem> warnings_of_gaps(std::span<MotionFile const> files, Band no
     bool const slow = reach > noise.low, begins_above = file.covered.low > noise.low * (1 + edge);
     if ((missing.empty() && !slow) || !told.insert(file.name).second) continue;
     std::string what = fmt::format(
-        "'{}' gives the motion of '{}' from {:.4g} Hz to {:.4g} Hz, and the noise covers "
-        "{:.4g} Hz to {:.4g} Hz",
+        "'{}' gives the motion of '{}' from {:.4g} Hz to {:.4g} Hz, and the noise covers {:.4g} Hz to {:.4g} Hz",
         file.name, file.coordinate, file.known.low, file.known.high, noise.low, noise.high);
     if (!missing.empty()) what += fmt::format(": {} the body counts as still", missing);
     if (slow)

@@ -44,7 +44,7 @@ void MotionReader::finish(std::vector<std::string> const* of_run) {
                             ? "phase sensitivities come from the trace: run the scene again with this mode in it"
                             : fmt::format("let a body of the run follow it: {}", fmt::join(*of_run, ", ")));
     else
-      body.node.warning(fmt::format("body '{}' has a motion but no parts", name),
+      body.node.warning(fmt::format("body '{}' moves, but no part belongs to it", name),
                         "write 'body: " + name + "' at a part, or remove it");
     resolve(name);  // reports its own mistakes too
   }

@@ -42,10 +42,10 @@ struct NoiseTrace {
   bool resolved = true;
   std::string why_not;
   bool faint = false;               // unresolved, but its observed part is below `faint_limit`
-  bool upper_bound = false;         // of routes: computed as the most there can be (kind edge)
+  bool upper_bound = false;         // of routes: computed as an upper bound (kind edge)
   std::vector<double> bound_share;  // of the total: share of the PSD that such routes make; empty: not computed
 
-  // strain^2/Hz, from the ASD that run files hold: a budget just made and one read from a file agree to the last bit.
+  // strain^2/Hz, from the ASD stored in run files: a new budget and one read from a file agree to the last bit.
   double psd(std::size_t bin) const { return asd[bin] * asd[bin]; }
   double psd_sigma(std::size_t bin) const { return 2 * asd[bin] * sigma[bin]; }
 };
@@ -95,7 +95,7 @@ struct NoiseBudget {
   double margin = 0.1;
   double seconds = 0;
   NoiseBands bands;  // of the total
-  // Where drawn paths represent all (SpectrumInterpolator): how much this adds to the error. `sigma` includes it.
+  // Where drawn paths represent all (SpectrumInterpolator): their contribution to the error, included in `sigma`.
   std::vector<std::string> warnings;
 };
 

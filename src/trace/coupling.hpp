@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The coupling table: what the trace hands to the noise. Motion, calibration and frequency grid are not in here, so
-// all of them can change without tracing again (docs/develop/architecture.md).
+// The coupling table, which the noise stage takes from the trace. It contains no motion, calibration or frequency grid,
+// so these can change without a new trace (docs/develop/architecture.md).
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@ struct PathStep {
   bool operator==(PathStep const& o) const { return group == o.group && event == o.event; }
 };
 
-// Mean with its Monte-Carlo error and a verdict. `why_not` is printed instead of a bare number.
+// Mean with its Monte-Carlo error and convergence status. `why_not` is printed instead of a bare number.
 struct Estimate {
   double mean = 0, std_error = 0;   // recoupled power fraction
   double variance_of_variance = 0;  // of std_error^2, relative
@@ -44,7 +44,7 @@ struct Estimate {
   double halves = not_a_number;      // first blocks less the rest, in standard errors; NaN: no
 };
 
-// One kept path: its address and what replaying it told us.
+// One stored path: its address and the results of its replay.
 struct PathRecord {
   std::uint64_t history = 0;
   std::uint32_t event = 0;       // vertex number
@@ -58,8 +58,8 @@ struct PathRecord {
   std::array<std::complex<double>, 2> field{};
 };
 
-// Sum over paths of weight times phase sensitivity times phase sensitivity, of the histories of one replica: what of
-// the phase sensitivities decides on noise to first order in the motion (docs/theory/errors.md, Second moments of the
+// Sum over paths of weight times phase sensitivity times phase sensitivity, of the histories of one replica: the
+// moments that determine noise to first order in the motion (docs/theory/errors.md, Second moments of the
 // phase sensitivities).
 struct PhaseSensitivityProduct {
   std::uint32_t replica = 0;
@@ -73,7 +73,7 @@ struct FoldedRoute {
   std::uint64_t hash = 0;
   std::vector<PathStep> steps;     // empty: routes beyond the length limit, together
   double mean = 0, std_error = 0;  // as those of an estimate; a hint
-  bool trusted = false;            // the number is good, only its route is too long to be named
+  bool trusted = false;            // the value is reliable, but its route is too long to be named
   std::string why;
 };
 constexpr std::size_t folded_kept = 12;  // by row
@@ -84,17 +84,17 @@ struct CouplingClass {
   PortId port;
   std::vector<PathStep> steps;  // empty for the class `other` (routes longer than the limit)
   ClassKind kind = ClassKind::scattered;
-  std::string statement;  // of deterministic classes: what the number is and how far it holds, in words
+  std::string statement;  // of deterministic classes: meaning and validity of the value, in words
   Estimate coupling;
-  double off_list = 0;                                 // part of coupling.mean that no target was aimed at
+  double off_list = 0;                                 // part of coupling.mean by directions without a target
   double reverse = 1;                                  // C_rev, docs/theory/path_integral.md, eq. 1.5
-  bool by_reverse = false;                             // all of this was sampled on the same route run backwards
+  bool by_reverse = false;                             // taken entirely from the reversed route (reciprocity)
   std::array<double, replica_count> replica_sum = {};  // sum of scores of the histories of each replica
   std::vector<PathRecord> records;
   // Mean coupling times the mean of phase sensitivity times phase sensitivity, as contributions of the replicas, which
   // sum to it; for each replica, then each pair of bodies. Empty: not known.
   std::vector<PhaseSensitivityProduct> phase_sensitivities;
-  std::uint64_t folded_routes = 0;  // of `other` and of coherent families: how many it sums
+  std::uint64_t folded_routes = 0;  // of `other` and of coherent families: number of terms
   std::vector<FoldedRoute> folded;  // the largest of them, descending
 
   bool deterministic() const { return kind != ClassKind::scattered; }
@@ -113,7 +113,7 @@ struct CouplingTable {
   std::uint64_t histories = 0, seed = 0;
   std::uint64_t block_size = largest_block;  // histories
   double wavelength = 0;                     // m
-  // One sentence for each surface from which more than 1 % of an end's light comes although no target was aimed at it
+  // One sentence for each surface that contributes more than 1 % of an end's light without being a target
   // (docs/theory/errors.md).
   std::vector<std::string> warnings;
   bool reverse_routes = true;  // whether C_rev was applied (docs/theory/path_integral.md)

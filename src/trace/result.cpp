@@ -41,7 +41,7 @@ void keep_largest(ClassSums& sums, std::size_t most) {
 
 namespace {
 
-// Scores with what only they have: the sum over the first blocks stays as it is set in `into`.
+// Adds fields of scores; the sum over the first blocks keeps its value in `into`.
 void merge_scores(Moments& into, Moments const& from) {
   double const first = into.first_sum;
   into = merged(into, from);
@@ -89,7 +89,7 @@ void move_border(BlockSums& sums, std::uint64_t more) {
 BlockSums merged(BlockSums left, BlockSums const& right) {
   if (left.blocks == 0 && left.classes.empty()) return right;
   move_border(left, right.blocks);
-  // What only the right has scored in has nothing before the border, unless that lies inside the right.
+  // Bins scored only on the right have nothing before the border, unless it lies inside the right.
   double const before_border = first_part(left.blocks + right.blocks) > left.blocks ? not_a_number : 0;
   left.histories += right.histories;
   left.blocks += right.blocks;
@@ -238,8 +238,8 @@ std::uint64_t first_part(std::uint64_t blocks) {
 
 namespace {
 
-// Exponent p of x^-p that the largest totals follow (Hill); the variance is finite above 3. Asked when they are the
-// upper 1 % at most: further down they are no tail, and bounded distributions look like flat powers there.
+// Exponent p of x^-p that the largest totals follow (Hill); the variance is finite above 3. Used when they are at
+// most the upper 1 %: further down there is no tail, and bounded distributions look like flat powers.
 double slope_of(std::vector<double> const& tail, std::uint64_t scored) {
   if (tail.size() < tail_size || scored < 100 * tail_size || std::isinf(tail[0])) return not_a_number;
   double logs = 0;
@@ -266,7 +266,7 @@ std::string tail_objection(Estimate const& e) {
   if (double(e.scored) < fewest || e.effective_scores < fewest) return {};
   if (e.largest_share > 0.05) return fmt::format("one history carries {:.0f} % of the sum", 100 * e.largest_share);
   if (e.variance_of_variance > 0.1) return fmt::format("variance of variance is {:.2f}", e.variance_of_variance);
-  // By two errors, not by chance: half of all good rows at the limit would be refused, those that met their tail.
+  // Two errors below the limit: otherwise half of all good rows at the limit would be rejected by chance.
   if (double const error = error_of_slope(e.tail_slope); e.tail_slope + 2 * error < 3)
     return fmt::format("the largest histories fall as slowly as x^-{:.2f} ± {:.2f}: too slowly for an error bar",
                        e.tail_slope, error);
@@ -277,7 +277,7 @@ std::string tail_objection(Estimate const& e) {
 
 namespace {
 
-// Why an estimate is not to be trusted, in words (docs/theory/errors.md); empty when it is.
+// Why an estimate is unreliable, in words (docs/theory/errors.md); empty when it is.
 std::string objection(Estimate const& e, std::uint64_t blocks) {
   if (e.scored == 0) return "no history has scored";
   if (double(e.scored) < fewest)
@@ -310,7 +310,7 @@ Estimate estimate(Moments const& m, std::uint64_t histories, std::uint64_t block
   } else {
     e.std_error = history_error;
   }
-  if (spread * spread > 1e-10 * m.sum4) {  // below, equal totals: what is left is rounding
+  if (spread * spread > 1e-10 * m.sum4) {  // below, equal totals: the rest is rounding
     double const mean = e.mean;
     double const fourth = m.sum4 - 4 * mean * m.sum3 + 6 * mean * mean * m.sum2 - 3 * n * mean * mean * mean * mean;
     e.variance_of_variance = std::fmax(fourth / (spread * spread) - 1 / n, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a trace leaves behind: sums over histories that merge exactly, and the energy balance.
+// The result of a trace: sums over histories that merge exactly, and the energy balance.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ struct BlockSums;
 
 // Second moments of the phase sensitivities of a route, as sums over histories: they need no kept paths, so their error
 // falls with the number of histories without limit (docs/theory/errors.md, Second moments of the phase sensitivities).
-// Of a sample of paths whose weights are without bias: the sums over many blocks are those of all paths in the mean.
+// Of a sample of paths with unbiased weights: the expectation of the sums over many blocks is that of all paths.
 struct PhaseSensitivitySums {
   // More pairs of bodies than that in one replica are too many to be summed; part of the run-file schema.
   static constexpr std::size_t most_pairs = 32;
@@ -60,7 +60,7 @@ struct Moments {
   double largest = 0;     // largest history total
   std::uint64_t largest_history = 0, scored = 0;
   double first_sum = 0;      // of the first blocks, as many as first_part() says; NaN: not known
-  std::vector<double> tail;  // the largest totals, descending; which ones they are does not depend on order
+  std::vector<double> tail;  // the largest totals, descending, independent of order
   void add(double total, std::uint64_t history);
   void add_score(double total, std::uint64_t history);  // with its place in the tail
   void close_block();                                   // the sums are those of one whole block
@@ -72,11 +72,12 @@ Moments merged(Moments const& left, Moments const& right);
 std::uint64_t first_part(std::uint64_t blocks);
 // Blocks are the independent units from 32 blocks on (docs/theory/errors.md); below, the spread of the histories.
 Estimate estimate(Moments const&, std::uint64_t histories, std::uint64_t blocks);
-// What speaks against an estimate although its scores are enough: more of them, or more routes summed with it, do not
-// repair its error bar soon. Empty: nothing, or the scores are too few to tell.
+// Why an estimate with enough scores is still unreliable: more scores, or more routes summed with it, do not soon
+// repair its error bar. Empty: no reason, or too few scores to decide.
 std::string tail_objection(Estimate const&);
 
-// Light that ends on a receiver is summed like light that rejoins a port; this tells the two apart in ClassSums::port.
+// Light that ends on a receiver is summed like light that rejoins a port; this distinguishes the two in
+// ClassSums::port.
 constexpr std::uint32_t first_receiver_end = 0x80000000u;
 
 // Sums over blocks of each cell's block total, and of its square: the error of a cell comes from the blocks.
@@ -89,7 +90,7 @@ struct FieldSums {
   std::vector<double> power, real, imaginary;
 };
 struct ReceiverSums {
-  Moments power;                              // of all that is received, whatever its route
+  Moments power;                              // of all light received, by any route
   MapSums image, angles, quadrants;           // W per W of the main mode and history; rows from the lower left
   std::map<std::uint64_t, FieldSums> fields;  // by route
 };
@@ -109,7 +110,7 @@ struct ClassSums {
   Moments moments;
   std::array<double, replica_count> replica_sum = {};
   std::vector<ScoreAddress> kept;  // descending priority, ties by address
-  double off_list = 0;             // part of the sum whose last walked hop met nothing on a list of targets
+  double off_list = 0;             // part of the sum whose last hop of the walk met no listed target
   double threshold = 0;            // largest priority not kept; a kept score counts as max(coupling, threshold)
   PhaseSensitivitySums phase_sensitivities;  // of paths drawn block by block
 };
@@ -150,13 +151,13 @@ struct BlockSums {
 BlockSums merged(BlockSums left, BlockSums const& right);
 
 // Sums live on the nodes of the binary tree over block numbers. A node is its left child plus its right child, so its
-// bits do not depend on who added what, or when (docs/develop/architecture.md).
+// bits do not depend on the order or source of additions (docs/develop/architecture.md).
 class SumTree {
  public:
   void add(unsigned level, std::uint64_t index, BlockSums sums);  // covers blocks [index << level, (index+1) << level)
   BlockSums total() const;                                        // left to right, in block order
   std::vector<BlockRange> done() const;                           // ascending, neighbours joined
-  std::vector<BlockRange> missing(BlockRange) const;              // what of it is not done
+  std::vector<BlockRange> missing(BlockRange) const;              // its missing part
   std::map<std::pair<std::uint64_t, unsigned>, BlockSums> const& nodes() const {
     return nodes_;
   }  // {first block, level}
@@ -165,11 +166,11 @@ class SumTree {
   std::map<std::pair<std::uint64_t, unsigned>, BlockSums> nodes_;
 };
 
-// by_checkpoint: it has not, this is what there was at a moment; by_gaps: parts of it were missing when it was merged.
+// by_checkpoint: not stopped, an intermediate result; by_gaps: parts were missing at the merge.
 enum class Stopped : std::uint8_t { by_histories, by_error, by_signal, by_time, by_checkpoint, by_gaps };
 
 struct TraceResult {
-  SumTree tree;  // what merging and resuming need
+  SumTree tree;  // for merging and resuming
   BlockSums total;
   CouplingTable coupling;  // with replayed records
   Slice slice;
@@ -183,14 +184,14 @@ struct TraceResult {
 };
 
 // Draws paths of a traced block, at most 128 on all routes to ports together (part of the run-file schema), and
-// adds their phase sensitivities to the sums. A route is drawn as often as the root of its light says, and within it a
-// path with the chance of its coupling: priority sampling (docs/theory/errors.md) of coupling over the root of that of
-// the route in the block. `replica`: of the block. What is drawn is a function of the scores of the block.
+// adds their phase sensitivities to the sums. A route is drawn in proportion to the root of its light, and within it a
+// path in proportion to its coupling: priority sampling (docs/theory/errors.md) of coupling over the root of that of
+// the route in the block. `replica`: of the block. The draws are a function of the scores of the block.
 void sum_phase_sensitivities(SteeredWorld const&, std::uint64_t seed, std::size_t replica, BlockSums& block);
 
-// What a row of the coupling table holds of them, `drawn` and kept paths taken together by their numbers. Where all
-// scores were kept, they alone. T_r: what replica r adds to the mean; with A_r and B_r its sums of weights and
-// products, its contribution is T_r B/A + T (B_r - A_r B/A)/A: the ratio to first order.
+// The moments of a row of the coupling table, from `drawn` and stored paths, weighted by their numbers. Where all
+// scores are stored, only from these. T_r: contribution of replica r to the mean; with A_r and B_r its sums of weights
+// and products, its contribution is T_r B/A + T (B_r - A_r B/A)/A: the ratio to first order.
 std::vector<PhaseSensitivityProduct> phase_sensitivity_moments(CouplingClass const&, PhaseSensitivitySums const& drawn,
                                                                bool all_kept, std::uint64_t histories,
                                                                std::uint64_t block_size);

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A world prepared for tracing: the only thing that trace, replay and the drawing of rays accept, so none of them can
-// run before the steering tables are made. Histories with other tables are other histories.
+// A world prepared for tracing: the only input of trace, replay and the drawing of rays, so none of them can run before
+// the steering tables exist. Histories with other tables are other histories.
 #pragma once
 
 #include "world/model/world.hpp"
 
 namespace straytrace::trace {
 
-// Refers to a world, which must outlive it and stay as it is. Made by steer() (trace/importance/importance.hpp).
+// Refers to a world, which must outlive it and stay unchanged. Made by steer() (trace/importance/importance.hpp).
 class SteeredWorld {
  public:
-  // With the tables that the world holds; without tables the BSDF model alone chooses directions. For worlds that tests
+  // With the tables of the world; without tables only the BSDF model chooses directions. For worlds that tests
   // and benchmarks build by hand, and for sums without histories.
   static SteeredWorld as_given(World const& world) { return SteeredWorld(world); }
 

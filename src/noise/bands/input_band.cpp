@@ -57,7 +57,7 @@ class Spread {
     }
     range(down, up, source);
   }
-  // ASD of the end of all brackets that is given, with the standard deviations below (-1) or above (+1) it.
+  // ASD at the given end of all brackets, with the standard deviations below (-1) or above (+1) it.
   Doubles band(Doubles psd, int towards) const {
     Doubles const& squares = towards < 0 ? squares_low_ : squares_high_;
     for (std::size_t i = 0; i < psd.size(); ++i)

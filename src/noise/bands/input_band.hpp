@@ -8,7 +8,7 @@
 
 namespace straytrace::noise {
 
-// How well a material is known, as ratios to the traced value, and which groups have it.
+// Uncertainty of a material, as ratios to the traced value, and the groups that have it.
 struct MaterialSpread {
   std::string name, status;
   double low = 1, high = 1;  // bracket: a range
@@ -17,7 +17,7 @@ struct MaterialSpread {
   std::vector<GroupId> groups;
 };
 
-// Times that a route scatters on the material (reflects, where its reflectance is meant).
+// Number of scatters of a route on the material (of reflections, for its reflectance).
 int scatters_on(MaterialSpread const&, std::vector<PathStep> const& steps);
 
 // Factor on the coupling of a class when the BRDF of the material is `ratio` times the traced value: ratio^scatters.

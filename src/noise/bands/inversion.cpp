@@ -105,7 +105,7 @@ struct Crossed {
   double below = 0, above = 0;  // scales around the first crossing; above 0: none
 };
 
-// Noise against the strength of the motion: looks at steps, then between them.
+// Noise against the strength of the motion: a coarse scan, then refinement.
 class MotionInversion {
  public:
   MotionInversion(Projected const& projected, Doubles const& line)
@@ -132,7 +132,7 @@ class MotionInversion {
     auto const hit = seen_.find(scale);
     return hit != seen_.end() ? hit->second : seen_.emplace(scale, projected_(scale)).first->second;
   }
-  bool can(double scale) {  // motion may be too strong for any transform
+  bool can(double scale) {  // the motion may be too strong for a transform
     try {
       at(scale);
     } catch (NumericalError const&) {

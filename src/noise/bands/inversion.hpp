@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Requirement inversion: which scatter or which motion keeps the total under a line (docs/theory/errors.md).
+// Requirement inversion: the largest scatter or motion that keeps the total under a line (docs/theory/errors.md).
 #pragma once
 
 #include <functional>
@@ -8,12 +8,12 @@
 
 namespace straytrace::noise {
 
-// Answer for one frequency or for all of them.
+// Result for one frequency or for all of them.
 struct Allowed {
   enum class Verdict {
-    found,     // `scale` meets the line, more does not
-    always,    // every scale that was looked at meets it: it does not decide
-    never,     // none does: the rest alone lies above it
+    found,     // `scale` meets the line, larger ones do not
+    always,    // every scale tested meets it: no limit
+    never,     // none does: other noise alone exceeds it
     no_answer  // no line here
   };
   Verdict verdict = Verdict::no_answer;
@@ -25,9 +25,9 @@ struct Allowed {
 struct Inversion {
   std::vector<Allowed> bins;  // each frequency alone
   Allowed all;                // every frequency at once
-  std::size_t decides = 0;    // bin that sets `all`
-  double touched = 0;         // largest share of the PSD, over the bins, of routes that it acts on
-  bool first_order = false;   // rows `other` without named routes take part
+  std::size_t decides = 0;    // bin that determines `all`
+  double touched = 0;         // largest share of the PSD, over the bins, of affected routes
+  bool first_order = false;   // rows `other` without named routes contribute
 };
 
 // Largest factor on the BRDF of a material: total(s) = sum over n of s^n A_n, A_n the routes with n scatters on it.
@@ -37,8 +37,8 @@ Inversion invert_scatter(NoiseBudget const&, CouplingTable const&, MaterialSprea
 
 // The ASD of the total, with its standard error, with the motion of a body multiplied by `scale`.
 using Projected = std::function<NoiseTrace(double scale)>;
-// Largest factor up to which ALL smaller ones meet the line: noise of wrapped fringes does not grow with every motion.
-// Looks between 1e-4 and 100 in 8 steps per decade and at the crossing more closely.
+// Largest factor below which ALL factors meet the line: fringe-wrapped noise is not monotonic in the motion. Scans 1e-4
+// to 100 in 8 steps per decade and refines the crossing.
 Inversion invert_motion(Projected const&, std::vector<double> const& line);
 
 // Motion with the gains of one body times `scale`: both its own motion and that of its carrier.

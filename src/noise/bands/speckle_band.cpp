@@ -21,7 +21,7 @@ double golden(int dimensions) {
   return x;
 }
 
-// Two dimensions first: a single speckle needs them alone, and few dimensions are filled better.
+// Two dimensions first: a single speckle needs only them, and few dimensions are filled better.
 double step(int dimension) {
   return dimension < 2 ? std::pow(golden(2), -(dimension + 1)) : std::pow(golden(Draws::most - 2), -(dimension - 1));
 }
@@ -105,20 +105,20 @@ using Complex = std::complex<double>;
 
 constexpr std::size_t few = 8;  // paths of a computed route that are taken one by one
 
-// One route, seen as a complex amplitude per input of the motion. It knows those alone that move it.
+// One route as complex amplitudes per input of the motion, only of inputs that move it.
 struct Part {
   std::size_t route;
   std::vector<std::size_t> columns, inputs;  // ascending
   std::size_t block = 0;                     // of inputs
   std::vector<Eigen::Index> rows;            // where its inputs are in the block
   MatrixXd directions;                       // second moments of its gains to columns, weighted by power
-  std::vector<std::size_t> records;          // of a computed route: those that are phasors; empty: Gaussian
+  std::vector<std::size_t> records;          // of a computed route: its phasors; empty: Gaussian
   double surviving, mean_square;
   bool family;  // coherent: one unknown phase for all of them
 };
 
-// Gains of columns to inputs in the root of their power: by linear coupling that in the bin counts, where fringes wrap
-// all of it.
+// Gains of columns to inputs in the root of their power: the power in the bin for linear coupling, all of it where
+// fringes wrap.
 struct Metrics {
   std::vector<Complex> in_bin, everywhere;
 };
@@ -210,7 +210,7 @@ class SpeckleLaw {
     return std::lower_bound(ascending.begin(), ascending.end(), value) - ascending.begin();
   }
 
-  // Inputs that one route sees are of one block.
+  // Inputs that affect one route belong to one block.
   void divide_inputs() {
     std::vector<std::size_t> with(gains_.inputs());  // another input of the same block; the first of all: itself
     std::iota(with.begin(), with.end(), std::size_t{0});
@@ -328,7 +328,7 @@ class SpeckleLaw {
   MotionDirections gains_;
   Draws draws_;
   std::vector<Part> parts_;
-  std::vector<std::vector<std::size_t>> blocks_;  // inputs that routes tie together, ascending
+  std::vector<std::vector<std::size_t>> blocks_;  // inputs correlated by routes, ascending
   double copies_ = 1;
 };
 

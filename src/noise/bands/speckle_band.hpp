@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Spread of one realisation of the unknown static phases around the mean (docs/theory/spectra.md,
-// docs/theory/spectra.md).
+// Spread of one realisation of the unknown static phases around the mean (docs/theory/spectra.md).
 #pragma once
 
 #include <Eigen/Dense>
@@ -15,22 +14,22 @@
 namespace straytrace::noise {
 // Fills speckle_05, _50, _95 and `coherent` of the budget, from the routes that make its total.
 //
-// Linear coupling: all paths that one input moves make one complex amplitude, whatever their route and port, so the law
-// is that of a Gaussian vector with one element per independent input, and exact. Routes whose fringes wrap are treated
-// alike, with the directions of their motion weighed over all frequencies: paths that differ in strength then average
-// faster than this says, and the spread is an upper bound. Routes with few fixed paths (ghosts, edges) have a known
+// Linear coupling: all paths moved by one input form one complex amplitude, for any route and port, so the distribution
+// is exactly that of a Gaussian vector with one element per independent input. Routes with wrapped fringes are treated
+// likewise, with the directions of their motion weighted over all frequencies: paths of different strength average
+// faster than that, so the spread is an upper bound. Routes with few fixed paths (ghosts, edges) have a known
 // modulus and an unknown phase.
 void add_speckle_band(NoiseBudget&, CouplingTable const&, MotionSet const&, Interferometer const&);
 
-// How much of one static phase survives in the spectrum of a route: 1: the phase decides which quadrature moves; 0:
-// slow motion turns the field through all phases, both quadratures always count. exp(-2 x) for Gaussian motion of
+// Effect of the static phase on the spectrum of a route: 1: the phase selects the quadrature that moves; 0: slow motion
+// turns the field through all phases, so both quadratures always contribute. exp(-2 x) for Gaussian motion of
 // mean-square phase x: exact for x << 1 and x >> 1; 1 where tones move it, 0 where it drifts.
 double surviving_phase(double gaussian_mean_square, double tone_mean_square, bool drifts);
 
-// What Gaussian amplitudes of many inputs do together, in independent parts (docs/theory/spectra.md).
+// Gaussian amplitudes of many inputs, decomposed into independent parts (docs/theory/spectra.md).
 
-// Second moments of the complex amplitudes of some inputs: E H H^+ and E H H^T. Routes tie inputs together; inputs of
-// different blocks have no moments in common, so that the work grows with the cube of the largest block alone.
+// Second moments of the complex amplitudes of some inputs: E H H^+ and E H H^T. Routes correlate inputs; inputs of
+// different blocks are uncorrelated, so that the cost grows with the cube of the largest block only.
 struct SpeckleMoments {
   Eigen::MatrixXcd gamma, relation;
 };
@@ -48,7 +47,7 @@ std::vector<SpeckleMode> modes_of(std::vector<SpeckleMoments> const& blocks, boo
 
 // One realisation against the speckle mean (docs/theory/spectra.md).
 
-// Power |sum of fields|^2 of one speckle that a share `below` of the realisations stays under, over its mean; eq. 10.2.
+// Percentile `below` of the power |sum of fields|^2 of one speckle, over its mean; eq. 10.2.
 double speckle_percentile(double below);
 
 // Percentiles of sums of squares of Gaussian variables and of phasors, by a fixed low-discrepancy set of draws.

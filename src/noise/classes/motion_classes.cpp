@@ -49,7 +49,7 @@ void add(std::vector<MotionClass>& classes, Spectrum spectrum, MotionClass::Memb
     classes.push_back({std::move(spectrum), 0, {std::move(member)}});
 }
 
-// A sum of terms; zero when only their rounding is left.
+// A sum of terms; zero when only rounding remains.
 class Sum {
  public:
   void add(std::complex<double> x) {

@@ -22,8 +22,8 @@ namespace straytrace::noise {
 //
 //   |sum_k a_k H_k|^2 = sum_k a_k (sum_l a_l) |H_k|^2 - sum_{k<l} a_k a_l |H_k - H_l|^2
 //
-// so the classes are |H_k|^2 S and |H_k - H_l|^2 S: a kappa may be negative, their sum is not, and what the bodies have
-// in common (sum_l a_l = 0) leaves without a difference of large numbers.
+// so the classes are |H_k|^2 S and |H_k - H_l|^2 S: a kappa may be negative, their sum is not, and common motion of the
+// bodies (sum_l a_l = 0) cancels without a difference of large numbers.
 struct MotionClass {
   using Transfer = std::shared_ptr<TransferFunction const>;  // none: 1
   struct Member {
@@ -50,7 +50,7 @@ std::vector<MotionClass> group_by_shape(MotionSet const&);
 std::vector<double> kappa_of(MotionSet const&, std::vector<MotionClass> const&, std::span<PhaseSensitivity const>);
 
 // Of one class, from second moments of phase sensitivities: the sum over paths of coupling times kappa, as
-// contributions of the replicas. Not known where larger terms cancel and rounding is left, as in the common motion of
+// contributions of the replicas. Unknown where larger terms cancel down to rounding, as in the common motion of
 // bodies.
 struct KappaSum {
   std::array<double, replica_count> of = {};
@@ -61,7 +61,7 @@ std::vector<KappaSum> kappa_sums(MotionSet const&, std::vector<MotionClass> cons
 
 // Paths as directions in the space of the independent inputs of the motion.
 
-// A column is what an input does through one transfer function; the two quadratures of a tone are columns of their own.
+// A column is an input through one transfer function; the two quadratures of a tone are separate columns.
 class MotionDirections {
  public:
   explicit MotionDirections(MotionSet const& motion);
@@ -71,7 +71,7 @@ class MotionDirections {
   // d(phase)/d(column), rad/m; columns that do not move these phase sensitivities are left out, the others ascend.
   using Gains = std::vector<std::pair<std::size_t, double>>;
   Gains of(std::span<PhaseSensitivity const>) const;
-  // What each column does to its input, in the root of its power in the bin (`everywhere`: at all frequencies).
+  // The gain of each column to its input, in the root of its power in the bin (`everywhere`: at all frequencies).
   std::vector<std::complex<double>> to_inputs(FrequencyGrid const&, std::size_t bin, bool everywhere) const;
   bool tone(std::size_t column) const { return motion_.inputs[input(column)].tone_frequency > 0; }
   bool drifts(std::size_t column) const { return motion_.inputs[input(column)].drift; }
@@ -82,7 +82,7 @@ class MotionDirections {
     TransferFunction const* transfer;
     bool imaginary;
   };
-  struct Entry {  // what one gain of a column's input does to a body
+  struct Entry {  // one gain of a column's input to a body
     std::size_t column, gain;
     int axis;
     double value;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Noises side by side: their sum, and what is small enough (docs/theory/sensitivity.md, R2.22, R2.23).
+// Noise budgets: the sum, and which noises are small enough (docs/theory/sensitivity.md, R2.22, R2.23).
 #pragma once
 
 #include <span>
@@ -37,13 +37,13 @@ struct BudgetEntry {
   std::vector<BudgetEntry> parts;
   BudgetBands bands{};
   std::vector<bool> at_most{};  // where the ASD is an upper bound; empty: nowhere
-  bool inputs_stated = false;   // an input states how well it is known: the input band is more than the mean
+  bool inputs_stated = false;   // an input states its uncertainty: the input band is wider than the mean
 };
 
 struct NoiseTable {
   std::vector<double> hz;
   std::vector<BudgetEntry> entries;
-  // Root of the sum of the squares of what is known, at every frequency; NaN where nothing is.
+  // Root of the sum of the squares of all known noises, at every frequency; NaN where none is known.
   std::vector<double> total() const;
   // One standard error of the total: entries are independent of each other. Empty when no entry has one.
   std::vector<double> total_sigma() const;

@@ -50,8 +50,8 @@ double substrate_brownian_psd(SubstrateMaterial const& m, MirrorShape shape, dou
 
 namespace {
 
-// Integral over [0, 8] of u^2 exp(-u^2/2) (1 - Re(u/sqrt(u^2 + i x))) times sqrt(2/pi), Simpson's rule: what the flow
-// of heat during a period leaves of adiabatic thermo-elastic noise (Cerdonio et al. 2001, eq. 20, one integral done).
+// Integral over [0, 8] of u^2 exp(-u^2/2) (1 - Re(u/sqrt(u^2 + i x))) times sqrt(2/pi), Simpson's rule: reduction
+// of adiabatic thermo-elastic noise by heat flow during a period (Cerdonio et al. 2001, eq. 20, one integral done).
 double heat_flow(double x) {
   constexpr int n = 400;
   double sum = 0;
@@ -119,7 +119,7 @@ struct Averages {
   double mean(double of_low, double of_high) const { return (of_low * low + of_high * high) / total(); }
 };
 
-// How the mirror bends and how little the coating then moves: Braginsky and Vyatchanin 2003, eq. 60 to 92.
+// Bending of the mirror and the reduced motion of the coating: Braginsky and Vyatchanin 2003, eq. 60 to 92.
 double finite_mirror(CoatingStack const& s, MirrorShape shape, double w) {
   Averages const sums(s);
   SubstrateMaterial const& m = s.substrate;

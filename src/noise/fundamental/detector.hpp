@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the fundamental noises of an interferometer depend on. SI units; temperatures in K. NaN: not given.
+// Parameters of the fundamental noises of an interferometer. SI units; temperatures in K. NaN: not given.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ struct WireMaterial {
   double surface_depth = 0;  // m: surface losses count like bulk losses of this depth
 };
 
-// One mass and what it hangs from.
+// One mass and its suspension.
 struct SuspensionStage {
   double mass = not_a_number, length = not_a_number;            // kg, m
   double wires = not_a_number, wire_radius = not_a_number;      // of each wire, m
@@ -57,8 +57,8 @@ struct CoatingMaterial {
 // One mirror. Layers by thickness over the wavelength in them, from the vacuum to the substrate, low index first.
 struct CoatedMirror {
   double transmission = not_a_number, curvature = not_a_number;  // power; radius of curvature in m
-  double low_layer = not_a_number, cap = not_a_number;           // of the layers, when they are to be found
-  std::vector<double> layers;  // given, or empty: doublets that reach the transmission
+  double low_layer = not_a_number, cap = not_a_number;  // of the layers, when they are computed from the transmission
+  std::vector<double> layers;                           // given, or empty: doublets that reach the transmission
 };
 
 struct GasSpecies {
@@ -70,7 +70,7 @@ struct GasSpecies {
 // Ground near the mirrors and platform they hang from.
 struct Ground {
   std::string platform = "BSC";  // motion that drives the suspensions, by name: see platform_asd
-  // Vertical ground motion that attracts: `level` m/sqrt(Hz) up to `knee` Hz, then 1/f^2.
+  // Vertical ground motion as source of gravity gradients: `level` m/sqrt(Hz) up to `knee` Hz, then 1/f^2.
   double knee = not_a_number, level = not_a_number, abruptness = not_a_number;
   double density = not_a_number, rayleigh_speed = not_a_number, p_speed = not_a_number, s_speed = not_a_number;
   double p_level = not_a_number, s_level = not_a_number;  // of the low-noise model
@@ -106,7 +106,7 @@ struct Detector {
   std::optional<Squeezer> squeezer;
 
   double circulating_power() const;  // W in one arm, eq. 6.11 unless given
-  DetectorNumbers numbers() const;   // what an interferometer is compared by
+  DetectorNumbers numbers() const;   // characteristic numbers of an interferometer
   struct Spots {
     double input, end;  // 1/e^2 intensity radii on the mirrors, m
     double waist, rayleigh, waist_position;

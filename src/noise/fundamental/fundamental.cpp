@@ -92,7 +92,7 @@ Psd substrate_thermo_elastic(Detector const& d, Hertz hz) {
                     [&](double w, double f) { return substrate_thermoelastic_psd(*d.substrate, shape(d), w, f); });
 }
 
-// Path through the input mirrors, over the gain 2F/pi by which length in the arms counts more.
+// Path through the input mirrors, over the gain 2F/pi of length changes in the arms.
 Psd substrate_thermo_refractive(Detector const& d, Hertz hz) {
   double const gain = 4 / (d.input.transmission + 2 * d.mirror_loss), w = d.spots().input;
   return calibrated(d, hz, [&](double f) {

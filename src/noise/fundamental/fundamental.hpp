@@ -13,11 +13,11 @@ namespace straytrace::noise {
 
 struct FundamentalNoise {
   std::string_view name;   // as in budget files: letters only
-  std::string_view words;  // what it is, for people
-  std::string_view needs;  // what the detector must state for it
+  std::string_view words;  // description
+  std::string_view needs;  // parameters that the detector must state
   bool (*known)(Detector const&);
   std::vector<double> (*psd)(Detector const&, std::span<double const> hz);  // strain^2/Hz, one-sided
-  std::span<FundamentalNoise const> parts = {};  // whose PSDs sum to it; empty: it has none of its own name
+  std::span<FundamentalNoise const> parts = {};                             // whose PSDs sum to it; empty: no parts
 };
 std::span<FundamentalNoise const> fundamental_noises();
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Quantum noise of a detector, from the network of its mirrors (ifo/dual_recycled.hpp): all losses, radiation pressure,
-// optical springs and squeezing in.
+// Quantum noise of a detector, from the network of its mirrors (ifo/dual_recycled.hpp): includes all losses, radiation
+// pressure, optical springs and squeezing.
 #pragma once
 
 #include <span>

@@ -9,13 +9,13 @@
 
 namespace straytrace::noise {
 
-// Motion of what suspensions hang from, m/sqrt(Hz) (docs/theory/motion.md). "BSC": in-vacuum platform of LIGO, straight
-// lines in log-log between the knots; "6D": the same with a six-axis seismometer; "intermediate": geometric mean of
-// both; "low", "typical", "high": Peterson's models; "quiet": 1e-7/f^2; "virgo": 1e-6/f^2. NaN: no such name.
+// Motion of the platform of the suspensions, m/sqrt(Hz) (docs/theory/motion.md). "BSC": in-vacuum platform of LIGO,
+// straight lines in log-log between the knots; "6D": the same with a six-axis seismometer; "intermediate": geometric
+// mean of both; "low", "typical", "high": Peterson's models; "quiet": 1e-7/f^2; "virgo": 1e-6/f^2. NaN: no such name.
 double platform_asd(std::string_view name, double hz);
 std::span<std::string_view const> platform_names();
 
-// Displacement PSD along the beam of one test mass that the ground and the air attract, m^2/Hz (Harms 2019, eq. 35,
+// Displacement PSD along the beam of one test mass by gravity of the ground and the air, m^2/Hz (Harms 2019, eq. 35,
 // 96, 98; Amann et al. 2020 below ground; 172 for infrasound).
 double rayleigh_newtonian_psd(Ground const&, double hz);
 double body_wave_newtonian_psd(Ground const&, double hz);

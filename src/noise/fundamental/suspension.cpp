@@ -11,7 +11,7 @@ namespace {
 using Complex = std::complex<double>;
 
 struct Wire {
-  double section, end_section, inertia;  // m^2, m^2, m^4 where it bends
+  double section, end_section, inertia;  // m^2, m^2, m^4 at the bending point
   double surface_stretch, surface_bend;  // surface to volume, weighted by strain energy, 1/m
 };
 
@@ -51,7 +51,7 @@ double blade_loss(SuspensionStage const& s, double w) {
   return m.loss + debye(m.young * m.expansion * m.expansion * s.upper_temperature / per_volume, time, w);
 }
 
-// Spring between a mass and what it hangs from; its losses at the upper and the lower joints.
+// Spring between a mass and its support; its losses at the upper and the lower joints.
 struct Spring {
   Complex constant;             // N/m
   double upper = 0, lower = 0;  // imaginary parts, N/m

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Suspended test masses: how ground motion and dissipation move them (docs/theory/sensitivity.md, eq. 12.9 for one
+// Suspended test masses: response to ground motion, and thermal noise (docs/theory/sensitivity.md, eq. 12.9 for one
 // stage).
 #pragma once
 
@@ -15,7 +15,7 @@ constexpr double standard_gravity = 9.80665;  // m/s^2
 
 // One direction of a chain of masses and lossy springs, at one frequency. Motion goes as exp(i w t).
 struct ChainResponse {
-  std::complex<double> from_top;    // test mass per displacement of what the chain hangs from
+  std::complex<double> from_top;    // test mass per displacement of the support of the chain
   std::complex<double> compliance;  // of the test mass, m/N
   double thermal_psd = 0;           // m^2/Hz of the test mass, one-sided
 };

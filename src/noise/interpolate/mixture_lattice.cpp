@@ -39,7 +39,7 @@ double MixtureLattice::square_rate(std::span<double const> kappa) const {
   return sum;
 }
 
-// Of each axis; 0 where no strength is left.
+// Of each axis; 0 where no strength remains.
 void MixtureLattice::coordinates(std::span<double const> kappa, std::vector<double>& q) const {
   q.clear();
   double left = rate_[main_] * kappa[main_];

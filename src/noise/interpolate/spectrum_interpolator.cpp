@@ -268,7 +268,7 @@ void SpectrumInterpolator::shares(std::size_t path, std::vector<Share>& out) con
   }
 }
 
-// Spectra of the nodes, and how well they hold.
+// Spectra of the nodes, and their interpolation error.
 
 namespace {
 
@@ -365,7 +365,7 @@ SpectrumInterpolator::Basis SpectrumInterpolator::own_spectrum(std::size_t path)
   return {std::move(s.psd), std::move(s.linear)};
 }
 
-// The spectra of the nodes stay where the sum of what they leave has the smaller variance, and are taken out elsewhere.
+// The spectra of the nodes are used where the sum of their residuals has the smaller variance, and dropped elsewhere.
 void SpectrumInterpolator::use_sample(std::size_t most) {
   sample_.emplace(spectra_, paths_, most);
   if (unshared_) basis_.clear();
@@ -394,8 +394,8 @@ void SpectrumInterpolator::use_sample(std::size_t most) {
   }
 }
 
-// Also, no drawn path may be off by more than a tenth of the mean: where some are, rare ones that were not drawn are
-// off by more than the draws resolve.
+// Also, no drawn path may deviate by more than a tenth of the mean: otherwise rare paths that were not drawn deviate by
+// more than the draws resolve.
 std::vector<bool> SpectrumInterpolator::interpolated_bins(std::vector<Basis> const& own,
                                                           std::vector<Basis> const& shared) const {
   std::vector<double> weight(sample_->strata().size());
@@ -437,7 +437,7 @@ void SpectrumInterpolator::add_variance(std::span<double const> weights, std::ve
 
 // Paths that several classes of Gaussian motion move strongly.
 
-// Of the slow part of the strongest path: what lies above is linear and has no part in the wrapping of fringes.
+// Of the slow part of the strongest path: faster motion is linear and does not wrap fringes.
 std::vector<double> SpectrumInterpolator::square_rates() const {
   std::size_t const classes = paths_.classes;
   std::vector<double> most(classes);
@@ -454,7 +454,7 @@ std::vector<double> SpectrumInterpolator::square_rates() const {
     MotionClass const& one = spectra_.classes()[c];
     if (!strong[c]) continue;
     if (one.drift || one.tone_frequency > 0) return {};
-    // The share of u that is mere strength keeps apart what is too fast to wrap.
+    // The strength part of u separates motion that is too fast to wrap.
     rate[c] = one.reference.rate_power(highest) + 1e-3 * highest * highest * spectra_.variance(c);
   }
   for (std::size_t i = 0; i < paths_.size(); ++i)
@@ -491,7 +491,7 @@ bool SpectrumInterpolator::use_mixture(Options const& options) {
   return true;
 }
 
-// False when the paths have no more strengths than it has nodes: these are then used.
+// False when the paths have no more strengths than there would be nodes: then the strengths are the nodes.
 bool SpectrumInterpolator::try_mixture(std::vector<double> const& rate, double least, double step, std::size_t most) {
   MixtureLattice lattice(rate, paths_.kappa, least, step, most);
   mixture_.reset();

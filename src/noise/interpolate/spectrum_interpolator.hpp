@@ -15,7 +15,7 @@
 
 namespace straytrace::noise {
 
-// The spectrum of every path is a sum of few spectra of nodes. Several strong classes of Gaussian motion:
+// The spectrum of every path is a sum of a few spectra of nodes. Several strong classes of Gaussian motion:
 // MixtureLattice, of at most five times `most` nodes. Else nodes lie on a lattice in ln |kappa| of the strong classes:
 // Lagrange polynomials of 9 points for one strong class; for several (tones and drifts among them) polynomials of 5
 // points along each and the bilinear cross term of each pair. A drift, whose line moves through the bins, is shared
@@ -25,8 +25,8 @@ namespace straytrace::noise {
 // different strengths than that, these are the nodes.
 //
 // Where spot checks then still fail, up to `direct` different strengths are all computed. Of more, a StrengthSample of
-// `direct` paths is: in bins where that has the smaller variance, what interpolation leaves is drawn, in the others the
-// spectrum itself. Either is without bias; its variance is `add_variance`.
+// `direct` paths is: in bins where it has the smaller variance, the draws estimate the residual of the interpolation,
+// in the others the spectrum itself. Both are unbiased; the variance is `add_variance`.
 class SpectrumInterpolator {
  public:
   struct Options {
@@ -60,7 +60,7 @@ class SpectrumInterpolator {
   // checks() is then why, or empty where a node was beyond reach of a transform.
   bool sampled() const { return sample_.has_value(); }
   std::size_t drawn() const;  // spectra of single paths that represent all
-  // Variance of the PSD that the draws leave in the sum of basis spectra with these weights, those of whole routes.
+  // Variance of the PSD by the draws, in the sum of basis spectra with these weights, those of whole routes.
   void add_variance(std::span<double const> weights, std::vector<double>& variance) const;
 
  private:

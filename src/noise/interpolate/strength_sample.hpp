@@ -26,7 +26,7 @@ struct Strengths {
 };
 
 // Paths of one route and of like strengths are a stratum, from which two are drawn with the chance of their weights.
-// Half of its weight times the spectrum of either is without bias, A and B; (A - B)^2 has the mean of the variance of
+// Half of its weight times the spectrum of either is unbiased, A and B; (A - B)^2 has the mean of the variance of
 // A + B (Cochran, Sampling Techniques, 5A.1). Strata are halved across their widest coordinate, those with the largest
 // width times root of noise (as in SpotChecks) first, until two times their number is `most`. Coordinates: ln |kappa|
 // of each class, and four times ln of the mean-square fringe rate, by which the tails of wrapped fringes fall. Draws
@@ -34,7 +34,7 @@ struct Strengths {
 class StrengthSample {
  public:
   struct Stratum {
-    std::size_t first = 0, second = 0;  // drawn paths, which may be one; of a stratum of a single path, that path
+    std::size_t first = 0, second = 0;  // drawn paths, possibly equal; of a stratum of a single path, that path
     bool single = false;
   };
   StrengthSample(PhaseSpectra const&, Strengths const&, std::size_t most);
@@ -64,7 +64,7 @@ class StrengthSample {
 
 // Separate spectra of some paths, compared with the spectra that they share with others.
 
-// What was found on one path.
+// Result for one path.
 struct SpotCheck {
   std::size_t path = 0;
   // Largest over the bins: |shared - own| over the larger of its own PSD and the mean over the checked paths of its
@@ -73,7 +73,7 @@ struct SpotCheck {
   std::size_t bin = 0;
 };
 
-// Chosen by rule: the path of most noise of each of the routes with most of it, the most moved one of all, and paths at
+// Selection: the path of most noise of each of the routes with most of it, the most moved one of all, and paths at
 // equal steps of the sum of noise over all paths. Noise of a path: weight times s/(1 + s), s its mean-square phase.
 class SpotChecks {
  public:

@@ -19,7 +19,7 @@ struct PredictedRoute {
   std::string name;
   std::vector<double> factor, sigma;  // strain per m (per rad for rotations); one standard error, Monte Carlo
   double phase = 0;                   // rms over its paths, by recoupled power, of the phase per m (per rad): |J|
-  double multiplicity = 0;  // |J| lambda/4 pi: normal-incidence bounces that would do as much; translations only
+  double multiplicity = 0;  // |J| lambda/4 pi: equivalent number of normal-incidence bounces; translations only
   bool resolved = true;
   std::string why_not;
   double share = 0;  // of the coupling power of all resolved routes, summed over the band

@@ -140,7 +140,7 @@ std::string objection(CouplingTable const& table, CouplingClass const& c, RouteS
 PowerSum hint_of(PowerSum const& seen) {
   PowerSum hint(seen.phase.size());
   hint.add_hint(seen);
-  hint.exact = true;  // replicas give no error of it
+  hint.exact = true;  // replicas do not give its error
   hint.mean_square_phase = seen.mean_square_phase;
   hint.power = seen.power;
   return hint;
@@ -274,7 +274,7 @@ NoiseSettings read_noise_settings(Node const& table) {
       if (low <= 0 || high <= low)
         band.problem("the band must go from a low to a higher frequency above zero", "write '[3 Hz, 1 kHz]'");
       else if (low < lowest_hz || high > highest_hz)
-        band.problem("the band goes beyond 1 nHz to 1 THz", "write '[3 Hz, 1 kHz]'");
+        band.problem("the band exceeds 1 nHz to 1 THz", "write '[3 Hz, 1 kHz]'");
     }
     density = table.number("points_per_decade", dim::plain, density, 1, 1000);
     settings.margin = table.number("margin", dim::plain, settings.margin, 1e-6, 1e6);
@@ -289,7 +289,7 @@ NoiseSettings read_noise_settings(Node const& table) {
 namespace {
 
 constexpr double half_width = 32;  // samples of the slower clock
-constexpr double beta = 9;         // of the Kaiser window: what is left of other bands is below 1e-4 in amplitude
+constexpr double beta = 9;         // of the Kaiser window: leakage from other bands is below 1e-4 in amplitude
 
 double kaiser(double u) { return u * u < 1 ? std::cyl_bessel_i(0, beta * std::sqrt(1 - u * u)) : 0; }
 
@@ -309,7 +309,7 @@ std::vector<double> resampled(TimeSeries const& series, SampleTimes const& times
   double const early = (times.start - series.start) * series.rate, step = series.rate / times.rate;
   double const late = early + step * static_cast<double>(times.samples - 1);
   if (series.samples.size() < 2 || early < -1e-3 || late > static_cast<double>(series.samples.size()) + 1e-3)
-    throw InputError(fmt::format("'{}' holds GPS {:.3f} to {:.3f}, not all of {:.3f} to {:.3f}", series.name,
+    throw InputError(fmt::format("'{}' covers GPS {:.3f} to {:.3f}, not all of {:.3f} to {:.3f}", series.name,
                                  series.start, series.end(), times.start, times.start + times.duration()),
                      "choose a shorter or another stretch of time");
   std::vector<double> out(times.samples);

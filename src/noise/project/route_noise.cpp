@@ -179,7 +179,7 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
     weight += w;
     route.mean_square_phase += w * strength;
     power.add(w);
-    noise.add(w * strength / (1 + strength));  // wrapped fringes have a largest power
+    noise.add(w * strength / (1 + strength));  // the power of wrapped fringes is bounded
   }
   route.paths_of_power = power.value();
   route.paths_of_noise = noise.value();

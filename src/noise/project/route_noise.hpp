@@ -62,7 +62,7 @@ struct RouteSpectrum {
   bool exact = false;            // of a deterministic class: no replica changes it, so `without` is empty
   double mean_square_phase = 0;  // rad^2, mean over the paths, weighted by power
   // Kept paths, counted as equal ones, that carry the power and that carry the noise: (sum x)^2 / sum x^2. A row of
-  // bright still light with a few faint moving paths in it knows its power well and its noise badly.
+  // bright static light with a few faint moving paths has a precise power and an imprecise noise.
   double paths_of_power = 0, paths_of_noise = 0;
   bool rests_on_few() const { return paths_of_noise > 0 && paths_of_noise < std::min(30.0, 0.3 * paths_of_power); }
 };
@@ -87,9 +87,9 @@ struct DrawnError {
   std::size_t bin = 0;
 };
 
-// How many paths were drawn, how much this adds to the error of h, and why: the spot check with the largest deviation,
-// its route and the motion that moves its path most. Paths are the records of the table in its order; nodes.sampled()
-// must hold.
+// The number of drawn paths, their contribution to the error of h, and the reason: the spot check with the largest
+// deviation, its route and the motion that moves its path most. Paths are the records of the table in its order;
+// nodes.sampled() must hold.
 std::string sharing_note(CouplingTable const&, MotionSet const&, PhaseSpectra const&, Strengths const&,
                          SpectrumInterpolator const&, DrawnError const&);
 

@@ -20,7 +20,7 @@ namespace {
 using Lines = std::vector<std::complex<double>>;
 using Key = std::pair<std::uint32_t, int>;  // body, axis
 
-// What has been added to one coordinate: Fourier coefficients of the period, and samples.
+// The sum for one coordinate: Fourier coefficients of the period, and samples.
 struct Draft {
   Lines lines;
   std::vector<double> position, velocity;
@@ -186,7 +186,7 @@ MotionSeries draw_motion(MotionSet const& motion, SampleTimes const& times, std:
                          std::uint32_t realisation) {
   for (MotionInput const& input : motion.inputs)
     if (highest(input) >= times.rate / 2)
-      throw InputError(fmt::format("'{}' moves at up to {:g} Hz, which {:g} samples per second do not hold", input.name,
+      throw InputError(fmt::format("'{}' moves at up to {:g} Hz, too fast for {:g} samples per second", input.name,
                                    highest(input), times.rate),
                        fmt::format("write a rate above {:g} Hz", 2 * highest(input)));
   Drawing drawing(times, seed, realisation);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the bodies do in time: one realisation of their motion on regular samples.
+// Motion of the bodies in time: one realisation on regular samples.
 #pragma once
 
 #include <complex>
@@ -30,18 +30,18 @@ struct MovingCoordinate {
 
 struct MotionSeries {
   SampleTimes times;
-  std::vector<MovingCoordinate> coordinates;  // all that move, by body and axis
+  std::vector<MovingCoordinate> coordinates;  // all moving ones, by body and axis
 };
 
 // Gaussian inputs: Fourier coefficients of independent normal real and imaginary parts, of a period of at least the
-// record; the mean power of each is the exact integral of the spectrum over its bin. What is slower than half a bin is
-// a static phase and is left out. The same seed, realisation and duration draw the same motion at twice the rate.
+// record; the mean power of each is the exact integral of the spectrum over its bin. Motion slower than half a bin is
+// a static phase and is omitted. The same seed, realisation and duration draw the same motion at twice the rate.
 // Tones: Im(value exp(+2 pi i f t)), t from the start of the record. Drifts begin at zero there. Recorded inputs are
 // read at the times of the samples (GPS), low-passed when they were sampled faster. Throws InputError when a recorded
 // input does not cover the record or an input moves at half the rate or faster.
 MotionSeries draw_motion(MotionSet const&, SampleTimes const&, std::uint64_t seed, std::uint32_t realisation = 0);
 
-// Hz; the highest frequency at which anything moves, recordings aside: they are low-passed as the rate wants.
+// Hz; the highest frequency of any motion except recordings, which are low-passed to fit the rate.
 double highest_motion(MotionSet const&);
 
 // The recorded series at times of another clock, band-limited by a Kaiser window of 32 samples on either side.

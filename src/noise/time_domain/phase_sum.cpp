@@ -17,7 +17,7 @@
 namespace straytrace::noise {
 namespace {
 
-constexpr std::size_t block = 512;  // samples: what one path does stays in the nearest cache
+constexpr std::size_t block = 512;  // samples: the working set of one path fits the L1 cache
 
 struct Block {
   alignas(64) double phase[block], real[block], imag[block];
@@ -123,7 +123,7 @@ std::array<double, points> lagrange(double x) {
   return w;
 }
 
-// False when a table would be more work than the samples.
+// False when a table would cost more than the samples.
 bool add_by_table(PhaseTerms const& all, std::vector<std::size_t> const& paths, std::size_t c, DirectSum const& direct,
                   std::vector<std::complex<double>>& out) {
   std::span<double const> const x = all.coordinate[c];
@@ -185,7 +185,7 @@ std::vector<std::complex<double>> phase_sum(PhaseTerms const& t, unsigned thread
   if (!direct)
     return phase_sum(t, threads, [&](PhaseTerms const& some) { return direct_phase_sum(some, threads, progress); });
   std::size_t const none = t.coordinate.size();
-  std::vector<std::vector<std::size_t>> moved(none + 1);  // by their only coordinate; the rest behind
+  std::vector<std::vector<std::size_t>> moved(none + 1);  // by their only coordinate; the others last
   for (std::size_t j = 0; j < t.paths(); ++j) moved[only_mover(t, j, none)].push_back(j);
   std::vector<std::complex<double>> from_tables(t.coordinate.empty() ? 0 : t.coordinate.front().size());
   for (std::size_t c = 0; c < none; ++c)

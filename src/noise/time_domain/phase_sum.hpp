@@ -21,11 +21,11 @@ struct PhaseTerms {
   std::size_t paths() const { return amplitude.size(); }
 };
 
-// s_n = sum_j a_j exp(2 pi i (turns_j + sum_c J_jc x_c(t_n))), exact to 1e-15 of each term times the turns it has
-// gone. Paths that one coordinate alone moves are a function of that coordinate: where that is less work they come from
+// s_n = sum_j a_j exp(2 pi i (turns_j + sum_c J_jc x_c(t_n))), exact to 1e-15 of each term times the number of
+// turns. Paths moved by only one coordinate are a function of that coordinate: where that is cheaper they come from
 // a table over its range, good to 2e-11 of sum |a_j|. The same bits for any number of threads (0: all cores).
-// `direct`: what sums without tables, for example on a device; none: direct_phase_sum. `progress`: the share that is
-// done, 0 to 1, now and then, by the calling thread; not of what `direct` does.
+// `direct`: what sums without tables, for example on a device; none: direct_phase_sum. `progress`: the completed
+// share, 0 to 1, now and then, by the calling thread; not for work of `direct`.
 using DirectSum = std::function<std::vector<std::complex<double>>(PhaseTerms const&)>;
 using SumProgress = std::function<void(double share)>;
 std::vector<std::complex<double>> phase_sum(PhaseTerms const&, unsigned threads = 0, DirectSum const& direct = {},
@@ -41,8 +41,8 @@ std::vector<std::complex<double>> direct_phase_sum(PhaseTerms const&, unsigned t
 // light at this frequency is the first order of the fringe, whatever the amplitude.
 std::vector<double> fringe_frequency(std::span<double const> velocity, double wavelength, double bounces);
 
-// How often a route sees a body, in bounces at normal incidence: |translation phase sensitivity|/2k, mean and standard
-// deviation over its paths by power.
+// Effective number of normal-incidence bounces of a route on a body: |translation phase sensitivity|/2k, mean and
+// standard deviation over its paths by power.
 struct Multiplicity {
   BodyId body;
   double bounces = 0, spread = 0;
@@ -56,7 +56,7 @@ struct FringeCurve {
 };
 FringeCurve fringe_curve(CouplingTable const&, std::uint32_t route, MotionSeries const&);
 
-// What a frequency does in one stride of time.
+// A frequency in one stride of time.
 struct FringeStride {
   double from = 0, to = 0;                  // GPS s
   double median = 0, p95 = 0, largest = 0;  // Hz

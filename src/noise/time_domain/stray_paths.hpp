@@ -33,12 +33,12 @@ struct PathChoice {
 // `per_route` below the number of records: so many of equal power, picked by systematic sampling with the chance of
 // their weights (deterministic routes always keep all). Static phases are uniform, a function of seed, realisation,
 // route and address of the record, and copy (docs/theory/path_integral.md): one realisation of the speckle. Copies of a
-// port move alike. The paths of a coherent family have the phases of their fields, and one common phase per principal
-// state of polarisation and realisation (eq. 10.5).
+// port have the same motion. The paths of a coherent family have the phases of their fields, and one common phase per
+// principal state of polarisation and realisation (eq. 10.5).
 std::vector<StrayPath> stray_paths(CouplingTable const&, Interferometer const&, PathChoice const&);
 
 enum class Delay : std::uint8_t { none, half_path };
-// What phase_sum wants, for paths of one motion; coordinates that move none of them are left out. `half_path`: each
+// Input of phase_sum, for paths of one motion; coordinates that move none of them are left out. `half_path`: each
 // path sees the motion delayed by half of its optical length, to first order in the delay (docs/theory/phase.md,
 // eq. 2.6).
 PhaseTerms phase_terms(std::span<StrayPath const>, MotionSeries const&, Delay = Delay::none);

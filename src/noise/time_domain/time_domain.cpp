@@ -32,14 +32,14 @@ std::string path_name(CouplingTable const& table, StrayPath const& path) {
 
 [[noreturn]] void refuse(CouplingTable const& table, StrayLight const& light, StrayPath const& fastest, double rate) {
   throw InputError(
-      fmt::format("{:g} samples per second do not hold these fringes (docs/theory/spectra.md, eq. 7.13)", rate),
-      fmt::format("{} makes {:.5g} Hz at GPS {:.3f}; with a margin of {:.4g} Hz the rate must be above {:.5g} Hz\n  "
-                  "write a rate of {:g} Hz, or none: it is then chosen so",
+      fmt::format("{:g} samples per second are too few for these fringes (docs/theory/spectra.md, eq. 7.13)", rate),
+      fmt::format("{} reaches {:.5g} Hz at GPS {:.3f}; with a margin of {:.4g} Hz the rate must be above {:.5g} Hz\n  "
+                  "write a rate of {:g} Hz, or omit it for this choice",
                   path_name(table, fastest), light.rule.fringe, light.fastest.time, light.rule.margin,
                   light.rule.least(), light.rule.automatic()));
 }
 
-// Motion at a rate that holds it, with the fringe rate that it makes.
+// Motion at a sufficient rate, with its fringe rate.
 void draw(StrayLight& light, MotionSet const& motion, std::span<StrayPath const> paths, TimeDomainSettings const& s,
           double rate) {
   light.times = times_of(s, rate);
@@ -84,7 +84,7 @@ std::vector<PortField> stray_fields(std::span<StrayPath const> paths, MotionSeri
     };
     PortField field{PortId{port}, phase_sum(phase_terms(by_port[port], motion, delay), threads, direct, of_all)};
     done += by_port[port].size();
-    if (field.field.empty()) {  // nothing moves them
+    if (field.field.empty()) {  // static
       std::complex<double> still = 0;
       for (StrayPath const& p : by_port[port]) still += std::polar(p.amplitude, 2 * pi * p.turns);
       field.field.assign(motion.times.samples, still);
@@ -121,7 +121,7 @@ StrayLight stray_light(CouplingTable const& table, MotionSet const& motion, Inte
                        TimeDomainSettings const& s) {
   std::vector<StrayPath> const paths = stray_paths(table, ifo, s.paths);
   if (paths.empty())
-    throw InputError("no path of the chosen routes was kept, so there is nothing to sum", "choose other routes");
+    throw InputError("the selected routes have no stored paths, so there is nothing to sum", "choose other routes");
   StrayLight light;
   light.paths = paths.size();
   if (s.rate > 0)

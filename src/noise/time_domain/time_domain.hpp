@@ -30,7 +30,7 @@ struct TimeDomainSettings {
   Delay delay = Delay::none;
   unsigned threads = 0;  // 0: all cores; the same bits for any number
   DirectSum direct;      // see phase_sum.hpp
-  SumProgress progress;  // the share of the sums over paths that is done, port after port
+  SumProgress progress;  // completed share of the sums over paths, port after port
 };
 
 struct PortField {
@@ -42,7 +42,7 @@ struct StrayLight {
   SampleTimes times;
   std::vector<double> h;          // strain
   std::vector<PortField> fields;  // of the ports that have paths, all copies
-  MotionSeries motion;            // that was drawn
+  MotionSeries motion;            // drawn
   std::size_t paths = 0;          // fields summed
   SamplingRule rule;
   FastestFringe fastest;
@@ -53,7 +53,7 @@ struct StrayLight {
 };
 
 // Throws InputError when the given rate is too low (with the path and the rate it needs), when a recording does not
-// cover the time, when nothing was chosen; NumericalError when the automatic rate would pass 2^20 Hz.
+// cover the time, when no path is selected; NumericalError when the automatic rate would pass 2^20 Hz.
 StrayLight stray_light(CouplingTable const&, MotionSet const&, Interferometer const&, TimeDomainSettings const&);
 
 // s(t) of each port that has paths.
@@ -61,11 +61,11 @@ std::vector<PortField> stray_fields(std::span<StrayPath const>, MotionSeries con
                                     unsigned threads = 0, DirectSum const& = {}, SumProgress const& progress = {});
 
 // h = T_ph * Im s + T_am * Re s (eq. 1.13), in the band; responses act on one period that is closed smoothly, so the
-// first and last 1/band_low are touched by each other.
+// first and last 1/band_low affect each other.
 std::vector<double> strain(std::span<PortField const>, Interferometer const&, double rate, double band_low,
                            double band_high);
 
-// Size of what frozen geometry leaves out (eq. 2.6).
+// Size of the effects neglected by frozen geometry (eq. 2.6).
 // Phase [rad] of a transverse motion of this size [m] seen from this distance [m].
 double second_order_phase(double motion, double distance, double wavelength);
 // Phase error [cycles] at frequency hz of light that takes this path [m].

@@ -31,14 +31,14 @@ bool drift_apart(PhaseSpectra const& spectra, PhasePair const& p) {
   return false;
 }
 
-// To a part in 1e12: exponents that differ by rounding alone are one.
+// To a part in 1e12: exponents that differ only by rounding are equal.
 double rounded(double x) {
   int exponent;
   double const mantissa = std::frexp(x, &exponent);
   return std::ldexp(std::nearbyint(std::ldexp(mantissa, 40)), exponent - 40);
 }
 
-// Terms that last, those of equal exponents as one.
+// Terms with a non-zero mean; terms of equal exponents are merged.
 std::vector<PhasePair> distinct(PhaseSpectra const& spectra, std::span<PhasePair const> pairs) {
   std::map<Values, std::size_t> place;
   std::vector<PhasePair> out;
@@ -214,8 +214,8 @@ class Pairs {
     return transform_lags(part.sum, lags, rounding, low);
   }
 
-  // First order in the motion of a band: slower motion leaves of a pair what stays of its phase difference, faster
-  // motion what stays of each path.
+  // First order in the motion of a band: slower motion reduces a pair by its phase difference, faster motion
+  // reduces each path.
   double first_order(PhasePair const& p, double low, double high) const {
     double power = 0, kept = p.weight, exponent = 0;
     for (std::size_t c = 0; c < classes().size(); ++c) {
@@ -266,7 +266,7 @@ PairSpectrum pair_spectrum(PhaseSpectra const& spectra, std::span<PhasePair cons
 std::vector<PhasePair> coherent_family(MotionSet const& motion, std::vector<MotionClass> const& classes,
                                        std::span<CoherentPath const> paths) {
   if (paths.size() > most_coherent)
-    throw NumericalError(fmt::format("{} paths cannot be added as fields: at most {}", paths.size(), most_coherent));
+    throw NumericalError(fmt::format("cannot add {} paths as fields: the limit is {}", paths.size(), most_coherent));
   std::vector<std::vector<double>> kappa;
   for (CoherentPath const& p : paths) kappa.push_back(kappa_of(motion, classes, p.phase_sensitivities));
   std::vector<PhasePair> pairs;

@@ -152,7 +152,8 @@ double PhaseSpectra::first_order_weight(std::size_t c, std::size_t bin) const {
   return (is_tone(classes_[c]) ? (tone_in_bin ? 0.25 : 0) : grid_power_[c][bin] / 2) / grid_.width(bin);
 }
 
-// The lowest edge above which all that is left is weak, or a little higher: few different ones share covariances.
+// The lowest edge above which the remaining motion is weak, or a little higher: a few different edges share
+// covariances.
 std::size_t PhaseSpectra::split(std::span<double const> kappa) const {
   std::size_t edge = fine_.empty() ? 0 : fine_.size() - 1;
   for (; edge > 0; --edge) {

@@ -17,9 +17,9 @@
 namespace straytrace::noise {
 // Autocovariances of the classes of motion, shared by all paths of about the same fringe rate.
 
-// R(tau) = sum over classes of kappa_c r_c(tau), of the Gaussian motion below a frequency. What many paths use is
-// kept: power on the lines of the transform, and r_c; of more than `few` classes at once R is transformed itself. Not
-// for several threads at once.
+// R(tau) = sum over classes of kappa_c r_c(tau), of the Gaussian motion below a frequency. Quantities used by many
+// paths are cached: power on the lines of the transform, and r_c; of more than `few` classes at once R is transformed
+// itself. Not for several threads at once.
 class ClassCovariances {
  public:
   Covariance sum(std::span<MotionClass const>, std::span<double const> kappa, double highest_hz, LagGrid const&);
@@ -65,8 +65,8 @@ class PhaseSpectra {
   PhaseSpectra(std::vector<MotionClass> classes, FrequencyGrid grid);
 
   // kappa: one number per class. The phase is split at a frequency f1 into a slow part, transformed exactly, and a
-  // fast part of power below `weak`, which is convolved with it directly (eq. 7.14): no floor of the transform then
-  // hides the motion of a quiet body. Throws NumericalError when power is not conserved (eq. 7.10).
+  // fast part of power below `weak`, which is convolved with it directly (eq. 7.14): the floor of the transform then
+  // does not hide the motion of a quiet body. Throws NumericalError when power is not conserved (eq. 7.10).
   PhaseSpectrum operator()(std::span<double const> kappa) const;
 
   // Whether this kappa of a class must stay in the exponent. All others are linear, except drifts slower than half the
@@ -83,7 +83,7 @@ class PhaseSpectra {
   double first_order_weight(std::size_t c, std::size_t bin) const;
   double variance(std::size_t c) const { return variance_[c]; }  // of a class, kept because every path needs it
   FrequencyGrid const& grid() const { return grid_; }
-  // Mean of power(low, high) over the bands that drifts of the phase bring into one of them [Hz]: each drift f_d brings
+  // Mean of power(low, high) over the bands that drifts of the phase shift into one of them [Hz]: each drift f_d shifts
   // half of what is at f + f_d and half of what is at |f - f_d| (C(tau) cos(2 pi f_d tau),
   // docs/theory/path_integral.md).
   double moved_by_drifts(std::span<double const> kappa, double low, double high,

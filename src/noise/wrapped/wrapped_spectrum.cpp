@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The motion is made periodic with period 1/spacing: exact power in every line, hence no leakage and nothing that has
-// to decay. Motion slower than half a spacing is a static phase.
+// The motion is made periodic with period 1/spacing: exact power in every line, hence no leakage and no need for
+// the motion to decay. Motion slower than half a spacing is a static phase.
 #include "noise/wrapped/wrapped_spectrum.hpp"
 
 #include <fmt/format.h>
@@ -52,7 +52,7 @@ double spacing_for(std::vector<PhaseTone> const& tones, double limit) {
   return best;
 }
 
-// The least of 2^a {1, 5/4, 3/2} that is not below n: few plans, and quick ones.
+// The least of 2^a {1, 5/4, 3/2} that is not below n: few plans, and fast ones.
 std::size_t quick_size(double n) {
   std::size_t const below = std::bit_floor(static_cast<std::size_t>(std::min(n, 1e9)));
   for (std::size_t quarters : {4, 5, 6})
@@ -151,9 +151,9 @@ WrappedSpectrum transform(SlowPhase const& p, std::function<Covariance(LagGrid c
 }
 
 NumericalError too_strong(SlowPhase const& p, LagGrid const& lags) {
-  return NumericalError(
-      fmt::format("motion too strong: fringes up to {:.3g} Hz at a resolution of {:.3g} Hz need more than 2^24 samples",
-                  reach(p), lags.spacing));
+  return NumericalError(fmt::format(
+      "the motion is too strong: fringes up to {:.3g} Hz at a resolution of {:.3g} Hz need more than 2^24 samples",
+      reach(p), lags.spacing));
 }
 
 LagGrid lags_for(SlowPhase const& p, double resolution) {
@@ -173,7 +173,7 @@ WrappedSpectrum drifting(WrappedSpectrum const& low, double hz) {
   if (lines == 0) return low;
   if (!(lines < static_cast<double>(most_samples)))
     throw NumericalError(
-        fmt::format("drift too fast: {:.3g} fringes per second at a resolution of {:.3g} Hz", hz, low.spacing));
+        fmt::format("the drift is too fast: {:.3g} fringes per second at a resolution of {:.3g} Hz", hz, low.spacing));
   auto const shift = static_cast<std::size_t>(lines), size = low.density.size();
   WrappedSpectrum out{low.spacing, std::vector<double>(size + shift), 0, low.samples};
   for (std::size_t k = 0; k < size; ++k) {  // one-sided densities: the two-sided one is half of it, even
@@ -275,10 +275,10 @@ class Sweep {
   bool fresh_ = true;
 };
 
-// Neighbouring bins of a width that hardly differs.
+// Neighbouring bins of nearly equal width.
 struct Octave {
   double high, narrowest;
-  // How finely the wrapped spectrum must be known at a frequency that reaches these bins: a quarter of a bin, or half a
+  // Required resolution of the wrapped spectrum at a frequency that reaches these bins: a quarter of a bin, or half a
   // step of the modulation (1.1 % of its frequency) where that comes from far above.
   double step(double hz) const { return std::max(narrowest / 4, 0.0055 * (hz - high)); }
 };

@@ -17,7 +17,7 @@ struct PhaseTone {
 };
 
 // Everything is even in the lag and has the period 1/spacing: lags (n + 1/2)/(samples spacing), n < samples/2, hold
-// all.
+// everything.
 struct LagGrid {
   double spacing;  // Hz, of the lines
   std::size_t samples;
@@ -82,7 +82,7 @@ class CosineTransform {
   void values(std::vector<double> const& amplitudes, std::vector<double>& x) const;  // missing amplitudes are zero
   void amplitudes(std::vector<double> const& x, std::vector<double>& a) const;
 
-  static CosineTransform const& of(std::size_t m);  // kept, one set per thread: making one takes longer than using it
+  static CosineTransform const& of(std::size_t m);  // cached per thread: creating one takes longer than using it
 
  private:
   struct Plan;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One way to run histories. It does not know the number of blocks or workers.
+// Runs histories; independent of the number of blocks or workers.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace straytrace::trace {
 
-// It may cache data of a world: a world that it has seen must not change while the backend lives.
+// It may cache data of a world: a world must not change after its first use while the backend lives.
 class Backend {
  public:
   virtual ~Backend() = default;

@@ -190,7 +190,7 @@ Rgb mix(Rgb a, Rgb b, double share) {
   return {a.r + share * (b.r - a.r), a.g + share * (b.g - a.g), a.b + share * (b.b - a.b)};
 }
 
-// What is kept of a ray until all its neighbours are known.
+// Data of a ray that are kept until all its neighbours are known.
 struct Dot {
   Rgb colour;
   Vec3 point, normal;
@@ -221,7 +221,7 @@ Dot dot_of(WorldView const& world, Sight const& s, Vec3 dir, Paint const& paint)
   return d;
 }
 
-// Share of ink between two neighbours: outlines of groups, creases, one part of a surface before another.
+// Strength of the line between two neighbours: outlines of groups, creases, one part of a surface before another.
 double edge(Dot const& a, Dot const& b) {
   if (a.group != b.group) return 0.75;
   double ink = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pictures computed by rays from a camera, to see whether a scene is built as meant (R3.36). No light
+// Pictures computed by rays from a camera, to check the geometry of a scene (R3.36). No light
 // is simulated: a headlight shows shapes. Page: docs/reference/render.md.
 #pragma once
 
@@ -42,8 +42,8 @@ struct Framing {
   std::vector<Cut> cuts;
 };
 Box bounds_of(WorldView const&, std::function<bool(SurfaceId)> const& wanted);
-// From above, beside and in front; what stands nearer than the box is cut away. Flat when the box is more than
-// `longest_aspect` times as long as wide: the half beyond the axis, each side of the picture with its own scale.
+// From above, from the side and from the front; anything nearer than the box is cut away. Flat when the box is more
+// than `longest_aspect` times as long as wide: the half beyond the axis, each side of the picture with its own scale.
 constexpr double longest_aspect = 12;
 bool is_long(Box const&);
 Framing framing(Box const&, double field, std::uint32_t columns, std::uint32_t rows);

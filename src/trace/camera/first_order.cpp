@@ -37,7 +37,7 @@ bool start_at_port(WorldView const& world, std::uint64_t seed, Footprint const& 
   return scatter(world, seed, path, vertex, sink, true);
 }
 
-// Even over the surface, by the cosine law into the half space of the side that counts.
+// Uniform over the surface, by the cosine law into the half space of the sensitive side.
 bool start_at_receiver(WorldView const& world, Receiver const& receiver, Rng& rng, PathState& path) {
   double const u = rng.uniform(), v = rng.uniform(), a = rng.uniform(), b = rng.uniform();
   bool const both = receiver.front && receiver.back;
@@ -69,7 +69,7 @@ namespace {
 
 constexpr std::uint32_t batches = 32;
 
-// Sums over walks, per batch: what arrived on each side of each strip, and the part of it that is scattered.
+// Sums over walks, per batch: power arriving on each side of each strip, and its scattered part.
 struct Batch {
   std::map<std::uint32_t, double> arrived, scattered;
   double outside = 0, total = 0;

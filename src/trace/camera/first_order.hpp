@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // First-order stray light: what is lit (illuminated) and what is seen (critical), both directly or by mirrors and
-// lenses. A surface on both lists makes stray light by a single scatter. Page: docs/reference/commands.md.
+// lenses. A surface on both lists causes first-order stray light. Page: docs/reference/commands.md.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace straytrace::trace {
 
-// Where a backward walk begins: light could arrive there. A port (a lit surface and its mode) or a receiver.
+// Start of a backward walk: a place where light can arrive. A port (a lit surface and its mode) or a receiver.
 struct Ending {
   bool port = false;
   std::uint32_t index = 0;  // footprint or receiver
@@ -32,8 +32,8 @@ struct NullSink {
   void book(BalanceTerm, double) {}
 };
 
-// Follows a path that has been started, as long as it meets specular surfaces; `visit(path, vertex)` hears of each
-// surface reached, with path.power there. Light that is scattered ends. What escapes goes to `escaped(path.power)`.
+// Follows a path that has been started, as long as it meets specular surfaces; calls `visit(path, vertex)` for each
+// surface reached, with path.power there. Scattered light ends. Calls `escaped(path.power)` for light that escapes.
 template <class Visit, class Escaped>
 void follow_specular(WorldView const& world, std::uint64_t seed, PathState& path, Visit&& visit, Escaped&& escaped) {
   NullSink sink;
@@ -60,15 +60,15 @@ bool start_backward(WorldView const&, std::uint64_t seed, std::uint64_t number, 
 // One row: a group of surfaces. Errors are one standard error.
 struct FirstOrderRow {
   GroupId group;
-  Estimate power;       // arriving there by specular ways only, relative to the main mode
+  Estimate power;       // arriving there by specular paths only, relative to the main mode
   Estimate throughput;  // m^2 sr, with which the ending sees it
   Estimate product;     // single scatter there into the ending, relative to the main mode
 };
 struct FirstOrderList {
   Ending ending;
   std::vector<FirstOrderRow> rows;  // one per group that is lit or seen, largest product first
-  Estimate outside;                 // throughput with which it sees past everything
-  double total = 0;                 // throughput in all
+  Estimate outside;                 // throughput of paths that escape
+  double total = 0;                 // total throughput
 };
 
 struct FirstOrderSettings {

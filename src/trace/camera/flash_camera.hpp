@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a camera sees by the light of its own flash: scattered light, and glints, as in photographs taken to find what
-// sends light back (R3.36). Page: docs/reference/render.md.
+// The view of a camera with its own flash: scattered light and glints, as in photographs taken to find retro-reflecting
+// surfaces (R3.36). Page: docs/reference/render.md.
 #pragma once
 
 #include "trace/camera/camera.hpp"
@@ -10,8 +10,8 @@ namespace straytrace::trace {
 // A small sphere around the eye shines equally in all directions, with the radiant intensity I [W/sr].
 struct Flash {
   double radius = 5e-3;    // m, of the sphere; its radiance is I/(pi radius^2)
-  int most_mirrors = 6;    // reflections and transmissions on a way
-  double faintest = 1e-7;  // share of the light left, below which a way is not followed
+  int most_mirrors = 6;    // reflections and transmissions on a path
+  double faintest = 1e-7;  // remaining share of the light, below which a path is not followed
 };
 
 // Radiance towards the eye over I, 1/m^2, along one ray. Of a surface at the distance d, seen by way of mirrors and
@@ -23,7 +23,7 @@ struct FlashLight {
   SurfaceId first;  // what the ray meets first; invalid: nothing
   double both() const { return scattered + glint; }
 };
-// `open`: two flags per surface, front and back, of sides that are looked through (Look::open); empty: none.
+// `open`: two flags per surface, front and back, of transparent sides (Look::open); empty: none.
 FlashLight flash_along(WorldView const&, Ray, Departure from, Vec3 eye, Flash const&, std::vector<Look> const& looks);
 
 // One per pixel, row by row: mean of 3 x 3 rays.

@@ -17,8 +17,8 @@ namespace {
 using Complex = std::complex<double>;
 using Sum = EdgeSettings::Sum;
 
-// Where the static field of a rim vanishes its motion does not, and phase sensitivities over that field would be
-// infinite: the field is then taken as what the gradient makes of a displacement of this size, m.
+// Where the static field of a rim vanishes, its derivative does not, and phase sensitivities relative to that field
+// would be infinite: the field is then that of a displacement of this size, m.
 constexpr double placed_within = 10e-6;
 
 // Power of the path: that of its field.
@@ -33,7 +33,7 @@ double power_of(EdgeWave const& wave) {
 }
 
 // A small displacement x changes the field to (1 + i J x + A x) times itself: J from 8.13, A from 8.12. In the mean
-// over the static phase both quadratures make noise like a phase does, so the path is two records of half its power,
+// over the static phase both quadratures act like a phase, so the path is two records of half its power,
 // with phase sensitivities sqrt(2) J and sqrt(2) A.
 void add_records(std::vector<PathRecord>& records, EdgeWave const& wave, double weight) {
   double const size = std::abs(wave.amplitude), root = std::sqrt(power_of(wave));
@@ -76,7 +76,7 @@ EdgeWave sum_of(std::vector<EdgeWave> const& waves) {
 // The rims of one group between two mirrors.
 struct Group {
   std::vector<EdgeWave> waves;
-  double powers = 0, sizes = 0, teeth = 0;  // sums over the rims: of powers, of fields, of what random teeth add
+  double powers = 0, sizes = 0, teeth = 0;  // sums over the rims: of powers, of fields, of the part of random teeth
   double patches = 0;                       // mean by power
   EdgeWave together;                        // fields added
 
@@ -239,7 +239,7 @@ std::size_t points_of(Between const& p) {
   return p.rim.tooth_depth > 0 ? flanks * (least / flanks + 1) : least;
 }
 
-// Share of the mean field that random teeth leave (eq. 8.14): the phase between tip and valley.
+// Share of the mean field that remains with random teeth (eq. 8.14): the phase between tip and valley.
 double left_by_teeth(Between const& p, Vec3 point) {
   double const height = p.world.edges.tooth_height;
   if (height == 0) return 1;
@@ -257,7 +257,7 @@ void add_gradient(EdgeWave& wave, std::vector<PhaseSensitivity> const& phase_sen
   }
 }
 
-// Each random tooth sends out, besides the mean field, a wave of its own: (1 - s^2) of its power, over their number.
+// Besides the mean field, each random tooth emits a wave of its own: (1 - s^2) of its power, over their number.
 void add_teeth(EdgeWave& wave, Between const& p, double size, double left,
                std::vector<PhaseSensitivity> phase_sensitivities, double length) {
   double const teeth = 2 * pi * p.rim.radius / p.world.edges.tooth_width;

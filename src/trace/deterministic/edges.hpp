@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Diffraction at rims between the mirrors of a cavity: light scattered at a small angle by one mirror, cut off by a
-// rim, rejoins the mode at the other (docs/theory/diffraction.md, eq. 8.11 to 8.14). The walk does not include it: it
-// follows light that a surface absorbs, reflects or scatters, while this is the wave that an edge emits because the
-// baffle blocks light, whatever its material.
+// Diffraction at rims between the mirrors of a cavity: light scattered at a small angle by one mirror, clipped by an
+// edge, rejoins the mode at the other (docs/theory/diffraction.md, eq. 8.11 to 8.14). The walk does not include it: it
+// follows light that a surface absorbs, reflects or scatters. This wave arises because the baffle blocks light, and is
+// independent of its material.
 #pragma once
 
 #include <complex>
@@ -14,7 +14,7 @@
 
 namespace straytrace::trace {
 
-// What one rim carries from footprint `source` to footprint `goal`. `amplitude`: recoupled field over that of the mode,
+// Coupling by one rim from footprint `source` to footprint `goal`. `amplitude`: recoupled field over that of the mode,
 // its phase against the straight way from mirror to mirror. `gradient`: its derivative by the six coordinates of each
 // body, as those of a Phase sensitivity.
 struct EdgeWave {
@@ -28,7 +28,7 @@ struct EdgeWave {
   double path_length = 0;         // m, mean over the rim
   double seen = 0;                // part of the rim that both mirrors see
   double patches = 0;             // of speckle around the rim: 2 pi a w/(lambda l), at the mirror where there are more
-  std::vector<PathRecord> teeth;  // what random teeth scatter besides the mean field; powers add
+  std::vector<PathRecord> teeth;  // scattered by random teeth besides the mean field; powers add
 };
 EdgeWave edge_wave(World const&, std::uint32_t source, std::uint32_t goal, InnerRim const&);
 

@@ -9,7 +9,7 @@
 namespace straytrace::trace {
 namespace {
 
-// Points of a four-dimensional low-discrepancy sequence: where on the first patch, where on the second.
+// Points of a four-dimensional low-discrepancy sequence: the point on the first patch and that on the second.
 struct Pair {
   double u1, v1, u2, v2;
 };
@@ -140,7 +140,7 @@ class Quadrature {
     }
     return sum / samples_;
   }
-  // A point drawn on a goal, and what light from p, per unit of intensity over d^2, scores there.
+  // A point drawn on a goal, and the score there of light from p, per unit of intensity over d^2.
   struct Arrival {
     Vec3 point;
     SurfaceId surface;

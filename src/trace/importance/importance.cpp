@@ -30,7 +30,7 @@ class Builder {
   }
 
  private:
-  // In units of what each goal receives in all; goals that no light reaches are left out.
+  // In units of the total light of each goal; goals that no light reaches are omitted.
   std::vector<Worth> in_own_units() const {
     std::vector<Worth> all;
     bool const lit = std::any_of(sides_.begin(), sides_.end(), [](Exchange const& e) { return !e.by_law.empty(); });
@@ -39,14 +39,14 @@ class Builder {
       double total = 0;
       for (std::size_t i = 0; i < sides_.size(); ++i)
         if (!sides_[i].by_law.empty()) total += forward_score(i, adjoint);
-      if (!lit) total = *std::max_element(adjoint.begin(), adjoint.end());  // free beams alone: any unit will do
+      if (!lit) total = *std::max_element(adjoint.begin(), adjoint.end());  // only free beams: any unit will do
       if (!(total > 0)) continue;
       for (double& a : adjoint) a /= total;
       all.push_back(std::move(worth));
     }
     return all;
   }
-  // Where the pilot has seen enough paths it may raise an adjoint: the exchange knows no mirrors and no glass.
+  // Where the pilot has enough paths it may raise an adjoint: the exchange neglects mirrors and glass.
   void learn() {
     constexpr std::uint64_t enough = 64;
     World steered = world_;

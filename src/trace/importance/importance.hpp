@@ -20,11 +20,11 @@ struct ImportanceSettings {
   unsigned threads = 0;                     // 0: all cores; does not affect the tables
 };
 
-// Light that leaves patch i, its arrival on each side of patch j, and the score it will make: the linear system
+// Light leaving patch i, its arrival on each side of patch j, and its expected score: the linear system
 //   A_i = D_i + albedo_i sum_j F_ij A_j
 // with F the diffuse exchange by quadrature over pairs of points with visibility, and D the connections to all goals.
 // Emitting patches choose their targets with their true BSDF. Each goal counts in units of its own total, so that faint
-// ports are sampled too. A pilot run raises the adjoints of light that reaches goals by way of mirrors or glass.
+// ports are sampled too. A pilot run raises the adjoints of light that reaches goals through mirrors or glass.
 SteeringTables make_importance(World const&, ImportanceSettings const& = {});
 
 // Prepares a world for tracing within its limits: receivers behind glass, adjoint tables, targets, cells of maps. The
@@ -34,7 +34,7 @@ SteeredWorld steer(World&, unsigned threads = 0);
 // Marks the receivers that see part of the scene through lenses or mirrors (trace/step/specular_connection.hpp).
 void find_covered_receivers(World&);
 
-// The strips alone, each its own patch.
+// Only the strips, each its own patch.
 SteeringTables make_strips(World const&);
 // Bounds of a strip; parts of surfaces by twenty of their points.
 Box bounds_of(WorldView const&, Strip const&);

@@ -24,7 +24,7 @@ struct Cluster {
   double size = 0;                    // m, diagonal of the box of all
   double seen = 0;                    // size over the distance from the nearest beam or receiver
 };
-// The next to be cut: the largest as seen from where it matters, then the largest, then the first of the scene.
+// The next to be cut: the largest as seen from the nearest beam or receiver, then the largest, then the first.
 struct LessUrgent {
   bool operator()(Cluster const& a, Cluster const& b) const {
     if (a.seen != b.seen) return a.seen < b.seen;
@@ -50,7 +50,7 @@ class Merger {
     }
   }
 
-  // Starts with whatever may be joined at all and cuts until there are enough.
+  // Starts with the largest allowed patches and cuts until there are enough.
   std::vector<std::vector<std::uint32_t>> clusters(std::size_t most) const {
     std::priority_queue<Cluster, std::vector<Cluster>, LessUrgent> waiting;
     std::vector<std::vector<std::uint32_t>> done;
@@ -69,7 +69,7 @@ class Merger {
   }
 
  private:
-  // What strips must have in common; the last are given up first when there would be too many kinds.
+  // Common properties of the strips of a patch; the last are dropped first when there are too many kinds.
   static constexpr int most_common = 5;
   using Common = std::array<std::uint32_t, most_common>;
   Common common(std::uint32_t strip, int kept) const {
@@ -91,7 +91,7 @@ class Merger {
   }
 
   Cluster cluster(std::vector<std::uint32_t> strips) const {
-    constexpr double nearest = 0.01;  // of the size: everything nearer is as urgent
+    constexpr double nearest = 0.01;  // of the size: everything nearer has equal priority
     Cluster c{std::move(strips)};
     Box box;
     for (std::uint32_t const i : c.strips) box.add(boxes_[i]);
@@ -158,8 +158,8 @@ namespace {
 
 constexpr std::size_t most_edges = 256;
 
-// Places along a long wall where the light changes: the ends of everything that stands in it, and a ladder of growing
-// steps away from each lit surface and from its own ends.
+// Places along a long wall where the light changes: the ends of all objects inside it, and geometrically growing steps
+// away from each lit surface and from its own ends.
 std::vector<double> wall_edges(World const& world, std::vector<Vec3> const& places, Cylinder const& wall) {
   double const length = wall.to - wall.from;
   std::vector<double> heights;

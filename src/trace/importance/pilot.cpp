@@ -57,7 +57,7 @@ namespace {
 
 // Numbers of histories that neither the trace nor the pilot of the adjoints uses.
 constexpr std::uint64_t first_of_maps = 3ull << 62, histories = 1 << 14;
-// Arrivals count whatever their power: one that carries most of it would otherwise leave a single cell.
+// Arrivals count whatever their power: otherwise one with most of the power would leave a single cell.
 constexpr double most_arrivals_in_cell = 12;
 constexpr std::size_t most_cells = 512, most_arrivals = 1 << 17;
 

@@ -41,7 +41,7 @@ class Trials {
   Trials(WorldView const& world, std::uint32_t receiver, std::vector<bool> const& lit)
       : world_(world), receiver_(receiver), lit_(lit) {}
 
-  // Sub-paths that found something that scatters, or that a beam lights. Sums of 1/density and of its square.
+  // Sub-paths that reached a scattering surface, or one lit by a beam. Sums of 1/density and of its square.
   struct Found {
     int hits = 0;
     double etendue = 0, square = 0;
@@ -105,7 +105,7 @@ void find_covered_receivers(World& world) {
   WorldView const view = world.view();
   std::vector<bool> const lit = lit_surfaces(view);
   for (std::uint32_t i = 0; i < view.receivers.size; ++i) {
-    if (view.polarised) {  // sub-paths know no polarisation: the walk alone does
+    if (view.polarised) {  // sub-paths neglect polarisation; only the walk includes it
       world.cover_receiver(i, false);
       continue;
     }

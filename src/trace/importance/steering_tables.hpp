@@ -12,7 +12,7 @@ namespace straytrace::trace {
 
 // Exchange of light between patches, by quadrature over pairs of points with visibility.
 
-// Where light goes from one side of a patch, by sides.
+// Light leaving one side of a patch, by sides of arrival.
 struct Arriving {
   std::vector<float> share;
   std::vector<float> peak;  // mean square over mean of the share, over the pairs of points
@@ -43,7 +43,7 @@ struct Worth {
 // part of it, is
 //   R = sum_j F_j^2 A_j^2 / (alpha F_j + (1 - alpha) q_j) / (sum_j F_j A_j)^2        (within patches by quadrature)
 // R - 1 of the scene is paid at every hop still to come; R of a part is paid once, by a path through a part that the
-// BSDF model rarely finds. The share chosen minimises
+// BSDF model rarely samples. The share chosen minimises
 //   sum over goals of  ln(1 + hops (R - 1)) + 1/4 mean over parts of ln R_part
 double best_law_share(Arriving const& arriving, double emitted, std::vector<Target> const& targets,
                       std::vector<Worth> const& worths, std::size_t side, std::vector<std::uint32_t> const& part_of,
@@ -62,8 +62,8 @@ std::vector<Target> targets_of(Parts const&, std::vector<float> const& transfer,
 
 // For scenes with more strips than the tables have rows: joins neighbours until there are at most `most` patches.
 // Strips of one patch belong to one body and group and have one finish, and strips of lit surfaces and of receivers
-// stay with their own surface, as far as `most` allows. Patches are small where beams and receivers are near and may be
-// large where they are far.
+// are not joined with other surfaces, as far as `most` allows. Patches are small where beams and receivers are near and
+// may be large where they are far.
 void merge_strips(World const&, std::size_t most, SteeringTables&);
 
 // Scores of paths after they arrived on each side of each patch, from a short separate run. It includes mirrors and

@@ -11,7 +11,7 @@ namespace straytrace::trace {
 namespace {
 
 // Adds the effort for one goal: half by worth; half evenly over the bodies, and over the groups of each, that are worth
-// anything, since a faint part of the scene may be the one that shakes.
+// anything, since a faint part of the scene may be the one that moves.
 void add_goal(std::vector<double>& effort, std::vector<double> const& worth, Parts const& parts) {
   std::vector<double> of_part(parts.body.size(), 0);
   double total = 0;
@@ -33,7 +33,7 @@ void add_goal(std::vector<double>& effort, std::vector<double> const& worth, Par
 Parts parts_of(World const& world, SteeringTables const& tables) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> numbers;
   Parts parts;
-  for (Patch const& p : tables.patches) {  // its first strip speaks for it
+  for (Patch const& p : tables.patches) {  // represented by its first strip
     SurfaceId const id = tables.strips[tables.members[p.first].strip].surface;
     Surface const& surface = world.surfaces()[id.value];
     auto const [at, added] =
@@ -77,7 +77,7 @@ std::vector<Target> targets_of(Parts const& parts, std::vector<float> const& tra
 namespace {
 
 constexpr int choices = 8;
-constexpr double weight_of_parts = 0.25;  // measured: more costs enclosures, less gains nothing elsewhere
+constexpr double weight_of_parts = 0.25;  // measured: more slows enclosures, less gains nothing elsewhere
 using PerChoice = std::array<double, choices>;
 
 struct Sums {  // of one goal over one part of the scene

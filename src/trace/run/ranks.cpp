@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A message is a line of words, followed by sums. To rank 0: "hello", "here" (still at work), "sums", "failed". From
-// rank 0: "do FIRST END", "halt" (end the blocks under way), "home" (the job is over).
+// A message is a line of words, followed by sums. To rank 0: "hello", "here" (still running), "sums", "failed". From
+// rank 0: "do FIRST END", "halt" (end the blocks in progress), "home" (the job is over).
 #include "trace/run/ranks.hpp"
 
 #include <fmt/format.h>
@@ -52,19 +52,19 @@ void RankScheduler::take(Transport::Message const& message, BlockQueue& block_qu
   if (word == "failed") throw NumericalError(fmt::format("rank {} has failed: {}", message.from, rest));
   if (word == "hello") {
     if (rest != ranks_.identity)
-      throw InputError(fmt::format("rank {} has another model or another straytrace than rank 0", message.from),
+      throw InputError(fmt::format("rank {} and rank 0 differ in model or version of straytrace", message.from),
                        "start all ranks with the same program and files, on a shared file system");
     member.ready = true;
     return;
   }
-  if (!member.busy) {  // it was lost: others have its blocks
+  if (!member.busy) {  // lost: others have its blocks
     member.ready = true;
     return;
   }
   SumTree done = ranks_.unpack(rest);
   std::vector<BlockRange> const left = done.missing(*member.busy);
   double blocks = double(member.busy->size());
-  for (BlockRange const& range : left) {  // something else told it to stop
+  for (BlockRange const& range : left) {  // stopped by another cause
     block_queue.give_back(range);
     blocks -= double(range.size());
     member.ready = false;

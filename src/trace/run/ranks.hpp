@@ -41,7 +41,7 @@ struct Ranks {
 
 void stop_workers(Transport&);  // from rank 0 to all others: the job is over
 
-// The other ranks, seen from rank 0.
+// The other ranks, as seen by rank 0.
 class RankScheduler final : public RemoteWorkers {
  public:
   explicit RankScheduler(Ranks const& ranks) : ranks_(ranks), members_(std::size_t(ranks.transport.size())) {}

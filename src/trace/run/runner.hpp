@@ -63,7 +63,7 @@ class BlockQueue {
 class RemoteWorkers {
  public:
   virtual ~RemoteWorkers() = default;
-  // Sends blocks and adds the sums that came back. `stop`: sends no more and ends the blocks under way.
+  // Sends blocks and adds returned sums. `stop`: sends no more and ends the blocks in progress.
   virtual void serve(BlockQueue&, bool stop, std::function<void(SumTree)> const& add) = 0;
   virtual bool idle() const = 0;
 };

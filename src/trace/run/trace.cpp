@@ -16,10 +16,10 @@ namespace straytrace::trace {
 namespace {
 
 // Error of the mean of a column that is zero on average. If its events are so rare that few or none were drawn, their
-// spread says nothing. For the roulette the odds are known. In `sampling` the rare events are directions that the BSDF
-// model draws towards targets (strata leave no other spread): none of mu expected ones is drawn with the probability
-// exp(-mu), which for mu = 15 is that of five standard errors, and each changes the total of a history by no more than
-// the range of the totals drawn (docs/theory/errors.md).
+// spread is meaningless. For the roulette the odds are known. In `sampling` the rare events are directions that the
+// BSDF model draws towards targets (strata leave no other spread): none of mu expected ones is drawn with the
+// probability exp(-mu), which for mu = 15 is that of five standard errors, and each changes the total of a history by
+// no more than the range of the totals drawn (docs/theory/errors.md).
 double spread_of(BalanceTerm balance_term, Estimate const& e, BlockSums const& total) {
   constexpr double unseen = 15.0 / 5;  // standard errors
   double const n = double(total.histories);
@@ -37,12 +37,12 @@ void check_energy_balance(BlockSums const& total) {
     double const rounding = 1e-12 * total.emitted.sum / double(total.histories);
     bool const sound = total.blocks >= 32 && e.scored >= 100 && e.variance_of_variance < 0.1;
     if (sound && std::fabs(e.mean) > 5 * spread_of(balance_term, e, total) + rounding)
-      throw NumericalError(std::string("the mean of the column '") + name_of(balance_term) +
+      throw NumericalError(std::string("the mean of '") + name_of(balance_term) +
                            "' of the energy balance lies more than five standard errors from zero");
   }
   if (std::fabs(sum - total.emitted.sum) > 1e-9 * total.emitted.sum)
-    throw NumericalError("the energy balance does not close: its terms sum to " +
-                         std::to_string(sum / total.emitted.sum) + " of what was emitted");
+    throw NumericalError("the energy balance is violated: its terms sum to " + std::to_string(sum / total.emitted.sum) +
+                         " of the emitted power");
 }
 
 CouplingTable coupling_table(SteeredWorld const& world, TraceSettings const& settings, BlockSums const& total) {

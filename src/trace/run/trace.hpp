@@ -38,12 +38,12 @@ struct TraceSettings {
   std::string stop_rule;               // in words, kept with the result
   std::uint32_t good_checks = 0;       // consecutive checks passed before a resumed run was stopped
   std::function<void(TraceProgress const&)> progress;
-  std::atomic<bool> const* stop = nullptr;  // finish the blocks under way and return
-  // Gets the result so far from time to time; a run resumed from it ends with the same bits.
+  std::atomic<bool> const* stop = nullptr;  // finish the blocks in progress and return
+  // Receives the result so far from time to time; a run resumed from it ends with the same bits.
   std::function<void(TraceResult const&)> checkpoint;
   double checkpoint_seconds = infinity;
   Ranks const* ranks = nullptr;  // this process is rank 0 of several (trace/run/ranks.hpp)
-  SumTree resume;                // blocks done before; what is missing between them is done first
+  SumTree resume;                // blocks done before; gaps between them are filled first
   double seconds_before = 0;     // that they took
   // Deterministic classes, computed without the walk (deterministic_class()); part of the table, also of that for
   // `error`.

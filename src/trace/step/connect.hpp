@@ -84,13 +84,13 @@ STRAY_HD void score_hit(WorldView const& world, PathState const& path, Vertex co
     if (world.lit[i].receives && world.lit[i].surface == vertex.surface) arrive_at(world, path, vertex, i, sink);
 }
 
-// The straight way from a vertex to a point: direction, length, and the BSDF of the vertex in this direction.
+// The straight line from a vertex to a point: direction, length, and the BSDF of the vertex in this direction.
 struct Way {
   Vec3 out;           // unit vector from the vertex
   Vec3 wo;            // the same, local
   double length = 0;  // m
   double bsdf = 0;    // 1/sr; 0: no light
-  double kept = 1;    // share not absorbed on the way
+  double kept = 1;    // share not absorbed on the line
   STRAY_HD double geometry(double cosine) const { return std::fabs(wo.z) * cosine / (length * length); }  // 1/m^2
 };
 STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {
@@ -104,14 +104,14 @@ STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {
   way.kept = kept_along(world, way.wo.z < 0 ? vertex.after : vertex.before, way.length);
   return way;
 }
-// Density per area with which the walk would have sampled this way, including the choice of the lobe.
+// Density per area with which the walk would have sampled this line, including the choice of the lobe.
 STRAY_HD double walk_density(WorldView const& world, PathState const& path, Vertex const& vertex, Way const& way,
                              std::uint32_t patch, double cosine) {
   double const lobe = path.order == 0 ? 1 : vertex.albedo / vertex.kept();
   double const law = scatter_pdf(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
   return lobe * per_area(mixture_pdf(world, vertex.side(), law, patch, way.length, cosine), way.length, cosine);
 }
-// Whether anything hides y, the far end of the way.
+// Whether anything hides y, the far end of the line.
 STRAY_HD bool blocked(WorldView const& world, Vertex const& vertex, Way const& way, Vertex const& y) {
   return world.occluded({vertex.point, way.out, way.length - world.slack(y.surface, way.length, y.wi.z)},
                         {vertex.surface, vertex.piece, vertex.contact}, vertex.surface == y.surface);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The state of one path, what a vertex does to it, and the rolling name of its route.
+// The state of one path, its interaction at a vertex, and the rolling name of its route.
 #pragma once
 
 #include "optics/coating/fresnel.hpp"

@@ -53,7 +53,7 @@ STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex c
   sink.score(path, y, goal, arrival_number(goal), y, power * weight);
 }
 
-// Light that hits a receiver: its surface, or a measuring plane on the way.
+// Light that hits a receiver: its surface, or a measuring plane that the leg crosses.
 template <class Sink>
 STRAY_HD void receive(WorldView const& world, PathState const& path, Vertex const& vertex, Sink& sink) {
   if (world.receivers.size == 0) return;

@@ -56,7 +56,7 @@ STRAY_HD double finish_hop_weight(WorldView const& world, PathState& path, Verte
   }
   double const alpha = law_share(world, hop.side);
   double const aimed = vertex && alpha < 1 ? aimed_pdf(world, hop.side, vertex->patch, vertex->leg, vertex->wi.z) : 0;
-  if (hop.aim.valid() && !(aimed > 0)) {  // in the plane of its target, which rounding let it pass
+  if (hop.aim.valid() && !(aimed > 0)) {  // in the plane of its target, which it passed by rounding
     hop.pdf = 0;
     return 0;
   }
@@ -116,7 +116,7 @@ STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, Pa
 }
 
 // Density per area with which the walk reached the vertex, by a scattered hop or straight from the plane of a free
-// beam; 0 for other ways.
+// beam; 0 otherwise.
 STRAY_HD double reached_density(WorldView const& world, PathState const& path, Vertex const& vertex) {
   if (!path.coherent || path.hop.left_by != Event::emit) return per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
   return world.lit[path.source].passing(vertex.point).irradiance * vertex.wi.z / double(world.emitters.size);

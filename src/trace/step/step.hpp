@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The simulation: emission, the step (one hop and one vertex of one path), the weight window, and the loop over a
-// history (docs/theory/path_integral.md; docs/theory/sampling.md). All other code prepares the world or adds up.
+// history (docs/theory/path_integral.md; docs/theory/sampling.md). All other code prepares the world or sums the
+// scores.
 //
 // The only output goes to a Sink:
 //   emitted(path, vertex)                     a history starts: power scattered out of the mode by its first vertex
@@ -82,7 +83,7 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
 }
 
 // The weight window keeps the population of paths constant (docs/theory/sampling.md): bright or important paths are
-// split; faint ones survive by chance with their power raised, so the mean is kept. The importance of a path is its
+// split; faint ones survive roulette with their power raised, so the mean is kept. The importance of a path is its
 // power times the adjoint.
 constexpr double window_width = 5;  // paths within this factor of the target are not changed
 constexpr std::uint32_t most_copies = 16;

@@ -10,8 +10,8 @@
 
 namespace straytrace::trace {
 
-// Addresses kept for replay: those of one block suffice up to 256 blocks, then their number grows with that of the
-// blocks up to the limit (records_kept()). Part of the run-file schema.
+// Addresses kept for replay: as many as for one block up to 256 blocks, then in proportion to the blocks up to
+// the limit (records_kept()). Part of the run-file schema.
 constexpr std::size_t records_per_class = 512, most_records = 4096;
 
 // Sorts by priority, keeps the largest above the threshold and raises the threshold to the largest priority dropped.

@@ -17,7 +17,7 @@ namespace straytrace::trace {
 
 namespace {
 
-// What all paths of a route have in common. Rejoining by the mode it left, a path adds in amplitude to its reverse.
+// Properties common to all paths of a route. A path that rejoins the mode it left adds in amplitude to its reverse.
 void describe(MadeClass& made, World const& world, ReplayedPath const& path) {
   CouplingClass& c = made.row;
   auto const& beams = world.footprints();
@@ -67,8 +67,8 @@ MadeClass make_class(SteeredWorld const& world, std::uint64_t hash, ClassSums co
 }
 
 // Routes that are not resolved on their own, of one port: one row whose error comes from the replicas, so that scores
-// of one history in several of them are not taken for independent. Replicas do not see a heavy tail that they share:
-// where routes that failed for theirs carry most of it, the row fails too.
+// of one history in several of them are not taken for independent. Replicas do not reveal a heavy tail that they share:
+// where most of the row comes from routes rejected for their tail, it is rejected too.
 class Leftover {
  public:
   void take(CouplingClass const& c, Moments const& moments) {
@@ -110,7 +110,7 @@ class Leftover {
   }
 
  private:
-  // Keeps the largest, with the reason why they are here.
+  // Keeps the largest, with the reason for each.
   void note(CouplingClass const& c) {
     FoldedRoute const route{c.hash,
                             c.steps,
@@ -144,12 +144,12 @@ class Leftover {
   CouplingClass merged_;
   Moments moments_;
   bool moments_known_ = true;  // second moments of the phase sensitivities of all routes so far
-  double heavy_sum_ = 0;       // of the means of routes that failed for their tail
+  double heavy_sum_ = 0;       // of the means of routes rejected for their tail
   std::uint64_t heavy_routes_ = 0;
   FoldedRoute heaviest_;
 };
 
-// Light that no target was aimed at, by the end it reaches and the surface it came from last.
+// Light by directions without a target, by its end and its last surface.
 class OffList {
  public:
   void take(CouplingClass const& c, CouplingTable const& table) {
@@ -208,7 +208,7 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
   std::sort(made.begin(), made.end(), [](auto const& a, auto const& b) { return a.row.hash < b.row.hash; });
   for (auto& [c, moments, beam, back, reversible] : made) {
     off_list.take(c, table);
-    bool const direct = c.steps.size() == 1 || c.steps.size() == 2;  // a matter of its own: mirror to mirror
+    bool const direct = c.steps.size() == 1 || c.steps.size() == 2;  // separate: mirror to mirror
     if (direct || (c.coupling.trusted && !c.steps.empty()))
       list_of(c).push_back(std::move(c));
     else
@@ -273,7 +273,7 @@ std::string folded_name(CouplingTable const& table, FoldedRoute const& route) {
 
 namespace {
 
-// The route of `made` run backwards, with its numbers.
+// The reversed route of `made`, with its numbers.
 MadeClass mirrored(MadeClass const& made, std::uint64_t hash) {
   MadeClass other = made;
   other.row.hash = hash;
@@ -345,7 +345,7 @@ void add_deterministic(CouplingTable& table, std::vector<CouplingClass> const& c
   std::sort(table.classes.begin(), table.classes.end(), [](auto const& a, auto const& b) { return a.hash < b.hash; });
   auto const twice = std::adjacent_find(table.classes.begin(), table.classes.end(),
                                         [](auto const& a, auto const& b) { return a.hash == b.hash; });
-  if (twice != table.classes.end()) throw NumericalError("two routes have one hash: " + route_name(table, *twice));
+  if (twice != table.classes.end()) throw NumericalError("two routes have the same hash: " + route_name(table, *twice));
 }
 
 }  // namespace straytrace::trace

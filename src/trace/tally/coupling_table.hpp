@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sums of a trace -> coupling table, with named routes and replayed records; routes sampled by their reverse.
+// Sums of a trace -> coupling table, with named routes and replayed records; routes taken from their reverse.
 #pragma once
 
 #include <vector>
@@ -17,7 +17,7 @@ CouplingTable make_coupling_table(SteeredWorld const&, BlockSums const& total, s
 // surface, but cannot reflect into the mode of another one (`ITM·S > baffle·S > ITM·R > ETM·S`), while `ETM·S > ITM·R >
 // baffle·S > ITM·S` is easy to sample.
 
-// A row of the coupling table while it is made.
+// A row of the coupling table under construction.
 struct MadeClass {
   CouplingClass row;
   Moments moments;
@@ -35,7 +35,7 @@ std::vector<PathStep> backwards(std::vector<PathStep> steps);
 // scored, never their value, so it causes no bias.
 void mirror_poorly_sampled(std::vector<MadeClass>& classes);
 
-// A deterministic class: light that no walk of rays finds, computed once (docs/theory/diffraction.md), without a
+// A deterministic class: light that the walk cannot sample, computed once (docs/theory/diffraction.md), without a
 // Monte-Carlo error. The weights of the records, all positive, sum to its coupling, which counts the
 // ordered path alone; `reverse` is C_rev (docs/theory/path_integral.md, eq. 1.5). The hash names kind, steps and port.
 CouplingClass deterministic_class(ClassKind, std::vector<PathStep> steps, PortId, double reverse,

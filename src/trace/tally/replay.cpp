@@ -178,7 +178,7 @@ std::vector<PhaseSensitivity> phase_sensitivities_of(World const& world, std::ve
   for (PassedVertex const& v : vertices)
     if (v.surface.valid())
       add_hit(phase_sensitivities, world, v.surface, v.point, k * (v.n_in * v.in - v.n_out * v.out));
-  // The way of the beam to the lit surface and, for light that rejoins, the way back.
+  // The path of the beam to the lit surface and, for light that rejoins, the path back.
   for (std::uint32_t const end : ends_of(world, source, goal))
     for (PhaseSensitivity const& fed : world.feeds()[end].phase_sensitivities) {
       PhaseSensitivity& phase_sensitivity = phase_sensitivity_of(phase_sensitivities, fed.body);

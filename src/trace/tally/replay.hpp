@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Traces one history again for what the sums do not hold: route, phase sensitivities and optical length of a kept score
-// (docs/theory/phase.md, eq. 2.2 to 2.5).
+// Traces one history again for quantities that are not in the sums: route, phase sensitivities and optical length of a
+// kept score (docs/theory/phase.md, eq. 2.2 to 2.5).
 #pragma once
 
 #include <optional>

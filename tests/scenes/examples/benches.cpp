@@ -101,7 +101,7 @@ TEST(VibratingMirror, FringesOfTheChiefRayE2b) {
   EXPECT_NEAR(fastest_fringe_of(folder / "a.h5"), 1240.10, 0.01);
   Finished const slow = straytrace({"project", folder / "a.h5", "--duration", "2s", "--rate", "256"});
   EXPECT_EQ(slow.code, 2);
-  EXPECT_THAT(slow.err, HasSubstr("makes 1240.1 Hz"));
+  EXPECT_THAT(slow.err, HasSubstr("reaches 1240.1 Hz"));
   EXPECT_THAT(slow.err, HasSubstr("write a rate of 8192 Hz"));
 }
 

@@ -80,7 +80,7 @@ TEST(Hostile, ScenesThatExplode) {
         {expression("0/0"), "division by zero"},
         {expression("nan"), "'nan' is not a finite number"},
         {"params: {a: b, b: a}\nnoise: {margin: a}\n", "parameter 'a' depends on itself (a -> b -> a)"},
-        {"noise: {band: [1e-300 Hz, 1e300 Hz]}\n", "the band goes beyond 1 nHz to 1 THz"},
+        {"noise: {band: [1e-300 Hz, 1e300 Hz]}\n", "the band exceeds 1 nHz to 1 THz"},
         {"include: [../../../../../../../../proc/self/mem]\n", "proc/self/mem': Input/output error"},
         {"include: [arm.yaml]\n", "'arm.yaml' includes itself"}}) {
     write_text(folder / "arm.yaml", "straytrace: 1\n" + text);

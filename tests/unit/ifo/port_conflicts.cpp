@@ -64,8 +64,8 @@ TEST(PortConflicts, LengthsOfCavities) {
     return d.scene.warnings();
   };
   for (std::string const& longer : {std::string("preset: ce"), closed + "40 km"})
-    EXPECT_THAT(warnings(longer), HasSubstr("the cavity of port 'ITM' is 3000 m long, but the arms of the "
-                                            "interferometer are 40000 m long"));
+    EXPECT_THAT(warnings(longer), HasSubstr("the cavity of port 'ITM' is 3000 m long, and the arms of the "
+                                            "interferometer 40000 m"));
   for (std::string const& same : {std::string("preset: adv"), closed + "3.02 km"})
     EXPECT_THAT(warnings(same), IsEmpty()) << "control: within 1 %, and a cavity outside the arms";
 }
@@ -83,7 +83,7 @@ TEST(PortConflicts, KeysThatDoNothing) {
   EXPECT_THAT(detector(unit + "m}}", files).problems, HasSubstr("'darm' would have no effect"));
   EXPECT_THAT(detector(unit + "W}}", files).problems, IsEmpty());
   std::string const servo = "preset: adv, loss_difference: 20 ppm, frequency_servo: {gain: 9}";
-  EXPECT_THAT(detector(servo).scene.warnings(), HasSubstr("'frequency_servo' suppresses light at 'input-bench'"));
+  EXPECT_THAT(detector(servo).scene.warnings(), HasSubstr("'frequency_servo' quiets light at 'input-bench'"));
   EXPECT_THAT(detector(servo + ", ports: {bench: {at: input-bench}}").scene.warnings(), IsEmpty());
 }
 

@@ -116,7 +116,8 @@ TEST(MotionOfARun, MayOmitBodiesThatNoLightMeets) {
   EXPECT_EQ(told(tower, true, {false, true}), "");
   EXPECT_THAT(told(tower, true, {true, true}), HasSubstr("body 'ground' has no motion"));
   EXPECT_THAT(told(ground, true, {false, true}), HasSubstr("body 'tower' has no motion"));
-  EXPECT_THAT(told(tower + ground, true, {false, true}), HasSubstr("warning: body 'ground' has a motion but no parts"));
+  EXPECT_THAT(told(tower + ground, true, {false, true}),
+              HasSubstr("warning: body 'ground' moves, but no part belongs"));
   EXPECT_EQ(told(tower + ground, true, {true, true}), "");
   EXPECT_EQ(told(ground + "  tower: {motion: {follows: ground}}\n", true, {false, true}), "");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The engine on an NVIDIA device. Only launches are in here: what the threads do is in trace/backend/device and in the
-// headers of the physics, which are those of the host.
+// The engine on an NVIDIA device. This file contains only launches: the work of the threads is in trace/backend/device
+// and in the physics headers shared with the host.
 #include "trace/backend/device/noinline.hpp"
 //
 #include <cuda_runtime.h>
@@ -11,7 +11,7 @@
 namespace straytrace::trace::device {
 namespace {
 
-constexpr int threads = 128;  // of a block: small, since what they do lasts very differently long
+constexpr int threads = 128;  // of a block: small, since run times of threads differ widely
 
 __global__ void __launch_bounds__(threads) walk_kernel(std::uint32_t workers, DeviceWalk walk) {
   std::uint32_t const worker = blockIdx.x * threads + threadIdx.x;
@@ -62,6 +62,6 @@ class Cuda {
 extern "C" __attribute__((visibility("default"))) straytrace::trace::DeviceEngine* straytrace_device_engine(
     std::uint32_t abi) {
   if (abi != straytrace::trace::device_abi)
-    throw std::runtime_error("libstraytrace_cuda.so belongs to another version of straytrace");
+    throw std::runtime_error("libstraytrace_cuda.so is from another version of straytrace");
   return new straytrace::trace::device::EngineBody<straytrace::trace::device::Cuda>();
 }

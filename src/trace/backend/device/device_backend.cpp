@@ -28,7 +28,7 @@ HistoryRun run_on_host(WorldView const& world, std::uint64_t seed, std::uint64_t
   return {record_of(tally), {tally.totals(), tally.scores(), tally.arrivals(), tally.cells()}};
 }
 
-// Whoever comes first with the device free takes all blocks that wait and runs them for everyone.
+// The first thread to find the device free takes all waiting blocks and runs them for all threads.
 class DeviceBackend final : public Backend {
  public:
   DeviceBackend(std::string name, std::unique_ptr<DeviceEngine> engine, DeviceSettings settings)
@@ -97,7 +97,7 @@ class DeviceBackend final : public Backend {
     }
     return batch;
   }
-  // The world is copied when it is first seen.
+  // The world is copied at its first use.
   void load(World const* world, WorldView const& view) const {
     if (loaded_ == world) return;
     WorldImage const image(view);
@@ -217,12 +217,13 @@ BlockSums BatchBlocks::block(std::uint32_t position, std::uint64_t number) const
 }
 
 std::unique_ptr<DeviceEngine> load_engine(std::string const& library) {
-  // Never unloaded: objects of its classes may outlive whoever loaded it.
+  // Never unloaded: objects of its classes may outlive the loader.
   void* const loaded = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!loaded) throw InputError(dlerror(), "build it again, or use --backend cpu");
   auto const make = reinterpret_cast<MakeDeviceEngine>(dlsym(loaded, "straytrace_device_engine"));
   if (!make)
-    throw InputError(fmt::format("'{}' is no engine of straytrace", library), "build it again, or use --backend cpu");
+    throw InputError(fmt::format("'{}' is not an engine of straytrace", library),
+                     "build it again, or use --backend cpu");
   try {
     return std::unique_ptr<DeviceEngine>(make(device_abi));
   } catch (std::exception const& e) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A backend whose histories run on a device. Blocks that several host threads ask for at the same time go there
-// together, so it wants many callers.
+// A backend whose histories run on a device. Blocks requested by several host threads at the same time run
+// together, so it needs many callers.
 #pragma once
 
 #include "trace/backend/backend.hpp"
@@ -10,7 +10,7 @@ namespace straytrace::trace {
 
 // The engine in a shared library. Throws InputError when the library cannot be loaded or finds no device.
 std::unique_ptr<DeviceEngine> load_engine(std::string const& library);
-// The engine of CUDA, from beside the program or from ../lib/straytrace. Throws InputError when it was not built or
+// The CUDA engine, from the folder of the program or from ../lib/straytrace. Throws InputError when it was not built or
 // finds no device.
 std::unique_ptr<DeviceEngine> cuda_engine();
 bool has_cuda_engine();  // whether it was built
@@ -21,7 +21,7 @@ struct DeviceSettings {
 };
 std::unique_ptr<Backend> device_backend(std::string name, std::unique_ptr<DeviceEngine>, DeviceSettings = {});
 
-// Sums of block number `position` of a batch, as the host would have made them.
+// Sums of block number `position` of a batch, equal to those of the host.
 class BatchBlocks {
  public:
   BatchBlocks(World const&, BatchSums);

@@ -14,7 +14,7 @@
 
 namespace straytrace::trace {
 
-// Which histories a batch holds: whole blocks, any of them. Within the batch they are numbered from 0.
+// The histories of a batch: any set of whole blocks. Within the batch they are numbered from 0.
 struct BatchHistories {
   std::uint64_t const* blocks = nullptr;
   STRAY_HD std::uint64_t operator()(std::uint32_t number) const {
@@ -22,7 +22,7 @@ struct BatchHistories {
   }
 };
 
-// `history`: its number in the batch; `place` counts what one history wrote.
+// `history`: its number in the batch; `place` counts the records of one history.
 constexpr std::uint32_t no_history = 0xffffffffu;  // a place that was reserved and not used
 template <class T>
 struct Recorded {
@@ -35,10 +35,10 @@ struct HistoryRecord {
   double column[batch_columns];
   double window_variance;
   std::uint64_t bounces, lost;
-  std::uint32_t again;  // it did not fit: the host has to run it; bits of what was short
+  std::uint32_t again;  // out of space: the host has to run it; bits of the lists that were full
 };
 
-// Of what there was too little: bit i for list i of TallyLists, bit 4 + i for the list that all histories share.
+// Lists that were full: bit i for list i of TallyLists, bit 4 + i for the list that all histories share.
 constexpr int shared_list = 4;
 
 template <template <class> class List>
@@ -98,7 +98,7 @@ struct BatchRows {
 };
 using BatchSums = BatchRows<GrowingList>;
 
-// What one history would have written: for those that did not fit.
+// The records of one history: for those that ran out of space.
 struct HistoryRun {
   HistoryRecord record;
   TallyLists<GrowingList> lists;
@@ -107,7 +107,7 @@ struct HistoryRun {
 struct BatchOrder {
   std::uint64_t seed = 1;
   std::vector<std::uint64_t> blocks;
-  // Room for what one history writes: totals, scores, arrivals, cells; 0: as much as the engine thinks good.
+  // Space for the records of one history: totals, scores, arrivals, cells; 0: chosen by the engine.
   std::uint32_t room = 0;
 };
 
@@ -122,8 +122,8 @@ struct DeviceFacts {
 };
 
 struct BatchCounts {
-  std::uint64_t run_again = 0;  // histories that did not fit
-  std::size_t bytes = 0;        // of device memory that this engine holds
+  std::uint64_t run_again = 0;  // histories out of space
+  std::size_t bytes = 0;        // of device memory used by this engine
 };
 
 // Paths that move together, in the order of phase_sum (noise/time_domain/phase_sum.hpp): `phase_sensitivity` by path
@@ -137,7 +137,7 @@ class DeviceEngine {
  public:
   virtual ~DeviceEngine() = default;
   virtual DeviceFacts facts() const = 0;
-  // Memory for the image of a world; what it held before is lost.
+  // Memory for the image of a world; its previous content is lost.
   virtual void* room_for_world(std::size_t bytes) = 0;
   virtual void load_world(std::span<std::byte const> placed) = 0;
   // Sums of the blocks, in the order of blocks. `again` runs a history on the host.
@@ -145,7 +145,7 @@ class DeviceEngine {
   virtual std::vector<std::complex<double>> phase_sum(PhaseOrder const&) = 0;
 };
 
-// What the library offers under the name `straytrace_device_engine`: throws std::runtime_error, with the reason in
+// The library exports this as `straytrace_device_engine`: throws std::runtime_error, with the reason in
 // words, when there is no device.
 using MakeDeviceEngine = DeviceEngine* (*)(std::uint32_t abi);
 constexpr std::uint32_t device_abi = 1;  // changes with anything in this file or in what it includes

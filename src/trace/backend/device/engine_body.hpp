@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An engine for any machine that the library of parallel algorithms serves. What is left to the machine:
+// An engine for any machine supported by the library of parallel algorithms. The machine provides:
 //   facts()                     see engine.hpp
-//   workers(), stride()         of the walk (walk.hpp)
+//   workers(), stride()         of the walk (history_kernel.hpp)
 //   launch(workers, walk)       runs walk(0) to walk(workers - 1)
 #pragma once
 
@@ -103,7 +103,7 @@ class EngineBody final : public DeviceEngine {
   std::vector<std::complex<double>> phase_sum(PhaseOrder const& order) override { return summed_phases(order); }
 
  private:
-  // For what one history writes into each list: at most, and on average. Grows when it was not enough.
+  // Capacity for the records of one history in each list: at most, and on average. Grows after an overflow.
   struct Room {
     std::uint32_t most, mean;
   };
@@ -145,8 +145,8 @@ class EngineBody final : public DeviceEngine {
     list.resize(std::min<std::size_t>(list.size(), taken));
   }
 
-  // Histories that did not fit are run on the host; their records are added to the lists, which the order of the sums
-  // then treats like all others.
+  // Histories that ran out of space are run on the host; their records are added to the lists, which the order of the
+  // sums then treats like all others.
   std::uint64_t run_rest(BatchOrder const& order, std::function<HistoryRun(std::uint64_t)> const& again) {
     auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
     auto const n = std::uint32_t(histories_.size());
@@ -188,7 +188,7 @@ class EngineBody final : public DeviceEngine {
     return world_.size() + histories_.capacity() * sizeof(HistoryRecord) + totals_.bytes() + scores_.bytes() +
            arrivals_.bytes() + cells_.bytes();
   }
-  // As long as it is a small part of the memory: sorting takes about as much again, and stacks take theirs.
+  // As long as it is a small part of the memory: sorting needs about as much again, and stacks need space.
   void make_room(std::uint32_t short_of) {
     if (bytes() > machine_.facts().memory / 8) return;
     for (int i = 0; i < lists; ++i) {

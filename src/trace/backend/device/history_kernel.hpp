@@ -34,7 +34,7 @@ STRAY_HD TallyLists<Slab> part_of(TallyLists<Slab> const& all, std::uint32_t wor
   return {all.totals.part(worker), all.scores.part(worker), all.arrivals.part(worker), all.cells.part(worker)};
 }
 
-// Adds to a counter that all threads share; returns what it was.
+// Adds to a counter shared by all threads; returns the old value.
 STRAY_HD std::uint32_t taken_from(std::uint32_t* counter, std::uint32_t count) {
 #if defined(__CUDA_ARCH__)
   return atomicAdd(counter, count);
@@ -43,7 +43,7 @@ STRAY_HD std::uint32_t taken_from(std::uint32_t* counter, std::uint32_t count) {
 #endif
 }
 
-// A common list. Places are handed out in any order; sorting by (history, place) afterwards makes it one again.
+// A common list. Places are handed out in any order; sorting by (history, place) afterwards restores the order.
 template <class T>
 struct CommonList {
   Recorded<T>* data = nullptr;
@@ -65,7 +65,7 @@ struct CommonLists {
   HistoryRecord* histories = nullptr;
   TallyLists<CommonList> lists;
 
-  // All of a history or nothing of it.
+  // All of a history or nothing.
   STRAY_HD void land(std::uint32_t history, DeviceTally const& tally) const {
     HistoryRecord record = record_of(tally);
     record.again = put(history, tally);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// To be included first where a device compiles the walk. Its compiler copies every inline function to where it is used,
-// a hundred times over for shapes, laws and searches; these are called here instead: one body each, a kernel that
-// compiles in minutes instead of hours and is small enough for the instruction cache.
+// To be included first where a device compiles the walk. Its compiler inlines every inline function at every call,
+// a hundred times for shapes, BSDF models and searches. These are called here instead: the kernel then compiles in
+// minutes instead of hours and is small enough for the instruction cache.
 #pragma once
 
 #if defined(__NVCC__)
 #define STRAY_CALLED __noinline__ __host__ __device__ inline
 
-// What the headers below include is left as it is.
+// Headers included by those below are unaffected.
 #include "base/math/vec3.hpp"
 #include "beams/footprint.hpp"
 #include "optics/coating/specular_types.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Records put in order, and cut where what they have in common changes. The library sorts on the host when it is
+// Sorts records and splits them where their common key changes. The library sorts on the host when it is
 // compiled for it: the same source is tested there (tests/device). All orders are sorts of one kind of key, so that the
 // sort of a device is compiled once.
 #pragma once
@@ -39,7 +39,7 @@ void for_each_number(std::size_t count, F const& f) {
   thrust::for_each(thrust::device, zero, zero + std::uint32_t(count), f);
 }
 
-// The words of a key make an order without ties, so it does not matter how the records came to stand where they do.
+// Keys define an order without ties, so the initial order of the records does not matter.
 struct SortKey {
   static constexpr int words = 5;
   std::uint64_t word[words] = {};
@@ -56,7 +56,7 @@ struct SortKey {
     return true;
   }
 };
-constexpr std::uint64_t nothing = ~std::uint64_t{0};  // first word of what does not count: it comes last
+constexpr std::uint64_t nothing = ~std::uint64_t{0};  // first word of unused records: they come last
 STRAY_HD std::uint64_t pair_of(std::uint32_t high, std::uint32_t low) { return std::uint64_t(high) << 32 | low; }
 // A word that falls while the number, not negative, rises.
 STRAY_HD std::uint64_t falling(double x) { return ~bits_of(x); }
@@ -85,7 +85,7 @@ struct Begins {
   int words;
   STRAY_HD bool operator()(std::uint32_t i) const { return i == 0 || !keys[i].shares(words, keys[i - 1]); }
 };
-// Where runs of keys with the same first words begin, and the end of the last; without what does not count.
+// Where runs of keys with the same first words begin, and the end of the last; without unused records.
 inline Array<std::uint32_t> runs(Array<SortKey> const& keys, int words) {
   auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
   auto const n = std::uint32_t(keys.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sums over the histories of each block by route and by receiver, on the device, in the order in which BlockSink adds:
-// one thread per row, history after history, so that no bit depends on who was first. No atomics.
+// one thread per row, history after history, so that no bit depends on thread order. No atomics.
 #pragma once
 
 #include "trace/backend/device/engine.hpp"
@@ -17,7 +17,7 @@ template <class T>
 STRAY_HD std::uint64_t block_of(Recorded<T> const& r) {
   return r.history == no_history ? nothing : r.history / largest_block;
 }
-// By block and route, then as the histories wrote them.
+// By block and route, then in the order written by the histories.
 template <class T>
 struct AsWritten {
   Recorded<T> const* records;
@@ -115,7 +115,7 @@ inline void make_kept_rows(Array<ScoreRecord> const& scores, Array<KeptRow>& row
   for_each_number(rows.size(), CopyKept{largest, data_of(rows), data_of(kept)});
 }
 
-// What each history brought to each receiver: its totals there, in the order in which they were first met. The route of
+// Totals of each history at each receiver, in the order of their first score. The route of
 // these totals is the number of the end.
 struct ByReceiver {
   TotalRecord const* records;
@@ -151,7 +151,7 @@ struct MakeBlockRow {
   HistoryRecord const* histories;
   BlockRow* rows;
   BatchHistories number;
-  // Number i: column i % (batch_columns + 1) of a block; the last one sums what has no moments.
+  // Number i: column i % (batch_columns + 1) of a block; the last one sums columns without moments.
   STRAY_HD void operator()(std::uint32_t i) const {
     std::uint32_t const block = i / (batch_columns + 1), column = i % (batch_columns + 1);
     std::uint32_t const begin = block * std::uint32_t(largest_block), end = begin + std::uint32_t(largest_block);
@@ -204,7 +204,7 @@ inline void make_group_rows(Array<ArrivalRecord> const& arrivals, BatchHistories
   for_each_number(rows.size(), MakeGroupRow{run_of(arrivals, keys, starts), data_of(rows), number});
 }
 
-// What one score adds to the cell of one map: number i is map i % 4 of record i / 4.
+// The contribution of one score to the cell of one map: number i is map i % 4 of record i / 4.
 using CellsRecord = Recorded<HistoryCells>;
 struct CellOf {
   CellsRecord const* records;

@@ -10,8 +10,8 @@
 namespace straytrace::trace {
 namespace {
 
-// What a type points to: calls f(view) for each of its arrays. A type that is not named here has none; the test
-// device_world finds one that was forgotten.
+// The arrays of a type: calls f(view) for each of them. A type that is not listed has none; the test device_world
+// detects omissions.
 template <class T, class F>
 void arrays_of(T const&, F const&) {}
 
@@ -100,7 +100,7 @@ void arrays_of(WorldView const& x, F const& f) {
 
 }  // namespace
 
-// Instances of one mesh share their arrays: what has been put is not put again.
+// Instances of one mesh share their arrays, which are stored once.
 class WorldImage::Writer {
  public:
   explicit Writer(WorldImage& image) : image_(image) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A world as one run of bytes that can be put anywhere, into the memory of a device for example: the view first, then
-// every array that it or anything in it points to.
+// A world as one relocatable block of bytes, for example for the memory of a device: the view first, then every array
+// that it references, directly or indirectly.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ class WorldImage {
 
  private:
   struct Pointer {
-    std::size_t at, to;  // offsets: of the pointer, and of what it points to
+    std::size_t at, to;  // offsets: of the pointer, and of its target
   };
   class Writer;
 
