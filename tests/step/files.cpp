@@ -125,7 +125,7 @@ TEST(step_files, converted_files_are_checked) {
   EXPECT_THAT(what(good.substr(0, good.size() - 20)), HasSubstr("damaged"));
   EXPECT_THAT(what("{\"asset\": {}}"), HasSubstr("not CAD geometry"));
   EXPECT_THAT(what(with(good, "\"straytrace_cad\":1", "\"straytrace_cad\":2")), HasSubstr("version 2"));
-  EXPECT_THAT(what(with(good, "\"kind\":\"plane\"", "\"kind\":\"plain\"")), HasSubstr("'plain' is no kind"));
+  EXPECT_THAT(what(with(good, "\"kind\":\"plane\"", "\"kind\":\"plain\"")), HasSubstr("'plain' is not a kind"));
   EXPECT_THAT(what(with(good, "\"radius\":0.015", "\"radius\":-0.015")), HasSubstr("not positive"));
 }
 

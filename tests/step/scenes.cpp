@@ -60,7 +60,7 @@ TEST(step_scenes, kept_conversions_run_without_the_converter) {
   ::setenv("STRAYTRACE_STEP", STRAY_PROGRAM "-step", 1);
   EXPECT_EQ(again.errors, "");
   EXPECT_EQ(again.world.fingerprint(), first.world.fingerprint());
-  EXPECT_THAT(control.errors, HasSubstr("read by the program straytrace-step, which is neither beside"));
+  EXPECT_THAT(control.errors, HasSubstr("need the program straytrace-step, which is neither next to"));
   EXPECT_THAT(control.errors, HasSubstr("scripts/setup"));
 }
 

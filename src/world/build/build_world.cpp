@@ -51,7 +51,7 @@ World build_world(Scene const& scene) {
   return world;
 }
 
-// The table `media`: what volumes are filled with. Also the wavelength, which indices and films need first.
+// The table `media`: the filling of volumes. Also the wavelength, which indices and films need first.
 
 namespace {
 
@@ -81,7 +81,7 @@ void read_media(Scene const& scene, World& world, Registry& names) {
   for (auto const& [name, node] : scene.table("media").items()) {
     Medium medium;
     if (node.has("preset")) {
-      if (node.has("index")) node.problem("'preset' and 'index' say the same thing twice", "keep one of them");
+      if (node.has("index")) node.problem("'preset' and 'index' both set the index", "keep one of them");
       auto const found = find_medium(node["preset"], world, Registry{});
       if (found) medium = *found;
     } else {
@@ -110,7 +110,7 @@ std::optional<Medium> find_medium(Node const& where, World const& world, Registr
   std::string const near = nearest_word(name, known);
   std::string all;
   for (std::string const& k : known) all += (all.empty() ? "" : ", ") + k;
-  where.problem(fmt::format("no medium is called '{}'", name),
+  where.problem(fmt::format("medium '{}' is not defined", name),
                 near.empty() ? "known media: " + all : fmt::format("did you mean '{}'?", near));
   return {};
 }
@@ -172,15 +172,15 @@ double smallest_rim(World const& world) {
   return radius;
 }
 
-// Teeth and offsets that the smallest rim has no room for.
+// Teeth and offsets that are too large for the smallest rim.
 void check_sizes(Node const& table, World const& world) {
   double const radius = smallest_rim(world);
   if (!(radius < infinity)) return;
   EdgeSettings const& edges = world.edges;
   auto const refuse = [&](std::string_view key, double size, double most, char const* of) {
     if (!table.has(key) || !(size >= most)) return;
-    table[key].problem(fmt::format("{} of {:.4g} m does not fit a rim of radius {:.4g} m", key, size, radius),
-                       fmt::format("take less than {:.4g} m, {} of the smallest rim in 'surfaces'", most, of));
+    table[key].problem(fmt::format("{} of {:.4g} m is too large for an edge of radius {:.4g} m", key, size, radius),
+                       fmt::format("choose less than {:.4g} m, {} of the smallest edge in 'surfaces'", most, of));
   };
   refuse("offset", length(edges.offset), radius, "the radius");
   refuse("tooth_height", edges.tooth_height, radius, "the radius");
@@ -212,8 +212,8 @@ void read_edges(Scene const& scene, World& world, Registry const& names) {
   std::string const sum = table.choice("sum", sums, "independent");
   edges.sum = EdgeSettings::Sum(std::find(sums.begin(), sums.end(), sum) - sums.begin());
   if (!has_cavity(world) && table.healthy())
-    table.problem("no beam is the mode of a cavity, between whose mirrors rims could diffract",
-                  "add 'beams: {arm: {cavity: [ITM, ETM]}}', or leave 'edges' out");
+    table.problem("no beam is the mode of a cavity, so no edge can diffract between its mirrors",
+                  "add 'beams: {arm: {cavity: [ITM, ETM]}}', or remove 'edges'");
   table.refuse_unknown("'edges'");
 }
 

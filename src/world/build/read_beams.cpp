@@ -38,7 +38,7 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
   for (auto const& [name, node] : scene.table("beams").items()) {
     double const wavelength = node.number("wavelength", dim::length, 1.064e-6, 1e-7, 1e-4);
     if (!first && wavelength != world.wavelength)
-      node.problem("all beams of a scene share one wavelength", "trace other wavelengths in scenes of their own");
+      node.problem("all beams of a scene must have the same wavelength", "trace each wavelength in a separate scene");
     world.wavelength = wavelength;
     first = false;
     Lighting light{name, std::uint32_t(beams.names.size())};
@@ -67,11 +67,11 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
   }
   read_ports(scene, world, names, beams);
   warn_of_closed_ends(scene, world);
-  if (scene.root().data()->misspelt) return;  // which may be what is missing
+  if (scene.root().data()->misspelt) return;  // it may be the cause
   if (beams.names.empty())
-    scene.root().problem("no beam lights the scene", "add 'beams: {arm: {cavity: [ITM, ETM]}}'");
+    scene.root().problem("the scene has no beam", "add 'beams: {arm: {cavity: [ITM, ETM]}}'");
   else if (scene.table("ports").items().empty() && scene.table("receivers").items().empty())
-    scene.root().problem("there is no port where light could rejoin, and no receiver",
+    scene.root().problem("the scene has neither a port where light can rejoin nor a receiver",
                          "add 'ports: {ITM: {beam: arm, at: ITM}}', or 'receivers: {PD: {on: SURFACE}}'");
 }
 
@@ -125,7 +125,7 @@ void read_cavity(Node const& beam, Node const& cavity, Registry const& names, Wo
   auto const mirrors = cavity.as_list();
   Mirror one, two;
   if (mirrors.size() != 2) {
-    cavity.problem("a cavity has two mirrors here", "write for example cavity: [ITM, ETM]");
+    cavity.problem("a cavity has two mirrors", "write for example cavity: [ITM, ETM]");
     return;
   }
   bool const found = read_mirror(mirrors[0], names, world, one);
@@ -189,7 +189,7 @@ void read_polarisation(Node const& beam, Vec3 travel, World& world, Footprint& f
   if (!vector) return;
   Vec3 const across = *vector - dot(*vector, travel) * travel;
   if (!(length(across) > 1e-6))
-    return given.problem("the polarisation lies along the beam", "give a direction across it");
+    return given.problem("the polarisation is parallel to the beam", "give a direction across the beam");
   f.polarisation = {unit(across), 1, 0, 0};
   world.polarised = true;
 }
@@ -234,7 +234,7 @@ void read_free(Node const& beam, Registry const& names, World& world, Lighting c
   f.share = light.power * beam.number("share", dim::plain, 1, 0, 1);
   read_polarisation(beam, f.travel, world, f);
   if (std::find(world.groups().begin(), world.groups().end(), light.name) != world.groups().end())
-    return beam.problem(fmt::format("an entry of 'scene' is called '{}' already", light.name),
+    return beam.problem(fmt::format("an entry of 'scene' is already called '{}'", light.name),
                         "routes begin with the name of the beam: choose another");
   if (!facing || !known_place(f.centre)) return;  // all else of the beam has been read
   f.origin = world.add_group(light.name);
@@ -242,14 +242,14 @@ void read_free(Node const& beam, Registry const& names, World& world, Lighting c
   world.add_footprint(f);
   if (!lit.wanted) return;
   if (f.profile != Profile::gaussian)
-    return beam["lit"].problem("only a Gaussian beam can be followed through the scene", "leave 'profile' out");
+    return beam["lit"].problem("only a Gaussian beam can propagate through the scene", "remove 'profile'");
   light_up(beam, lit, names, world, light);
 }
 
 void read_spot(Node const& beam, Registry const& names, World& world, Lighting const& light) {
   if (read_lit(beam, names).wanted)
-    beam["lit"].problem("'on' states what the beam lights, so 'lit' finds nothing more",
-                        "launch the beam with 'from' and 'facing', or leave 'lit' out");
+    beam["lit"].problem("'on' states the lit surface, so 'lit' has no effect",
+                        "launch the beam with 'from' and 'facing', or remove 'lit'");
   Footprint f;
   f.surface = find_surface(beam["on"], names);
   f.profile = read_profile(beam);
@@ -404,12 +404,12 @@ void open(Port const& port, World& world, Beams const& beams) {
   std::string const& beam = beams.names[port.beam];
   Node const place = port.at == Port::At::everywhere ? port.node["beam"] : port.node["at"];
   if (lit)
-    place.problem(fmt::format("the port '{}' is open there already", taken), "a spot of a beam belongs to one port");
+    place.problem(fmt::format("port '{}' is already there", taken), "a spot of a beam can belong to only one port");
   else if (port.at == Port::At::everywhere)
-    place.problem(fmt::format("beam '{}' lights no surface that scatters", beam), "nothing can rejoin it");
+    place.problem(fmt::format("beam '{}' illuminates no surface that scatters", beam), "nothing can rejoin it");
   else
-    place.problem(fmt::format("beam '{}' does not light '{}'", beam, port.node.word("at")),
-                  "ports lie where their beam meets a surface");
+    place.problem(fmt::format("beam '{}' does not illuminate '{}'", beam, port.node.word("at")),
+                  "place the port where its beam meets a surface");
 }
 
 }  // namespace

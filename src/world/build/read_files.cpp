@@ -30,7 +30,7 @@ std::string some_of(std::vector<std::string> const& names) {
 
 std::string last_piece(std::string const& name) { return name.substr(name.rfind('/') + 1); }
 
-// What rules of a file can name.
+// Names that rules of a file can use.
 std::vector<std::string> words_of(std::vector<PartLabel> const& parts) {
   std::vector<std::string> words;
   auto const add = [&](std::string const& word) {
@@ -113,7 +113,7 @@ std::uint32_t PartRules::optic(PartLabel const& part, Registry const& names) {
 void PartRules::report(Scene::Instance const& instance, std::string const& name,
                        std::vector<PartLabel> const& parts) const {
   std::vector<std::string> const words = words_of(parts);
-  std::string const all = words.empty() ? "it names no parts and no materials; write 'default' only"
+  std::string const all = words.empty() ? "the file names no parts and no materials; write only 'default'"
                                         : fmt::format("it has: {}", some_of(words));
   for (Rule const& r : rules_) {
     if (r.used) continue;
@@ -449,7 +449,7 @@ PlacedCadShape trimmed(CadFileFace const& f, std::vector<ChartLoop> loops, doubl
   return {face, about(f.frame, scale * f.frame.origin, false)};
 }
 
-// Natural bounds of a face that looks inwards, as a window of its chart.
+// Natural bounds of a face with an inward normal, as a window of its chart.
 std::vector<ChartLoop> window(CadFileFace const& f) {
   double low = f.from, high = f.to;
   if (f.carrier == Carrier::cone) {

@@ -92,7 +92,7 @@ ShareTable read_share_table(Node const& node) {
   ShareTable table;
   auto const angles = node["angle"].as_list();
   if (angles.size() < 2) {
-    node.problem("a coating needs two angles or more",
+    node.problem("a coating needs at least two angles",
                  "write {angle: [0 deg, 60 deg, 90 deg], reflect: [0.01, 0.05, 1]}, {file: NAME}, or a preset");
     return {};
   }
@@ -126,7 +126,7 @@ void row_problem(Node const& node, ShareTable const& t, std::size_t row, std::st
     node["file"].file_problem(t.file, t.line[row], 1, std::move(what), std::move(suggestion));
 }
 
-// Nothing when the table is wrong, and reported.
+// Empty when the table is wrong; the problem is reported.
 std::vector<CoatingRow> rows_of(Node const& node, ShareTable const& t) {
   std::vector<CoatingRow> rows;
   bool const absorbs = t.columns.contains("absorb");
@@ -146,11 +146,12 @@ std::vector<CoatingRow> rows_of(Node const& node, ShareTable const& t) {
     if (i > 0 && !(t.angle[i] > t.angle[i - 1]))
       row_problem(node, t, i,
                   fmt::format("angle {:.6g} deg does not come after {:.6g} deg", degrees, t.angle[i - 1] * 180 / pi),
-                  "sort the rows by rising angle of incidence");
+                  "sort the rows by increasing angle of incidence");
     else if (least < 0 || sum > 1 + 1e-9)
       row_problem(
           node, t, i,
-          fmt::format("the coating makes light: at {:.6g} deg it reflects {:.6g}, transmits {:.6g} and scatters "
+          fmt::format("the coating violates energy conservation: at {:.6g} deg it reflects {:.6g}, transmits {:.6g} "
+                      "and scatters "
                       "{:.6g}",
                       degrees, 0.5 * (r.reflect_s + r.reflect_p), 0.5 * (r.transmit_s + r.transmit_p), r.scatter),
           "no share may be negative, and for s and p each they must not exceed 1 together");
@@ -174,7 +175,7 @@ bool check_columns(Node const& node, ShareTable const& t) {
     }
   }
   if (t.columns.contains("scatter") && t.columns.contains("absorb")) {
-    node.problem("'scatter' and 'absorb' say the same thing twice", "keep one; the other is what is left over");
+    node.problem("'scatter' and 'absorb' set the same share twice", "keep one; the other is the remainder");
     return false;
   }
   return true;
@@ -207,7 +208,7 @@ std::vector<CoatingRow> checked_rows(Node const& node, ShareTable const& table) 
   return {};
 }
 
-// Between two wavelengths, at every angle that one of them has: shares are mixed, which makes no light.
+// Between two wavelengths, at every angle that one of them has: shares are mixed, which conserves power.
 std::vector<CoatingRow> mixed(std::vector<CoatingRow> const& low, std::vector<CoatingRow> const& high, double share,
                               bool scatters) {
   Storage storage;
@@ -251,7 +252,7 @@ std::vector<CoatingRow> rows_for_light(Node const& node, ShareTable const& table
   if (above == known.begin() || above == known.end()) {
     node.problem(fmt::format("the light has {:.6g} nm, and the table covers {:.6g} to {:.6g} nm", light * 1e9,
                              known.begin()->first * 1e9, known.rbegin()->first * 1e9),
-                 "add rows for the wavelength of the beams, or leave the column out if it makes no difference");
+                 "add rows for the wavelength of the beams, or remove the column if it has no effect");
     return {};
   }
   auto const below = std::prev(above);
@@ -281,7 +282,7 @@ std::optional<Coating> coating_preset(Node const& node, World& world) {
     names.emplace_back(p.name);
   }
   std::string const near = nearest_word(node.text(), names);
-  node.problem(fmt::format("no coating is called '{}'", node.text()),
+  node.problem(fmt::format("coating '{}' is not defined", node.text()),
                near.empty() ? fmt::format("write '{}' or a table {{angle: ..., reflect: ...}}", names.front())
                             : fmt::format("did you mean '{}'?", near));
   return {};
@@ -309,7 +310,7 @@ struct Reader {
 
   Complex opaque(Node const& s) const {
     if (!s.has("index")) {
-      if (s.has("extinction")) s.problem("'extinction' without 'index'", "give 'index', the real part, too");
+      if (s.has("extinction")) s.problem("'extinction' needs 'index'", "give 'index', the real part, too");
       return {};
     }
     Complex const n{index(s["index"]), s.number("extinction", dim::plain, 0, 0, 1000)};
@@ -338,7 +339,7 @@ struct Reader {
       }
       auto const numbers = entry.as_list();
       if (entry.kind() != Node::Kind::list || numbers.size() < 2 || numbers.size() > 3) {
-        entry.problem("a layer is a list of its index and its thickness",
+        entry.problem("a layer is a list of index and thickness",
                       "write [2.07, quarter], [1.45, 183 nm] or, with extinction, [2.07, quarter, 1e-6]");
         continue;
       }
@@ -401,7 +402,7 @@ void read_word(Node const& s, World& world, Optic& optic) {
   if (s.text() == "fresnel")
     set_interface(optic, world.add_interface(Fresnel{}));
   else if (s.text() != "absorber")
-    s.problem(fmt::format("no interface is called '{}'", s.text()), std::string(known));
+    s.problem(fmt::format("interface '{}' is not defined", s.text()), std::string(known));
 }
 
 }  // namespace
@@ -437,13 +438,13 @@ void prescribe_scatter(Node const& material, World& world, Optic& optic) {
   if (optic.laws == 0) optic.law[optic.laws++] = world.add_law(Lambertian{1});
   if (optic.laws > 1 || optic.through[0] || optic.weight[0].size > 0) {
     material.problem(
-        "the coating says how much is scattered in all",
-        "give one law without a weight, whose total is then ignored, or remove 'scatter' or 'absorb' there");
+        "the coating states the total scatter",
+        "give one BSDF model without a weight, whose total is then ignored, or remove 'scatter' or 'absorb' there");
     return;
   }
   if (optic.lay != Lay::free)
-    return material.problem("the coating says how much is scattered in all, and grooves scatter by direction",
-                            "remove 'scatter' or 'absorb' of the coating, or use another law");
+    return material.problem("the coating states the total scatter, but scatter by grooves depends on direction",
+                            "remove 'scatter' or 'absorb' of the coating, or use another BSDF model");
   SpecularPool const interfaces = world.view().interfaces;
   AngleWeight const weight = weight_for_share(
       world.view().laws, optic.law[0], [&](double cosine) { return prescribed_scatter(interfaces, optic, cosine); });

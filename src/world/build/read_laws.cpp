@@ -23,8 +23,7 @@ bool first_of(Node const& law, std::string_view first, std::string_view second) 
   return given;
 }
 
-// Numbers and the either-or key of a model, all with what they mean. False, and problems, when the model cannot be
-// made.
+// Numbers and alternative keys of a model, with their meaning. False, and problems, when the model cannot be built.
 template <class Model>
 bool read_model_keys(Node const& law, Model& model) {
   ModelKeys<Model> const keys = Model::keys();
@@ -107,12 +106,12 @@ void read_polynomial(Node const& law, LawReading& out) {
 
 namespace {
 
-// How the grooves run; all of one material run one way.
+// Direction of the grooves; the same for all models of a material.
 bool read_lay(Node const& law, Optic& optic) {
   static constexpr std::array<std::string_view, 2> words = {"around", "along"};
   Node const node = law["lay"];
   if (!node) {
-    law.problem("key 'lay' (how the grooves run) is missing",
+    law.problem("key 'lay' (direction of the grooves) is missing",
                 "write lay: around (turned), lay: along (drawn) or a direction of the scene, [1, 0, 0]");
     return false;
   }
@@ -126,7 +125,8 @@ bool read_lay(Node const& law, Optic& optic) {
     lay = law.choice("lay", words) == "along" ? Lay::along : Lay::around;
   }
   bool const other = optic.lay != Lay::free && (optic.lay != lay || length(optic.lay_direction - direction) > 1e-9);
-  if (other) node.problem("the grooves of one material run one way", "give all models of the material the same 'lay'");
+  if (other)
+    node.problem("the grooves of one material have one direction", "give all models of the material the same 'lay'");
   optic.lay = lay;
   optic.lay_direction = direction;
   return !other;
@@ -140,7 +140,7 @@ void read_grooves(Node const& law, LawReading& out) {
   bool sound = whole && laid;
   for (char const* key : {"through", "weight"})
     if (Node const other = law[key]) {
-      other.problem(fmt::format("'grooves' has no '{}'", key), "leave it out, or use another model");
+      other.problem(fmt::format("'grooves' does not take '{}'", key), "remove it, or use another model");
       sound = false;
     }
   if (!sound) return;
@@ -161,7 +161,7 @@ void read_defects(Node const& law, LawReading& out) {
   if (!(covered >= 0 && diameter > 0 && wavelength > 0 && albedo >= 0)) return;
   if (diameter < 2 * wavelength) {
     law["diameter"].problem(
-        "defects this small are not obstacles (docs/theory/surfaces.md, eq. 3.24 is for large ones)",
+        "defects this small do not block light (docs/theory/surfaces.md, eq. 3.24 is for large ones)",
         "give their total as 'tis', or use 'dust' with its size");
     return;
   }
@@ -219,7 +219,7 @@ void read_factor(Node const& law, Roughness& p) {
     p.factor.permittivity_re = n * n - k * k;
     p.factor.permittivity_im = 2 * n * k;
   } else {
-    if (law.has("extinction")) law.problem("'extinction' without 'index'", "give 'index', the real part, too");
+    if (law.has("extinction")) law.problem("'extinction' needs 'index'", "give 'index', the real part, too");
     p.factor.reflectance = law.number("reflectance", dim::plain, 1, 0, 1);
   }
 }
@@ -289,11 +289,10 @@ HeightSpectrum points_of(Node const& law, std::string const& name, bool profile)
   for (CsvTable::Row const& row : file.rows) {
     double const f = row.values[0], value = row.values[1];
     if (!(f > 0) || (!points.empty() && f <= points.back().f))
-      return problem(row.line(), row.cells[0].column, "the frequency is not above the one before",
-                     "sort the rows; leave out f = 0");
+      return problem(row.line(), row.cells[0].column, "the frequency does not increase", "sort the rows; remove f = 0");
     if (!(value > 0))
       return problem(row.line(), row.cells[1].column, fmt::format("spectrum {:g} at {:g} 1/m", value, f),
-                     "a density is above zero; leave out points below the noise floor");
+                     "a density must be positive; remove points below the noise floor");
     points.push_back({f, value});
   }
   if (points.size() < 2) return problem(file.rows[0].line(), 1, "fewer than two rows", "give at least two frequencies");
@@ -335,8 +334,9 @@ void read_file(Node const& law, LawReading& out, Roughness& p) {
   for (SpectrumPoint const& q : points)
     if (!(q.value > 0))
       return law["file"].problem(
-          fmt::format("the profile spectrum rises beyond {:.3g} 1/m, so no isotropic surface has it", q.f),
-          "smooth it or cut it there");
+          fmt::format("the profile spectrum rises beyond {:.3g} 1/m, which is impossible for an isotropic surface",
+                      q.f),
+          "smooth it, or end it there");
   tabulate(p, points, wavelength, beyond);
   out.note(fmt::format("rms roughness {:.4g} nm between {:.3g} and {:.3g} 1/m, where '{}' is given; {} beyond",
                        1e9 * rms, low, high, name, beyond));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Readers of the BSDF models of a material (docs/reference/scatter). Each records its problems in the scene and appends
-// the models it made; most make one.
+// its models; most append one.
 #pragma once
 
 #include <span>
@@ -15,7 +15,7 @@ namespace straytrace::world {
 struct LawReading {
   World& world;
   std::string material;
-  std::vector<PoolRef> laws;    // what was read
+  std::vector<PoolRef> laws;    // results
   Optic* optic = nullptr;       // of the material
   ScatterSpread spread = {};    // of a preset, around the case that is taken
   std::string wavelength = {};  // stated by the file of the model now read

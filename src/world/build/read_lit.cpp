@@ -14,14 +14,14 @@
 namespace straytrace::world {
 namespace {
 
-constexpr std::size_t most_spots = 2000;  // every one of them is connected to from every vertex
+constexpr std::size_t most_spots = 2000;  // every vertex connects to each of them
 
 // A part of a CAD file has many faces; the first bears its name, the others are NAME/face_2 and so on.
 bool names_surface(std::string const& pattern, std::string const& name) {
   return matches(pattern, name) || matches(pattern + "/face_*", name);
 }
 
-// Patterns under a key; each must fit the name of some surface, or of an entry whose problem is reported.
+// Patterns under a key; each must match the name of a surface, or of an entry whose problem is reported.
 std::vector<std::string> patterns(Node const& table, std::string_view key, Registry const& names) {
   std::vector<std::string> all, known;
   for (auto const& [name, id] : names.surfaces) known.push_back(name);
@@ -106,7 +106,7 @@ class Collector final : public BeamSink {
   double floor_;
 };
 
-// Spots of the beam itself that lie on one surface in one mode: the beam runs together again there (a Michelson).
+// Spots of the beam itself on one surface in one mode: the beam recombines there (a Michelson).
 void warn_of_recombining(Node const& beam, std::string const& name, World const& world,
                          std::vector<Collector::Met> const& met) {
   constexpr double alike = 0.1;  // share of power in the other mode
@@ -127,7 +127,7 @@ void warn_of_recombining(Node const& beam, std::string const& name, World const&
       "how fields add depends on path lengths that no drawing knows: leave one way, or state the light by 'on'");
 }
 
-// The worst spot of the beam itself on each object that it does not fit on.
+// The worst spot of the beam itself on each object that is too small for it.
 void warn_of_light_beside(Node const& beam, std::string const& name, World const& world,
                           std::vector<Collector::Met> const& met) {
   std::map<std::uint32_t, std::pair<double, int>> worst;  // by group: share beside it, spots
@@ -157,9 +157,8 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
     Collector list(cavity, wanted, wish.floor);
     grow_tree(world, launch, {wish.floor, wish.order}, list);
     if (list.count > most_spots)
-      beam["lit"].problem(
-          fmt::format("'{}' makes {} spots; {} are followed at most", light.name, list.count, most_spots),
-          "raise 'floor', lower 'order', or name surfaces by 'only'");
+      beam["lit"].problem(fmt::format("'{}' produces {} spots; the limit is {}", light.name, list.count, most_spots),
+                          "raise 'floor', lower 'order', or restrict surfaces with 'only'");
     warn_of_recombining(beam, light.name, world, list.met);
     double const share = world.footprints()[launch.footprint].share;
     for (auto const& [spot, way] : list.met)

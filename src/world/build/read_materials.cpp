@@ -78,7 +78,7 @@ void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info
   if (!model.empty()) law.refuse_unknown(fmt::format("BSDF model '{}'", model));
 }
 
-// Dust scatters all light at grazing: stated shares become a coating, which never sends out more than is left.
+// Dust scatters all light at grazing incidence: stated shares become a coating, which conserves power.
 void yield_to_dust(MaterialInfo const& info, World& world, Optic& optic) {
   bool dusty = false;
   for (LawInfo const& law : info.laws) dusty = dusty || law.model == "dust";
@@ -116,11 +116,10 @@ void check_energy(std::string const& name, Node const& node, Optic const& optic,
     SpecularShares const s = specular_shares(world.interfaces, optic, cosine, 1, 1, true, scattered);
     if (!(s.reflect + s.transmit + (1 - quadrature) * scattered > 1 + 1e-9))
       continue;  // NaN: a value is missing, and reported
-    node.problem(
-        fmt::format("material '{}' makes light: at {:.0f} deg of incidence it reflects {:.6g}, transmits {:.6g} "
-                    "and scatters {:.6g}, together more than 1",
-                    name, std::acos(cosine) * 180 / pi, s.reflect, s.transmit, scattered),
-        "lower one of them; what is left over is absorbed");
+    node.problem(fmt::format("material '{}' violates energy conservation: at {:.0f} deg of incidence it reflects "
+                             "{:.6g}, transmits {:.6g} and scatters {:.6g}, together more than 1",
+                             name, std::acos(cosine) * 180 / pi, s.reflect, s.transmit, scattered),
+                 "lower one of them; the remainder is absorbed");
     return;
   }
 }
@@ -136,7 +135,7 @@ void read_materials(Scene const& scene, World& world, Registry& names) {
     optic.depolarise = node.number("depolarise", dim::plain, 1, 0, 1);
     LawReading reading{world, name, {}, &optic};
     std::string const said = said_of(node);
-    node.has("like");  // taken over already
+    node.has("like");  // already adopted
     if (node.has("preset")) {
       LawInfo const about = read_preset(node, reading, optic);
       for (std::size_t i = 0; i < reading.laws.size(); ++i) {
@@ -152,7 +151,8 @@ void read_materials(Scene const& scene, World& world, Registry& names) {
     }
     for (Node const& law : node.list("scatter")) read_law(law, reading, optic, info);
     if (reading.laws.size() > std::size_t(Optic::most_laws))
-      node.problem(fmt::format("more than {} BSDF models in one material", int(Optic::most_laws)), "join some of them");
+      node.problem(fmt::format("a material has more than {} BSDF models", int(Optic::most_laws)),
+                   "combine some of them");
     optic.laws = std::min(int(reading.laws.size()), Optic::most_laws);
     yield_to_dust(info, world, optic);
     prescribe_scatter(node, world, optic);
@@ -243,7 +243,7 @@ LawInfo read_preset(Node const& material, LawReading& out, Optic& optic) {
     out.add(p);
   } else {
     double const tis = preset->gives == Gives::brdf ? pi * value : value;
-    if (tis > 1) material.problem("the preset would scatter more than 1", "lower its bracket");
+    if (tis > 1) material.problem("the preset would scatter more than the incident power", "lower its bracket");
     out.add(Lambertian{std::fmin(tis, 1)});
   }
   if (preset->through > 0) {

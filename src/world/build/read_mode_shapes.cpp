@@ -155,7 +155,7 @@ Shape read_plate(Node const& t) {
   std::vector<double> const size = t["size"].as_numbers(dim::length, 2), order = t["order"].as_numbers(dim::plain, 2);
   if (!normal || !along || unread(t, "size", size) || unread(t, "order", order)) return {};
   if (std::fabs(dot(*normal, *along)) > 1e-9) {
-    t["along"].problem("'along' lies in the plate, at right angles to 'normal'",
+    t["along"].problem("'along' must lie in the plate, perpendicular to 'normal'",
                        "write the direction of the first side");
     return {};
   }
@@ -179,7 +179,7 @@ Shape read_tube(Node const& t) {
   if (!axis || !from) return {};
   Vec3 const across = *from - dot(*axis, *from) * *axis;
   if (!(length(across) > 1e-9)) {
-    t["from"].problem("'from' is where phi = 0, beside the axis", "write a direction at right angles to 'axis'");
+    t["from"].problem("'from' (phi = 0) must not be parallel to the axis", "write a direction perpendicular to 'axis'");
     return {};
   }
   shape->axis = *axis;
@@ -238,7 +238,7 @@ Shape read_mode_points(Node const& shape, std::string& description) {
   auto const table = read_numbers(file, 6, "write x, y, z of the point and the three components of its displacement");
   if (!table) return {};
   if (table->rows() < 4) {
-    file.file_problem(name, 0, 0, "a shape needs four points at least", "give more lines");
+    file.file_problem(name, 0, 0, "a shape needs at least four points", "give more lines");
     return {};
   }
   std::vector<ModePoint> points;

@@ -35,7 +35,7 @@ void chart_surface(Node const& map, World const& world, Receiver& r) {
   for (char const* key : {"height", "centre"})
     if (Node const value = map[key])
       value.problem(fmt::format("'{}' is for a map with a 'width'", key),
-                    "give 'width', or leave it out: the map then has the whole surface");
+                    "give 'width', or remove it: the map then covers the whole surface");
   if (!r.surface.valid()) return;
   WorldView const view = world.view();
   auto const [chart, whole] = chart_of(view, std::span(&r.surface, 1));
@@ -49,7 +49,7 @@ void chart_surface(Node const& map, World const& world, Receiver& r) {
   });
 }
 
-// Cells where the light is: of the whole surface, or of a stated part.
+// Adaptive cells: of the whole surface, or of a stated part.
 void read_map_by_light(Node const& map, Pose const& surface, World const& world, Receiver& r) {
   r.by_light = true;
   if (map.has("width")) {
@@ -72,7 +72,8 @@ void read_map(Node const& map, Pose const& surface, World const& world, Receiver
   bool sound = count.size() == 2;
   for (double const n : count) sound = sound && n >= 1 && n <= most_pixels && n == std::floor(n);
   if (count.size() == 2 && !sound && pixels.healthy())
-    pixels.problem("pixels are counted", fmt::format("write two whole numbers from 1 to {:g}", most_pixels));
+    pixels.problem("the number of pixels is not a whole number",
+                   fmt::format("write two whole numbers from 1 to {:g}", most_pixels));
   r.half_width = 0.5 * map.number("width", dim::length, required, 1e-9, 1e6);
   double const square = sound ? 2 * r.half_width * count[1] / count[0] : 1;
   r.half_height = 0.5 * map.number("height", dim::length, square > 0 ? square : 1, 1e-9, 1e6);
@@ -102,12 +103,12 @@ void read_quadrants(Node const& quadrants, Pose const& surface, Receiver& r) {
   quadrants.refuse_unknown("'quadrants'");
 }
 
-// A plane of its own: light passes, or ends on it.
+// A separate plane: light passes, or ends on it.
 bool read_own(std::string const& name, Node const& node, World& world, Registry const& names, Pose& frame,
               Receiver& r) {
   frame = read_pose(node);
   if (std::find(world.groups().begin(), world.groups().end(), name) != world.groups().end())
-    node.problem(fmt::format("an entry of 'scene' is called '{}' already", name), "names are unique: choose another");
+    node.problem(fmt::format("an entry of 'scene' is already called '{}'", name), "choose another name");
   r.clear = node.flag("passes", true);
   Surface as;
   as.front = as.back = names.black;
@@ -119,7 +120,8 @@ bool read_own(std::string const& name, Node const& node, World& world, Registry 
     return std::is_base_of_v<PlaneFrame, Shape> || std::is_same_v<Shape, Disk>;
   });
   if (r.clear && !flat) {
-    node["shape"].problem("a measuring plane is flat", "use shape disk, rectangle, ellipse or polygon, or passes: no");
+    node["shape"].problem("a measuring plane must be flat",
+                          "use shape disk, rectangle, ellipse or polygon, or passes: no");
     return false;
   }
   return true;
@@ -147,8 +149,8 @@ bool read_place(std::string const& name, Node const& node, World& world, Registr
                                           [](auto const& s) { return facing_along(s.reference(), s.axis); });
   for (char const* key : {"passes", "at", "facing", "rotate"})
     if (Node const value = node[key])
-      value.problem(fmt::format("'{}' is for a plane of its own", key),
-                    "a surface stands where the scene says; what passes it is up to its material");
+      value.problem(fmt::format("'{}' is only for a separate plane", key),
+                    "the scene places the surface, and its material determines transmission");
   return true;
 }
 

@@ -18,7 +18,7 @@ namespace {
 template <class Shape>
 SurfaceId add_shape(Node const& keys, Surface const& as, Pose const& pose, World& world) {
   if constexpr (std::is_same_v<Shape, TriangleMesh> || std::is_same_v<Shape, CadFace>) {
-    keys.problem(fmt::format("a {} is read from a file", Shape::key),
+    keys.problem(fmt::format("shape {} comes from a file", Shape::key),
                  "write 'file: bench.obj, units: mm' or 'file: bench.step, units: from_file' in place of 'shape'");
     return {};
   } else {
@@ -93,7 +93,7 @@ Node material_of(Scene::Instance const& instance) {
   return usual;
 }
 
-// What is read once for several instances, by name.
+// Data shared by several instances, by name.
 struct Shared {
   std::set<std::string> complained;
   std::map<std::string, std::uint32_t> volumes;                         // by part that it fills and medium
@@ -141,7 +141,7 @@ std::size_t errors_of(Scene const& scene) {
   return document ? document->errors() : 0;
 }
 
-// Its name counts as defined, and messages about what names it would only repeat its own problem.
+// Its name counts as defined: messages about its users would only repeat its own problem.
 void refuse(Scene::Instance const& instance, Registry& names) { names.refused.insert(entry_of(instance)); }
 
 // Names in an entry with problems are still looked up.
@@ -178,7 +178,7 @@ void add_instance(Scene::Instance const& instance, World& world, Registry& names
     demand(shape, "shape", "shape: {disk: {outer_radius: 10 cm}}");
     demand(material, "material", "material: NAME, one of 'materials'");
   }
-  demand(body, "body", "body: NAME, one of 'bodies': what it moves with");
+  demand(body, "body", "body: NAME, one of 'bodies', with which it moves");
   std::uint32_t const optic = find_named(material, names.materials, "material");
   BodyId const body_id = find_named(body, names.bodies, "body");
   static constexpr std::array<std::string_view, 5> sides = {"both", "front", "back", "outer", "inner"};
@@ -266,7 +266,7 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
     std::string const fault = id < faces.size() ? volume_fault(world, faces[id]) : "";
     if (!fault.empty())
       node.problem(fmt::format("{}: {}", part, fault),
-                   "a medium needs faces that close, with normals out of it: cap, disk, rectangle, ellipse, conic "
+                   "a medium needs closed faces with outward normals: cap, disk, rectangle, ellipse, conic "
                    "along 'facing', cylinder away from its axis, sphere and box outwards");
   }
 }

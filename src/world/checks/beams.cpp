@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Beams that bring no light into the scene: they meet only absorbing sides, or no surface at all.
+// Beams without effect: they meet only absorbing sides, or no surface at all.
 #include <fmt/format.h>
 
 #include <set>
@@ -66,7 +66,7 @@ void check_spot(Node const& beam, std::string const& name, Footprint const& f, W
                    : fmt::format("give the material of '{}' a 'scatter', or 'specular'", lit));
 }
 
-// Light that one beam brings on its way and another states is probably the same light.
+// Light of one beam by propagation and of another by statement is probably the same light.
 bool same_light(World const& world, std::uint32_t followed, std::uint32_t other) {
   Footprint const &f = world.footprints()[followed], &g = world.footprints()[other];
   if (g.free || f.beam == g.beam || f.surface != g.surface || !f.emits || !g.emits) return false;

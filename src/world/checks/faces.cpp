@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Surfaces that share space: faces on each other, where rounding decides what light meets, and faces that pass through
-// each other, which is seldom meant.
+// Surfaces that share space: coincident faces, where rounding decides which one light meets, and intersecting faces,
+// which are rarely intended.
 #include "world/checks/faces.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ struct SharedSpace {
   FacePair deepest;
 };
 
-// By the two groups, so that a hundred baffles in one tube are one sentence.
+// By the two groups, so that a hundred baffles in one tube give one message.
 std::map<std::pair<std::string, std::string>, SharedSpace> by_group(World const& world,
                                                                     std::vector<FacePair> const& pairs) {
   std::map<std::pair<std::string, std::string>, SharedSpace> all;
@@ -57,13 +57,14 @@ Node entry_of(Scene const& scene, World const& world, SharedSpace const& shared)
 void check_faces(Scene const& scene, World const& world) {
   for (auto const& [names, shared] : by_group(world, coincident_faces(world)))
     entry_of(scene, world, shared)
-        .problem(fmt::format("faces of '{}' and '{}' lie on each other {}: rounding decides which of them light meets",
+        .problem(fmt::format("faces of '{}' and '{}' coincide {}: rounding decides which of them light meets",
                              names.first, names.second, place_of(shared)),
                  "keep one of them, or move one by more than a nanometre: a wider gap counts as drawn");
   for (auto const& [names, shared] : by_group(world, crossing_faces(world, least_depth))) {
     bool const one_entry =
         names.first.substr(0, names.first.find('/')) == names.second.substr(0, names.second.find('/'));
-    if (one_entry && names.first != names.second) continue;  // plates let into the box of a dump: as its author drew it
+    if (one_entry && names.first != names.second)
+      continue;  // plates recessed into the box of a dump: as drawn by its author
     entry_of(scene, world, shared)
         .warning(fmt::format("'{}' and '{}' pass through each other, {:.2g} mm deep, {}", names.first, names.second,
                              1e3 * shared.deepest.depth, place_of(shared)),
@@ -78,7 +79,7 @@ constexpr double neighbour_step = 1e-6;    // m: a second point at which they mu
 constexpr double closed_tolerance = 0.03;  // of integrals over a body; one with a side left open is off by more
 constexpr int directions = 32;             // tried from each side of a contact
 
-// What light meets that travels along `dir`.
+// The first surface along `dir`.
 Optic const& optic_met(WorldView const& view, std::uint32_t id, Vec3 point, std::uint32_t piece, Vec3 dir) {
   Surface const& s = view.surfaces[id];
   return view.optics[dot(view.normal({id}, point, piece), dir) < 0 ? s.front : s.back];
@@ -199,8 +200,8 @@ std::string entry_of(World const& world, std::uint32_t surface) {
 }
 
 // Whether light can come to the contact from the side that `axis` points to: along some line there is a surface that
-// sends light on, or nothing at all, as light may come from outside. Faces of one entry of the scene may stand on each
-// other where that entry alone is around them, as the motors of a mount.
+// sends light on, or nothing at all, as light may come from outside. Faces of one entry of the scene may coincide
+// where only that entry is around them, as the motors of a mount.
 bool light_comes(World const& world, ClosedBodies& bodies, FaceSample const& p, std::uint32_t other, Vec3 axis) {
   WorldView const view = world.view();
   Vec3 const start = p.point + 4 * contact_distance * axis;
@@ -218,7 +219,7 @@ bool light_comes(World const& world, ClosedBodies& bodies, FaceSample const& p, 
   return comes && !among_themselves;
 }
 
-// Whether it matters on the side that `axis` points to which of the two the light meets.
+// Whether the order of the two surfaces matters on the side that `axis` points to.
 bool disputed(World const& world, ClosedBodies& bodies, FaceSample const& p, std::uint32_t other, Vec3 axis) {
   WorldView const view = world.view();
   Crossing const c = view.cross(other, {p.point + contact_distance * axis, -axis, 2 * contact_distance}, {});
@@ -307,7 +308,7 @@ std::optional<Meeting> meeting(WorldView const& view, FaceSample a, FaceSample b
   return Meeting{a, {{other}, c.piece, there, view.normal({other}, there, c.piece)}};
 }
 
-// How far the surface extends from `p` along the tangent `along`, m, to 1 %, at most `most`; 0: less than `least`.
+// Extent of the surface from `p` along the tangent `along`, m, to 1 %, at most `most`; 0: less than `least`.
 double extent_along(WorldView const& view, FaceSample const& p, Vec3 along, double least, double most) {
   auto const goes_on = [&](double d) { return on_face(view, p, p.point + d * along, d).has_value(); };
   double reached = 0, missed = least;
@@ -322,7 +323,7 @@ double extent_along(WorldView const& view, FaceSample const& p, Vec3 along, doub
   return reached;
 }
 
-// How far both surfaces reach past each other, m; 0: one of them ends there, or they only touch.
+// Depth of the intersection, m; 0: one of them ends there, or they only touch.
 double depth_of(WorldView const& view, Meeting const& m, double least, double most) {
   Vec3 const common = cross(m.mine.normal, m.its.normal);
   if (length(common) < least_sine) return 0;

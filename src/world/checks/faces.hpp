@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs of surfaces that share space: faces that lie on each other, and faces that pass through each other. Found by
-// points drawn on every surface, so that a contact smaller than about 1 % of both surfaces may stay unseen.
+// Pairs of surfaces that share space: coincident faces and intersecting faces. Found by points drawn on every surface,
+// so that a contact smaller than about 1 % of both surfaces may be missed.
 #pragma once
 
 #include <algorithm>
@@ -15,12 +15,12 @@ namespace straytrace::world {
 struct FacePair {
   SurfaceId first, second;  // first < second
   Vec3 at;                  // m, a place where it is seen
-  double depth = 0;         // m, how far the surface that ends sooner reaches past the other; 0: they coincide
+  double depth = 0;         // m, depth of the intersection; 0: they coincide
 };
 
-// Surfaces within a nanometre of each other, over an area, where light can come to: which of them it meets is decided
-// by rounding or by their order in the scene. Left out are boundaries of two filled volumes (a cemented lens, which the
-// walk passes as one boundary) and contacts that light cannot come to (inside closed bodies, or black on all sides).
+// Surfaces within a nanometre of each other, over an area that light can reach: rounding or their order in the scene
+// decides which of them it meets. Excluded are boundaries of two filled volumes (a cemented lens, which the
+// walk passes as one boundary) and contacts that light cannot reach (inside closed bodies, or black on all sides).
 std::vector<FacePair> coincident_faces(World const&);
 
 // Surfaces of which each reaches past the other by more than `least_depth`, m. A surface that ends on another one
@@ -29,7 +29,7 @@ std::vector<FacePair> crossing_faces(World const&, double least_depth);
 
 // Points on a regular lattice over every surface, and all surfaces near such a point. Inside the room.
 
-// Asks for every surface that a ray meets, but the one it starts on.
+// Collects every surface that a ray meets, except the one it starts on.
 struct AllHitsQuery {
   struct Found {
     std::uint32_t surface;
@@ -65,8 +65,7 @@ struct FaceSample {
   Vec3 point, normal;
 };
 
-// How many points each surface gets: 256, fewer where there are many surfaces, so that all together stay near a
-// million.
+// Number of points per surface: 256, fewer where there are many surfaces, so that the total stays near a million.
 inline int samples_per_face(std::size_t surfaces) {
   return int(std::clamp<std::size_t>(1'000'000 / std::max<std::size_t>(surfaces, 1), 16, 256));
 }

@@ -28,7 +28,7 @@ bool is_bare_boundary(World const& world, std::uint32_t optic) {
 
 // Shares at normal incidence on the outer side (front) or the inner side of a face of glass.
 SpecularShares shares(World const& world, std::uint32_t optic, bool front) {
-  constexpr double glass = 1.45;  // what film and bare boundary need; no coating depends on it
+  constexpr double glass = 1.45;  // for film and bare boundary; coatings do not depend on it
   WorldView const view = world.view();
   return specular_shares(view.interfaces, view.optics[optic], 1, front ? 1 : glass, front ? glass : 1, front);
 }
@@ -94,7 +94,7 @@ struct Solid {
   std::vector<std::uint32_t> faces;
   std::size_t clear = 0;  // faces that let light in
   bool filled = false;
-  bool optic = false;  // a part that glass fills as soon as a face lets light in
+  bool optic = false;  // a part that is filled with glass as soon as a face lets light in
 };
 
 std::map<std::string, Solid> solids(Scene const& scene, World const& world, Registry const& names) {
@@ -195,7 +195,7 @@ void check_glass(Scene const& scene, World const& world, Registry const& names) 
 
 namespace {
 
-// Whether the direction of the grooves is the normal of a flat surface: then they run anyhow.
+// Whether the direction of the grooves is the normal of a flat surface: then their direction is undefined.
 bool lay_vanishes(WorldView const& view, Surface const& s, Optic const& o) {
   if (o.lay != Lay::along && o.lay != Lay::given) return false;
   return view.shapes.visit(s.shape, [&](auto const& shape) {
@@ -219,7 +219,7 @@ void check_lays(Scene const& scene, World const& world) {
           "write lay: around, or a direction that lies in the surface");
 }
 
-// Do the surfaces of a filled volume close, with normals out of it? By the divergence theorem a closed body has
+// Whether the surfaces of a filled volume are closed, with outward normals. By the divergence theorem a closed body has
 //   integral n dA = 0   and   integral x_i n_j dA = V delta_ij   with V > 0
 // for normals n that point out. The integrals are sums over the samples of each surface at points of a regular lattice.
 // A few samples decide for most bodies; the others need many.

@@ -23,7 +23,7 @@ Mode modulus(Mode m) {
   return m;
 }
 
-// A circle, perhaps with teeth outwards, that the beam goes through or whose inside it meets.
+// A circle, perhaps with teeth outwards, that the beam passes or whose inside it meets.
 struct Circle {
   Vec3 centre, axis;
   double radius = 0, tooth_depth = 0;  // m, of the tips
@@ -204,7 +204,7 @@ class Passed final : public BeamSink {
   std::size_t last_row_ = std::numeric_limits<std::size_t>::max();
 };
 
-// The mirror of a cavity turns the wavefront of its own mode round.
+// The mirror of a cavity reverses the wavefront of its own mode.
 void add_mirror(World const& world, Footprint const& f, double along, std::vector<BeamAperture>& all) {
   auto const rim = outer_rim(world, f.surface);
   if (!rim) return;
@@ -228,7 +228,7 @@ void add_cavity(World const& world, Footprint const& one, Footprint const& two, 
   add_mirror(world, two, span, all);
 }
 
-// What leaves the launch, or the surface that it is launched at: of a cavity, what its mirror lets through.
+// The launched beam: of a cavity, the part transmitted by its mirror.
 class FirstPower final : public BeamSink {
  public:
   void left(LeavingBeam const& beam, std::span<BeamStep const>) override {
@@ -240,7 +240,7 @@ class FirstPower final : public BeamSink {
  private:
   bool first_ = true;
 };
-// Down to a part of that the main beam is followed; splitters in a loop would make ever more of it.
+// Down to a part of that the main beam is followed; splitters in a loop would multiply it without limit.
 TreeLimits main_limits(World const& world, BeamLaunch const& launch, double part) {
   FirstPower first;
   grow_tree(world, launch, {0, 0, 1}, first);

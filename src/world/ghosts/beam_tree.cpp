@@ -21,7 +21,7 @@ void scale(BeamField& field, double power) {
   for (Jones& j : field.state) j = {factor * j.a, factor * j.b};
 }
 
-// A beam that waits to be followed, and the step it leaves by.
+// A pending beam, and the step by which it leaves.
 struct Branch {
   LeavingBeam beam;
   BeamStep step;
@@ -80,7 +80,7 @@ class Tree {
     arrive(arriving, hit);
   }
 
-  // Screens off the chief ray take their share.
+  // Screens off the chief ray remove their share.
   void pass_screens(Branch& branch, Hit const& hit) {
     LeavingBeam& beam = branch.beam;
     double const power = beam.field.power();
@@ -149,7 +149,7 @@ class Tree {
     split(branch, spot, number, vertex, launched_here);
   }
 
-  // How often the beam has met this side of the surface along the same line before.
+  // Number of earlier hits of the beam on this side of the surface along the same line.
   std::uint32_t rounds(BeamSpot const& at) const {
     double const width = spot(at.mode).major;
     return std::uint32_t(std::count_if(way_.begin(), way_.end(), [&](BeamStep const& s) {
@@ -158,7 +158,7 @@ class Tree {
     }));
   }
 
-  // Reflected and transmitted parts of what meets the surface; adds what stays there to the energy balance.
+  // Reflected and transmitted parts of a beam at the surface; adds the rest to the energy balance.
   std::array<Way, 2> ways(BeamSpot const& spot, Vertex const& vertex, bool cavity) {
     std::array<Way, 2> both;
     both[1].through = true;
@@ -298,7 +298,7 @@ BeamEnergyBalance grow_tree(World const& world, BeamLaunch const& launch, TreeLi
   return Tree(world, launch, limits, sink).grow();
 }
 
-// Beams of the scene, as the beam tree starts with them.
+// Beams of the scene as roots of the beam tree.
 
 namespace {
 

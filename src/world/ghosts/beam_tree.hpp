@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tree of beams that one launched beam makes (docs/theory/ghosts.md). At every surface the beam splits with the
+// The tree of beams from one launched beam (docs/theory/ghosts.md). At every surface the beam splits with the
 // amplitudes of reflection and transmission there, and each part propagates as a Gaussian mode to the next surface,
 // which the search of the trace finds. Nothing is sampled and nothing is merged.
 //
-// Order: at a surface the stronger of the two ways keeps its order. A way with less than half of the power of the other
-// one is a departure and adds 1; so is a reflection of less than a tenth of the arriving power, but the transmission
-// behind it is not, however faint (an attenuator). The main beam has order 0. Where neither way is a departure (a
-// splitter) both keep their order. A ghost that returns into the cavity that it left keeps its order; the main beam
-// then is a ghost of order 1. Light that circulates inside glass is a ghost: where it meets a face from inside for the
-// k-th time after the first, its order is at least k.
+// Order: at a surface the stronger of the two beams keeps its order. A beam with less than half of the power of the
+// other one is a departure and adds 1; so is a reflection of less than a tenth of the arriving power, but the
+// transmission behind it is not, at any power (an attenuator). The main beam has order 0. Where neither way is a
+// departure (a splitter) both keep their order. A ghost that returns into the cavity that it left keeps its order; the
+// main beam then is a ghost of order 1. Light that circulates inside glass is a ghost: where it meets a face from
+// inside for the k-th time after the first, its order is at least k.
 //
 // A beam of which less than 1 % falls on the surface that its chief ray meets is no longer Gaussian, and ends.
 #pragma once
@@ -27,14 +27,14 @@
 
 namespace straytrace::world {
 
-// What is launched, with power 1.
+// The launched beam, with power 1.
 struct BeamLaunch {
   std::string name;             // of the beam
   std::uint32_t footprint = 0;  // in World::footprints()
   std::uint32_t beam = 0;       // number of the beam
   Mode mode;                    // at the plane of the launch
   BeamField field;
-  SurfaceId arrives_at;           // it starts on this surface, at the origin of the mode; invalid: in space
+  SurfaceId arrives_at;           // starts on this surface, at the origin of the mode; invalid: in space
   std::uint32_t piece = 0;        // of that surface
   std::vector<SurfaceId> cavity;  // between these mirrors: the light reflected at `arrives_at` is the mode itself, and
                                   // light that passes into the cavity has rejoined it
@@ -51,11 +51,11 @@ struct TreeLimits {
   double floor = 1e-15;  // of the launched power: weaker beams end, except those that return into the cavity
   std::uint32_t order = 0xffffffffu;
   std::uint32_t longest = 1000;             // surfaces on one way
-  std::uint64_t beams = ~0ull;              // the tree stops after so many have ended
+  std::uint64_t beams = ~0ull;              // the tree stops after this number have ended
   std::atomic<bool> const* stop = nullptr;  // stops it once true
 };
 
-// One surface on the way of a beam.
+// One surface on the path of a beam.
 struct BeamStep {
   SurfaceId surface;
   Vec3 point, in, out;            // m; unit directions of the chief ray before and behind
@@ -68,7 +68,7 @@ struct BeamStep {
   bool split = false;  // both ways keep their order
 };
 
-// A beam after the last step of its way.
+// A beam after the last step of its path.
 struct LeavingBeam {
   Mode mode;  // its origin is on the surface left, or in the plane of the launch
   BeamField field;
@@ -88,7 +88,7 @@ struct ScreenSpot {
 };
 
 enum class BeamEnd : std::uint8_t {
-  landed,    // no way keeps its order
+  landed,    // no beam keeps its order
   escaped,   // meets nothing
   rejoined,  // back in the cavity it was launched from
   faint,     // below the floor
@@ -124,7 +124,7 @@ class LongSum {
   double sum_ = 0, rest_ = 0;
 };
 
-// Where the launched power goes, in shares of it.
+// Energy balance, in shares of the launched power.
 struct BeamEnergyBalance {
   struct Object {
     LongSum landed;     // neither reflected nor transmitted: absorbed or scattered; on screens everything
@@ -138,7 +138,7 @@ struct BeamEnergyBalance {
   double total() const;                // 1 to rounding
 };
 
-// Grows the tree of one launch. It needs memory for the longest way only.
+// Grows the tree of one launch. It needs memory only for the longest path.
 BeamEnergyBalance grow_tree(World const&, BeamLaunch const&, TreeLimits const&, BeamSink&);
 
 }  // namespace straytrace::world

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Surfaces that a beam illuminates on its way through the scene (docs/theory/recoupling.md): spots of the beam tree
-// become footprints, where light leaves the mode and rejoins it.
+// Surfaces that a beam illuminates as it propagates through the scene (docs/theory/recoupling.md): spots of the beam
+// tree become footprints, where light leaves the mode and rejoins it.
 #pragma once
 
 #include <span>

@@ -10,7 +10,7 @@
 namespace straytrace::world {
 namespace {
 
-constexpr double in_line = 0.2;  // rad: beams farther apart have no overlap that counts
+constexpr double in_line = 0.2;  // rad: beams farther apart have negligible overlap
 
 // Field as a vector of space.
 struct Field {
@@ -114,7 +114,7 @@ MainBeam::MainBeam(World const& world, BeamLaunch const& launch, TreeLimits limi
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) on_surface_.emplace(nodes_[i].spot.surface.value, i);
 }
 
-// What it comes in line with at one surface, and the nearest in direction.
+// The lines it aligns with at one surface, and the nearest in direction.
 struct MainBeam::Candidate {
   GhostAlignment best;
   bool found = false, already = false;  // a new line; the one it is in already
@@ -167,7 +167,7 @@ GhostAlignment MainBeam::standing(GhostAlignment const& before, LeavingBeam cons
                      {true, true, at->second, 0, way.size(), {}}};
     all.look(s, goes_so && !split, k, ghost, node);
   }
-  if (first == last) {  // no surface of the main beam: what departs here is another light
+  if (first == last) {  // not a surface of the main beam: light departing here is separate
     GhostAlignment s = before;
     if (step.departure) s.recoupled = {};
     return s;
@@ -182,7 +182,7 @@ std::vector<PhaseSensitivity> MainBeam::phase_sensitivities(Recoupling const& r,
   add_phase_sensitivities(phase_sensitivities, world_, way.first(r.steps));
   MainNode const& node = nodes_[r.node];
   if (r.against) {
-    add(phase_sensitivities, node.phase_sensitivities, 1);  // the way back: each hit adds the same again
+    add(phase_sensitivities, node.phase_sensitivities, 1);  // the return path: each hit adds the same again
     if (!launch_.cavity.empty())                            // the mode itself is reflected there
       add_hit(phase_sensitivities, world_, launch_.arrives_at, launch_.mode.origin,
               -4 * pi / world_.wavelength * launch_.mode.travel);

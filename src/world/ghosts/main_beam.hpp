@@ -14,7 +14,7 @@
 
 namespace straytrace::world {
 
-// Where the main beam meets a surface, and the one or two ways in which it leaves.
+// Where the main beam meets a surface, and the one or two beams in which it leaves.
 struct MainNode {
   struct Way {
     LeavingBeam beam;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A surface in the way of a beam: which of the lines parallel to the chief ray meet it, where, and what share of the
-// power passes beside its rim (docs/theory/beams.md, eq. 5.5, 5.6, for any rim at any angle).
+// A surface in the path of a beam: the lines parallel to the chief ray that meet it, where, and the share of the power
+// that passes its rim (docs/theory/beams.md, eq. 5.5, 5.6, for any rim at any angle).
 #pragma once
 
 #include <array>
@@ -94,7 +94,7 @@ struct Fan {
   Vec3 middle, low, high;
 };
 
-// How closely the lines lie, and how closely the search finds the edges of stripes.
+// Spacing of the lines, and resolution of the search for the edges of stripes.
 struct Fineness {
   int azimuths, most_azimuths, rings, halvings;
 };

@@ -187,7 +187,7 @@ std::vector<SurfaceId> Screens::near(BeamFlight const& flight, double reach) con
   return found;
 }
 
-// Shares that screens take off a beam on one flight, line by line.
+// Shares that screens remove from a beam on one flight, line by line.
 
 namespace {
 
@@ -222,7 +222,7 @@ Stripes behind(Obstacle const& own, Fan const& fan, Stripes const& met, Obstacle
   return gone;
 }
 
-// Gives each line to the first screen that it meets.
+// Assigns each line to the first screen that it meets.
 class Sharing {
  public:
   Sharing(std::vector<Obstacle> const& screens, std::vector<Screened>& found)
@@ -289,7 +289,7 @@ Stretch stretch_of(WorldView const& view, BeamFlight const& f) {
   return s;
 }
 
-// All of a surface that the chief ray meets there.
+// All of a surface met by the chief ray.
 Stretch about(WorldView const& view, SurfaceId id, double along) {
   double const size = id.valid() ? diagonal(bounds_of(view, id)) : 0;
   return {{along - size, {}}, {along + size, {}}};

@@ -45,7 +45,7 @@ struct FlightLoss {
 class Screens {
  public:
   explicit Screens(WorldView const&);
-  // The first screen that a line of the beam meets takes that line; at the next surface the beam counts as a complete
+  // The first screen that a line of the beam meets removes that line; at the next surface the beam counts as a complete
   // Gaussian again. On surfaces that are not flat, features narrower than 0.14 beam radii may be missed.
   FlightLoss loss(BeamFlight const&) const;
   // Surfaces that beams of this flight may meet within `reach` radii.

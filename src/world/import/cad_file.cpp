@@ -37,14 +37,14 @@ double positive(json const& node, char const* what) {
   return x;
 }
 Vec3 vector(json const& node) {
-  if (node.size() != 3) throw std::runtime_error("a vector has not three numbers");
+  if (node.size() != 3) throw std::runtime_error("a vector does not have three numbers");
   return {number(node[0]), number(node[1]), number(node[2])};
 }
 
 Pose frame_of(json const& node) {
   Vec3 const x = vector(node.at("x")), z = vector(node.at("z"));
   if (std::fabs(length(x) - 1) > 1e-6 || std::fabs(length(z) - 1) > 1e-6 || std::fabs(dot(x, z)) > 1e-6)
-    throw std::runtime_error("the axes of a face are not at right angles");
+    throw std::runtime_error("the axes of a face are not perpendicular");
   Vec3 const e3 = unit(z), e1 = unit(x - dot(x, e3) * e3);
   return {vector(node.at("origin")), e1, cross(e3, e1), e3};
 }
@@ -52,7 +52,7 @@ Pose frame_of(json const& node) {
 std::vector<ChartLoop> loops_of(json const& node) {
   std::vector<ChartLoop> loops;
   for (json const& numbers : node) {
-    if (numbers.size() < 6 || numbers.size() % 3 != 0) throw std::runtime_error("a loop has less than two corners");
+    if (numbers.size() < 6 || numbers.size() % 3 != 0) throw std::runtime_error("a loop has fewer than two corners");
     ChartLoop& loop = loops.emplace_back();
     for (std::size_t i = 0; i < numbers.size(); i += 3) {
       ChartCorner const c{number(numbers[i]), number(numbers[i + 1]), number(numbers[i + 2])};
@@ -68,7 +68,7 @@ CadFileFace face_of(json const& node) {
   static constexpr std::array<std::string_view, 5> kinds = {"plane", "cylinder", "cone", "sphere", "torus"};
   std::string const kind = node.at("kind");
   auto const at = std::find(kinds.begin(), kinds.end(), kind);
-  if (at == kinds.end()) throw std::runtime_error(fmt::format("'{}' is no kind of face", kind));
+  if (at == kinds.end()) throw std::runtime_error(fmt::format("'{}' is not a kind of face", kind));
   CadFileFace f;
   f.carrier = Carrier(at - kinds.begin());
   f.frame = frame_of(node);
@@ -78,7 +78,7 @@ CadFileFace face_of(json const& node) {
     f.second = positive(node.at("second"), "second number");
   if (f.carrier == Carrier::cone && !(f.second < pi / 2))
     throw std::runtime_error("a cone opens by 90 degrees or more");
-  if (f.carrier == Carrier::torus && !(f.second < f.radius)) throw std::runtime_error("a torus crosses itself");
+  if (f.carrier == Carrier::torus && !(f.second < f.radius)) throw std::runtime_error("a torus intersects itself");
   f.natural = node.contains("within");
   if (!f.natural) {
     f.loops = loops_of(node.at("loops"));
@@ -100,7 +100,7 @@ void read_triangles(json const& node, CadFilePart& part) {
     MeshTriangle triangle;
     for (std::size_t i = 0; i < 3; ++i) {
       triangle.corner[i] = t.at(i);
-      if (triangle.corner[i] >= part.vertices.size()) throw std::runtime_error("a triangle names a missing corner");
+      if (triangle.corner[i] >= part.vertices.size()) throw std::runtime_error("a triangle refers to a missing corner");
     }
     part.triangles.push_back(triangle);
   }
@@ -122,7 +122,7 @@ void read(json const& all, CadFile& out) {
     for (json const& f : p.at("faces")) part.faces.push_back(face_of(f));
     if (p.contains("triangles")) read_triangles(p.at("triangles"), part);
   }
-  if (out.parts.empty()) throw std::runtime_error("it holds no parts");
+  if (out.parts.empty()) throw std::runtime_error("it contains no parts");
 }
 
 }  // namespace
@@ -237,8 +237,7 @@ MeshFault said(std::string const& output) {
 StepConversion run(fs::path const& program, fs::path const& folder, std::string const& bytes) {
   fs::path const from = folder / "in.step", to = folder / "out.cad.json";
   if (!(std::ofstream(from, std::ios::binary) << bytes))
-    return {"",
-            {fmt::format("there is no room in '{}' to convert it", folder.parent_path().string()), "free some space"}};
+    return {"", {fmt::format("no space in '{}' to convert it", folder.parent_path().string()), "free some space"}};
   std::vector<std::string> variables;
   for (char** entry = environ; *entry; ++entry) variables.emplace_back(*entry);
   FinishedChild const child = run_child(
@@ -257,7 +256,7 @@ StepConversion convert_step(std::string const& name, std::string const& bytes) {
   fs::path const program = converter();
   if (program.empty())
     return {"",
-            {"STEP files are read by the program straytrace-step, which is neither beside straytrace nor in PATH",
+            {"STEP files need the program straytrace-step, which is neither next to straytrace nor in PATH",
              fmt::format("install OpenCASCADE and build it (scripts/setup, scripts/build), or convert the file where "
                          "it is installed, 'straytrace-step {}', and name the .cad.json here",
                          name)}};
@@ -266,12 +265,12 @@ StepConversion convert_step(std::string const& name, std::string const& bytes) {
   std::string const identity = fmt::format("{} {} ", fs::file_size(program, failed),
                                            fs::last_write_time(program, failed).time_since_epoch().count());
   fs::path const kept = cache.empty() ? fs::path() : cache / (sha256(identity + bytes) + ".cad.json");
-  // A machine that lost its power may have kept a part of it.
+  // After a power failure the file may be incomplete.
   if (std::string text = kept.empty() ? "" : bytes_of_file(kept).bytes; nlohmann::json::accept(text))
     return {std::move(text), {}};
   WorkFolder const work(cache.empty() ? fs::temp_directory_path(failed) : cache);
   if (work.path().empty())
-    return {"", {"there is no folder to convert it in", "set XDG_CACHE_HOME to a folder of yours"}};
+    return {"", {"there is no folder for the conversion", "set XDG_CACHE_HOME to a folder that you can write to"}};
   StepConversion made = run(program, work.path(), bytes);
   if (!made.text.empty() && !kept.empty()) fs::rename(work.path() / "out.cad.json", kept, failed);
   return made;

@@ -82,7 +82,7 @@ class MemoryFiles : public Assimp::IOSystem {
   CompanionFile const& companion_;
 };
 
-constexpr char const* unnamed_in_obj = "defaultobject";  // what the library calls it
+constexpr char const* unnamed_in_obj = "defaultobject";  // its name in the library
 
 std::string printable(char const* text) {
   std::string out(text);
@@ -235,16 +235,17 @@ MeshFault import_mesh(std::string const& bytes, CompanionFile const& companion, 
   importer.SetPropertyInteger(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
   aiScene const* scene =
       importer.ReadFile(inside, aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType);
-  std::string const fix = "check that the file is complete and that its ending says its format";
+  std::string const fix = "check that the file is complete and that its ending matches its format";
   if (!scene || !scene->mRootNode) {
     std::string why = printable(importer.GetErrorString());
-    if (why == "std::bad_alloc") why = "it states more points or faces than a file of its size can hold";
+    if (why == "std::bad_alloc") why = "it states more points or faces than its size allows";
     return {fmt::format("not a readable {} file: {}", kind.substr(1), why), fix};
   }
   Parts parts(out, kind == ".gltf" || kind == ".glb");
   parts.walk(*scene, *scene->mRootNode, {}, 0);
   std::erase_if(out.parts, [](MeshPart const& p) { return p.triangles.empty(); });
-  if (out.parts.empty()) return {"the file holds no triangles", "export the faces of the parts, not only their edges"};
+  if (out.parts.empty())
+    return {"the file contains no triangles", "export the faces of the parts, not only their edges"};
   if (!parts.finite()) return {"a vertex of the file is not a finite number", fix};
   if (kind == ".gltf" || kind == ".glb") out.stated_unit = 1;
   return {};

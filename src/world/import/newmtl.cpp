@@ -50,8 +50,9 @@ class NewmtlReader {
     for (NewmtlMaterial const& m : out) {
       double const sum = m.transmit + m.reflect + m.scatter_transmit + m.scatter_reflect;
       if (sum > 1 + 1e-12)
-        complain({m.name, m.line, 8}, fmt::format("material '{}' makes light: T + R + scatter = {:g}", m.name, sum),
-                 "lower TR or PPM; what is left over is absorbed");
+        complain({m.name, m.line, 8},
+                 fmt::format("material '{}' violates energy conservation: T + R + scatter = {:g}", m.name, sum),
+                 "lower TR or PPM; the remainder is absorbed");
     }
   }
   std::vector<NewmtlMaterial> out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bodies and their elastic modes, and what one hit on a body adds to the phase of a path (docs/theory/motion.md,
-// eq. 2.1, 2.3).
+// Bodies and their elastic modes, and the contribution of one hit on a body to the phase of a path
+// (docs/theory/motion.md, eq. 2.1, 2.3).
 #pragma once
 
 #include <memory>
@@ -26,7 +26,7 @@ struct ElasticMode {
   Vec3 origin;
   bool origin_given = false;  // otherwise the pivot of the body
   std::shared_ptr<ModeShape const> shape;
-  std::string description;  // all that decides the shape
+  std::string description;  // all parameters of the shape
 };
 
 struct Body {

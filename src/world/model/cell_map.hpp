@@ -16,8 +16,8 @@ namespace straytrace::world {
 
 struct WorldView;
 
-// What u and v are. plane: x, y across an axis [m]; polar: distance from the axis [m], angle about it [rad]; unrolled:
-// along the axis, arc about it [m].
+// Meaning of u and v. plane: x, y across an axis [m]; polar: distance from the axis [m], angle about it [rad];
+// unrolled: along the axis, arc about it [m].
 enum class Chart : std::uint8_t { plane, polar, unrolled };
 
 struct MapPlace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Materials of a scene: where their numbers come from, how well they are known (input of the error band, not of the
-// trace), and what they do to light.
+// Materials of a scene: sources of their numbers, their uncertainty (input of the error band, not of the trace), and
+// their optical properties.
 #pragma once
 
 #include <string>
@@ -34,7 +34,7 @@ struct ScatterSpread {
 // material or BSDF model. Adds its problems to the document.
 ScatterSpread read_spread(Node const& table);
 
-// Where the numbers of a material come from.
+// Source of the numbers of a material.
 struct LawInfo {
   std::string model, source, wavelength;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Importance tables that steer the walk: patches made of strips of surfaces, the adjoint of each side of a patch, and
-// the patches that are worth aiming at from there (docs/theory/sampling.md). Every table gives an unbiased result; good
+// the important patches from there (docs/theory/sampling.md). Every table gives an unbiased result; good
 // ones lower the variance. trace/importance/importance.hpp makes them.
 #pragma once
 

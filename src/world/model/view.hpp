@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What light sees: surfaces, optics, footprints of the beams, and the fast search for the closest hit, as pointers and
-// sizes that are passed by value to whatever traces. World (world.hpp) owns the arrays.
+// The view of a world for light: surfaces, optics, footprints of the beams, and the fast search for the closest hit, as
+// pointers and sizes that are passed by value to the trace. World (world.hpp) owns the arrays.
 #pragma once
 
 #include "base/math/vec3.hpp"
@@ -31,7 +31,7 @@ struct Surface {
   double scale = 0;             // m, the largest length in the computation of hits on it
 };
 
-// A filled volume: glass of one lens. Volumes of instances of one part are different.
+// A filled volume: the glass of one lens. Volumes of instances of one part are different.
 struct Volume {
   std::uint32_t medium = 0;
 };

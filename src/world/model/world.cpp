@@ -22,7 +22,7 @@ Pool<List> pool_of(Vectors const& vectors, std::index_sequence<I...>) {
 }  // namespace
 
 void World::too_many_shapes(std::string_view kind) const {
-  throw InputError(fmt::format("the scene has more than {} surfaces of the shape '{}'", most_shapes, kind),
+  throw InputError(fmt::format("the scene has more than {} surfaces of shape '{}'", most_shapes, kind),
                    "repeat less, or describe many small surfaces by one mesh or one larger shape");
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The model of a scene. It owns what WorldView (view.hpp) points to, and what only reports and later steps need: names,
+// The model of a scene. It owns the arrays of WorldView (view.hpp), and data for reports and later steps: names,
 // bodies, materials, and how beams reached their footprints.
 #pragma once
 

@@ -29,7 +29,7 @@ class AstmReader {
       return complain(problems_, {}, "keyword 'VARS' is missing",
                       "name the columns: VARS theta_i,phi_i,theta_s,phi_s,1064nm");
     if (expected_ >= 0 && double(rows_) != expected_)
-      complain(problems_, {}, fmt::format("NUM_POINTS says {:g}, the file has {} rows", expected_, rows_),
+      complain(problems_, {}, fmt::format("NUM_POINTS is {:g}, but the file has {} rows", expected_, rows_),
                "the file is cut off, or NUM_POINTS is wrong");
     file_.notes.push_back(fmt::format("column '{}' of {}; angles in {}, spherical about the normal", name_, channels_,
                                       unit_[0].si == 1 ? "radian" : "degrees"));
@@ -74,7 +74,7 @@ class AstmReader {
       if (channels_ > 1 && !(asked > 0 && std::fabs(wavelength / asked - 1) < 1e-3)) continue;
       if (wavelength > 0 && asked > 0 && std::fabs(wavelength / asked - 1) > 1e-3)
         return refuse(fmt::format("the file is at {:g} nm, but {:g} nm is requested", wavelength * 1e9, asked * 1e9),
-                      "give the wavelength of the file, or leave it out");
+                      "give the wavelength of the file, or remove it");
       if (wavelength > 0) file_.declared.wavelength = wavelength;
       channel_ = i;
       name_ = cells[i].text;

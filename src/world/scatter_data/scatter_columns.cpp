@@ -124,7 +124,7 @@ class Columns {
     }
     std::uint32_t const line = table_.columns.front().line;
     if (there("brdf") == there("brdf_cos"))
-      return problem(line, 1, "the values must be one of 'brdf' and 'brdf_cos'",
+      return problem(line, 1, "the values must be either 'brdf' or 'brdf_cos'",
                      "'brdf_cos' is BRDF times cos(theta_s)");
     if (there("offset") == there("theta_s") || (there("phi") && !there("theta_s")))
       return problem(line, 1, "the direction of scatter must be 'offset', or 'theta_s' with or without 'phi'",
@@ -151,7 +151,7 @@ class Columns {
     if (!(std::fabs(scatter) < pi / 2))
       return problem(row.line(), at(row, "theta_s"),
                      fmt::format("scatter at {:g} deg from the normal", scatter / degree),
-                     "leave out what is below the surface; check 'angles'");
+                     "remove directions below the surface; check 'angles'");
     char const* const column = there("brdf") ? "brdf" : "brdf_cos";
     double const cosine = there("brdf") ? 1 : std::cos(scatter);
     ScatterPoint p = scatter_point(incidence, scatter, phi, value(row, column) / cosine);

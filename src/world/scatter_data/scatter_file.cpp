@@ -104,8 +104,8 @@ void demand(ScatterFile const& file, std::vector<Problem>& problems) {
       std::any_of(file.points.begin(), file.points.end(), [](auto const& p) { return p.theta_s == p.theta_s; });
   if (text && turned && file.declared.angles.empty()) missing += missing.empty() ? "angles" : " and angles";
   if (missing.empty()) return;
-  complain(problems, {}, fmt::format("nothing declares {} of the measurement", missing),
-           text ? fmt::format("begin the file with what holds for it:\n    {}", layout)
+  complain(problems, {}, fmt::format("the file does not declare {} of the measurement", missing),
+           text ? fmt::format("begin the file with declarations such as:\n    {}", layout)
                 : "write 'wavelength: 1064 nm' into the table, --wavelength \"1064 nm\" in the command, or '# "
                   "wavelength: 1064 nm' into the file");
 }
@@ -118,17 +118,18 @@ void mark_limits(ScatterFile& file, std::vector<Problem>& problems) {
       complain(problems, {" ", p.line, p.column},
                p.theta_s == p.theta_s ? fmt::format("BRDF {:g} /sr at {:g} deg", p.value, p.theta_s * 180 / pi)
                                       : fmt::format("BRDF {:g} /sr at offset {:g}", p.value, p.offset),
-               "a BSDF is not negative: leave the point out, or write 0 and declare '# noise_floor: 1e-7 /sr'");
+               "a BSDF is not negative: remove the point, or write 0 and declare '# noise_floor: 1e-7 /sr'");
     if (p.value == 0 && !(floor > 0) && file.format == columns && ++said <= 10)
-      complain(problems, {" ", p.line, p.column}, "BRDF 0 /sr and no noise floor",
-               "declare the floor, '# noise_floor: 1e-7 /sr', and it counts as an upper limit; or leave the point out");
+      complain(
+          problems, {" ", p.line, p.column}, "BRDF 0 /sr and no noise floor",
+          "declare the floor, '# noise_floor: 1e-7 /sr', so that it counts as an upper limit; or remove the point");
     p.limit = floor > 0 && p.value <= floor;
     if (p.limit) p.value = floor;
   }
   if (file.format != columns) std::erase_if(file.points, [](ScatterPoint const& p) { return p.value == 0; });
 }
 
-// At most as many incidences as the law holds, even in their order, the first and the last among them.
+// At most as many incidences as the BSDF model allows, evenly spaced in order, including the first and the last.
 void thin(ScatterFile& file) {
   auto const groups = by_incidence(file.points);
   constexpr std::size_t most = Measured::most_incidences;
@@ -174,7 +175,7 @@ ScatterFile read_scatter_file(std::string_view text, ScatterDeclared const& give
   ScatterFile file;
   if (!format) {
     complain(
-        problems, {}, "no known format of measured scatter",
+        problems, {}, "unknown format of measured scatter",
         fmt::format("Zemax tabular BSDF, ABg catalogue, ASTM text, SSDD, or laboratory CSV, which begins with\n    {}",
                     layout));
     return file;
@@ -191,7 +192,7 @@ ScatterFile read_scatter_file(std::string_view text, ScatterDeclared const& give
   mark_limits(file, problems);
   thin(file);
   if (problems.size() == before && file.points.empty())
-    complain(problems, {}, "the file holds no point above the surface", "check its angles");
+    complain(problems, {}, "the file has no point above the surface", "check its angles");
   if (problems.size() == before || !file.points.empty()) demand(file, problems);
   return file;
 }
@@ -202,10 +203,10 @@ void check_scatter_points(std::vector<ScatterPoint> const& points, std::vector<P
     auto const [low, high] = std::minmax_element(group.begin(), group.end(),
                                                  [](auto const& a, auto const& b) { return a.offset < b.offset; });
     if (high->offset < 1.5 * low->offset || high->offset < 1e-6)
-      complain(
-          problems, {},
-          fmt::format("the points at {:.4g} deg of incidence cover no range of angles", group[0].theta_i * 180 / pi),
-          "measure several angles of scatter for each incidence, or leave this one out");
+      complain(problems, {},
+               fmt::format("the points at {:.4g} deg of incidence do not cover a range of angles",
+                           group[0].theta_i * 180 / pi),
+               "measure several angles of scatter for each incidence, or remove this one");
   }
 }
 

@@ -99,7 +99,7 @@ LeastSquaresMinimum best_start(Model model, std::vector<Datum> const& data, int 
   return best;
 }
 
-// With a floor where that takes more out of the residuals than chance does in one case of a thousand (F test).
+// With a floor where it reduces the residuals by more than chance does in one case of a thousand (F test).
 LeastSquaresMinimum best_of(Model model, std::vector<Datum> const& data, std::size_t measured) {
   constexpr double one_in_a_thousand = 11;
   LeastSquaresMinimum const plain = best_start(model, data, 3);
@@ -161,7 +161,7 @@ std::string outside_of_law(ScatterFit const& fit) {
                    : fit.model == "harvey" ? out(0, 0, 1e9) || out(1, 1e-7, 10) || out(2, -8, 0)
                                            : out(0, 0, 1) || out(1, 1e-9, 100) || out(2, 1e-3, 20);
   if (!bad && !(fit.parameters.size() > 3 && out(3, 0, 1 / pi))) return {};
-  return fmt::format("the best parameters are none of a surface: {} = {:.3g}, {} = {:.3g}, {} = {:.3g}",
+  return fmt::format("the best parameters are unphysical: {} = {:.3g}, {} = {:.3g}, {} = {:.3g}",
                      fit.parameters[0].name, fit.parameters[0].value, fit.parameters[1].name, fit.parameters[1].value,
                      fit.parameters[2].name, fit.parameters[2].value);
 }
@@ -198,7 +198,7 @@ ScatterFit fit_of(Model model, ScatterFile const& file, std::vector<Datum> const
   if (data.size() - limits < 6) fit.why = "fewer than six points above the noise floor";
   bool const directed =
       std::all_of(data.begin(), data.end(), [](Datum const& d) { return std::isfinite(d.log_cosines); });
-  if (model == Model::k_correlation && !directed) fit.why = "the file gives offsets, not the angles that it needs";
+  if (model == Model::k_correlation && !directed) fit.why = "the model needs angles, but the file gives offsets";
   if (!fit.why.empty()) return fit;
   Eigen::VectorXd const p = best_of(model, data, data.size() - limits).at;
   int const count = int(p.size());

@@ -43,7 +43,8 @@ class SsddReader {
         in_.rest_of_line(key);
     }
     if (in_.sound && !found_)
-      in_.refuse({}, "the file holds no BRDF or BTDF", "only specular shares: give them to 'specular' of the material");
+      in_.refuse({}, "the file contains no BRDF or BTDF",
+                 "only specular shares: give them to 'specular' of the material");
   }
 
  private:
@@ -70,7 +71,7 @@ class SsddReader {
 
   std::string word(TextCell const& key) {
     auto const words = in_.rest_of_line(key);
-    if (words.empty()) in_.refuse(key, fmt::format("'{}' has no value", key.text), "write its value behind it");
+    if (words.empty()) in_.refuse(key, fmt::format("'{}' has no value", key.text), "write its value after it");
     return words.empty() ? "" : std::string(words[0].text);
   }
 
@@ -104,8 +105,8 @@ class SsddReader {
     if (b.list[0].empty()) refuse("PARAM0_LIST (incidences) is missing", "add it");
     if (scatter && (b.list[2].empty() || b.list[3].empty())) refuse("PARAM2_LIST or PARAM3_LIST is missing", "add it");
     if (scatter && b.list[1].size() > 1)
-      refuse("several azimuths of incidence: the surface has a direction, the law 'table' has none",
-             "keep one azimuth, or describe grooves by the law 'grooves'");
+      refuse("several azimuths of incidence: the surface is anisotropic, the model 'table' is isotropic",
+             "keep one azimuth, or describe grooves by the model 'grooves'");
     if (scatter && b.directions == "half_difference_coordinate_system")
       refuse("directions about the halfway vector",
              "write the file in the spherical or the specular coordinate system");
@@ -262,7 +263,7 @@ std::string ssdd_text(ScatterFile const& file, std::string_view beyond, std::str
   Grid const g = grid_of(file);
   bool const plane = std::all_of(g.azimuth.begin(), g.azimuth.end(), [](double a) { return a == 0 || a == 180; });
   if (!plane && g.azimuth.size() > 361) {
-    why = fmt::format("the directions form no grid about the specular direction: {} azimuths", g.azimuth.size());
+    why = fmt::format("the directions do not form a grid about the specular direction: {} azimuths", g.azimuth.size());
     return {};
   }
   std::string rows;

@@ -64,7 +64,7 @@ class ZemaxReader {
   }
   void word(TextCell const& key) {
     auto const words = in_.rest_of_line(key);
-    if (words.empty()) return in_.refuse(key, fmt::format("'{}' has no value", key.text), "write its value behind it");
+    if (words.empty()) return in_.refuse(key, fmt::format("'{}' has no value", key.text), "write its value after it");
     if (key.text == "Symmetry") symmetry_ = words[0].text;
     if (key.text == "SpectralContent") spectral_ = words[0].text;
     if (key.text == "ScatterType") type_ = words[0].text;
@@ -102,9 +102,9 @@ class ZemaxReader {
       in_.refuse({}, "the data are colours (XYZ), not scatter at one wavelength", "measure at one wavelength");
     if (rotation_.size() > 1)
       in_.refuse({},
-                 fmt::format("{} rotations of the sample: the surface has a direction, the law 'table' has none",
+                 fmt::format("{} rotations of the sample: the surface is anisotropic, the model 'table' is isotropic",
                              rotation_.size()),
-                 "keep one rotation, or describe grooves by the law 'grooves'");
+                 "keep one rotation, or describe grooves by the model 'grooves'");
     if (half && in_.sound && (azimuth_.front() < 0 || azimuth_.back() > 180))
       in_.refuse({}, "PlaneSymmetrical with azimuths beyond 0 to 180 deg", "write Asymmetrical");
     for (double t : incidence_)
@@ -231,7 +231,7 @@ class CatalogueReader {
     e.where = words[1];
     for (Entry const& other : entries)
       if (other.name == e.name)
-        complain(problems_, words[1], fmt::format("entry '{}' is there twice", e.name), "choose another name");
+        complain(problems_, words[1], fmt::format("entry '{}' appears twice", e.name), "choose another name");
     entries.push_back(e);
   }
   void wave(std::vector<TextCell> const& words) {
@@ -254,7 +254,7 @@ class CatalogueReader {
       bool const fits = i == 0 ? x[0] >= 0 && x[0] < 90 : x[i] >= 0;
       if (!fits)
         return complain(problems_, words[i], fmt::format("{} is {:g}", what[i], x[i]),
-                        i == 0 ? "give 0 to below 90 deg" : "it is not negative");
+                        i == 0 ? "give 0 to below 90 deg" : "give 0 or more");
     }
     if (x[2] == 0 && x[3] >= 2)
       return complain(problems_, words[2], fmt::format("B = 0 with g = {:g}: an infinite total", x[3]),

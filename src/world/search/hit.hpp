@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a ray hits, what it starts on, and the queries of a search.
+// The hit and the start of a ray, and the queries of a search.
 #pragma once
 
 #include "geometry/shape_types.hpp"
@@ -13,7 +13,7 @@ struct Hit {
   std::uint32_t piece = 0;     // of a surface made of pieces
 };
 
-// What a ray starts on: the root at zero is not a hit there.
+// The start surface of a ray: the root at zero is not a hit there.
 struct Departure {
   SurfaceId surface;
   std::uint32_t piece = 0;

@@ -25,8 +25,8 @@ Line line_of(SearchItem const& item) {
   return {item.reference - dot(item.reference, d) * d, d};
 }
 
-// Lines that are equal but for rounding share a name, nearly always. Steps without a common measure with anything that
-// a person would write: the border between two names is not met by plain numbers.
+// Lines that are equal but for rounding share a name, nearly always. Irrational steps: no plain number lies on the
+// border between two names.
 using Name = std::array<long long, 6>;
 Name name_of(Line const& l) {
   constexpr double turn = 1.2345678e-7, offset = 1.2345678e-4;  // rad, m
@@ -65,7 +65,7 @@ Family family_along(std::vector<SearchItem const*> const& candidates) {
   return f;
 }
 
-// Whether the structure along a line pays: many things, much longer than wide, and room to look through.
+// Whether the structure along a line pays off: many items, much longer than wide, and free space inside.
 bool is_tube(Family const& f) {
   if (f.parts.size() < 8) return false;
   double low = infinity, high = -infinity, reach = 0;

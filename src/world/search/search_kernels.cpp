@@ -32,7 +32,7 @@ class MeshesAhead {
   }
 };
 
-// Notes meshes for later while there is room, and asks `others` about everything else.
+// Notes meshes for later while there is space, and passes all other surfaces to `others`.
 template <class Others>
 struct CrossAllButMeshes {
   Others const& others;
@@ -44,7 +44,7 @@ struct CrossAllButMeshes {
   }
 };
 
-// One of the rays that take turns, with the meshes that it still has to see.
+// One of the interleaved rays, with its pending meshes.
 template <int Width>
 class RayAmongMeshes {
  public:

@@ -93,7 +93,7 @@ STRAY_INLINE unsigned SurfacePack::may_be_hit(bvh8_detail::Probe const& probe, f
 #endif
 }
 
-// What the search structure has to know of a shape.
+// Properties of a shape for the search structure.
 
 namespace search_item_detail {
 

@@ -34,7 +34,8 @@ TEST(optics_interface_coating, steel_keeps_the_published_triple) {
   EXPECT_NEAR(scatter(c, 90), 0, 1e-12);
 }
 
-// Energy at every angle, 1e-12. Control: the table of the original with its offset of 0.2 on S makes light.
+// Energy at every angle, 1e-12. Control: the table of the original with its offset of 0.2 on S violates energy
+// conservation.
 TEST(optics_interface_coating, steel_makes_no_light) {
   Storage storage;
   Coating const c = steel(storage);

@@ -138,7 +138,7 @@ TEST(InspectScatter, MistakesInScenes) {
   std::string bright = "# wavelength: 1064 nm\n# angles: from_normal\ntheta_i [deg], theta_s [deg], brdf [1/sr]\n";
   for (int t = 1; t < 89; ++t) bright += "0, " + std::to_string(t) + ", 0.5\n";
   write_text(folder / "bright.csv", bright);
-  EXPECT_THAT(scene_with(folder, "file: bright.csv").err, HasSubstr("makes light"));
+  EXPECT_THAT(scene_with(folder, "file: bright.csv").err, HasSubstr("violates energy conservation"));
   write_text(folder / "bare.csv", bright.substr(bright.find("theta_i")));
   Finished const bare = scene_with(folder, "file: bare.csv");
   EXPECT_EQ(bare.code, 2);

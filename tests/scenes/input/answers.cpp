@@ -51,7 +51,7 @@ TEST(Answers, AListThatCreatesLightIsAnErrorWithItsPlace) {
   Finished const r = straytrace({"inspect", folder / "a.mtl"});
   EXPECT_EQ(r.code, 2);
   EXPECT_EQ(r.out, "");
-  EXPECT_THAT(r.err, HasSubstr("a.mtl:3:8: error: material 'b' makes light"));
+  EXPECT_THAT(r.err, HasSubstr("a.mtl:3:8: error: material 'b' violates energy conservation"));
   EXPECT_EQ(straytrace({"inspect", folder / "none.mtl"}).code, 2);
 }
 

@@ -305,7 +305,7 @@ TEST(Messages, MisuseHasOneFormOfMessage) {
   write_text(folder / "m.yaml", "straytrace: 1\nbodys: {b: {motion: still}}\n");
   std::string const told = error_text({"check", folder / "m.yaml"});
   EXPECT_THAT(told, HasSubstr("did you mean 'bodies'?"));
-  EXPECT_THAT(told, Not(HasSubstr("no beam lights")));
+  EXPECT_THAT(told, Not(HasSubstr("the scene has no beam")));
   write_text(folder / "v.yaml", "straytrace: 2\n");
   EXPECT_THAT(error_text({"check", "--migrate", folder / "v.yaml"}), HasSubstr("newer than this program"));
   EXPECT_THAT(straytrace({"check", "--migrate", virgo_arm}).out, HasSubstr("nothing to rewrite"));

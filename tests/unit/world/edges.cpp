@@ -57,7 +57,7 @@ TEST(ReadEdges, ErrorsAreExplained) {
   for (char const* key : {"tooth_height: 15 cm, tooth_width: 1 cm", "tooth_height: 1 cm, tooth_width: 95 cm",
                           "offset: [0 m, 15 cm, 0 m]"})
     EXPECT_THAT(complaint(std::string("edges: {surfaces: \"ring*\", ") + key + "}\n"),
-                HasSubstr("does not fit a rim of radius 0.15 m"));
+                HasSubstr("is too large for an edge of radius 0.15 m"));
   EXPECT_EQ(complaint("edges: {surfaces: \"ring*\", tooth_height: 14 cm, tooth_width: 94 cm}\n"), "no error");
   EXPECT_THAT(complaint("edges: {surfaces: ring_one, sum: coherent}\n"), HasSubstr("independent"));
   EXPECT_THAT(complaint("edges: {surfaces: ring_one, offset: 1 mm}\n"), HasSubstr("error"));

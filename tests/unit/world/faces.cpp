@@ -40,7 +40,7 @@ std::string box(std::string const& name, std::string const& at, std::string cons
 
 std::string said(std::string const& entries) { return testing::said_of(head + entries); }
 
-auto const coincide = HasSubstr("lie on each other");
+auto const coincide = HasSubstr(" coincide ");
 auto const cross_each_other = HasSubstr("pass through each other");
 auto const nothing_shared = AllOf(Not(coincide), Not(cross_each_other), Not(HasSubstr("error")));
 

@@ -74,11 +74,11 @@ TEST(ReadLit, MistakesAreNamed) {
   EXPECT_THAT(complaint("radius: 1 mm, lit: {only: [dumb]}", port), HasSubstr("did you mean 'dump'?"));
   EXPECT_THAT(complaint("radius: 1 mm, lit: {flour: 1e-9}", port), HasSubstr("did you mean 'floor'?"));
   EXPECT_THAT(complaint("radius: 1 mm, profile: even, lit: yes", port), HasSubstr("only a Gaussian beam"));
-  EXPECT_THAT(complaint("radius: 1 mm, lit: {only: [clear]}", port), HasSubstr("lights no surface that scatters"));
+  EXPECT_THAT(complaint("radius: 1 mm, lit: {only: [clear]}", port), HasSubstr("illuminates no surface that scatters"));
   EXPECT_THAT(complaint("radius: 1 mm, lit: yes", "ports: {a: {beam: probe, at: dump}, b: {beam: probe, at: dump}}\n"),
-              HasSubstr("the port 'a' is open there already"));
+              HasSubstr("port 'a' is already there"));
   EXPECT_THAT(complaint("radius: 1 mm, lit: {only: [window]}", "ports: {a: {beam: probe, at: dump}}\n"),
-              HasSubstr("beam 'probe' does not light 'dump'"));
+              HasSubstr("beam 'probe' does not illuminate 'dump'"));
 }
 
 TEST(ReadLit, TheSameLightTwiceIsAWarning) {

@@ -72,7 +72,7 @@ TEST(ReadReceivers, EveryMistakeHasAPlaceAndARemedy) {
   EXPECT_THAT(receiver("on: dett"), HasSubstr("did you mean 'det'?"));
   EXPECT_THAT(receiver("on: dett"), HasSubstr("a.yaml:7"));
   EXPECT_THAT(receiver("side: front"), HasSubstr("has no place"));
-  EXPECT_THAT(receiver("on: det, passes: yes"), HasSubstr("for a plane of its own"));
+  EXPECT_THAT(receiver("on: det, passes: yes"), HasSubstr("only for a separate plane"));
   EXPECT_THAT(receiver("on: det, map: {pixels: [0, 4], width: 1 cm}"), HasSubstr("whole numbers"));
   EXPECT_THAT(receiver("on: det, map: {centre: [1 mm, 0 m]}"), HasSubstr("'centre' is for a map with a 'width'"));
   EXPECT_EQ(receiver("on: det, map: {width: 1 cm, centre: [1 mm, 0 m]}"), "no error");
@@ -80,10 +80,10 @@ TEST(ReadReceivers, EveryMistakeHasAPlaceAndARemedy) {
   EXPECT_THAT(receiver("on: det, map: {pixels: [4096, 4096], width: 1 cm}"), HasSubstr("more than a million"));
   EXPECT_THAT(receiver("on: det, quadrant: {gap: 1 mm}"), HasSubstr("quadrants"));
   EXPECT_THAT(receiver("on: det, quadrants: {gap: 1}"), HasSubstr("length"));  // explicit units
-  EXPECT_THAT(receiver("shape: {sphere: {radius: 1 m}}"), HasSubstr("measuring plane is flat"));
+  EXPECT_THAT(receiver("shape: {sphere: {radius: 1 m}}"), HasSubstr("measuring plane must be flat"));
   EXPECT_THAT(receiver("on: det, shape: {disk: {outer_radius: 1 m}}"), HasSubstr("both given"));
   EXPECT_THAT(complaint(std::string(beam) + "receivers: {'a b': {on: det}}\n"), HasSubstr("cannot name"));
-  EXPECT_THAT(complaint(beam), HasSubstr("no receiver"));
+  EXPECT_THAT(complaint(beam), HasSubstr("nor a receiver"));
   EXPECT_EQ(receiver("on: det"), "no error");
 }
 
@@ -113,11 +113,11 @@ TEST(ReadFreeBeams, Keys) {
   EXPECT_EQ(two.polarisation.q, 1);
   EXPECT_THAT(complaint("beams: {b: {from: [0 m, 0 m, 0 m], radius: 1 mm}}\n" + end), HasSubstr("has no direction"));
   EXPECT_THAT(complaint("beams: {det: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 1 mm}}\n" + end),
-              HasSubstr("called 'det' already"));
+              HasSubstr("already called 'det'"));
   EXPECT_THAT(
       complaint("beams: {b: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 1 mm, polarisation: [0, 0, 1]}}\n" +
                 end),
-      HasSubstr("along the beam"));
+      HasSubstr("parallel to the beam"));
 }
 
 // R3.10: <rho^2> = R^2/2 for a uniform disc, w^2/2 for a Gaussian spot. Effect to be detected: 2 %.

@@ -73,7 +73,7 @@ TEST(ScatterFiles, LaboratoryCsv) {
 
 TEST(ScatterFiles, LaboratoryCsvMistakes) {
   std::string const bare = "theta_i [deg], theta_s [deg], brdf [1/sr]\n10, 12, 2e-3\n10, 20, 1e-3\n";
-  EXPECT_THAT(error_text(bare), HasSubstr("nothing declares wavelength and angles"));
+  EXPECT_THAT(error_text(bare), HasSubstr("does not declare wavelength and angles"));
   EXPECT_THAT(error_text(bare), HasSubstr("# angles: from_normal"));  // the template to paste
   EXPECT_EQ(error_text(bare, {.wavelength = 633e-9, .angles = "from_normal"}), "");
   EXPECT_THAT(error_text(edited(lab, "# wavelength", "# wavelenght")), HasSubstr("1:3: unknown declaration"));
@@ -132,7 +132,7 @@ TEST(ScatterFiles, ZemaxTable) {
 
 TEST(ScatterFiles, ZemaxMistakes) {
   std::string const good = zemax("0.628");
-  EXPECT_THAT(error_text(good), HasSubstr("nothing declares wavelength"));
+  EXPECT_THAT(error_text(good), HasSubstr("does not declare wavelength"));
   EXPECT_EQ(error_text("# wavelength: 532 nm\n" + good), "");
   EXPECT_THAT(error_text(edited(good, "AngleOfIncidence  2", "AngleOfIncidence  3"), green),
               HasSubstr("10:1: 'ScatterAzimuth' is not a number"));
@@ -146,7 +146,7 @@ TEST(ScatterFiles, ZemaxMistakes) {
   EXPECT_THAT(error_text(edited(good, "0 45 90", "0 90 45"), green), HasSubstr("do not increase"));
   EXPECT_THAT(error_text(edited(good, "Monochrome\nScatter", "XYZ\nScatter"), green), HasSubstr("colours"));
   EXPECT_THAT(error_text(edited(good, "SampleRotation  1\n0\n", "SampleRotation  2\n0 90\n"), green),
-              HasSubstr("law 'grooves'"));
+              HasSubstr("model 'grooves'"));
 }
 
 TEST(ScatterFiles, AbgCatalogue) {
@@ -161,7 +161,7 @@ TEST(ScatterFiles, AbgCatalogue) {
     }
   EXPECT_THAT(error_text(text), HasSubstr("2 entries"));
   EXPECT_THAT(error_text(text, {.entry = "blak"}), HasSubstr("did you mean 'black'"));
-  EXPECT_THAT(error_text(text, {.entry = "white"}), HasSubstr("nothing declares wavelength"));
+  EXPECT_THAT(error_text(text, {.entry = "white"}), HasSubstr("does not declare wavelength"));
   EXPECT_THAT(error_text(edited(text, "60 3e-3 1e-3 1.7", "60 3e-3 1e-3")), HasSubstr("4:1: 3 numbers in a row"));
   EXPECT_THAT(error_text(edited(text, "60 3e-3", "60 -3e-3")), HasSubstr("4:4: A is -0.003"));
 }
@@ -179,9 +179,9 @@ TEST(ScatterFiles, AstmText) {
   EXPECT_THAT(error_text(text), HasSubstr("choose one by 'wavelength': 633nm, 1064nm"));
   ScatterDeclared const ir{.wavelength = 1064e-9};
   EXPECT_THAT(error_text(edited(text, "NUM_POINTS 2", "NUM_POINTS 3"), ir),
-              HasSubstr("NUM_POINTS says 3, the file has 2"));
+              HasSubstr("NUM_POINTS is 3, but the file has 2"));
   EXPECT_THAT(error_text(edited(text, "0.5,0,0.7", "0.5,0,40"), ir), HasSubstr("5:7: a polar angle of 40 rad"));
-  EXPECT_THAT(error_text(edited(text, "VARS", "VARIABLES"), ir), HasSubstr("no known format"));
+  EXPECT_THAT(error_text(edited(text, "VARS", "VARIABLES"), ir), HasSubstr("unknown format"));
   ScatterFile const degrees =
       sound(edited(edited(text, "theta_i,phi_i,theta_s,phi_s", "theta_i [deg],phi_i [deg],theta_s [deg],phi_s [deg]"),
                    "0.5,0,0.7,3.14159265358979", "30,0,40,180"),
@@ -232,8 +232,8 @@ TEST(ScatterFiles, OtherFormatsAreErrorsThatNameThem) {
   EXPECT_THAT(error_text(std::string("tensor_file\0\1\0", 14)), HasSubstr("write those as laboratory CSV"));
   EXPECT_THAT(error_text("Symmetry PlaneSymmetrical\nSpectralContent Monochrome\nAOI 10\n"), HasSubstr("LightTools"));
   EXPECT_THAT(error_text(std::string("\x89HDF\r\n\0", 7)), HasSubstr("binary file of no known format"));
-  EXPECT_THAT(error_text("hello\n"), HasSubstr("no known format of measured scatter"));
-  EXPECT_THAT(error_text(""), HasSubstr("no known format of measured scatter"));
+  EXPECT_THAT(error_text("hello\n"), HasSubstr("unknown format of measured scatter"));
+  EXPECT_THAT(error_text(""), HasSubstr("unknown format of measured scatter"));
 }
 
 }  // namespace

@@ -278,7 +278,7 @@ TEST(world_search, more_shapes_than_can_be_named_are_errors) {
     w.add_surface(disk(0, 1, {{0, 0, 3}}), 0, 0, {}, {});
     FAIL() << "accepted";
   } catch (InputError const& e) {
-    EXPECT_NE(std::string(e.what()).find("more than 2 surfaces of the shape 'disk'"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("more than 2 surfaces of shape 'disk'"), std::string::npos) << e.what();
   }
 }
 

@@ -143,7 +143,7 @@ TEST(ElasticModes, InvalidShapesAreErrors) {
     return {};
   };
   EXPECT_NE(problem("").find("a mode has one shape"), std::string::npos);
-  EXPECT_NE(problem("tube: {axis: [0, 0, 1], from: [0, 0, 2]}").find("beside the axis"), std::string::npos);
+  EXPECT_NE(problem("tube: {axis: [0, 0, 1], from: [0, 0, 2]}").find("parallel to the axis"), std::string::npos);
   EXPECT_NE(problem("beam: {along: [1, 0, 0], direction: [0, 1, 0], length: 2}").find("without a unit"),
             std::string::npos);
   EXPECT_NE(problem("polynomial: {x: [[1, 0, 0.5, 0]]}").find("whole numbers"), std::string::npos);
