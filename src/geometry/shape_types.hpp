@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// THE list of shapes. A new shape is NAME.hpp and NAME.cpp, its page and its name here. A shape is a trivially copyable
-// struct with `axis`, `key`, the name in the scene language, and
+// The list of shapes. A new shape needs NAME.hpp and NAME.cpp, its page, and its name here. A shape is a trivially
+// copyable struct with `axis`, `key`, the name in the scene language, and
 //   keys()                      its keys in the scene language, defined in NAME.cpp
 //   place(pose)                 puts it into the world: origin of the shape, e3 its axis, e1 and e2 across
 //   distance(ray, leaving)      m along the ray to the first hit in (0, t_max), infinity: none. `leaving`: the ray
@@ -13,7 +13,7 @@
 //                               the surface; r_min > 0 promises that nothing of it is nearer to the axis
 //   bounds()                    box in the world that contains it
 //   reference()                 the point its equations are written about
-// and, where the default does not fit,
+// and, where the default is not suitable,
 //   impossible()                why its values do not make a shape (default: they do)
 //   curvature_at(p)             of the surface at p (default: flat)
 //   drawing()                   as triangles (default: a grid of samples, `drawn_rows` along the first number)

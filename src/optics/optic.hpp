@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one side of a surface does to light: a specular interface plus a sum of BSDF models. The rest of the light,
+// Optical properties of one side of a surface: a specular interface plus a sum of BSDF models. The rest of the light,
 // which is neither reflected nor transmitted nor scattered, is absorbed.
 #pragma once
 

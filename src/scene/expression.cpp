@@ -37,7 +37,7 @@ std::string joined(auto const& words) {
   return out;
 }
 
-// Dimension-checked arithmetic. Every function throws ExpressionProblem for what it cannot compute.
+// Dimension-checked arithmetic. Every function throws ExpressionProblem if it cannot compute the result.
 
 // A value and the bytes of the text it came from.
 struct Operand {
@@ -221,7 +221,7 @@ class Parser {
 
   Value whole() {
     skip_spaces();
-    if (at_ == text_.size()) refuse("nothing is written here", "write a number", 0, text_.size());
+    if (at_ == text_.size()) refuse("the value is empty", "write a number", 0, text_.size());
     if (text_.ends_with("dB")) return decibel();
     Operand result = sum();
     skip_spaces();
@@ -265,8 +265,8 @@ class Parser {
     if (text_[at_] == ',') refuse("a comma inside a number", "write a decimal point: 1.5, not 1,5", begin, begin + 1);
     bool const point = text_[at_] == '.' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1]);
     if (is_digit(text_[at_]) || point)
-      refuse("two numbers stand next to each other", "write one number without spaces, or an operator between them",
-             begin, text_.size());
+      refuse("two numbers without an operator between them",
+             "write one number without spaces, or an operator between them", begin, text_.size());
     std::string_view const next = word();
     std::size_t const end = next.empty() ? text_.size() : at_;
     std::vector<std::string> const kinds(amplitude_words.begin(), amplitude_words.end());
@@ -281,7 +281,7 @@ class Parser {
   Value decibel() {
     std::string_view number = text_.substr(at_, text_.size() - 2 - at_);
     while (!number.empty() && number.back() == ' ') number.remove_suffix(1);
-    if (!is_number(number)) refuse("dB stands alone behind one number", "write for example '37 dB'", at_, text_.size());
+    if (!is_number(number)) refuse("dB must follow a single number", "write for example '37 dB'", at_, text_.size());
     number.remove_prefix(number.front() == '+');
     double value = 0;
     std::from_chars(number.data(), number.data() + number.size(), value);
@@ -371,7 +371,7 @@ class Parser {
     return {{{value, dim::plain, {}}, value == 0}, begin, number_end, true};
   }
 
-  // A word behind a bare number: an amplitude kind is read later, anything else is no unit.
+  // A word after a bare number: an amplitude kind is read later, anything else is not a unit.
   void refuse_suffix(std::size_t begin, std::size_t number_end) {
     std::size_t const start = at_;
     std::string const suffix(word());

@@ -16,7 +16,7 @@ namespace straytrace::scene {
 struct ParameterLookup {
   struct Found {
     bool known = false;
-    std::optional<Value> value;  // empty when known but broken; its problem is recorded already
+    std::optional<Value> value;  // empty when known but broken; its problem is already recorded
   };
   std::function<Found(std::string_view)> find;
   std::function<std::vector<std::string>()> names;  // for suggestions

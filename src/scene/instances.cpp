@@ -58,8 +58,8 @@ std::vector<double> by_ends(Node const& repeat, std::size_t count) {
     return {};
   }
   if (count == 1 && from < to) {
-    repeat["count"].problem("one instance cannot be both at 'from' and at 'to'",
-                            "write 'count: 2' or more, or leave out 'repeat' and use 'at'");
+    repeat["count"].problem("a single instance cannot be at both 'from' and 'to'",
+                            "write 'count: 2' or more, or use 'at' instead of 'repeat'");
     return {};
   }
   if (std::isnan(from) || std::isnan(to)) return {};
@@ -80,7 +80,7 @@ std::size_t shadow_count(Node const& repeat, double origin, double from, double 
   if (std::isnan(origin + from + to + ratio)) return 0;
   double const steps = std::log((to - origin) / (from - origin)) / std::log(ratio);
   if (steps > 0 && steps <= most_instances) return std::size_t(std::ceil(steps * (1 - 1e-12)));
-  repeat["to"].problem("no progression with this ratio leads from 'from' to 'to'",
+  repeat["to"].problem("no progression with this ratio reaches 'to' from 'from'",
                        "write a 'to' beyond 'from' as seen from 'origin', and a ratio above 1; or 'count' instead");
   return 0;
 }
@@ -209,10 +209,10 @@ bool holds_position(Node const& n) {
   return at || facing || rotate;
 }
 
-// What the instances of one entry share while its parts are unfolded.
+// Data shared by the instances of one entry while its parts are expanded.
 struct Unfolding {
   std::string group, name;   // so far: "bench/dump" and "bench[2]/dump"
-  Node placement;            // where body, material, side and medium are looked up
+  Node placement;            // tables that provide body, material, side and medium
   Node usual_medium;         // of the part whose faces are unfolded
   std::vector<Node> frames;  // outermost first
   double offset = 0;
@@ -310,7 +310,7 @@ class Expander {
     use.problem(
         fmt::format("part '{}' is not defined", shortened(name)),
         near.empty()
-            ? fmt::format("define it under 'parts', add 'include: [library/parts.yaml]' where it is of the library, or "
+            ? fmt::format("define it under 'parts', add 'include: [library/parts.yaml]' if it is from the library, or "
                           "use one of: {}",
                           shortened(all))
             : fmt::format("did you mean '{}'?", near));
@@ -335,7 +335,7 @@ class Expander {
     return given;
   }
 
-  // `hand: left` where the part has words for the parameter, otherwise the quantity that is written.
+  // `hand: left` where the part has words for the parameter, otherwise the quantity as written.
   std::optional<Value> said_by_word(Node const& value, Node const& words, Document* document) {
     if (words.kind() != Node::Kind::table) return document->evaluate(*value.data(), value.scope().get());
     if (NodeData::Entry const* word = words.data()->find(value.text()))
@@ -365,7 +365,7 @@ class Expander {
         std::string const near = nearest_word(c.name, names);
         refuse(
             c,
-            fmt::format("column '{}' is neither a position (x, y, z) nor a parameter of what is repeated",
+            fmt::format("column '{}' is neither a position (x, y, z) nor a parameter of the repeated part",
                         shortened(c.name)),
             near.empty() ? "name the columns after parameters of the part" : fmt::format("did you mean '{}'?", near));
         continue;

@@ -15,7 +15,7 @@ constexpr std::array<std::string_view, 4> prunable{"materials", "media", "parts"
 
 using Words = std::set<std::string, std::less<>>;
 
-// What `like` and `preset` name has been taken over, and is not needed itself.
+// Entries named by `like` and `preset` are already copied and not needed themselves.
 void add_words(NodeData const& data, Words& words) {
   if (data.kind == Node::Kind::scalar) words.insert(data.text);
   for (NodeData::Entry const& e : data.entries)

@@ -10,9 +10,9 @@ namespace straytrace::scene {
 
 inline bool is_library(std::string_view file_name) { return file_name.starts_with("library/"); }
 
-// Takes the materials, media, parts and bodies of library files out of the model that nothing names, so that they
-// cost nothing and cause no messages. A model that names a material or part that is not there keeps all but bodies: a
-// message can then suggest one.
+// Removes unused materials, media, parts and bodies of library files from the model, so that they cost nothing and
+// cause no messages. A model that names an unknown material or part keeps all except bodies, so that a message can
+// suggest one.
 void drop_unused(SceneDocument const&, NodeData& model);
 
 // "parameter first_baffle = 10 m: assumed; SOURCE" for each parameter marked so that something in the model names and

@@ -90,7 +90,7 @@ void take_over_materials(SceneDocument& document, NodeData& model) {
       if (m.value->kind == Node::Kind::table && !m.value->find("like")) names.push_back(m.key);
     std::string const near = nearest_word(like->value->text, names);
     Node(like->value, nullptr, &document)
-        .problem(fmt::format("'{}' is not a material that can be taken over", shortened(like->value->text)),
+        .problem(fmt::format("'like' cannot copy material '{}'", shortened(like->value->text)),
                  near.empty() ? "name one of 'materials' that is not itself 'like' another"
                               : fmt::format("did you mean '{}'?", near));
   }
@@ -175,7 +175,7 @@ class Merger {
         continue;
       }
       if (depth >= deepest_include || done_.size() >= most_includes) {
-        name.problem("too many files include each other", "join some of them");
+        name.problem("too many nested includes", "combine some of them");
         return;
       }
       auto const file = document_.open(name, name.text(), model_file_limit);
@@ -194,7 +194,7 @@ class Merger {
     std::vector<std::string> names{"straytrace", "include"};
     for (TopKey const& k : top_keys) names.emplace_back(k.name);
     for (NodeData::Entry const& e : root.entries) {
-      if (document_.error_count() > 1000) return;  // hostile input: enough is reported
+      if (document_.error_count() > 1000) return;  // hostile input: stop reporting
       if (std::find(names.begin(), names.end(), e.key) != names.end()) continue;
       model_->misspelt = true;
       std::string const near = nearest_word(e.key, names);
@@ -212,7 +212,7 @@ class Merger {
       if (key->kind == Section::named) merge_named(e, *key);
       if (key->kind == Section::list) merge_list(e);
       if (key->kind == Section::single) merge_single(e);
-      if (key->kind == Section::text) replace(e);  // the including file speaks last
+      if (key->kind == Section::text) replace(e);  // the including file has priority
     }
   }
 
@@ -265,7 +265,7 @@ class Merger {
       }
       NodeData::Entry& earlier = into.entries[hit->second];
       if (!one && !all)
-        problem(d, fmt::format("{} '{}' is defined already ({})", key.noun, d.key, where(earlier.place, d.place.file)),
+        problem(d, fmt::format("{} '{}' is already defined ({})", key.noun, d.key, where(earlier.place, d.place.file)),
                 d.value->kind == Node::Kind::table
                     ? "choose another name, or add 'override: true' to replace it"
                     : fmt::format("choose another name, or add 'override: true' to '{}' to replace it", e.key));
@@ -292,7 +292,7 @@ class Merger {
     if (replaces) e.value->find("override")->value->known = true;
     NodeData::Entry const* earlier = model_->find(e.key);
     if (earlier && !replaces)
-      problem(e, fmt::format("'{}' is defined already ({})", e.key, where(earlier->place, e.place.file)),
+      problem(e, fmt::format("'{}' is already defined ({})", e.key, where(earlier->place, e.place.file)),
               "keep one of them, or add 'override: true' to replace the earlier one");
     if (!earlier && replaces)
       problem(e, fmt::format("'override: true' but no earlier '{}'", e.key), "remove 'override: true'");

@@ -9,7 +9,7 @@
 namespace straytrace::scene {
 
 // The table of the whole model without `straytrace` and `include`. Throws InputError when a file cannot be read as
-// YAML, because problems that readers report about the rest would be noise.
+// YAML, because problems of the rest would be noise.
 std::shared_ptr<NodeData> read_model(SceneDocument&, std::string const& main_file);
 
 constexpr int format_version = 1;

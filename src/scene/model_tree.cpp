@@ -299,7 +299,7 @@ class Printer {
   std::string const& text() const { return text_; }
 
  private:
-  // One line: the text, and behind it where it comes from.
+  // One line: the text, followed by its origin.
   void line(std::size_t depth, std::string_view lead, std::string text, std::string const& comment) {
     text = std::string(2 * depth, ' ') + std::string(lead) + text;
     if (!comment.empty()) text = fmt::format("{:<{}}  # {}", text, comment_column, comment);
@@ -353,7 +353,7 @@ class Printer {
 std::string printed_model(Scene const& scene) {
   Printer printer;
   ModelValue model = model_tree(scene);
-  for (ModelValue& section : model.children)  // they contain what they take over already
+  for (ModelValue& section : model.children)  // they already contain their copied entries
     if (section.key == "materials")
       for (ModelValue& material : section.children)
         std::erase_if(material.children, [](ModelValue const& v) { return v.key == "like"; });

@@ -20,7 +20,7 @@ struct ModelValue {
   std::string written, origin;         // as in the file; "arm.yaml:12"
   KeyRequest how;                      // by the key in its table; otherwise how the value itself was read
   bool by_key = false;                 // it was the former
-  std::string role;                    // what messages call a table: "beam 'arm'"
+  std::string role;                    // name of a table in messages: "beam 'arm'"
   bool listed = false;                 // its keys are names that the user gives
   std::vector<ModelValue> children;
 

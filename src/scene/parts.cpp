@@ -35,7 +35,7 @@ bool name_allowed(Node const& at, std::string const& name) {
         return static_cast<unsigned char>(c) < 0x20 || std::string_view("/*[]>\"'").find(c) != std::string_view::npos;
       });
   if (bad)
-    at.problem(fmt::format("'{}' cannot be a name", shortened(name)), "leave out the characters / * [ ] > and quotes");
+    at.problem(fmt::format("'{}' is not a valid name", shortened(name)), "remove the characters / * [ ] > and quotes");
   return !bad;
 }
 
@@ -112,7 +112,7 @@ bool keeps(Rule const& rule, double value, double bound) {
   return rule.key == "above" ? over > 0 : over >= -rounding * std::fabs(bound);
 }
 
-// In a unit that people use, with four digits, rounded so that what is printed is allowed.
+// In a common unit, with four digits, rounded so that the printed value is allowed.
 std::string readable(double si, Dimension d, int sign) {
   double const unit = d == dim::length && std::fabs(si) < 1 ? 1e-3 : d == dim::angle ? pi / 180 : 1;
   double const x = si / unit;
@@ -141,7 +141,7 @@ bool within_limits(Node const& entry, std::string const& name, Node const& part,
       (given ? given : entry)
           .problem(fmt::format("'{}' of '{}' must be {} {} here, it is {}", parameter, name, rule.in_words, least,
                                readable(is, bound.dimension, 1)),
-                   limit.word("because", "change it or what else the part is given"));
+                   limit.word("because", "change it or the other parameters of the part"));
       return false;
     }
   }

@@ -39,7 +39,7 @@ class FaceCounter {
   std::vector<std::string> chain_;
 };
 
-// `limits` of a part: what its parameters must keep to, so that its faces fit together.
+// `limits` of a part: bounds of its parameters that make its faces fit together.
 
 // False, with a problem at the value in `entry` (or at the entry, when it gives none), for the first parameter that is
 // not `above`, `at_least` or `at_most` the bound of the part; `name` is that of the entry.

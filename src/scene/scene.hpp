@@ -12,7 +12,7 @@
 
 namespace straytrace::scene {
 
-// name as written -> text. What the run file stores and what a run can be made again from.
+// name as written -> text. Stored in the run file, so that the run can be repeated from it.
 using FileTexts = std::map<std::string, std::string>;
 
 class Scene {

@@ -35,7 +35,7 @@ void refuse_library_name(Node const& named_by, std::string const& name) {
   std::string const near = nearest_word(name, names);
   named_by.problem(
       fmt::format("no file '{}', neither next to the main file nor in the library of the program", shortened(name)),
-      near.empty() ? "'straytrace library' lists what is there" : fmt::format("did you mean '{}'?", near));
+      near.empty() ? "'straytrace library' lists its files" : fmt::format("did you mean '{}'?", near));
 }
 
 // Text readers cannot use other bytes, and these should not be printed.
@@ -70,12 +70,12 @@ SceneDocument::SceneDocument(std::filesystem::path folder, FileTexts const* text
 void SceneDocument::add(Problem p) {
   if (p.place.line > 0 && is_binary(sources_[p.place.file]))
     p = {{p.place.file},
-         "this is a binary file, and text is wanted here",
+         "this is a binary file, but a text file is needed here",
          "name a text file, or export it as text",
          p.severity};
   if (blame && (p.place.file == blame->hidden || is_library(sources_[p.place.file].name))) {
     p.what = fmt::format("'{}': {}", blame->name, p.what);
-    p.suggestion = fmt::format("change what the part is given ({}:{}:{}: {})", sources_[p.place.file].name,
+    p.suggestion = fmt::format("change the parameters of the part ({}:{}:{}: {})", sources_[p.place.file].name,
                                p.place.line, p.place.column, p.suggestion);
     p.place = blame->place;
     p.width = blame->width;
@@ -127,7 +127,7 @@ std::optional<std::string> SceneDocument::read(std::string const& name, std::siz
   if (texts_) {
     auto const hit = texts_->find(name);
     if (hit == texts_->end())
-      why = "the stored model does not hold it";
+      why = "the stored model does not contain it";
     else if (hit->second.size() > size_limit)
       why = fmt::format("it is larger than {} MB", size_limit >> 20);
     else
@@ -176,7 +176,7 @@ std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::stri
     return {};
   }
   if (is_absolute(written)) {
-    named_by.problem(fmt::format("'{}' is an absolute path, which other machines cannot follow", shortened(written)),
+    named_by.problem(fmt::format("'{}' is an absolute path, which is not valid on other machines", shortened(written)),
                      "write a name relative to this file, for example 'data/steel.csv'");
     return {};
   }
@@ -193,7 +193,7 @@ std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::stri
     }
     named_by.problem(
         fmt::format("cannot read file '{}': {}", shortened(written), why),
-        fmt::format("names are relative to the file that contains them: '{}' was looked for next to the main file",
+        fmt::format("names are relative to the file that contains them; '{}' was searched next to the main file",
                     shortened(name)));
     return {};
   }

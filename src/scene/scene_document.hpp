@@ -22,7 +22,7 @@ struct Source {
   std::string_view line(std::uint32_t number) const;  // 1-based, without line end; empty beyond the end
 };
 
-// Who used a part: what is wrong in the source `hidden` is reported there.
+// The user of a part: problems in the source `hidden` are reported there.
 struct Blame {
   std::uint32_t hidden = 0;
   Place place;

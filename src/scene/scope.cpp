@@ -37,10 +37,8 @@ class ScopeBuilder {
     e.value->known = true;
     bool const reserved = is_reserved_word(e.key);
     if (!reserved && is_parameter_name(e.key)) return true;
-    std::string const what =
-        reserved
-            ? fmt::format("'{}' is a word of the language (a unit or a function) and cannot name a parameter", e.key)
-            : fmt::format("'{}' cannot name a parameter", shortened(e.key));
+    std::string const what = reserved ? fmt::format("'{}' is a unit or a function and cannot name a parameter", e.key)
+                                      : fmt::format("'{}' cannot name a parameter", shortened(e.key));
     document_.add({e.place, what,
                    reserved ? fmt::format("choose another name, for example '{}_0'", e.key)
                             : "use letters, digits and '_', beginning with a letter",
@@ -87,7 +85,7 @@ class ScopeBuilder {
     return value.kind == Node::Kind::table ? std::nullopt : written(value);
   }
 
-  // What is given must have the dimension of what is written; a bare 0 takes it over.
+  // A given value must have the dimension of the written one; a bare 0 adopts it.
   std::optional<Value> agreeing(std::optional<Value> const& written, std::optional<Value> given, NodeData const* node) {
     if (!written || !given || written->bare_zero) return given;
     if (given->bare_zero) given->quantity.dimension = written->quantity.dimension;

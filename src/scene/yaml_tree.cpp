@@ -26,11 +26,10 @@ struct Syntax {
 };
 constexpr std::array syntax{
     Syntax{"illegal flow end", "brackets of different kinds do not match", "close '[' with ']' and '{' with '}'"},
-    Syntax{"illegal map value", "a second ': ' in one value",
-           "put quotes around text that contains ': ', or begin a new line"},
-    Syntax{"end of sequence not found", "the indentation does not fit the list above",
+    Syntax{"illegal map value", "a second ': ' in one value", "quote text that contains ': ', or start a new line"},
+    Syntax{"end of sequence not found", "the indentation does not match the list above",
            "align the keys of one entry in one column"},
-    Syntax{"end of map not found", "the indentation does not fit the table above",
+    Syntax{"end of map not found", "the indentation does not match the table above",
            "align the keys of one table in one column"},
     Syntax{"bad file", "tables and lists are nested too deeply", "check the brackets"},  // the parser's own limit
 };
@@ -127,9 +126,8 @@ std::optional<std::string> checked_text(SceneDocument& document, std::uint32_t f
   std::string text = document.source(file).text;
   if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
   if (text.starts_with("straytrace-run")) {
-    document.add({{file, 1, 1},
-                  "this is a run file, not a scene",
-                  "'straytrace run' makes it again, 'noise' and 'paths' read it"});
+    document.add(
+        {{file, 1, 1}, "this is a run file, not a scene", "'straytrace run' repeats it, 'noise' and 'paths' read it"});
     return {};
   }
   std::uint32_t line = 1, column = 1;
@@ -176,7 +174,7 @@ class TreeBuilder : public YAML::EventHandler {
       : document_(document), source_(document.source(file)), file_(file) {}
 
   std::shared_ptr<NodeData> root() const { return root_; }
-  // What may be a consequence of broken syntax is recorded only when the document turns out to be whole.
+  // Possible consequences of broken syntax are recorded only when the document is complete.
   void OnDocumentEnd() override {
     for (Problem& p : guesses_) document_.add(std::move(p));
     for (Problem& p : broken_lines_) document_.add(std::move(p));
@@ -217,7 +215,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnAlias(YAML::Mark const& mark, YAML::anchor_t) override {
     problem(place(mark), "aliases (*name) are not part of the input language",
-            "write the value again, or use params and parts");
+            "repeat the value, or use params and parts");
     if (awaits_key()) return set_discarded_key();
     auto node = std::make_shared<NodeData>();
     node->place = place(mark);
@@ -379,7 +377,7 @@ class TreeBuilder : public YAML::EventHandler {
   void count(YAML::Mark const& mark) {
     if (++values_ <= most_values) return;
     problem(place(mark), fmt::format("the file has more than {} keys and values", most_values),
-            "use 'repeat', or put measured data into files of their own");
+            "use 'repeat', or put measured data into separate files");
     throw StopReading{};
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What shapes have in common, and one way to ask a shape, whether simple or made of many flat pieces (meshes): where a
-// ray meets it, and what is there.
+// Common interface of shapes, simple ones or those of many flat pieces (meshes): where a ray meets them, and the
+// surface there.
 #pragma once
 
 #include <cstdint>
@@ -31,12 +31,12 @@ struct SurfacePoint {
   std::uint32_t piece = 0;
 };
 
-// Why the values of its keys, each within its range, do not make a shape, and what to do; empty: they do.
+// Why the values of its keys, each within its range, do not form a valid shape, and the remedy; empty: they do.
 struct ShapeComplaint {
   std::string what, suggestion;
 };
 
-// How a surface bends at a point: what a beam sees of a mirror or a lens face. Symmetric tensor in the tangent plane,
+// Curvature of a surface at a point, for beams at mirrors or lens faces. Symmetric tensor in the tangent plane,
 // 1/m. The height of the surface over that plane, along the unit normal of the shape (normal_of), is (1/2) r.K.r:
 // positive where the surface bends towards its normal, so that a mirror is concave to light that travels against the
 // normal. The derivative of the unit normal along r is -K r.
@@ -117,7 +117,7 @@ SurfaceCurvature curvature_of(S const& s, Vec3 p, std::uint32_t piece) {
   else
     return SurfaceCurvature::uniform(normal_of(s, p, piece), 0);
 }
-// What the ranges of the keys cannot exclude.
+// Checks beyond the ranges of the keys.
 template <class S>
 ShapeComplaint impossible(S const& s) {
   if constexpr (requires { s.impossible(); })

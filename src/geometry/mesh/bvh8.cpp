@@ -25,7 +25,7 @@ struct Binary {
   std::uint32_t left = 0, right = 0;  // 0: one item
 };
 
-// What a binary subtree costs when it becomes at most i children of a wide node: the best cut is found from the bottom
+// Cost of a binary subtree as at most i children of a wide node: the best cut is found from the bottom
 // up (Ylitie et al. 2017, section 4). share[i]: how many of them its left half gets; 0: as for i - 1.
 struct Cut {
   float cost[9];
@@ -38,7 +38,7 @@ class Builder {
   Builder(std::span<Box const> boxes, Bvh8Settings const& settings) : boxes_(boxes), settings_(settings) {
     settings_.leaf_size = std::clamp(settings_.leaf_size, 1u, 16u);
     settings_.pack = std::max(settings_.pack, 1u);
-    if (boxes.size() >= 1u << Bvh8::first_bits) throw std::length_error("a tree holds at most 2^27 boxes");
+    if (boxes.size() >= 1u << Bvh8::first_bits) throw std::length_error("a tree can have at most 2^27 boxes");
   }
 
   Bvh8 build() {

@@ -21,7 +21,7 @@ namespace bvh8_detail {
 struct Probe;
 }
 
-// How a tree is built. Costs are in units of one item tested.
+// Parameters of the construction. Costs are in units of one item tested.
 struct Bvh8Settings {
   unsigned leaf_size = 4;     // items in a leaf, at most 16
   double traversal_cost = 1;  // of one more level

@@ -48,7 +48,7 @@ struct ShearedRay {
   }
 };
 
-// What rounding takes from a * b (Dekker 1971, splitting by Veltkamp): a * b = fl(a * b) + this, exactly.
+// Rounding error of a * b (Dekker 1971, splitting by Veltkamp): a * b = fl(a * b) + this, exactly.
 STRAY_HD double product_error(double a, double b) {
   double const p = a * b, sa = 134217729 * a, sb = 134217729 * b;
   double const ah = sa - (sa - a), bh = sb - (sb - b), al = a - ah, bl = b - bh;
@@ -107,8 +107,8 @@ STRAY_HD Vec3 put_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c, double margin) {
   return share[0] * a + share[1] * b + share[2] * c;
 }
 
-// A ray leaves a triangle. Which hits close to its start are real does not follow from a length that is all rounding,
-// but from where triangles lie:
+// A ray leaves a triangle. A length near zero is pure rounding, so the positions of the triangles decide which
+// hits close to the start are real:
 //   1. the triangle itself is never hit;
 //   2. one that reaches nowhere above the plane of the start, on the side the ray leaves to, is never hit: coplanar and
 //      convex neighbours;

@@ -34,7 +34,7 @@ std::vector<AliasRow> alias_table(std::vector<double> const& weights, double tot
     }
   }
   for (std::uint32_t i : rich) rows[i] = {1, i};
-  for (std::uint32_t i : poor) rows[i] = {1, i};  // rounding: nothing is left to share with
+  for (std::uint32_t i : poor) rows[i] = {1, i};  // rounding: no partner remains
   return rows;
 }
 
@@ -81,7 +81,7 @@ void measure(MeshContent& mesh, std::vector<MeshVertex> const& vertices, std::ve
     Box box;
     Vec3 corner[3];
     for (int k = 0; k < 3; ++k) {
-      if (t.corner[k] >= vertices.size()) throw std::out_of_range("a triangle names a vertex that does not exist");
+      if (t.corner[k] >= vertices.size()) throw std::out_of_range("a triangle refers to a vertex that does not exist");
       corner[k] = exact(vertices[t.corner[k]]);
       box.add(corner[k]);
       mesh.far = std::max(mesh.far, (1 + 1e-12) * std::hypot(corner[k].x, corner[k].y));

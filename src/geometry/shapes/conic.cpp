@@ -124,11 +124,11 @@ ShapeComplaint Conic::impossible() const {
   if (part > 0.99)
     return {fmt::format("(1 + conic_constant) curvature^2 r^2 is {:g} at the edge, r = {:g} m: the conic ends at 1",
                         part, edge),
-            "lower the curvature or the aperture; up to 0.99 is accepted (a 'sphere', 'cap' or 'zone' goes farther)"};
+            "lower the curvature or the aperture; the limit is 0.99 (a 'sphere', 'cap' or 'zone' goes further)"};
   Derivatives const most = most_up_to(*this, edge * edge);
   if (!pure() && 2 * edge * most.first > 20)
     return {fmt::format("the slope of the asphere may reach {:g}", 2 * edge * most.first),
-            "check the units of a4 to a10: 1/m^3, 1/m^5, 1/m^7, 1/m^9; slopes up to 20 are accepted"};
+            "check the units of a4 to a10: 1/m^3, 1/m^5, 1/m^7, 1/m^9; the limit of the slope is 20"};
   return {};
 }
 

@@ -95,7 +95,7 @@ ShapeComplaint PiercedCylinder::impossible() const {
             "move them, or split the wall into parts"};
   if (holes != std::floor(holes)) return {fmt::format("{:g} holes", holes), "write a whole number"};
   if (holes > 1 && std::asin(hole_radius / radius) > pi / holes)
-    return {fmt::format("{:g} holes of radius {:g} m overlap", holes, hole_radius), "make fewer or smaller holes"};
+    return {fmt::format("{:g} holes of radius {:g} m overlap", holes, hole_radius), "use fewer or smaller holes"};
   return {};
 }
 

@@ -23,12 +23,12 @@ std::span<Key<Torus> const> Torus::keys() {
 
 ShapeComplaint Torus::impossible() const {
   if (minor_radius >= major_radius)
-    return {fmt::format("the tube ({:g} m) is not thinner than the ring ({:g} m): the torus would cut itself",
+    return {fmt::format("the tube ({:g} m) is not thinner than the ring ({:g} m): the torus would intersect itself",
                         minor_radius, major_radius),
             "make minor_radius smaller than major_radius"};
   if (minor_radius < 1e-4 * major_radius)
     return {fmt::format("the tube ({:g} m) is thinner than 1e-4 of the ring ({:g} m)", minor_radius, major_radius),
-            "use a thin cylinder or a narrow ring; the roots would lose digits"};
+            "use a thin cylinder or a narrow ring, since the roots would lose precision"};
   return {};
 }
 

@@ -86,7 +86,7 @@ struct Coating {
   static constexpr char const* key = "coating";
   static constexpr bool yields_to_scatter = false;
 
-  // Angle of the incident light. Beyond the critical angle nothing passes: the transmitted share of the table is
+  // Angle of the incident light. Beyond the critical angle no light passes: the transmitted share of the table is
   // reflected instead.
   STRAY_HD Amplitudes amplitudes(double cos_i, double n_in, double n_out, bool /*front*/) const {
     AngleColumns<columns> const c = table.at(cos_i);

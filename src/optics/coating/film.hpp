@@ -112,7 +112,7 @@ struct Film {
   }
 
  private:
-  // Interpolation makes no light.
+  // Limits the sum of the powers to 1 after interpolation.
   STRAY_HD static void bound(Complex& r, Complex& t) {
     double const sum = norm(r) + norm(t);
     if (!(sum > 1)) return;

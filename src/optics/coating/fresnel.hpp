@@ -11,8 +11,8 @@
 namespace straytrace::optics {
 
 struct Fresnel {
-  // n + i k of an opaque body behind the surface, seen from either side: metal, absorbing glass. What enters it ends
-  // there. Zero: a boundary between the media of the scene.
+  // n + i k of an opaque body behind the surface, seen from either side: metal, absorbing glass. Light that enters it
+  // is absorbed. Zero: a boundary between the media of the scene.
   Complex opaque;
 
   static constexpr char const* key = "fresnel";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// THE list of specular interfaces: reflection and transmission of a smooth surface. A new one is one header, its
+// The list of specular interfaces: reflection and transmission of a smooth surface. A new one is one header, its
 // reader, its page and its name here. An interface has
 //   amplitudes(cos_i, n_in, n_out, front)   field coefficients for light that meets the surface at cos_i in a medium of
 //                               index n_in, with n_out behind it; `front`: it comes from the side the normal points to

@@ -18,7 +18,7 @@ namespace straytrace::optics {
 template <class Model>
 struct ModelKeys;  // optics/scatter/model_keys.hpp
 
-// Why the values of its keys, each within its range, do not make a model, and what to do; empty: they do.
+// Why the values of its keys, each within its range, do not form a valid model, and the remedy; empty: they do.
 struct ModelComplaint {
   std::string key, what, suggestion;  // key: the one at fault; empty: the model
 };

@@ -120,7 +120,7 @@ ModelKeys<Grooves> Grooves::keys() {
 
 ModelComplaint Grooves::impossible() const {
   if (along > across)
-    return {"along", "'along' is larger than 'across': grooves are steep across and smooth along", "swap the two"};
+    return {"along", "'along' is larger than 'across': grooves are steep across and smooth along", "exchange the two"};
   return {};
 }
 

@@ -51,7 +51,7 @@ struct Stencil {
   }
 };
 
-// What both models share. A model has widths of its normals, `across` along local x and `along` along local y;
+// Common part of both models. A model has widths of its normals, `across` along local x and `along` along local y;
 // normals(h), D in 1/sr, whose integral times the cosine over the hemisphere is 1; and slant(w) = cos (1 + 2 Lambda) of
 // Smith's shadowing, G1 = 2 cos/(cos + slant).
 template <class Model>

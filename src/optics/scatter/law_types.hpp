@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// THE list of BSDF models. A new one is NAME.hpp and NAME.cpp, its page and its name here, at the end: the fingerprint
-// of a run holds its place. What a model offers: optics/lobes/bsdf.hpp; its parameters: optics/scatter/model_keys.hpp.
+// The list of BSDF models. A new one needs NAME.hpp and NAME.cpp, its page, and its name here, at the end: its place is
+// part of the fingerprint of a run. Interface: optics/lobes/bsdf.hpp; parameters: optics/scatter/model_keys.hpp.
 #pragma once
 
 #include <tuple>

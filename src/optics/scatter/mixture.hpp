@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sum of the BSDF models on one side of a surface. wo.z > 0: reflected side, by the models that are not `through`;
-// wo.z < 0: transmitted side, by those that are; n_in, n_out: indices on the lit side and behind it.
+// The sum of the BSDF models on one side of a surface. wo.z > 0: reflected side, models without `through`;
+// wo.z < 0: transmitted side, models with it; n_in, n_out: indices on the lit side and behind it.
 #pragma once
 
 #include "optics/optic.hpp"

@@ -56,7 +56,7 @@ ModelKeys<Harvey> Harvey::keys() {
 
 ModelComplaint Harvey::impossible() const {
   if (across > 0 && (across > 4 * width || across < width / 4))
-    return {"", "'l_across' is more than a factor 4 from 'l'", "use two models, or a factor of 4 at most"};
+    return {"", "'l_across' differs from 'l' by more than a factor 4", "use two models, or a factor of 4 at most"};
   return {};
 }
 

@@ -4,7 +4,7 @@
 //   f(wi, wo) = (n_out/m)^2 model(n_in alpha_i/m, n_out alpha_o/m),
 // so that f_12/n_2^2 = f_21/n_1^2 (docs/theory/surfaces.md, eq. 3.2), the lobe is centred on the refracted direction,
 // and the integral of f cos is the albedo of the model. Directions in the denser medium beyond the critical angle,
-// where n alpha > m, neither send nor get such light. wi.z > 0, wo.z < 0. Page: docs/reference/scatter/through.md.
+// where n alpha > m, neither send nor receive such light. wi.z > 0, wo.z < 0. Page: docs/reference/scatter/through.md.
 #pragma once
 
 #include "optics/lobes/bsdf.hpp"

@@ -151,8 +151,7 @@ std::vector<CoatingRow> rows_of(Node const& node, ShareTable const& t) {
       row_problem(
           node, t, i,
           fmt::format("the coating violates energy conservation: at {:.6g} deg it reflects {:.6g}, transmits {:.6g} "
-                      "and scatters "
-                      "{:.6g}",
+                      "and scatters {:.6g}",
                       degrees, 0.5 * (r.reflect_s + r.reflect_p), 0.5 * (r.transmit_s + r.transmit_p), r.scatter),
           "no share may be negative, and for s and p each they must not exceed 1 together");
     else {

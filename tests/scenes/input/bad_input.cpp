@@ -210,7 +210,7 @@ TEST(BadInput, FilesThatAreNotScenes) {
   } const files[] = {{"", "the file is empty"},
                      {"\x7f"
                       "ELF\x01\x02\xff\xfe",
-                      "arm.yaml: error: this is a binary file, and text is wanted here"},
+                      "arm.yaml: error: this is a binary file, but a text file is needed here"},
                      {"straytrace: 1\nmaterials: [\n", "arm.yaml:"},
                      {"# nothing\n", "arm.yaml"},
                      {"just a sentence\n", "arm.yaml"},

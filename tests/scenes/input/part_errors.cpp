@@ -51,7 +51,7 @@ TEST(PartErrors, SizesThatDoNotFitAreExplained) {
 TEST(PartErrors, UnforeseenErrorsNameTheEntryAndTheFace) {
   std::string const said = check("use: serrated_baffle, inner_radius: 60 cm");
   EXPECT_THAT(said, HasSubstr("a.yaml:5:5: error: 'x'"));
-  EXPECT_THAT(said, HasSubstr("change what the part is given (built-in parts:"));
+  EXPECT_THAT(said, HasSubstr("change the parameters of the part (built-in parts:"));
   EXPECT_THAT(check("use: tube_section, radius: 2000 m"), HasSubstr("a.yaml:5:5: error: 'x/inside': "));
 }
 

@@ -123,11 +123,11 @@ TEST(Expression, ErrorsStateARemedy) {
       {"m", "unit 'm' has no number before it", "write '1 m'"},
       {"2*m", "unit 'm' has no number before it", "write '1 m'"},
       {"\"1,5 m\"", "a comma inside a number", "write a decimal point"},
-      {"1 000 m", "two numbers stand next to each other", "without spaces"},
+      {"1 000 m", "two numbers without an operator between them", "without spaces"},
       {"(1 m", "a bracket is not closed", "add ')'"},
       {"sqrt(2", "a bracket is not closed", "add ')'"},
       {"1 +", "the expression ends too early", "add what follows"},
-      {"\"\"", "nothing is written here", "write a number"},
+      {"\"\"", "the value is empty", "write a number"},
       {"1 m)", "cannot understand ')' here", "write a number"},
       {"asin(1)", "'asin' is not a function", "did you mean 'sin'?"},
       {"sqrt()", "sqrt() takes 1 argument, got 0", "check the commas"},
@@ -142,7 +142,7 @@ TEST(Expression, ErrorsStateARemedy) {
       {".inf", "cannot understand '.inf' here", "write a number"},
       {".nan", "cannot understand '.nan' here", "write a number"},
       {"0x10", "'x10' is not a unit", "known units"},
-      {"2*3 dB", "dB stands alone", "write for example '37 dB'"},
+      {"2*3 dB", "dB must follow a single number", "write for example '37 dB'"},
       {"L rms", "is a length, not an amplitude", "leave out the word"},
   };
   for (Case const& c : cases) {

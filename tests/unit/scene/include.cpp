@@ -65,7 +65,7 @@ TEST(Include, LaterDefinitionsNeedTheWord) {
   std::string const lib = "params: {a: 1 m}\nmaterials: {steel: {x: 2}}\ntrace: {seed: 1}\n";
   EXPECT_THAT(errors_of(included("materials: {steel: {x: 3}}\n", lib)),
               HasSubstr("arm.yaml:3:13: error: material 'steel' is defined already (line 2 of lib/a.yaml)"));
-  EXPECT_THAT(errors_of(included("params: {a: 2 m}\n", lib)), HasSubstr("parameter 'a' is defined already"));
+  EXPECT_THAT(errors_of(included("params: {a: 2 m}\n", lib)), HasSubstr("parameter 'a' is already defined"));
   EXPECT_THAT(errors_of(included("trace: {seed: 2}\n", lib)),
               HasSubstr("'trace' is defined already (line 3 of lib/a.yaml)"));
   EXPECT_THAT(errors_of("parts: {mirror: {faces: {a: {shape: {disk: {}}}}}}\n"),
@@ -103,7 +103,7 @@ TEST(Include, CyclesAndDiamonds) {
 
 TEST(Include, FilesThatCannotBeRead) {
   EXPECT_THAT(errors_of("include: [b.yaml]\n"),
-              HasSubstr("arm.yaml:2:11: error: cannot read file 'b.yaml': the stored model does not hold it"));
+              HasSubstr("arm.yaml:2:11: error: cannot read file 'b.yaml': the stored model does not contain it"));
   EXPECT_THAT(errors_of("include: [/etc/passwd]\n"), HasSubstr("'/etc/passwd' is an absolute path"));
   EXPECT_THAT(errors_of("include: ['C:\\b.yaml']\n"), HasSubstr("is an absolute path"));
   EXPECT_THAT(errors_of("include: [~/b.yaml]\n"), HasSubstr("is an absolute path"));

@@ -172,8 +172,8 @@ TEST(Instances, Errors) {
   };
   std::vector<Case> const cases{
       {"{use: panel}", "key 'name' (text) is missing"},
-      {"{name: a/b, use: panel}", "'a/b' cannot be a name"},
-      {"{name: 'a*', use: panel}", "'a*' cannot be a name"},
+      {"{name: a/b, use: panel}", "'a/b' is not a valid name"},
+      {"{name: 'a*', use: panel}", "'a*' is not a valid name"},
       {"{name: a}", "entry 'a' has neither 'use' nor 'shape' nor 'file'"},
       {"{name: a, use: panel, shape: {disk: {}}}", "entry 'a' has more than one of"},
       {"{name: a, use: pane}", "did you mean 'panel'?"},
@@ -188,7 +188,7 @@ TEST(Instances, Errors) {
       {"{name: a, use: panel, repeat: {count: 1e9, along: z, from: 0, to: 1 m}}", "'count' must be between 1 and"},
       {"{name: a, use: panel, repeat: {count: 2 m, along: z, from: 0, to: 1 m}}", "'count' is a plain number"},
       {"{name: a, use: panel, repeat: {count: 2, along: z, from: 3 m, to: 1 m}}", "'to' lies before 'from'"},
-      {"{name: a, use: panel, repeat: {count: 1, along: z, from: 0, to: 1 m}}", "one instance cannot be both"},
+      {"{name: a, use: panel, repeat: {count: 1, along: z, from: 0, to: 1 m}}", "a single instance cannot be at both"},
       {"{name: a, use: panel, repeat: {count: 2, along: w, from: 0, to: 1 m}}", "'along' cannot be \"w\""},
       {"{name: a, use: panel, repeat: {count: 2, from: 0, to: 1 m}}", "key 'along' (a choice) is missing"},
       {"{name: a, use: panel, repeat: {count: 2, along: z, pitch: 0}}", "'pitch' must be positive"},

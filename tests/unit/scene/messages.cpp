@@ -217,7 +217,7 @@ TEST(Messages, RemediesKeepTheirLines) {
   EXPECT_THAT(scene.warnings(), HasSubstr("^ write one: 1\n"));
 }
 
-// Of a binary file where text is wanted one sentence is printed, and none of its bytes. Control: text with one stray
+// A binary file in place of a text file gives one sentence, and none of its bytes. Control: text with one stray
 // byte.
 TEST(Messages, BytesOfABinaryFileAreNotPrinted) {
   std::string const zeros(
@@ -238,7 +238,7 @@ TEST(Messages, BytesOfABinaryFileAreNotPrinted) {
     return std::string();
   };
   EXPECT_EQ(said(zeros),
-            "data.txt: error: this is a binary file, and text is wanted here\n"
+            "data.txt: error: this is a binary file, but a text file is needed here\n"
             "      | name a text file, or export it as text\n1 error. Nothing was run.\n");
   EXPECT_THAT(said("label\x01, some more text\n1\n"), HasSubstr("data.txt:1:1: error: 'ELF' is not a number"));
 }

@@ -19,7 +19,7 @@ TEST(Parts, Errors) {
       {"{faces: {a: 5}}", "face 'a' needs a table of keys"},
       {"{faces: {a: {shape: {disk: {}}}}, prams: {r: 1 m}}", "unknown key 'prams' in part 'p'"},
       {"{faces: {a: {shape: {disk: {}}}}, params: {body: 1 m}}", "'body' is a key of every scene entry"},
-      {"{faces: {a: {shape: {disk: {}}}}, params: {h: 1 m}}", "'h' is a word of the language"},
+      {"{faces: {a: {shape: {disk: {}}}}, params: {h: 1 m}}", "'h' is a unit or a function"},
       {"{faces: {a: {shape: {disk: {}}}}, params: {r: r}}", "parameter 'r' depends on itself"},
       {"5", "part 'p' needs a table with 'faces'"},
   };

@@ -40,7 +40,7 @@ TEST(Syntax, InvalidTextsNextToAcceptedOnes) {
        "scene:\n  - {name: a, file: b\n  - {name: c, file: d}\n", "3:5", "this bracket is not closed"},
       {"trace: {a: [1, 2]}\n", "trace: {a: [1, 2}}\n", "2:17", "brackets of different kinds do not match"},
       {"title: 'a: b'\n", "title: a: b\n", "2:9", "a second ': ' in one value"},
-      {"trace:\n  a: 1\n  b: 2\n", "trace:\n  a: 1\n b: 2\n", "4:2", "the indentation does not fit"},
+      {"trace:\n  a: 1\n  b: 2\n", "trace:\n  a: 1\n b: 2\n", "4:2", "the indentation does not match"},
       {"trace: {a: nil}\n", "trace: {a: }\n", "2:9", "'a' has no value"},
       {"trace: {a: nil}\n", "trace: {a: null}\n", "2:9", "'a' has no value"},
       {"trace: {a: nil}\n", "trace: {a: ~}\n", "2:9", "'a' has no value"},
@@ -74,7 +74,7 @@ TEST(Syntax, HeadOfTheFile) {
   EXPECT_EQ(said("straytrace-run sha256 0\n\x01\x02"),
             "arm.yaml:1:1: error: this is a run file, not a scene\n"
             "    1 | straytrace-run sha256 0\n"
-            "      | ^ 'straytrace run' makes it again, 'noise' and 'paths' read it\n"
+            "      | ^ 'straytrace run' repeats it, 'noise' and 'paths' read it\n"
             "1 error. Nothing was run.\n");
   EXPECT_THAT(said("- a\n"), HasSubstr("a model file is a table of keys"));
   EXPECT_THAT(said("%YAML 1.2\n---\nstraytrace: 1\n"), HasSubstr("1:1: error: YAML directives are not part"));
