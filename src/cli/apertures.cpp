@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace apertures: what every rim that a beam passes does to it, in closed form and by the Fresnel integral.
+// straytrace apertures: clipping of beams at every edge that they pass, in closed form and by the Fresnel integral.
 #include "world/ghosts/apertures.hpp"
 
 #include <CLI/CLI.hpp>
@@ -44,7 +44,7 @@ std::vector<Named> named_apertures(Model const& model) {
   return all;
 }
 
-// What the quadrature leaves of 1 is rounding.
+// The difference of the quadrature from 1 is rounding.
 std::string change(double x) {
   return std::isnan(x) ? "-" : std::fabs(x) < 1e-13 ? "<1e-13" : fmt::format("{:+.2e}", x);
 }
@@ -67,7 +67,7 @@ void print_table(std::vector<Named> const& all, std::size_t show) {
                           std::isnan(a.ripple) ? "-" : fmt::format("{:.2e}", a.ripple)});
   }
   std::cout
-      << "Rims that beams pass, most clipping first. clipped: share of the power (eq. 5.5, 5.6); axis: change of\n"
+      << "Edges that beams pass, largest clipping first. clipped: share of the power (eq. 5.5, 5.6); axis: change of\n"
          "the intensity on the axis, far behind (eq. 5.7), and at most at any distance (ripple).\n\n"
       << aligned(table);
   if (all.size() > show) std::cout << fmt::format("and {} more; --show N has more rows\n", all.size() - show);
@@ -101,9 +101,9 @@ Named const& chosen(std::vector<Named> const& all, std::string const& name) {
     names.push_back(n.name);
   }
   std::string const near = nearest_word(name, names);
-  throw InputError(fmt::format("no beam passes a rim of '{}'", name), near.empty()
-                                                                          ? "straytrace apertures SCENE names them all"
-                                                                          : fmt::format("did you mean '{}'?", near));
+  throw InputError(
+      fmt::format("no beam passes an edge of '{}'", name),
+      near.empty() ? "straytrace apertures SCENE lists all of them" : fmt::format("did you mean '{}'?", near));
 }
 
 double distance_of(std::string const& text) {
@@ -113,26 +113,26 @@ double distance_of(std::string const& text) {
   std::size_t const begin = std::min(rest.find_first_not_of(' '), rest.size());
   auto const unit = parse_unit(rest.substr(begin));
   if (!unit || !(unit->dimension == dim::length) || !(value > 0) || !std::isfinite(value))
-    throw InputError(fmt::format("--distance: '{}' is no distance behind the rim", text),
+    throw InputError(fmt::format("--distance: '{}' is not a distance behind the edge", text),
                      "write for example --distance \"10 m\"");
   return to_si(value, *unit);
 }
 
-// The Fresnel integral is done for round beams and rims across them.
+// The Fresnel integral is computed for round beams and edges across them.
 double checked_distance(Named const& n, AperturesOptions const& wanted) {
   double const z = distance_of(wanted.distance);
   BeamAperture const& a = n.aperture;
   if (!a.across)
-    throw InputError(fmt::format("--profile: '{}' has no round rim about the chief ray, across a round beam", n.name),
-                     "the field behind is computed for those; the table has what the others clip");
+    throw InputError(fmt::format("--profile: '{}' has no round edge about the chief ray, across a round beam", n.name),
+                     "only for those the field behind is computed; the table lists the clipping of the others");
   double const least = 2 * a.at.w;
   if (z < least)
     throw InputError(fmt::format("--distance: {:g} m behind '{}' is nearer than the beam is wide", z, n.name),
-                     fmt::format("the field is paraxial: take {:.2g} m or more", least));
+                     fmt::format("the field is paraxial: choose {:.2g} m or more", least));
   return z;
 }
 
-// Where the phase that the paraxial approximation leaves out of the wave from the rim, k r^4/(8 z^3), is 1 rad.
+// Where the phase error of the paraxial wave from the rim, k r^4/(8 z^3), is 1 rad.
 double paraxial_beyond(BeamAperture const& a) {
   return std::cbrt(2 * pi / a.at.wavelength * std::pow(a.opening.radius, 4) / 8);
 }
@@ -149,9 +149,9 @@ void print_profile(Named const& n, AperturesOptions const& wanted, bool json) {
     try {
       with.push_back(std::norm(field_behind(beam, n.aperture.opening, z, x.back(), 0)));
     } catch (NumericalError const&) {
-      throw NumericalError(
-          fmt::format("the field {:g} m behind '{}' at x = {:g} m cannot be integrated to 1e-3\n  go farther away", z,
-                      n.name, x.back()));
+      throw NumericalError(fmt::format(
+          "the field {:g} m behind '{}' at x = {:g} m cannot be integrated to 1e-3\n  choose a larger distance", z,
+          n.name, x.back()));
     }
     without.push_back(std::norm(free_field(beam, z, x.back(), 0)));
   }
@@ -167,7 +167,7 @@ void print_profile(Named const& n, AperturesOptions const& wanted, bool json) {
   }
   std::cout << fmt::format(
       "# {} behind the rim of {}: {:g} m; intensity over that on the axis at the rim\n"
-      "# paraxial: the fringes of the rim stand where they should beyond about {:.2g} m\n"
+      "# paraxial: fringe positions are right beyond about {:.2g} m\n"
       "# x runs through the axis of the beam and the centre of the opening\n"
       "# x_m intensity without_rim\n",
       n.beam, n.name, z, paraxial_beyond(n.aperture));
@@ -186,7 +186,7 @@ int apertures(AperturesOptions const& options) {
     for (Named const& n : all) out.push_back(json_of(n));
     std::cout << out.dump() << '\n';
   } else if (all.empty()) {
-    std::cout << "No Gaussian beam of the scene passes a rim.\n";
+    std::cout << "No Gaussian beam of the scene passes an edge.\n";
   } else {
     print_table(all, options.show);
   }
@@ -199,12 +199,12 @@ void add_apertures(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<AperturesOptions>();
   AperturesOptions& o = *options;
   auto* const command =
-      app.add_subcommand("apertures", "Show what the clear apertures along the beams clip, and the light behind them.");
+      app.add_subcommand("apertures", "Show the clipping of beams at clear apertures, and the light behind them.");
   add_scene_options(*command, o);
   command->add_option("--show", o.show, "rows")->check(whole_between(1, 1e6, "20"));
   auto* const profile =
-      command->add_option("--profile", o.profile, "intensity across the beam behind a rim of this entry");
-  command->add_option("--distance", o.distance, "of --profile, behind the rim, for example \"10 m\"")->needs(profile);
+      command->add_option("--profile", o.profile, "intensity across the beam behind an edge of this entry");
+  command->add_option("--distance", o.distance, "of --profile, behind the edge, for example \"10 m\"")->needs(profile);
   command->add_option("--points", o.points, "of --profile")->check(CLI::Range(3, 100001));
   command->footer(
       "Examples:\n"
@@ -212,7 +212,7 @@ void add_apertures(CLI::App& app, int& exit_code) {
       "  straytrace apertures examples/virgo_arm.yaml --profile ETM --distance \"500 m\"");
   command->callback([options, &exit_code] {
     if (!options->profile.empty() && options->distance.empty())
-      throw InputError("--profile needs a distance behind the rim", "add for example --distance \"10 m\"");
+      throw InputError("--profile needs a distance behind the edge", "add for example --distance \"10 m\"");
     exit_code = apertures(*options);
   });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace check: everything knowable without tracing.
+// straytrace check: all checks that need no tracing.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -42,11 +42,10 @@ int check_motion(Scene const& scene, CheckOptions const& options) {
   return done;
 }
 
-// Format 1 is the first, and read_scene() has refused any other.
+// Format 1 is the first; read_scene() has rejected any other.
 int migrate(CheckOptions const& options) {
   read_scene(options.input, options.overrides).throw_if_problems();
-  std::cout << fmt::format("{}: format {}, the newest that this program knows: nothing to rewrite\n", options.input,
-                           newest_format);
+  std::cout << fmt::format("{}: format {} is the newest: nothing to rewrite\n", options.input, newest_format);
   return done;
 }
 
@@ -89,11 +88,11 @@ int check(CheckOptions const& options) {
 void add_check(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<CheckOptions>();
   CheckOptions& o = *options;
-  auto* const command = app.add_subcommand("check", "Find every error in a scene that can be found without tracing.");
+  auto* const command = app.add_subcommand("check", "Find the errors in a scene without tracing.");
   add_scene_options(*command, o);
   command->add_flag("--resolved", o.resolved,
                     "print the model with every default, in SI: the same as straytrace print");
-  command->add_flag("--migrate", o.migrate, "rewrite a scene of an older format; there is none yet");
+  command->add_flag("--migrate", o.migrate, "rewrite a scene of an older format (none exists yet)");
   command->add_flag("--strict", o.strict, "warnings count as errors");
   command->footer(
       "Examples:\n"

@@ -38,7 +38,7 @@ void say_written(DataOptions const& o) {
 }  // namespace
 
 void add_span_options(CLI::App& command, DataOptions& o) {
-  command.add_option("--unit", o.unit, "of the samples, where the file does not say it or says it wrongly: m/s^2");
+  command.add_option("--unit", o.unit, "unit of the samples, where that of the file is missing or wrong: m/s^2");
   command.add_option("--gps", o.gps, "stretch A..B in GPS seconds or UTC; default: all");
 }
 
@@ -49,7 +49,7 @@ void add_band_option(CLI::App& command, DataOptions& o, std::string const& meani
 void add_welch_options(CLI::App& command, DataOptions& o) {
   command.add_option("--segment", o.segment,
                      "length of the segments that are averaged; default: 8 s, or 1/8 of the record");
-  command.add_option("--overlap", o.overlap, "of neighbouring segments")->default_str(o.overlap);
+  command.add_option("--overlap", o.overlap, "overlap of neighbouring segments")->default_str(o.overlap);
   command
       .add_option("--window", o.window,
                   "hann, hamming, blackman, blackmanharris, flattop, tukey(0.5), kaiser(14), rectangular")
@@ -57,7 +57,7 @@ void add_welch_options(CLI::App& command, DataOptions& o) {
   command.add_option("--average", o.average, "mean or median of the segments")
       ->check(CLI::IsMember({"mean", "median"}))
       ->default_str(o.average);
-  command.add_option("--detrend", o.detrend, "what is taken from each segment: none, constant or linear")
+  command.add_option("--detrend", o.detrend, "trend removed from each segment: none, constant or linear")
       ->check(CLI::IsMember({"none", "constant", "linear"}))
       ->default_str(o.detrend);
 }
@@ -95,7 +95,7 @@ FrequencyBand option_band(std::string const& text, std::string const& option) {
   FrequencyBand const band{option_quantity(text.substr(0, mark), dim::frequency, option, example),
                            option_quantity(text.substr(mark + 2), dim::frequency, option, example)};
   if (!(band.low >= 0 && band.low < band.high))
-    throw InputError(fmt::format("{}: '{}' does not rise from 0 or more", option, text),
+    throw InputError(fmt::format("{}: '{}' is not a rising range from 0 or more", option, text),
                      fmt::format("write {} \"{}\"", option, example));
   return band;
 }
@@ -120,12 +120,12 @@ WelchSettings welch_of(DataOptions const& o, TimeSeries const& s) {
   double const samples = std::round(seconds * s.rate),
                overlap = option_quantity(o.overlap, dim::plain, "--overlap", "50 %");
   if (!(samples >= 2))
-    throw InputError(fmt::format("--segment: {:g} s hold fewer than two samples at {:g} Hz", seconds, s.rate),
-                     "choose it longer");
+    throw InputError(fmt::format("--segment: {:g} s contain fewer than two samples at {:g} Hz", seconds, s.rate),
+                     "choose a longer one");
   if (samples > double(s.samples.size()))
     throw InputError(
-        fmt::format("--segment: {:g} s do not fit the record '{}' of {:g} s", seconds, s.name, s.duration()),
-        "choose it shorter");
+        fmt::format("--segment: {:g} s are longer than the record '{}' of {:g} s", seconds, s.name, s.duration()),
+        "choose a shorter one");
   if (!(overlap >= 0 && overlap < 1))
     throw InputError(fmt::format("--overlap: '{}' is not from 0 to below 100 %", o.overlap),
                      "write --overlap \"50 %\"");

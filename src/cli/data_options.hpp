@@ -15,7 +15,7 @@
 
 namespace straytrace::cli {
 
-// As written on the command line; the functions below say what is wrong with them, with the name of the option.
+// As written on the command line; the functions below report errors with the name of the option.
 struct DataOptions {
   std::string unit, gps, band, segment, overlap = "50 %", window = "hann", average = "mean", detrend = "constant";
   std::vector<std::string> out;
@@ -50,7 +50,7 @@ std::string source_note(TimeSeries const&);
 std::string welch_note(WelchSettings const&, double rate, std::size_t segments, double effective,
                        double noise_bandwidth);
 
-// Refuses endings before anything is computed. Writes all files of -o or none; says their names on stderr unless
+// Rejects endings before anything is computed. Writes all files of -o or none; prints their names on stderr unless
 // --quiet.
 void check_outputs(DataOptions const&);
 void write_outputs(DataOptions const&, CurveSheet const&);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace ghosts: every ghost beam of a scene, where it ends and how much of it comes back.
+// straytrace ghosts: every ghost beam of a scene, its end and its recoupled power.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -39,7 +39,7 @@ GhostRank rank_of(std::string const& by) {
   return by == "strain" ? GhostRank::strain : by == "recoupled" ? GhostRank::recoupled : GhostRank::power;
 }
 
-// The scene with what the noise needs, as far as it is there.
+// The scene with the inputs of the noise, if present.
 Model read_for_ghosts(SceneOptions const& options) {
   Scene scene = read_scene(options.input, options.overrides);
   if (scene.root().has("interferometer")) return read_model(options.input, options.overrides);
@@ -62,7 +62,7 @@ std::vector<BeamLaunch> choose_beams(Model const& model, std::string const& want
   if (!beams.empty()) return beams;
   std::string const near = nearest_word(wanted, names);
   throw InputError(
-      fmt::format("no beam '{}' is launched", wanted),
+      fmt::format("beam '{}' is not launched", wanted),
       near.empty() ? fmt::format("it is one of: {}", fmt::join(names, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
@@ -91,7 +91,7 @@ nlohmann::json outlines(World const& world, GhostReport const& report) {
   return all;
 }
 
-// The scene's own table, unless the command line says otherwise.
+// The table of the scene, unless the command line overrides it.
 GhostSettings settings_of(Model const& model, GhostsOptions const& wanted) {
   GhostSettings settings = read_ghosts(model.scene).value_or(GhostSettings{});
   model.scene.throw_if_problems();
@@ -100,7 +100,7 @@ GhostSettings settings_of(Model const& model, GhostsOptions const& wanted) {
   return settings;
 }
 
-// Where the answers go, beam by beam.
+// Output, beam by beam.
 class Answers {
  public:
   Answers(GhostsOptions const& options, World const& world)
@@ -111,7 +111,7 @@ class Answers {
     csv_ = std::make_unique<AtomicFile>(in_folder("ghosts.csv"));
     csv_->write(rows_.head());
   }
-  // Takes every row of a beam; empty: nobody wants them.
+  // Receives every row of a beam; empty: not needed.
   std::function<void(GhostTable const&, Ghost const&)> rows_of(BeamLaunch const& launch) {
     if (!options_.csv && !csv_) return {};
     double const power = world_.beam_power * world_.footprints()[launch.footprint].share;
@@ -193,7 +193,7 @@ CLI::Validator number_above_zero() {
   return {[](std::string const& word) -> std::string {
             double value = 0;
             if (CLI::detail::lexical_cast(word, value) && value > 0 && value <= 1) return {};
-            return fmt::format("'{}' is not a share of power above 0 and up to 1; write for example 1e-15", word);
+            return fmt::format("'{}' is not a power ratio above 0 and up to 1; write for example 1e-15", word);
           },
           ""};
 }
@@ -203,20 +203,19 @@ CLI::Validator number_above_zero() {
 void add_ghosts(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<GhostsOptions>();
   GhostsOptions& o = *options;
-  auto* const command = app.add_subcommand(
-      "ghosts", "List every ghost beam: its order, its power, where it ends and how much of it comes back.");
+  auto* const command = app.add_subcommand("ghosts", "List every ghost beam: order, power, end, and recoupled power.");
   add_scene_options(*command, o);
   command
       ->add_option("--floor", o.floor,
-                   "least power that is followed, over what is launched or leaves the cavity; default 1e-15")
+                   "smallest power to follow, relative to the launched power or that leaving the cavity; default 1e-15")
       ->check(number_above_zero());
-  command->add_option("--order", o.order, "departures from the main beam, at most; default: no limit")
+  command->add_option("--order", o.order, "largest number of departures from the main beam; default: no limit")
       ->check(whole_between(0, 1e6, "2"));
   command->add_option("--by", o.by, "rank by power (default), strain or recoupled")
       ->check(CLI::IsMember({"power", "strain", "recoupled"}));
-  command->add_option("--beam", o.beam, "only this beam; of a cavity: the mirror that it leaves through");
-  command->add_option("--show", o.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
-  command->add_flag("--csv", o.csv, "all ghosts, all digits, in the order in which they are found");
+  command->add_option("--beam", o.beam, "only this beam; for a cavity: the mirror through which it leaves");
+  command->add_option("--show", o.show, "number of rows; default 20")->check(whole_between(1, 1e6, "50"));
+  command->add_flag("--csv", o.csv, "all ghosts, all digits, in the order of the beam tree");
   command->add_option("-o,--out", o.out, "folder for ghosts.csv, ghosts.txt, ghosts.json and ghosts.png");
   command->footer(
       "Examples:\n"

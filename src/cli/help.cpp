@@ -80,7 +80,7 @@ bool lists(OptionGroup const& group, CLI::Option const& option) {
   });
 }
 
-// A footer as declared: examples are its lines that are set in by two spaces, all others are notes.
+// A footer as declared: lines indented by two spaces are examples, all others are notes.
 struct Footer {
   std::string examples, notes;
 };

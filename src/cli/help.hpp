@@ -11,7 +11,7 @@
 
 namespace straytrace::cli {
 
-// Adds every command, under the task it serves.
+// Adds every command, under its task.
 void add_commands(CLI::App&, int& exit_code);
 
 // Gives the program and each of its commands the layout, and each option its group: the one named where the option is

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace importance: where light must not go.
+// straytrace importance: surfaces that light must not reach.
 #include "trace/importance/importance.hpp"
 
 #include <CLI/CLI.hpp>
@@ -37,7 +37,7 @@ std::vector<ImportanceRow> rows_of(ImportanceMap const& map, std::vector<std::st
   return rows;
 }
 
-// Kept in a run file, or made from a scene.
+// Stored in a run file, or computed from a scene.
 struct ImportanceOptions : SceneOptions {
   std::size_t show = 20;
   bool csv = false;
@@ -50,7 +50,7 @@ std::vector<ImportanceRow> find_rows(ImportanceOptions const& options) {
     file = read_run(options.input);
     bool const kept = !file->about.importance.strips.empty();
     if (kept && overrides.empty()) return rows_of(file->about.importance, file->trace.coupling.groups);
-    if (!kept && !options.quiet) std::cerr << "the run keeps no map of importance: made from its scene\n";
+    if (!kept && !options.quiet) std::cerr << "the run stores no importance map: computed from its scene\n";
     overrides.insert(overrides.begin(), file->about.overrides.begin(), file->about.overrides.end());
   }
   Scene const scene =
@@ -79,13 +79,13 @@ void print(std::vector<ImportanceRow> rows, std::size_t show) {
                           fmt::format("{:.4g}", r.area), adjoint(r.front), adjoint(r.back)});
   }
   if (table.rows.empty()) {
-    std::cout << "Nothing to aim at: no light that is scattered a second time is received.\n";
+    std::cout << "No targets: no light of a second scatter is received.\n";
     return;
   }
   std::cout
-      << "Adjoint of each side: what one unit of power arriving there still adds to what is received, in units of\n"
-         "the whole of it, summed over ports and receivers; a quadrature for steering, good to tens of per cent\n"
-         "where light goes straight. Light by way of mirrors and glass is seen by a short pilot run, if at all.\n"
+      << "Adjoint of each side: contribution of one unit of power arriving there to the received light, in units of\n"
+         "the total, summed over ports and receivers; a quadrature for steering, good to tens of per cent\n"
+         "for straight paths. Light through mirrors and glass is included only by a short pilot run.\n"
       << aligned(table) << (left ? fmt::format("and {} more; --csv has all\n", left) : "");
 }
 
@@ -118,9 +118,9 @@ int importance(ImportanceOptions const& options) {
 void add_importance(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<ImportanceOptions>();
   ImportanceOptions& o = *options;
-  auto* const command =
-      app.add_subcommand("importance", "Show where light must not go: the adjoint of each part of each surface.");
-  add_scene_options(*command, o, "scene (YAML), or run file (HDF5) whose own map is shown");
+  auto* const command = app.add_subcommand(
+      "importance", "Show which surfaces light must not reach: the adjoint of each part of each surface.");
+  add_scene_options(*command, o, "scene (YAML), or run file (HDF5) to show its stored map");
   command->add_option("--show", o.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
   command->add_flag("--csv", o.csv, "all rows, all digits, in the order of the scene");
   command->footer(

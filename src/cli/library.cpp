@@ -61,7 +61,7 @@ void print_list(std::vector<LibraryEntry> const& all) {
         {e.name, shortened_to(e.value, 58), shortened_to(e.wavelength, 14), e.status, shortened_to(said, 60)});
   }
   flush();
-  std::cout << "straytrace library NAME prints one whole, --format json all; include: [library/materials.yaml],\n"
+  std::cout << "straytrace library NAME prints one entry, --format json all; include: [library/materials.yaml],\n"
                "[library/parts.yaml] or a detector in a scene. Media and the parts of every scene need no include.\n";
 }
 
@@ -77,16 +77,16 @@ LibraryEntry const& find(std::vector<LibraryEntry> const& all, std::string const
     names.push_back(e.name);
   }
   std::string const near = nearest_word(name, names);
-  throw InputError(fmt::format("the library holds no '{}'", name),
-                   near.empty() ? "straytrace library lists what is there" : fmt::format("did you mean '{}'?", near));
+  throw InputError(fmt::format("the library has no '{}'", name),
+                   near.empty() ? "straytrace library lists its entries" : fmt::format("did you mean '{}'?", near));
 }
 
-// All files or none: a file that is there is not touched without --force.
+// All files or none: an existing file is not changed without --force.
 void copy(LibraryOptions const& wanted, std::vector<LibraryEntry> const& all, bool force) {
   namespace fs = std::filesystem;
   std::string const only = wanted.name.empty() ? "" : find(all, wanted.name).file;
   if (!wanted.name.empty() && only.empty())
-    throw InputError(fmt::format("'{}' needs no include, and has no file to copy", wanted.name), "leave --copy out");
+    throw InputError(fmt::format("'{}' needs no include and has no file to copy", wanted.name), "remove --copy");
   std::vector<EmbeddedFile> files;
   for (EmbeddedFile const& file : embedded_files())
     if (is_library(file.name) && (only.empty() || file.name == only)) files.push_back(file);
@@ -129,10 +129,10 @@ void add_library(CLI::App& app, int& exit_code) {
   LibraryOptions& o = *options;
   auto* const command =
       app.add_subcommand("library", "List or print the materials, parts and detectors that come with the program.");
-  command->add_option("NAME", o.name, "print this one as it is written");
-  command->add_option("--kind", o.kind, "list these alone: detector, arm, material, medium, part")
+  command->add_option("NAME", o.name, "print the source of this entry");
+  command->add_option("--kind", o.kind, "list only this kind: detector, arm, material, medium, part")
       ->check(CLI::IsMember({"detector", "arm", "material", "medium", "part"}));
-  command->add_option("--copy", o.copy, "write the files below this folder, to change them there");
+  command->add_option("--copy", o.copy, "copy the files to this folder, to change them there");
   add_force_option(*command, o.force);
   add_format_option(*command, o);
   command->footer(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the library of the program holds, one line for each thing.
+// The content of the library of the program, one line for each entry.
 #pragma once
 
 #include <string>

@@ -22,7 +22,7 @@
 namespace straytrace::cli {
 namespace {
 
-// For people, or as the list that scripts read.
+// As text, or as the list for scripts.
 void print_error(InputError const& e, bool json) {
   std::cerr << (json ? problems_as_json(e) : printable(e.what())) << '\n';
   print_problems(e);
@@ -40,7 +40,7 @@ int refuse(CLI::App const& app, CLI::ParseError const& e, bool json) {
   return input_error;
 }
 
-// Before the command line is understood.
+// Before the command line is parsed.
 bool asks_for_json(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     std::string_view const word = argv[i];
@@ -54,7 +54,7 @@ bool asks_for_json(int argc, char** argv) {
 void add_unsaved(std::string const& pair) {
   std::size_t const equal = pair.rfind('=');
   if (equal == 0 || equal >= pair.size() - 1)
-    throw InputError(fmt::format("--unsaved '{}' names no two files", pair), "write --unsaved SCENE=FILE");
+    throw InputError(fmt::format("--unsaved '{}' does not name two files", pair), "write --unsaved SCENE=FILE");
   set_unsaved(pair.substr(0, equal), read_file(pair.substr(equal + 1)));
 }
 
@@ -62,7 +62,7 @@ std::string version_text() {
   return std::string("straytrace ") + build_info::version + " (" + build_info::commit + ")\n" + devices_text();
 }
 
-// For programs that start this one.
+// For programs that run this one.
 void add_program_options(CLI::App& app) {
   app.add_flag_callback("--events", print_events, "progress and problems as lines of JSON on stderr");
   app.add_option_function<std::vector<std::string>>(
@@ -70,7 +70,7 @@ void add_program_options(CLI::App& app) {
          [](std::vector<std::string> const& pairs) {
            for (std::string const& pair : pairs) add_unsaved(pair);
          },
-         "SCENE=FILE: the text in FILE is read where SCENE is meant, as an editor holds it")
+         "SCENE=FILE: read FILE in place of SCENE, for unsaved text of an editor")
       ->allow_extra_args(false);
 }
 
@@ -102,16 +102,16 @@ int answer(int argc, char** argv) {
     print_error(InputError(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message())), json);
     return input_error;
   } catch (std::bad_alloc const&) {
-    print_error(InputError("out of memory while reading the model or file",
-                           "take a smaller one, or a machine with more memory"),
-                json);
+    print_error(
+        InputError("out of memory while reading the model or file", "use a smaller one, or a machine with more memory"),
+        json);
     return numerical_failure;
   } catch (std::exception const& e) {
     print_error(InputError(e.what()), json);
     return numerical_failure;
   }
   if (!std::cout.flush()) {
-    print_error(InputError("the results could not be written to the standard output"), false);
+    print_error(InputError("cannot write the results to the standard output"), false);
     return input_error;
   }
   return exit_code;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace maps: what the receivers of a run have seen, as pictures and numbers.
+// straytrace maps: the light on the receivers of a run, as pictures and numbers.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ int maps(MapsOptions const& options) {
   RunContent const content = file.content();
   if (content.receivers.empty())
     throw InputError(fmt::format("'{}' has no receivers", options.input),
-                     "add 'receivers: {PD: {on: SURFACE, map: {...}}}' to the scene and trace it again");
+                     "add 'receivers: {PD: {on: SURFACE, map: {...}}}' to the scene and repeat the trace");
   OutputFolder const folder(options.out);
   std::vector<std::string> files = write_maps(options.out, content);
   if (files.empty())

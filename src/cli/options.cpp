@@ -16,7 +16,7 @@
 namespace straytrace::cli {
 namespace {
 
-// Numbers as people write them, 1e6 as well.
+// Numbers as users write them, including 1e6.
 CLI::Validator number_between(double low, double high, std::string const& example) {
   return {[=](std::string const& text) -> std::string {
             double value = 0;
@@ -48,8 +48,7 @@ void drop_slashes(std::string& folder) {
 }
 
 void refuse_two_formats(bool csv, PrintOptions const& options) {
-  if (csv && options.json())
-    throw InputError("--csv and --format json are two forms of one answer", "choose one of them");
+  if (csv && options.json()) throw InputError("--csv and --format json exclude each other", "choose one of them");
 }
 
 void add_param_option(CLI::App& command, SceneOptions& options) {
@@ -68,9 +67,9 @@ void add_history_options(CLI::App& command, TraceOptions& options) {
   command
       .add_option_function<double>(
           "--histories", [&](double n) { options.histories = std::uint64_t(n); },
-          "at most so many histories, rounded up to whole blocks of 4096 (few ones: of 512, 64 or 8)")
+          "largest number of histories, rounded up to whole blocks of 4096 (small runs: of 512, 64 or 8)")
       ->check(number_between(1, 1e12, "1e6"));
-  command.add_option("--seed", options.seed, "of the random numbers; the same seed gives the same bits")
+  command.add_option("--seed", options.seed, "seed of the random numbers; the same seed gives the same bits")
       ->check(whole_between(0, 9e15, "7"));
 }
 
@@ -81,18 +80,17 @@ void add_trace_options(CLI::App& command, TraceOptions& options) {
                   "stop rule: \"h_total < 5 %\", \"routes < 10 %\", \"receiver:PD < 5 %\", \"class:* < 10 %\", \"10 "
                   "min\", or a list; 'histories' of the scene stays the upper limit")
       ->check([](std::string const& rule) { return std::string(rule.empty() ? "'' is not a stop rule" : ""); });
-  command.add_option("--threads", options.threads, "default: all cores; does not change the result")
+  command.add_option("--threads", options.threads, "number of threads; default: all cores; does not change the result")
       ->check(whole_between(1, 1024, "4"));
-  command.add_option(
-      "--backend", options.backend,
-      "cpu; cuda: histories run on a GPU; of trace also mpi: all processes that mpirun starts; the same bits");
+  command.add_option("--backend", options.backend,
+                     "cpu; cuda: histories run on a GPU; for trace also mpi: all processes of mpirun; the same bits");
   command.add_option_function<std::string>(
       "--max-time", [&](std::string const& text) { options.max_seconds = parse_duration(text); },
-      "stop after this time, for example 50min, with a result that can be continued");
+      "stop after this time, for example 50min, with a result that can be resumed");
   command.add_option_function<std::string>(
       "--checkpoint",
       [&](std::string const& text) { options.checkpoint_seconds = text == "off" ? infinity : parse_duration(text); },
-      "write the run file while it is traced, so that a kill loses no more than this time; default 20min; or off");
+      "interval of checkpoints: a kill loses no more than this time; default 20min; or off");
   add_force_option(command, options.force);
 }
 
@@ -119,7 +117,7 @@ std::string unknown_word(CLI::App const& command, CLI::App const& app) {
   return rest.empty() ? "" : rest.front();
 }
 
-// What is wrong and what to write instead.
+// The problem and the remedy.
 struct Complaint {
   std::string what, remedy;
 };
@@ -137,19 +135,19 @@ Complaint unknown_choice(std::string const& option, std::string const& word, std
                       fmt::join(known, ", "))};
 }
 
-// The sentences of the library that users meet, in our grammar; nothing for others.
+// Messages of the option parser in our wording; empty for others.
 std::optional<Complaint> rewritten(std::string const& text, std::string const& named) {
   static std::regex const twice(R"((.+): At Most (\d+) required but received (\d+))"),
       value(R"((.+): \d+ required .*missing)"), choice(R"((.+): (.*) not in \{(.*)\})"), missing(R"((.+) is required)"),
       number(R"(Could not convert: (.+) = (.*))");
   std::smatch m;
   if (bounded_regex_match(text, m, twice))
-    return Complaint{fmt::format("{} is given {} times", m[1].str(), m[3].str()), "give it once"};
-  if (bounded_regex_match(text, m, value)) return Complaint{m[1].str() + " needs a value", "write it behind it"};
+    return Complaint{fmt::format("{} appears {} times", m[1].str(), m[3].str()), "give it once"};
+  if (bounded_regex_match(text, m, value)) return Complaint{m[1].str() + " needs a value", "write it after the option"};
   if (bounded_regex_match(text, m, choice)) return unknown_choice(m[1], m[2], m[3]);
   if (bounded_regex_match(text, m, number))
     return Complaint{fmt::format("{} cannot be '{}'", m[1].str(), m[2].str()), "write a number without a unit"};
-  if (text == "A subcommand is required") return Complaint{"a command is missing", "write one behind the name"};
+  if (text == "A subcommand is required") return Complaint{"a command is missing", "write one after the name"};
   if (!bounded_regex_match(text, m, missing)) return {};
   if (m[1].str().starts_with('-')) return Complaint{m[1].str() + " is missing", "add it with its value"};
   return Complaint{fmt::format("'{}' is missing", m[1].str()), fmt::format("write straytrace {}{}", named, m[1].str())};

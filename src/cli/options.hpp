@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Declares the options that several commands have in common.
+// Declares options common to several commands.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -25,7 +25,7 @@ void drop_slashes(std::string& folder);  // at its end
 // "'x' is not a whole number from 1 to 1e6; write for example 20"
 CLI::Validator whole_between(double low, double high, std::string const& example);
 
-// What is wrong with a command line and what to write instead. `named`: the commands so far, each with a space behind.
+// The problem of a command line and the remedy. `named`: the commands so far, each followed by a space.
 InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const&, std::string const& named);
 
 }  // namespace straytrace::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace print: the model as it was understood.
+// straytrace print: the model as interpreted.
 #include <CLI/CLI.hpp>
 
 #include <iostream>
@@ -33,10 +33,10 @@ struct PrintCommandOptions : SceneOptions {
 void add_print(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<PrintCommandOptions>();
   PrintCommandOptions& o = *options;
-  auto* const command = app.add_subcommand("print", "Print the model as it was understood, every value in SI.");
+  auto* const command = app.add_subcommand("print", "Print the model as interpreted, with every value in SI.");
   add_scene_options(*command, o, "scene, or file of motion");
   command->add_flag("--resolved", o.resolved,
-                    "with every default and with the line that each value comes from; so it is without the flag too");
+                    "with every default and the line of origin of each value; this is also the default");
   command->footer(
       "Examples:\n"
       "  straytrace print --resolved examples/virgo_arm.yaml\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace budget: fundamental noises of a detector, with stray light of runs and curves of others beside them.
+// straytrace budget: fundamental noises of a detector, with stray light of runs and other curves.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -25,7 +25,7 @@ struct BudgetOptions : PrintOptions {
   std::string export_as;
 };
 
-// On stderr: for people, or as the list of problems that scripts read.
+// On stderr: as text, or as the list of problems for scripts.
 void warn(std::vector<std::string> const& warnings, PrintOptions const& options) {
   if (options.json() && !warnings.empty()) {
     std::vector<Problem> all;
@@ -36,7 +36,7 @@ void warn(std::vector<std::string> const& warnings, PrintOptions const& options)
   for (std::string const& warning : warnings) std::cerr << "warning: " << warning << '\n';
 }
 
-// What could not be drawn.
+// Failures of pictures.
 std::string write_budget(BudgetView const& view, OutputFolder const& folder, bool pygwinc) {
   std::string const json = folder.path("budget.json");
   std::vector<std::pair<std::string, std::string>> files = {{folder.path("budget.txt"), budget_columns(view)},
@@ -49,8 +49,7 @@ std::string write_budget(BudgetView const& view, OutputFolder const& folder, boo
 
 int budget(BudgetOptions const& options) {
   bool const pygwinc = !options.export_as.empty();
-  if (pygwinc && options.out.empty())
-    throw InputError("--export writes a file, and there is no folder for it", "add -o DIR");
+  if (pygwinc && options.out.empty()) throw InputError("--export needs a folder for its file", "add -o DIR");
   std::optional<OutputFolder> folder;
   if (!options.out.empty())
     folder.emplace(options.out, std::vector<std::string>{"budget.txt", "budget.json", "budget.png", "budget.hdf5"});
@@ -84,14 +83,15 @@ void add_budget(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(2, 100000));
   command
       ->add_option("--compare", r.compare,
-                   "design curves, or files: two columns, runs, budgets of pygwinc; several with commas, or one for "
+                   "design curves or files (two columns, runs, pygwinc budgets): several with commas, or one for "
                    "each --compare")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_option("--margin", r.margin, "what is small enough beside the first of them (default 1/10)");
-  command->add_option("-p,--param", r.overrides, "change the detector, in SI: -p Laser.Power=25")
+  command->add_option("--margin", r.margin,
+                      "ratio to the first design curve that counts as small enough (default 1/10)");
+  command->add_option("-p,--param", r.overrides, "change a parameter of the detector, in SI: -p Laser.Power=25")
       ->allow_extra_args(false);
-  command->add_option("--export", o.export_as, "pygwinc: also budget.hdf5 that pygwinc reads")
+  command->add_option("--export", o.export_as, "pygwinc: also write budget.hdf5, which pygwinc reads")
       ->check(CLI::IsMember({"pygwinc"}));
   command->add_option("-o,--out", o.out, "folder for budget.txt, budget.json, budget.png");
   command->add_flag("--quiet", o.quiet, "results only");

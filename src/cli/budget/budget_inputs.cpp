@@ -57,8 +57,8 @@ std::vector<double> band_of(BudgetRequest const& r) {
   return ends;
 }
 
-// Points on either side of the borders of bins that hold a line, so that no straight line between points carries it
-// into other bins.
+// Points on either side of the borders of bins that hold a line, so that interpolation does not spread it into other
+// bins.
 std::vector<double> with_borders_of_lines(std::vector<double> hz, std::vector<NoiseSource> const& sources) {
   constexpr double distance = 1e-5;  // of the frequency
   double const low = hz.front(), high = hz.back();
@@ -151,7 +151,7 @@ std::vector<std::string> brought_by(IfoFile const& ifo) {
   return names;
 }
 
-// Everything that is wrong with any input, at once.
+// All problems of all inputs at once.
 Gathered read_inputs(BudgetRequest const& r) {
   Gathered g;
   std::vector<InputError> errors;
@@ -169,7 +169,7 @@ Gathered read_inputs(BudgetRequest const& r) {
     }
   }
   if (g.detector.empty() && !r.overrides.empty())
-    errors.emplace_back("-p changes a detector, and none is named", "name one, for example: straytrace budget aligo");
+    errors.emplace_back("-p changes a detector, but none is named", "name one, for example: straytrace budget aligo");
   auto const twice = repeats(g.sources, g.ifo ? brought_by(*g.ifo) : std::vector<std::string>(), g.detector);
   errors.insert(errors.end(), twice.begin(), twice.end());
   throw_all(errors);
@@ -183,7 +183,7 @@ void add_lines(BudgetOn& b, Detector const& d) {
     limit.push_back(quantum_limit(d.arm_length, d.mirror_mass, f));
     b.metres.push_back(1 / std::sqrt(d.strain_per_length_squared(f)));
   }
-  // A filter cavity turns the squeezing by what moving mirrors do; beside held ones its angle is wrong.
+  // A filter cavity compensates ponderomotive rotation; with fixed mirrors its angle is wrong.
   if (!d.squeezer || d.squeezer->cavities.empty()) {
     std::vector<double> shot = shot_psd(d, b.table.hz);
     for (double& x : shot) x = std::sqrt(x);
@@ -194,7 +194,7 @@ void add_lines(BudgetOn& b, Detector const& d) {
     b.lines.push_back({"LIGO requirement", std::move(line)});
 }
 
-// A curve named like a fundamental noise takes its place.
+// A curve named like a fundamental noise replaces it.
 void add_curve(CurveFile const& c, Detector const& d, NoiseTable& table, std::vector<std::string>* left_out) {
   constexpr std::string_view metres[] = {"total_displacement"};
   using Names = std::span<std::string_view const>;
@@ -261,7 +261,7 @@ std::vector<double> parse_frequencies(std::string const& list, char const* optio
 
 namespace {
 
-// Runs whose light was turned into strain by another interferometer than the detector of the budget.
+// Runs whose strain was computed with another interferometer than the detector of the budget.
 std::vector<std::string> other_detectors(Gathered const& g) {
   std::vector<std::string> all;
   for (NoiseSource const& s : g.sources) {
@@ -302,7 +302,7 @@ BudgetView gather_budget(BudgetRequest const& r) {
   v.at = put_on(g, compare, at, &v.left_out);
   if (g.ifo) v.ifo_yaml = g.ifo->yaml;
   if (g.ifo || std::any_of(g.sources.begin(), g.sources.end(), holds_fundamental)) return v;
-  v.warnings.push_back("no detector is named, so there are no fundamental noises; name one, for example 'aligo'");
+  v.warnings.push_back("without a detector there are no fundamental noises; name one, for example 'aligo'");
   return v;
 }
 

@@ -50,7 +50,7 @@ std::string last_of(std::vector<std::string> const& places, std::size_t count) {
   return fmt::format("{}", fmt::join(places.begin() + std::ptrdiff_t(first), places.end(), "-"));
 }
 
-// As few folders as tell all files apart.
+// As few folders as distinguish all files.
 std::vector<std::string> tags(std::vector<std::string> const& files) {
   for (std::size_t count = 1; count < 64; ++count) {
     std::vector<std::string> all;
@@ -89,7 +89,7 @@ bool same_curve(Sampled const& a, Sampled const& b) {
          std::equal(a.asd.begin(), a.asd.end(), b.asd.begin(), near);
 }
 
-// Light of one scene, whatever seed, motion or ports: the model hash knows of none of them.
+// Light of one scene, for any seed, motion or ports: the model hash depends on none of them.
 bool same_scene(NoiseSource const& a, NoiseSource const& b) {
   return std::any_of(a.models.begin(), a.models.end(), [&](std::string const& model) {
     return std::find(b.models.begin(), b.models.end(), model) != b.models.end();
@@ -151,8 +151,8 @@ InputKind kind_of_input(std::string const& file) {
   if (bytes.starts_with("straytrace-run")) return InputKind::run;
   if (is_hdf5(bytes)) return is_budget_file(bytes, file) ? InputKind::budget : InputKind::run;
   if (end == ".h5" || end == ".hdf5" || bytes.find('\0') != bytes.npos)
-    throw InputError(fmt::format("'{}' is damaged, or no HDF5 file: its first bytes are those of another kind", file),
-                     "copy or make it again; detectors are YAML files");
+    throw InputError(fmt::format("'{}' is damaged or not an HDF5 file: its first bytes are wrong", file),
+                     "copy it again or recreate it; detectors are YAML files");
   return InputKind::detector;
 }
 
@@ -169,7 +169,7 @@ void add_borders_of_lines(std::vector<double>& borders, NoiseTrace const& curve,
 NoiseSource stray_light(std::string const& file) {
   RunFile const run = read_run(file);
   if (!run.noise)
-    throw InputError(fmt::format("'{}' holds no noise, only couplings", file),
+    throw InputError(fmt::format("'{}' contains no noise, only couplings", file),
                      "give a run with ports, made with straytrace run or straytrace noise -o");
   NoiseBudget const& b = *run.noise;
   std::vector<double> hz;
@@ -191,8 +191,7 @@ NoiseSource stray_light(std::string const& file) {
   std::vector<bool> bound;
   for (std::size_t i = 0; i < b.grid.size(); ++i) bound.push_back(at_most(b.total, i));
   if (std::count(bound.begin(), bound.end(), true) > 0)
-    entry.note += fmt::format("{}at most, where routes of kind edge count: they are upper bounds",
-                              entry.note.empty() ? "" : "; ");
+    entry.note += fmt::format("{}an upper bound where routes of kind edge contribute", entry.note.empty() ? "" : "; ");
   std::vector<std::string> models{about.model_hash};
   double const low = b.grid.edges.front(), high = b.grid.edges.back();
   NoiseSource s{std::move(entry), {hz, b.total.asd, b.total.sigma, low, high, b.grid}, {}, file, std::move(about),
@@ -218,7 +217,7 @@ NoiseSource stray_light(std::string const& file) {
   return s;
 }
 
-// One that has no parts is an entry itself.
+// One without parts is an entry itself.
 std::vector<NoiseSource> noises_of_budget(std::string const& name) {
   BudgetFile const file = read_budget_file(name);
   std::vector<NoiseSource> all;
@@ -238,12 +237,12 @@ std::vector<InputError> repeats(std::vector<NoiseSource> const& all, std::vector
   auto const say = [&](std::string const& a, std::string const& b, std::string const& name, char const* remedy) {
     if (pairs.insert({a, b}).second)
       said.emplace_back(
-          fmt::format("'{}' and '{}' hold the same noise, '{}': the sum would count it twice", a, b, name), remedy);
+          fmt::format("'{}' and '{}' contain the same noise, '{}': the sum would count it twice", a, b, name), remedy);
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
     NoiseSource const& s = all[i];
     if (std::find(fundamental.begin(), fundamental.end(), s.entry.name) != fundamental.end())
-      say(detector, s.file, s.entry.name, "leave out the detector, or give the file with --compare");
+      say(detector, s.file, s.entry.name, "omit the detector, or give the file with --compare");
     for (std::size_t k = 0; k < i; ++k) {
       bool const equal_name = all[k].entry.name == s.entry.name && is_fundamental(s.entry.name);
       bool const equal_run = !s.run.content.empty() && all[k].run.content == s.run.content;
@@ -251,7 +250,7 @@ std::vector<InputError> repeats(std::vector<NoiseSource> const& all, std::vector
         say(all[k].file, s.file, s.entry.name, "name each input once; give other budgets with --compare");
       else if (all[k].file != s.file && same_scene(all[k], s) && pairs.insert({all[k].file, s.file}).second)
         said.emplace_back(
-            fmt::format("'{}' and '{}' hold the stray light of one scene (model {}): the sum would count it twice",
+            fmt::format("'{}' and '{}' contain the stray light of one scene (model {}): the sum would count it twice",
                         all[k].file, s.file, s.models.front().substr(0, 12)),
             "pick one, or give the other with --compare");
     }

@@ -14,11 +14,11 @@
 
 namespace straytrace::cli {
 
-// A curve of ASD that is read off where it is needed; `sigma` may be empty. Of a run `hz` are the centres of its bins:
+// An ASD curve that is evaluated where needed; `sigma` may be empty. Of a run `hz` are the centres of its bins:
 // the first and the last value hold out to the ends of its band.
 struct Sampled {
   std::vector<double> hz, asd, sigma;
-  double low = infinity, high = -infinity;  // Hz, the band; without one `hz` says where it ends
+  double low = infinity, high = -infinity;  // Hz, the band; without one that of `hz`
   FrequencyGrid bins{};                     // of a run: averages over bins, read as its tables read them
   std::vector<double> on(std::vector<double> const& at, std::vector<double> const& values) const;
 };
@@ -26,7 +26,7 @@ struct Sampled {
 Sampled two_columns(std::string const& file, std::string const& what, std::span<std::string_view const> names);
 Sampled total_of_budget_file(std::string const& file);  // throws InputError
 
-// Where the stray light of an entry comes from.
+// Source of the stray light of an entry.
 struct RunAbout {
   std::string entry, file, title, model_hash, created;  // file: with the folder it stands in
   std::string content;                                  // data_hash: equal for equal results
@@ -56,8 +56,8 @@ InputKind kind_of_input(std::string const& file);  // by its content; throws Inp
 NoiseSource stray_light(std::string const& run_file);                // total, and the routes that are resolved
 std::vector<NoiseSource> noises_of_budget(std::string const& file);  // every noise of a budget of pygwinc
 
-// What a sum would count twice: a sentence for each pair of inputs, with what to do. `fundamental`: names of the noises
-// that the detector `detector` brings.
+// Noise that a sum would count twice: a sentence for each pair of inputs, with the remedy. `fundamental`: names of the
+// noises of the detector `detector`.
 std::vector<InputError> repeats(std::vector<NoiseSource> const&, std::vector<std::string> const& fundamental,
                                 std::string const& detector);
 // Equal names get the folder or the file behind them, equal titles as well.

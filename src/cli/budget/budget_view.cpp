@@ -70,7 +70,7 @@ std::vector<std::string> ranges(std::vector<double> const& low, std::vector<doub
   return cells;
 }
 
-// Under the line of an entry: its bands, which are never merged with each other or with the Monte-Carlo error.
+// Below the line of an entry: its bands, never merged with each other or with the Monte-Carlo error.
 std::string band_rows(BudgetEntry const& e) {
   std::string text;
   BudgetBands const& b = e.bands;
@@ -90,7 +90,7 @@ bool known_somewhere(BudgetEntry const& e) {
   return std::any_of(e.asd.begin(), e.asd.end(), [](double h) { return std::isfinite(h); });
 }
 
-// With the Monte-Carlo error where stray light has one that shows.
+// With the Monte-Carlo error where that of stray light is visible.
 std::vector<std::string> total_cells(NoiseTable const& t) {
   std::vector<double> const h = t.total(), sigma = t.total_sigma();
   std::vector<std::string> cells = numbers(h);
@@ -103,7 +103,7 @@ std::vector<std::string> total_cells(NoiseTable const& t) {
   return cells;
 }
 
-// What the total does not hold.
+// Contributions missing from the total.
 std::string bound(BudgetView const& v) {
   std::vector<std::string> names;
   for (BudgetEntry const& e : v.at.table.entries)
@@ -126,7 +126,7 @@ std::string flagged(BudgetView const& v) {
   if (!any) return fmt::format("!: above {:g} x {}\n", v.margin, v.at.curves.front().name);
   return fmt::format("!: above {:g} x {}; of technical noises and stray light: {}\n", v.margin,
                      v.at.curves.front().name,
-                     loud.empty() ? "none of what is known" : fmt::format("{}", fmt::join(loud, ", ")));
+                     loud.empty() ? "none of the known ones" : fmt::format("{}", fmt::join(loud, ", ")));
 }
 
 std::string ratios(BudgetView const& v) {
@@ -178,7 +178,7 @@ std::string budget_text(BudgetView const& v) {
   for (BudgetEntry const& e : v.at.table.entries)
     if (!e.note.empty()) text += fmt::format("{}: {}\n", e.name, e.note);
   for (RunAbout const& run : v.runs) text += run_line(run);
-  if (!v.left_out.empty()) text += fmt::format("left out, not stated: {}\n", fmt::join(v.left_out, ", "));
+  if (!v.left_out.empty()) text += fmt::format("omitted, parameters not stated: {}\n", fmt::join(v.left_out, ", "));
   return text;
 }
 

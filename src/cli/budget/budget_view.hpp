@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What straytrace budget has gathered, and how it shows it.
+// Data and output of straytrace budget.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -16,8 +16,8 @@ namespace straytrace::cli {
 // A budget on one set of frequencies.
 struct BudgetOn {
   NoiseTable table;
-  std::vector<DesignCurve> curves;  // the first one is what ratios refer to
-  std::vector<DesignCurve> lines;   // what is no noise of its own: shot noise alone, quantum limit, requirement
+  std::vector<DesignCurve> curves;  // ratios refer to the first one
+  std::vector<DesignCurve> lines;   // curves that are not separate noises: shot noise alone, quantum limit, requirement
   std::vector<double> metres;       // change of the difference of the arms per strain; empty without a detector
 };
 
@@ -31,12 +31,12 @@ struct BudgetView {
   std::vector<std::string> left_out, warnings;
 };
 
-std::string budget_text(BudgetView const&);     // for people
+std::string budget_text(BudgetView const&);     // as text
 std::string budget_columns(BudgetView const&);  // text file with one column per noise
 nlohmann::ordered_json budget_json(BudgetView const&);
 std::string budget_pygwinc(BudgetView const&);  // bytes of an HDF5 file
 
-// What straytrace budget reads.
+// Inputs of straytrace budget.
 struct BudgetRequest {
   std::vector<std::string> inputs, overrides, compare;
   std::string at = "10 Hz, 100 Hz, 1 kHz", band, margin;

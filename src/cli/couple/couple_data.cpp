@@ -21,11 +21,11 @@ namespace straytrace::cli {
 
 void add_pair_options(CLI::App& command, PairOptions& o, char const* witness) {
   command.add_option("--witness", o.witness, witness)->required();
-  command.add_option("--target", o.target, "FILE::CHANNEL of strain, or of what is disturbed")->required();
+  command.add_option("--target", o.target, "FILE::CHANNEL of strain, or of another disturbed signal")->required();
   command.add_option("--witness-unit", o.witness_unit,
-                     "where the file does not say it: m/s^2; of counts with what one is: \"2e-6 m/s^2\"");
-  command.add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
-  command.add_flag("--displacement", o.displacement, "witness in m, from m/s^2 or m/s");
+                     "unit, where the file has none: m/s^2; of counts the calibration: \"2e-6 m/s^2\"");
+  command.add_option("--target-unit", o.target_unit, "unit, where the file has none: 1 for strain");
+  command.add_flag("--displacement", o.displacement, "convert the witness from m/s^2 or m/s to m");
 }
 
 void add_couple_outputs(CLI::App& command, DataOptions& o) {
@@ -55,7 +55,7 @@ StretchArgument parse_stretch(std::string const& text, std::string const& option
   a.file = head.substr(0, colons);
   if (colons != head.npos) a.channel = head.substr(colons + 2);
   if (a.file.empty())
-    throw InputError(fmt::format("{}: '{}' names no stretch", option, text),
+    throw InputError(fmt::format("{}: '{}' is not a stretch", option, text),
                      fmt::format("write {} 1000000000..1000000060, or a file", option));
   return a;
 }
@@ -79,7 +79,7 @@ void refuse_overlaps(std::vector<FoundStretch> const& all) {
       if (to <= from || (a.file != b.file && from < surely_gps)) continue;
       errors.emplace_back(
           fmt::format("{} and {} share the time from {} to {}", a.name, b.name, gps_text(from), gps_text(to)),
-          "name stretches that lie apart; each is data of its own");
+          "name stretches that do not overlap");
     }
   throw_all(errors);
 }
@@ -136,11 +136,11 @@ std::string band_text(BandCoupling const& w, std::string const& unit) {
   std::string const rise = fmt::format("witness x {:.3g}, target x {:.3g}", w.witness_ratio, w.target_ratio);
   if (std::isnan(w.factor)) return rise + ", no clear rise of both";
   std::string text = fmt::format(
-      "{} {} (C.13; {}), right where slow motion of the same surface spreads what small fast motion makes; the quiet "
-      "witness then makes {:.0f} % of the power of the quiet target",
+      "{} {} (C.13; {}), valid where slow motion of the same surface spreads the noise of fast motion; the quiet "
+      "witness explains {:.0f} % of the power of the quiet target",
       plus_minus(w.factor, w.sigma), unit, rise, 100 * w.share);
   if (!w.rises_at_low && !w.rises_at_high) return text;
-  return text + fmt::format("; the target has risen at {} of the band too: choose it wider",
+  return text + fmt::format("; the target rises at {} of the band too: choose a wider band",
                             w.rises_at_low && w.rises_at_high ? "both ends"
                             : w.rises_at_low                  ? "the low end"
                                                               : "the high end");
@@ -160,21 +160,21 @@ std::string plus_minus(double value, double sigma) {
 
 void add_line_options(CLI::App& command, LineOptions& o) {
   add_pair_options(command, o.pair, "FILE::CHANNEL of the drive: motion, force or sound");
-  add_band_option(command, o.data, "LOW..HIGH where the line of the drive is: \"18 Hz..22 Hz\"");
+  add_band_option(command, o.data, "LOW..HIGH that contains the driven line: \"18 Hz..22 Hz\"");
   command.add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all");
   command.add_option("--window", o.window, "length of the windows")->default_str(o.window);
   command.add_option("--wavelength", o.wavelength, "of the light")->default_str(o.wavelength);
-  command.add_option("--multiplicity", o.multiplicity, "bounces off what moves: phase over 4 pi x/lambda")
+  command.add_option("--multiplicity", o.multiplicity, "bounces off the moving surface: phase over 4 pi x/lambda")
       ->default_str("1")
       ->check(CLI::Range(1e-3, 1e6));
-  command.add_option("--z-max", o.z_max, "largest phase amplitude that is looked for, rad")
+  command.add_option("--z-max", o.z_max, "largest phase amplitude searched, rad")
       ->default_str("20")
       ->check(CLI::Range(0.1, 1000.0));
 }
 
 Driven follow_drive(LineOptions const& o) {
   if (o.data.band.empty())
-    throw InputError("--band is missing: where the line of the drive is", "write --band \"18 Hz..22 Hz\"");
+    throw InputError("--band is missing: it must contain the driven line", "write --band \"18 Hz..22 Hz\"");
   FrequencyBand const band = option_band(o.data.band, "--band");
   Driven d;
   d.window = option_quantity(o.window, dim::time, "--window", "4 s");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the subcommands of straytrace couple share: channels in stretches, displacement, results.
+// Common parts of the subcommands of straytrace couple: channels in stretches, displacement, results.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -62,20 +62,20 @@ struct FoundStretch {
 };
 void refuse_overlaps(std::vector<FoundStretch> const&);
 
-// How a witness becomes metres: divide by (2 pi f)^times.
+// Conversion of a witness to metres: divide by (2 pi f)^times.
 struct ToMetres {
   int times = 0;
   double scale = 1;  // of its unit to SI
-  std::string unit;  // "m", or the unit as it is
+  std::string unit;  // "m", or the original unit
 };
 ToMetres to_metres(bool displacement, std::string const& unit);
 double factor_at(ToMetres const&, double hz);
 void in_metres(ToMetres const&, std::vector<LinePoint>&);
 
-// "3.7e-14 ± 0.2e-14 1/m (C.13; ...)", with what to do where the band is too narrow.
+// "3.7e-14 ± 0.2e-14 1/m (C.13; ...)", with a hint where the band is too narrow.
 std::string band_text(BandCoupling const&, std::string const& unit);
 
-// Answers with numbers that are no curve: beside the curves under "result".
+// Results that are not curves: stored with the curves, under "result".
 void answer_with_result(DataOptions const&, CurveSheet const&, std::string const& text, nlohmann::json const& result);
 // Columns coupling, its band and upper limits, for the points of a coupling; `prefix` before their names.
 std::vector<CurveColumn> coupling_columns(CouplingFunction const&, std::string const& prefix);
@@ -83,7 +83,7 @@ void save_coupling(std::string const& file, CouplingFunction const&, bool quiet)
 nlohmann::json number_or_null(double);
 std::string plus_minus(double value, double sigma);  // "1.23e-9 ± 0.04e-9"; bare without an error
 
-// A driven line in witness and target: what `couple lines` and `couple ramp` begin with.
+// A driven line in witness and target: input of `couple lines` and `couple ramp`.
 
 struct LineOptions {
   DataOptions data;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace couple impulse: what rings after an impulse; straytrace couple events: when something was injected.
+// straytrace couple impulse: ringing modes after impulse excitation; straytrace couple events: times of injections.
 #include "analysis/coupling/impulse.hpp"
 
 #include <CLI/CLI.hpp>
@@ -30,7 +30,7 @@ struct ImpulseOptions {
 std::string text_of(ImpulseResponse const& r, ImpulseOptions const& o, std::string const& unit) {
   std::string text =
       fmt::format("{} of {}\n", r.stretches == 1 ? "1 stretch" : fmt::format("{} stretches", r.stretches), o.length);
-  if (r.modes.empty()) return text + "no mode rings above the noise\n";
+  if (r.modes.empty()) return text + "no mode above the noise\n";
   Columns table{{"frequency [Hz]", "Q", "rings for [s]", "amplitude [" + unit + "/s]", "chi^2"}, {}, {}};
   for (RingDown const& m : r.modes)
     table.rows.push_back({plus_minus(m.hz, m.hz_sigma), plus_minus(m.quality, m.quality_sigma),
@@ -141,7 +141,7 @@ int run_events(EventOptions o) {
     double const values[] = {e.hz, e.ratio, e.significance};
     for (std::size_t i = 0; i < 3; ++i) sheet.y[i].values.push_back(values[i]);
   }
-  answer_with_result(o.data, sheet, events.empty() ? "nothing rises above the quiet stretch\n" : aligned(table), list);
+  answer_with_result(o.data, sheet, events.empty() ? "no excess above the quiet stretch\n" : aligned(table), list);
   return 0;
 }
 
@@ -153,18 +153,20 @@ void add_couple_impulse(CLI::App& couple, int& exit_code) {
   auto const options = std::make_shared<ImpulseOptions>();
   ImpulseOptions& o = *options;
   command->add_option("--force", o.force, "FILE::CHANNEL of the hammer or drive")->required();
-  command->add_option("--target", o.target, "FILE::CHANNEL of strain, or what is disturbed")->required();
-  command->add_option("--force-unit", o.force_unit, "where the file does not say it: N");
-  command->add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
+  command->add_option("--target", o.target, "FILE::CHANNEL of strain, or of another disturbed signal")->required();
+  command->add_option("--force-unit", o.force_unit, "unit, where the file has none: N");
+  command->add_option("--target-unit", o.target_unit, "unit, where the file has none: 1 for strain");
   command->add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all");
-  command->add_option("--list", o.list, "CSV with start times (place, start, duration) instead of looking for impulses")
+  command
+      ->add_option("--list", o.list, "CSV with start times (place, start, duration) instead of a search for impulses")
       ->check(CLI::ExistingFile);
-  command->add_flag("--sweeps", o.sweeps, "the drive is over, and all is silent, at the end of each stretch");
-  command->add_option("--length", o.length, "of the stretch behind each start")->default_str(o.length);
-  command->add_option("--before", o.before, "silence taken in front of it")->default_str(o.before);
-  command->add_option("--threshold", o.threshold, "of an impulse, in usual deviations of the force")->default_str("8");
-  command->add_option("--modes", o.modes, "at most so many")->default_str("3")->check(CLI::Range(0, 100));
-  add_band_option(*command, o.data, "LOW..HIGH where modes are looked for");
+  command->add_flag("--sweeps", o.sweeps, "drive and response have ended at the end of each stretch");
+  command->add_option("--length", o.length, "length of the stretch after each start")->default_str(o.length);
+  command->add_option("--before", o.before, "silence before each start")->default_str(o.before);
+  command->add_option("--threshold", o.threshold, "threshold of an impulse, in standard deviations of the force")
+      ->default_str("8");
+  command->add_option("--modes", o.modes, "largest number of modes")->default_str("3")->check(CLI::Range(0, 100));
+  add_band_option(*command, o.data, "LOW..HIGH searched for modes");
   add_couple_outputs(*command, o.data);
   command->footer(
       "Examples:\n"
@@ -184,12 +186,14 @@ void add_couple_events(CLI::App& couple, int& exit_code) {
   command->add_option("record", o.record, "FILE::CHANNEL")->required();
   command->add_option("--quiet", o.quiet, "stretch A..B without injection")->required()->group("Data");
   add_span_options(*command, o.data);
-  add_band_option(*command, o.data, "LOW..HIGH that is looked at");
+  add_band_option(*command, o.data, "LOW..HIGH to search");
   add_welch_options(*command, o.data);
   command->add_option("--averages", o.settings.averages, "segments of each stretch")
       ->default_str("20")
       ->check(CLI::Range(2, 100000));
-  command->add_option("--significance", o.settings.overall_significance, "of an event, all looks counted")
+  command
+      ->add_option("--significance", o.settings.overall_significance,
+                   "significance of an event, corrected for all bins and stretches")
       ->default_str("3")
       ->check(CLI::Range(0.0, 37.0));
   add_couple_outputs(*command, o.data);

@@ -49,7 +49,7 @@ HarmonicFit fit_of(Driven const& d, LineOptions const& o) {
   if (orders < 3)
     throw InputError(
         fmt::format("at {:g} Hz the target has no third harmonic of {:.4g} Hz", d.pair.target.rate, d.frequency()),
-        "give it at a higher rate");
+        "give a higher sample rate");
   std::vector<std::vector<LinePoint>> harmonics;
   for (int n = 1; n <= orders; ++n) harmonics.push_back(follow_line(d.pair.target, d.drive, d.window, n));
   return fit_harmonics(harmonics, o.z_max);
@@ -57,11 +57,11 @@ HarmonicFit fit_of(Driven const& d, LineOptions const& o) {
 
 std::string verdict(Driven const& d, LineOptions const& o, HarmonicFit const& f) {
   auto const metres = [&](double z) { return motion_of_phase(z, d.wavelength, o.multiplicity); };
-  if (f.limit_only && f.open) return "no harmonic tells a fringe from a line\n";
+  if (f.limit_only && f.open) return "no harmonic distinguishes a fringe from a line\n";
   if (f.limit_only)
     return fmt::format(
-        "linear as far as harmonics tell: phase amplitude below {:.3g} rad, effective motion below {:.3g} m "
-        "peak (95 %)\n",
+        "linear within the sensitivity of the harmonics: phase amplitude below {:.3g} rad, effective motion below "
+        "{:.3g} m peak (95 %)\n",
         f.z_limit, metres(f.z_limit));
   double const sigma = (f.z_high - f.z_low) / 2;
   std::string out = fmt::format("fringe at {:.1f} sigma: phase amplitude {} rad, effective motion {} m peak\n",
@@ -130,7 +130,7 @@ void add_couple_lines(CLI::App& couple, int& exit_code) {
   auto const options = std::make_shared<LineOptions>();
   LineOptions& o = *options;
   add_line_options(*command, o);
-  command->add_option("--harmonics", o.harmonics, "how many, the line itself counted")
+  command->add_option("--harmonics", o.harmonics, "number of harmonics, including the line itself")
       ->default_str("5")
       ->check(CLI::Range(3, 100));
   add_couple_outputs(*command, o.data);
@@ -143,7 +143,7 @@ void add_couple_lines(CLI::App& couple, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = run_lines(*options); });
 }
 
-// straytrace couple ramp: does a driven line grow with its drive, or wrap?
+// straytrace couple ramp: whether a driven line is linear in its drive or fringe-wrapped.
 
 namespace {
 
@@ -176,20 +176,20 @@ std::string text_of(Driven const& d, LineOptions const& o, RampFit const& r) {
       r.verdict == RampOutcome::unseen ? fmt::format("<= {:.3g}", limit_of(r)) : plus_minus(r.slope, r.slope_sigma),
       d.coupling_unit, r.chi_linear, r.degrees_linear, r.chi_fringe, r.degrees_fringe, r.significance);
   if (r.verdict == RampOutcome::unseen)
-    return out + "verdict: the target shows no line at the drive; the coupling is an upper limit (95 %)\n";
+    return out + "outcome: no line of the target at the drive frequency; the coupling is an upper limit (95 %)\n";
   if (r.verdict == RampOutcome::linear)
     return out + (r.open
-                      ? "verdict: linear\n"
-                      : fmt::format("verdict: linear; phase amplitude at the largest drive below {:.3g} rad, effective "
+                      ? "outcome: linear\n"
+                      : fmt::format("outcome: linear; phase amplitude at the largest drive below {:.3g} rad, effective "
                                     "motion below {:.3g} m peak (95 %)\n",
                                     r.z_limit, metres(r.z_limit)));
   if (r.verdict == RampOutcome::neither)
     return out +
-           "verdict: neither: the target does not follow from the drive; a static phase that drifts, or another "
-           "source, does that\n";
+           "outcome: neither: the target is not explained by the drive; the cause may be a drifting static phase or "
+           "another source\n";
   double const sigma = (r.z_high - r.z_low) / 2;
   return out + fmt::format(
-                   "verdict: fringe; phase amplitude at the largest drive {} rad, effective motion {} m peak, "
+                   "outcome: fringe; phase amplitude at the largest drive {} rad, effective motion {} m peak, "
                    "coupling of small motion {:.3g} {}\n",
                    plus_minus(r.z, sigma), plus_minus(metres(r.z), metres(sigma)), r.small_slope, d.coupling_unit);
 }
@@ -197,7 +197,7 @@ std::string text_of(Driven const& d, LineOptions const& o, RampFit const& r) {
 CurveSheet sheet_of(Driven const& d, RampFit const& r) {
   CurveSheet sheet = line_sheet(d);
   sheet.title = fmt::format("ramp of {} in {}", d.pair.witness.name, d.pair.target.name);
-  sheet.notes.push_back(fmt::format("verdict: {}, fringe better by {:.2f} sigma", word(r.verdict), r.significance));
+  sheet.notes.push_back(fmt::format("outcome: {}, fringe better by {:.2f} sigma", word(r.verdict), r.significance));
   CurveColumn line{"linear", d.pair.target.unit, {}}, time{"time", "s", sheet.x.values, "hidden"};
   sheet.x = sheet.y[1];
   sheet.x.style = "line";
@@ -261,11 +261,11 @@ int run_ramp(LineOptions const& o) {
 
 void add_couple_ramp(CLI::App& couple, int& exit_code) {
   auto* const command =
-      couple.add_subcommand("ramp", "Tell linear from fringe coupling with a drive that grows, with significance.");
+      couple.add_subcommand("ramp", "Distinguish linear from fringe coupling with a growing drive, with significance.");
   auto const options = std::make_shared<LineOptions>();
   LineOptions& o = *options;
   add_line_options(*command, o);
-  command->add_option("--significance", o.significance, "from which a fringe is called one, standard deviations")
+  command->add_option("--significance", o.significance, "threshold for a fringe, standard deviations")
       ->default_str("3")
       ->check(CLI::Range(0.0, 37.0));
   command->add_option("--save", o.save, "CSV of pemcoupling with the outcome as flag, for straytrace project");

@@ -82,7 +82,7 @@ Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::stri
   return s;
 }
 
-// Without --segment, one length for all stretches: what fits the shortest.
+// Without --segment, one length for all stretches: that of the shortest.
 void settle_segment(NoiseCoupling& o, std::vector<std::string> const& witnesses) {
   if (!o.data.segment.empty()) return;
   double shortest = infinity;
@@ -128,7 +128,7 @@ Coupled couple_one(NoiseCoupling const& o, std::string const& witness, Frequency
 
 std::size_t line_at(CrossSpectra const& s, double hz) { return std::size_t(std::lround(hz / s.hz[1])); }
 
-// What the quiet witness makes of the quiet target, as a share of amplitudes.
+// Contribution of the quiet witness to the quiet target, as a share of amplitudes.
 double share(Coupled const& c, CouplingPoint const& p) {
   std::size_t const k = line_at(c.quiet, p.hz);
   return p.factor * std::sqrt(c.quiet.input[k] / c.quiet.output[k]);
@@ -139,7 +139,7 @@ struct CouplingRow {
   CouplingPoint const* point;
 };
 
-// Strongest answers: peaks of the share of the target that the quiet witness makes.
+// Strongest results: peaks of the share of the quiet witness in the target.
 std::vector<CouplingRow> peaks(std::vector<Coupled> const& all) {
   std::vector<CouplingRow> rows;
   for (Coupled const& c : all)
@@ -167,7 +167,7 @@ std::string count_line(CouplingFunction const& c) {
       c.witness, c.points.size(), n[0], n[1], n[2], n[3], n[4]);
 }
 
-// Where single lines say "fringe wrapped": the coupling of all lines together.
+// Where single lines are "fringe wrapped": the coupling of all lines together.
 std::string band_line(Coupled const& c) {
   if (!c.whole) return "";
   return fmt::format("{}, {:g} to {:g} Hz together: {}\n", c.coupling.witness, c.coupling.points.front().hz,
@@ -178,7 +178,7 @@ std::string text_of(NoiseCoupling const& o, std::vector<Coupled> const& all) {
   std::string text;
   for (Coupled const& c : all) text += count_line(c.coupling);
   std::vector<CouplingRow> const rows = peaks(all);
-  if (rows.empty()) return text + "nothing rose in the target\n";
+  if (rows.empty()) return text + "no excess in the target\n";
   Columns table{{"frequency", "witness", "coupling [" + all.front().coupling.unit + "]", "witness x", "target x",
                  "significance", "coherence", "of the quiet target", ""},
                 {false, true, true},
@@ -232,8 +232,8 @@ int run_noise(NoiseCoupling o) {
   std::vector<std::string> const witnesses =
       o.witness.empty() ? std::vector{parse_stretch(o.injection.front(), "--injection").channel} : o.witness;
   if (!o.save.empty() && witnesses.size() > 1)
-    throw InputError("--save holds one coupling, and there are several witnesses", "name one --witness");
-  if (o.data.average == "median") throw InputError("--average median: couplings need means", "leave it out");
+    throw InputError("--save writes one coupling, but there are several witnesses", "name one --witness");
+  if (o.data.average == "median") throw InputError("--average median: a coupling needs means", "remove the option");
   settle_segment(o, witnesses);
   FrequencyBand const band = o.data.band.empty() ? FrequencyBand{0, infinity} : option_band(o.data.band, "--band");
   std::vector<Coupled> all;
@@ -245,10 +245,10 @@ int run_noise(NoiseCoupling o) {
     }
   throw_all(errors);
   if (all.front().coupling.points.empty())
-    throw InputError("--band: no frequency of the spectra lies in it", "choose it wider, or a longer --segment");
+    throw InputError("--band: it contains no frequency of the spectra", "choose a wider band, or a longer --segment");
   for (Coupled const& c : all)
     if (c.coupling.points.size() != all.front().coupling.points.size())
-      throw InputError("the witnesses have different frequencies", "choose --segment, and a --band that all cover");
+      throw InputError("the witnesses have different frequencies", "choose --segment, and a --band covered by all");
   answer(o.data, sheet_of(all), text_of(o, all));
   save_coupling(o.save, all.front().coupling, o.data.quiet);
   return 0;
@@ -263,15 +263,15 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
   NoiseCoupling& o = *options;
   command->add_option("--witness", o.witness, "FILE::CHANNEL, or CHANNEL of the file of the stretch; may be repeated")
       ->allow_extra_args(false);
-  command->add_option("--target", o.target, "the same for strain, or what is disturbed")->required();
+  command->add_option("--target", o.target, "the same for strain, or another disturbed signal")->required();
   command->add_option("--injection", o.injection, "A..B in GPS or UTC, FILE or FILE@A..B; may be repeated")
       ->required()
       ->allow_extra_args(false);
   command->add_option("--quiet", o.quiet, "the same, without injection")->required()->group("Data");
   command->add_option("--witness-unit", o.witness_unit,
-                      "where the file does not say it: m/s^2; of counts with what one is: \"2e-6 m/s^2\"");
-  command->add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
-  command->add_flag("--displacement", o.displacement, "witness in m, from m/s^2 or m/s");
+                      "unit, where the file has none: m/s^2; of counts the calibration: \"2e-6 m/s^2\"");
+  command->add_option("--target-unit", o.target_unit, "unit, where the file has none: 1 for strain");
+  command->add_flag("--displacement", o.displacement, "convert the witness from m/s^2 or m/s to m");
   command->add_option("--witness-ratio", o.thresholds.witness, "amplitude of the witness over quiet")
       ->default_str("2")
       ->check(CLI::Range(1.0, 1e9));
@@ -282,8 +282,8 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
       ->default_str("3")
       ->check(CLI::Range(0.0, 37.0));
   command->add_flag("--accept-incoherent", o.accept_incoherent,
-                    "no check for fringe wrapping: the witness need not see all that reaches the target");
-  add_band_option(*command, o.data, "LOW..HIGH of the answer: \"20 Hz..400 Hz\"");
+                    "skip the check for fringe wrapping: the witness need not sense all that reaches the target");
+  add_band_option(*command, o.data, "LOW..HIGH of the result: \"20 Hz..400 Hz\"");
   add_welch_options(*command, o.data);
   command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
   command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project");

@@ -32,7 +32,7 @@ CouplingFunction read_coupling(std::string const& file, std::string const& unit,
 Overlay overlay_of(CouplingFunction const&, PredictedCoupling const&, std::string const& unit);
 std::string overlay_text(Overlay const&, std::size_t show);
 nlohmann::json overlay_json(Overlay const&);
-// Measured points and limits on the axis of the sheet: each in the bin it lies in, the surest of them.
+// Measured points and limits on the axis of the sheet: each in its bin, the most significant one.
 void add_overlay(CurveSheet&, Overlay const&);
 
 }  // namespace straytrace::cli

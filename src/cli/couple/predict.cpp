@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace couple predict: coupling of a body to h from a traced run, beside a measured one.
+// straytrace couple predict: coupling of a body to h from a traced run, compared with a measured one.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -43,7 +43,7 @@ BodyAxis place_of(PredictOptions const& o, std::vector<std::string> const& bodie
           int(std::find(axes.begin(), axes.end(), o.axis) - axes.begin())};
 }
 
-// Peak amplitude in m or rad; the kind of amplitude must be said.
+// Peak amplitude in m or rad; the kind of amplitude must be stated.
 double peak_of(PredictOptions const& o, bool rotation) {
   static ParameterLookup const none{[](std::string_view) { return ParameterLookup::Found{}; },
                                     [] { return std::vector<std::string>(); }};
@@ -163,7 +163,7 @@ void add_motion(Prediction& out, PredictOptions const& o, RunFile const& file, P
     if (!(hz > 0)) throw InputError("--frequency: it is not positive", "write --frequency \"0.5 Hz\"");
     DrivenResponse const d = drive_body(table, model.motion.bodies, *model.detector, grid, where, peak, hz);
     add_curve(out.sheet, "h_driven", "1/sqrt(Hz)", d.budget.total.asd, d.budget.total.sigma,
-              "points");  // lines with nothing between them
+              "points");  // lines without a continuum
     out.text += driven_text(d, peak, hz, unit);
     for (DrivenRoute const& r : d.routes)
       out.result["driven"].push_back({{"route", r.name}, {"phase_peak", r.phase_peak}, {"shelf_edge", r.cutoff}});
@@ -185,7 +185,8 @@ int run_predict(PredictOptions const& o) {
   RunFile const& file = run.file;
   ProjectionModel const& model = run.model;
   if (!model.detector)
-    throw InputError("the run has no interferometer, so nothing couples to h", "trace a scene with 'interferometer'");
+    throw InputError("the run has no interferometer, so there is no coupling to h",
+                     "trace a scene with 'interferometer'");
   BodyAxis const where = place_of(o, model.motion.bodies);
   FrequencyGrid const grid = grid_of(o, model);
   PredictedCoupling const p = predict_coupling(file.trace.coupling, model.motion.bodies, *model.detector, grid, where);
@@ -220,20 +221,21 @@ void add_couple_predict(CLI::App& couple, int& exit_code) {
   auto const options = std::make_shared<PredictOptions>();
   PredictOptions& o = *options;
   command->add_option("run", o.run, "run file (HDF5)")->required();
-  command->add_option("--body", o.body, "body that moves; all others stand still")->required();
+  command->add_option("--body", o.body, "body that moves; all others are at rest")->required();
   command->add_option("--axis", o.axis, "x, y, z, or rotations rx, ry, rz about its pivot")
       ->default_str("z")
       ->check(CLI::IsMember(std::vector<std::string>(axes.begin(), axes.end())));
-  command->add_option("--amplitude", o.amplitude, "of a sine, with its kind: \"2 um peak\"; needs --frequency");
-  command->add_option("--frequency", o.frequency, "of that sine: \"0.5 Hz\"");
-  command->add_flag("--own-motion", o.own, "response to the body's own motion along this axis as well");
+  command->add_option("--amplitude", o.amplitude,
+                      "amplitude of a sine, with its kind: \"2 um peak\"; needs --frequency");
+  command->add_option("--frequency", o.frequency, "frequency of that sine: \"0.5 Hz\"");
+  command->add_flag("--own-motion", o.own, "also the response to the body's own motion along this axis");
   add_band_option(*command, o.data, "LOW..HIGH; default: of the run");
   command->add_option("--points-per-decade", o.points, "default: bins of the run, 60 with --band")
       ->check(CLI::Range(1.0, 10000.0));
-  command->add_option("--measured", o.measured, "CSV of pemcoupling beside it: ratio and significance")
+  command->add_option("--measured", o.measured, "CSV of pemcoupling to compare: ratio and significance")
       ->check(CLI::ExistingFile);
-  command->add_option("--coupling-unit", o.unit, "of the measured factor, where the file does not say it: 1/m");
-  command->add_option("--witness-unit", o.witness_unit, "of its witness, where the file does not say it: m");
+  command->add_option("--coupling-unit", o.unit, "unit of the measured factor, where the file has none: 1/m");
+  command->add_option("--witness-unit", o.witness_unit, "unit of its witness, where the file has none: m");
   command->add_option("--show", o.show, "rows of the tables")->default_str("8")->check(whole_between(1, 1e6, "20"));
   add_couple_outputs(*command, o.data);
   command->footer(

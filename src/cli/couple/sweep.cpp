@@ -58,13 +58,13 @@ std::string text_of(CouplingFunction const& c, std::size_t windows, std::size_t 
   for (std::size_t i = 0; i < std::min(show, peaks.size()); ++i)
     table.rows.push_back({fmt::format("{:.5g} Hz", peaks[i].hz), plus_minus(peaks[i].factor, peaks[i].sigma),
                           fmt::format("{:.1f}", peaks[i].significance), fmt::format("{:.2f}", peaks[i].coherence)});
-  return table.rows.empty() ? text + "the target does not answer\n" : text + aligned(table);
+  return table.rows.empty() ? text + "no response of the target\n" : text + aligned(table);
 }
 
 int run_sweep(SweepOptions o) {
   check_outputs(o.data);
   if (o.data.band.empty())
-    throw InputError("--band is missing: what the sweep covers", "write --band \"20 Hz..100 Hz\"");
+    throw InputError("--band is missing: the range of the sweep", "write --band \"20 Hz..100 Hz\"");
   FrequencyBand const band = option_band(o.data.band, "--band");
   o.ridge.low = band.low;
   o.ridge.high = band.high;
@@ -97,13 +97,14 @@ void add_couple_sweep(CLI::App& couple, int& exit_code) {
   auto const options = std::make_shared<SweepOptions>();
   SweepOptions& o = *options;
   add_pair_options(*command, o.pair, "FILE::CHANNEL of the drive: motion, force or sound");
-  add_band_option(*command, o.data, "LOW..HIGH where the drive is looked for");
+  add_band_option(*command, o.data, "LOW..HIGH searched for the drive");
   command->add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all");
   command->add_option("--window", o.window, "length of the windows")->default_str(o.window);
-  command->add_option("--resolution", o.resolution, "of the coupling; default: 2 over the window");
-  command->add_option("--witness-ratio", o.ridge.witness_ratio, "amplitude of the drive over what is beside it")
+  command->add_option("--resolution", o.resolution, "resolution of the coupling; default: 2 over the window");
+  command->add_option("--witness-ratio", o.ridge.witness_ratio, "amplitude of the drive over the background")
       ->default_str("10");
-  command->add_option("--significance", o.ridge.significance, "of the target; below: an upper limit")->default_str("3");
+  command->add_option("--significance", o.ridge.significance, "significance of the target; below: an upper limit")
+      ->default_str("3");
   command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
   command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project");
   add_couple_outputs(*command, o.data);

@@ -57,7 +57,7 @@ std::vector<TapPeak> strongest(std::vector<TapPeak> peaks, std::size_t count) {
 }
 
 std::string text_of(std::vector<TapPeak> const& peaks, TapOptions const& o, std::string const& unit) {
-  if (peaks.empty()) return "no place makes the target rise\n";
+  if (peaks.empty()) return "no place raises the target\n";
   Columns table{{"frequency", "place", "target x", "force x", "ratio", "coupling [" + unit + "]", "lead", ""},
                 {false, true, false, false, false, false, false, true},
                 {}};
@@ -148,7 +148,7 @@ int run_taps(TapOptions const& o) {
   CurveSheet sheet = sheet_of(peaks, places, unit);
   sheet.notes = {
       source_note(series.force), source_note(series.target),
-      fmt::format("kept: target {:g} x and force {:g} x quiet; limits: 95 %, of places whose force rose alone",
+      fmt::format("thresholds: target {:g} x and force {:g} x quiet; limits: 95 %, of places where only the force rose",
                   o.thresholds.target, o.thresholds.force)};
   answer_with_result(o.data, sheet, text_of(peaks, o, unit), json_of(peaks));
   return 0;
@@ -157,24 +157,25 @@ int run_taps(TapOptions const& o) {
 }  // namespace
 
 void add_couple_taps(CLI::App& couple, int& exit_code) {
-  auto* const command = couple.add_subcommand("taps", "Find which of many places under a hammer couple to the target.");
+  auto* const command =
+      couple.add_subcommand("taps", "Rank places struck with a hammer by their coupling to the target.");
   auto const options = std::make_shared<TapOptions>();
   TapOptions& o = *options;
   command->add_option("--force", o.force, "FILE::CHANNEL of the hammer")->required();
-  command->add_option("--target", o.target, "FILE::CHANNEL of strain, or what is disturbed")->required();
-  command->add_option("--list", o.list, "CSV: place, start (GPS s), duration (s), and if wanted strength")
+  command->add_option("--target", o.target, "FILE::CHANNEL of strain, or of another disturbed signal")->required();
+  command->add_option("--list", o.list, "CSV: place, start (GPS s), duration (s), optionally strength")
       ->required()
       ->check(CLI::ExistingFile);
   command->add_option("--quiet", o.quiet, "stretch A..B without taps")->required()->group("Data");
-  command->add_option("--local", o.local, "FILE::CHANNEL of an accelerometer beside; may be repeated")
+  command->add_option("--local", o.local, "FILE::CHANNEL of an accelerometer nearby; may be repeated")
       ->allow_extra_args(false);
-  command->add_option("--force-unit", o.force_unit, "where the file does not say it: N");
-  command->add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
+  command->add_option("--force-unit", o.force_unit, "unit, where the file has none: N");
+  command->add_option("--target-unit", o.target_unit, "unit, where the file has none: 1 for strain");
   command->add_option("--target-ratio", o.thresholds.target, "amplitude over quiet")->default_str("3");
   command->add_option("--force-ratio", o.thresholds.force, "amplitude over quiet")->default_str("2");
-  command->add_option("--significance", o.thresholds.significance, "of the target, standard deviations")
+  command->add_option("--significance", o.thresholds.significance, "significance of the target, standard deviations")
       ->default_str("3");
-  add_band_option(*command, o.data, "LOW..HIGH of the answer");
+  add_band_option(*command, o.data, "LOW..HIGH of the result");
   add_welch_options(*command, o.data);
   command->add_option("--show", o.show, "peaks of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
   add_couple_outputs(*command, o.data);

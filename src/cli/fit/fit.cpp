@@ -21,7 +21,7 @@ namespace straytrace::cli {
 namespace {
 
 constexpr char before_subtraction[] =
-    "compare with h(t) before noise subtraction: a subtraction of the witness has taken the fringes, or made others\n";
+    "compare with h(t) before noise subtraction: subtraction of the witness removes fringes or adds new ones\n";
 
 bool is_json(std::string const& file) { return file.ends_with(".json"); }
 
@@ -54,9 +54,9 @@ int fit(FitOptions const& o) {
   check_outputs(o.data);
   if (!o.subtract.empty() && !o.subtract.ends_with(".hdf5") && !o.subtract.ends_with(".h5"))
     throw InputError(fmt::format("--subtract: '{}' does not end in .hdf5", o.subtract),
-                     "the residual is written as gwpy reads it");
+                     "the residual is HDF5 for gwpy");
   if (!o.run.empty() && !o.gain.empty())
-    throw InputError("--gain-per-field: the run has the responses of its ports", "leave one of the two out");
+    throw InputError("--gain-per-field: the run has the responses of its ports", "remove one of the two");
   FringeRecords const records = records_of(o);
   std::vector<RoutePrediction> const routes = predictions(o, is_rotation(records));
   FringeFitSettings const settings = settings_of(o, records, routes);
@@ -85,30 +85,31 @@ void add_fit(CLI::App& app, int& exit_code) {
       "fit", "Fit fringe noise in a measured h(t): recoupled fraction, phase, effective motion and residual.");
   auto const options = std::make_shared<FitOptions>();
   FitOptions& o = *options;
-  command->add_option("run", o.run, "run file whose routes are fitted and compared; none: the data alone");
+  command->add_option("run", o.run, "run file whose routes are fitted and compared; without it, fit only the data");
   add_record_options(*command, o);
-  command->add_option("--path", o.rows, "rows of the path table of the run, 1 unless given; may be repeated")
+  command->add_option("--path", o.rows, "row of the path table of the run; default 1; may be repeated")
       ->allow_extra_args(false);
-  command->add_option("--body", o.body, "that the witness is of; default: the one that moves the path most");
+  command->add_option("--body", o.body, "body of the witness; default: the one that moves the path most");
   command
       ->add_option(
           "--axis", o.axis,
-          "of the body that the witness measures: x, y, z, or rx, ry, rz of an angle; default: that of most phase")
+          "coordinate measured by the witness: x, y, z, or rx, ry, rz for an angle; default: the one with most phase")
       ->check(CLI::IsMember({"x", "y", "z", "rx", "ry", "rz"}));
   command->add_option("--paths", o.paths, "number of paths, without a run")->check(whole_between(1, 6, "2"));
   command->add_option("--multiplicity", o.multiplicity,
-                      "W in units of 4 pi/lambda: a value, or the range that is searched; 0.5..6 unless given; of an "
+                      "W in units of 4 pi/lambda: a value, or the range to search; default 0.5..6; for an "
                       "angle a length");
-  command->add_option("--delay", o.delay, "of the noise behind the witness: a value, or a range -20 ms..20 ms");
-  command->add_option("--drift", o.drift, "of the static phase: a value, or a range \"-1 rad/s..1 rad/s\"");
+  command->add_option("--delay", o.delay, "delay of the noise after the witness: a value, or a range -20 ms..20 ms");
+  command->add_option("--drift", o.drift, "drift of the static phase: a value, or a range \"-1 rad/s..1 rad/s\"");
   command
       ->add_option(
           "--free", o.free,
-          "parameters searched as well, over their default ranges: multiplicity,phase,delay,drift,ratio; amplitude and "
+          "further parameters to search over their default ranges: multiplicity,phase,delay,drift,ratio; amplitude and "
           "phase are always free")
       ->delimiter(',')
       ->check(CLI::IsMember({"multiplicity", "phase", "delay", "drift", "ratio"}));
-  command->add_option("--gain-per-field", o.gain, "strain per relative field, of a detector without run: \"1.1e-16\"");
+  command->add_option("--gain-per-field", o.gain,
+                      "strain per relative field of the detector, without a run: \"1.1e-16\"");
   command->add_option("--train", o.train, "share of the record that is fitted; the rest tests the fit")
       ->default_str(o.train);
   command->add_option("--method", o.method, "frequency: likelihood on lines; time: least squares of whitened samples")
@@ -116,9 +117,9 @@ void add_fit(CLI::App& app, int& exit_code) {
       ->default_str(o.method);
   command
       ->add_option("--false-alarm", o.false_alarm,
-                   "chance of noise alone up to which a fringe is significant, in the search and in the rest")
+                   "largest false-alarm probability of a significant fringe, in the search and in the rest")
       ->default_str(o.false_alarm);
-  command->add_option("--subtract", o.subtract, "file for target less fitted noise (gwpy HDF5), in the band");
+  command->add_option("--subtract", o.subtract, "file for the target minus the fitted noise (gwpy HDF5), in the band");
   add_fit_edge(*command, exit_code);
   command->footer(
       "Examples:\n"
@@ -131,7 +132,7 @@ void add_fit(CLI::App& app, int& exit_code) {
   });
 }
 
-// straytrace fit edge: effective motion from where the shelf of the noise ends.
+// straytrace fit edge: effective motion from the edge of the noise shelf.
 
 namespace {
 
@@ -232,15 +233,18 @@ int edge(FitOptions const& o) {
 
 void add_fit_edge(CLI::App& fit, int& exit_code) {
   auto* const command =
-      fit.add_subcommand("edge", "Find the effective motion from where the shelf ends, stride by stride.");
+      fit.add_subcommand("edge", "Measure the effective motion from the shelf edge, stride by stride.");
   auto const options = std::make_shared<FitOptions>();
   FitOptions& o = *options;
   add_record_options(*command, o);
-  command->add_option("--stride", o.stride, "length of each stretch that gives one edge")->default_str(o.stride);
-  command->add_option("--segment", o.segment, "of the spectra inside a stride; their resolution is 1/segment")
+  command->add_option("--stride", o.stride, "length of a stretch, which gives one edge")->default_str(o.stride);
+  command
+      ->add_option("--segment", o.segment,
+                   "segment length of the spectra inside a stride; their resolution is 1/segment")
       ->default_str(o.segment);
   command
-      ->add_option("--factor", o.factor, "range of the effective motion over that of the witness; of an angle a length")
+      ->add_option("--factor", o.factor,
+                   "range of the effective motion over that of the witness; for an angle a length")
       ->default_str(o.factor);
   command->footer(
       "Examples:\n"

@@ -12,13 +12,13 @@
 namespace straytrace::cli {
 namespace {
 
-constexpr double clock_range = 0.25;  // s, to either side: clocks that are not one
+constexpr double clock_range = 0.25;  // s, to either side: unsynchronised clocks
 
 TimeSeries as_strain(TimeSeries x) {
   auto const unit = parse_unit(x.unit);
   if (!unit || unit->dimension != dim::plain)
     throw InputError(fmt::format("--target: '{}' is in '{}', not a plain number", x.name, x.unit),
-                     "say the unit with --target-unit");
+                     "give the unit with --target-unit");
   for (double& v : x.samples) v = to_si(v, *unit);
   x.unit = "1";
   return x;
@@ -36,10 +36,11 @@ MotionKind kind_of(TimeSeries const& x, std::string const& option) {
       auto const reached = straytrace::times(unit->dimension, *power_of(dim::time, times));
       if (reached && *reached == (rotation ? dim::angle : dim::length)) return {rotation, times};
     }
-  throw InputError(fmt::format("{}: '{}' is in '{}', which is no motion", option, x.name, x.unit),
-                   fmt::format("give m or rad, or one of them per s or s^2; say the unit with {}-unit, of counts with "
-                               "what one is: \"2e-6 m/s^2\"",
-                               option));
+  throw InputError(
+      fmt::format("{}: '{}' is in '{}', which is not a unit of motion", option, x.name, x.unit),
+      fmt::format("give m or rad, or one of them per s or s^2; set the unit with {}-unit, of counts the calibration: "
+                  "what one is: \"2e-6 m/s^2\"",
+                  option));
 }
 
 // Adds displacement [m] or angle [rad].
@@ -48,14 +49,15 @@ void add_motion(FringeRecords& records, TimeSeries x, FitOptions const& o, std::
   MotionKind const kind = kind_of(x, option);
   if (kind.integrations == 0) {
     if (!o.corner.empty())
-      throw InputError(fmt::format("--corner: '{}' is in {}, and is not integrated", x.name, x.unit),
-                       "leave the option out");
+      throw InputError(fmt::format("--corner: '{}' is in {} and is not integrated", x.name, x.unit),
+                       "remove the option");
     auto const unit = parse_unit(x.unit);
     for (double& v : x.samples) v = to_si(v, *unit);
   } else {
     if (o.corner.empty())
-      throw InputError(fmt::format("{}: '{}' is in {}, and is integrated behind a high pass", option, x.name, x.unit),
-                       "write --corner \"0.05 Hz\", below all motion that makes fringes");
+      throw InputError(
+          fmt::format("{}: '{}' is in {} and needs a high pass for its integration", option, x.name, x.unit),
+          "write --corner \"0.05 Hz\", below all motion that causes fringes");
     double const corner = option_quantity(o.corner, dim::frequency, "--corner", "0.05 Hz");
     unseen = rms_below(x, kind.integrations, corner);
     x = settled(integrated(x, kind.integrations, corner), corner);
@@ -93,7 +95,7 @@ SearchRange multiplicity_of(FitOptions const& o, RoutePrediction const* route, F
   }
   if (!o.multiplicity.empty()) return option_range(o.multiplicity, dimension, "--multiplicity", example);
   if (is_rotation(records))
-    throw InputError("--multiplicity is missing: of an angle it is a lever arm, which has no usual range",
+    throw InputError("--multiplicity is missing: for an angle it is a lever arm, which has no default range",
                      "write --multiplicity \"1 mm..5 cm\", or give the run and --path");
   return default_multiplicity(records, s);
 }
@@ -101,7 +103,7 @@ SearchRange multiplicity_of(FitOptions const& o, RoutePrediction const* route, F
 double option_share(std::string const& text, std::string const& option, std::string const& example) {
   double const share = option_quantity(text, dim::plain, option, example);
   if (share > 0 && share <= 1) return share;
-  throw InputError(fmt::format("{}: '{}' is not above 0 and up to 1", option, text),
+  throw InputError(fmt::format("{}: '{}' is not between 0 and 1", option, text),
                    fmt::format("write {} \"{}\"", option, example));
 }
 
@@ -125,9 +127,9 @@ double wavelength_of(FitOptions const& o) {
   double const run = o.run.empty() ? 0 : wavelength_of_run(o);
   if (o.wavelength.empty()) return run > 0 ? run : 1064e-9;
   double const said = option_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
-  if (!(said > 0)) throw InputError("--wavelength: it is positive", "write --wavelength \"1064 nm\"");
+  if (!(said > 0)) throw InputError("--wavelength must be positive", "write --wavelength \"1064 nm\"");
   if (run > 0 && std::fabs(said / run - 1) > 1e-9)
-    throw InputError(fmt::format("--wavelength: the run has {:g} nm", run * 1e9), "leave the option out");
+    throw InputError(fmt::format("--wavelength: the run has {:g} nm", run * 1e9), "remove the option");
   return said;
 }
 
@@ -139,13 +141,13 @@ FringeRecords records_of(FitOptions const& o) {
   FringeRecords records;
   records.target = series_argument(o.target, o.target_unit, span);
   if (!o.run.empty() || !o.gain.empty()) records.target = as_strain(std::move(records.target));
-  // Beyond the span of the target witnesses are welcome: delays reach there.
+  // Witnesses may extend beyond the span of the target, for delays.
   add_motion(records, series_argument(o.witness, o.witness_unit, span), o, "--witness");
   if (!o.witness2.empty()) add_motion(records, series_argument(o.witness2, o.witness2_unit, span), o, "--witness2");
   if (records.witnesses.front().unit != records.witnesses.back().unit)
     throw InputError("--witness2: one witness is an angle and the other a displacement", "give two of one kind");
   if (o.witness2.empty() && (!o.ratio.empty() || is_free(o, "ratio")))
-    throw InputError("--ratio: there is no second witness", "name it with --witness2");
+    throw InputError("--ratio: there is no second witness", "give it with --witness2");
   return records;
 }
 
@@ -204,17 +206,17 @@ FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
 void add_record_options(CLI::App& command, FitOptions& o) {
   command.add_option("--target", o.target,
                      "record with the noise: FILE or FILE::CHANNEL; h(t) before noise subtraction");
-  command.add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
+  command.add_option("--target-unit", o.target_unit, "unit, where the file has none: 1 for strain");
   command.add_option("--witness", o.witness, "record of the motion, FILE or FILE::CHANNEL: m or rad, or per s or s^2");
-  command.add_option("--witness2", o.witness2, "motion of a second body: the fit takes x_1 - ratio x_2");
+  command.add_option("--witness2", o.witness2, "motion of a second body: the fit uses x_1 - ratio x_2");
   command.add_option("--witness-unit", o.witness_unit,
-                     "where the file does not say it: um; of counts with what one is: \"2e-6 m/s^2\"");
-  command.add_option("--witness2-unit", o.witness2_unit, "the same of the second witness");
-  command.add_option("--corner", o.corner, "high pass of a witness that is integrated: \"0.05 Hz\"");
+                     "unit, where the file has none: um; of counts the calibration: \"2e-6 m/s^2\"");
+  command.add_option("--witness2-unit", o.witness2_unit, "the same for the second witness");
+  command.add_option("--corner", o.corner, "high pass of an integrated witness: \"0.05 Hz\"");
   command.add_option("--ratio", o.ratio, "of the second witness: 1 (default), a range 0.5..1.5, or free: 0..2");
-  command.add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all that they share");
-  command.add_option("--wavelength", o.wavelength, "of the light; default: that of the run, else 1064 nm");
-  add_band_option(command, o.data, "where the fringes are searched: \"20 Hz..80 Hz\"");
+  command.add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all common data");
+  command.add_option("--wavelength", o.wavelength, "wavelength of the light; default: that of the run, else 1064 nm");
+  add_band_option(command, o.data, "band searched for fringes: \"20 Hz..80 Hz\"");
   add_output_options(command, o.data);
 }
 

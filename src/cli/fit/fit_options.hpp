@@ -28,7 +28,7 @@ struct FitOptions {
   std::string stride = "10 s", segment = "1 s", factor = "0.2..3";  // of `edge`
 };
 
-// What a run says of a route, for the witness of one body along one axis.
+// Prediction of a run for a route, for the witness of one body along one axis.
 struct RoutePrediction {
   std::size_t rank = 0;
   std::string route, port, body, axis;
@@ -51,7 +51,7 @@ std::string multiplicity_unit(FringeRecords const&);  // "", or "m" for a rotati
 double wavelength_of(FitOptions const&);              // m; of the run, of --wavelength, or 1064 nm
 // "1..6", "-20 ms..20 ms", or one value. InputError names the option.
 SearchRange option_range(std::string const& text, Dimension, std::string const& option, std::string const& example);
-// What a fit of phases and one of edges both need: band (required), wavelength, and ratio of the second witness.
+// Common options of a fit of phases and one of edges: band (required), wavelength, and ratio of the second witness.
 struct FitGround {
   double low = 0, high = 0, wavelength = 0;  // Hz; m
   SearchRange ratio;

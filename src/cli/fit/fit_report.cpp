@@ -50,16 +50,15 @@ std::string prediction_text(FittedPath const& p, RoutePrediction const& r) {
   return out;
 }
 
-// Said where it is above 1 % of the amplitude.
+// Printed where it is above 1 % of the amplitude.
 std::string unseen_text(double phase) {
-  if (std::isnan(phase)) return line("below --corner", "not told: the record has fewer than six periods of half of it");
+  if (std::isnan(phase)) return line("below --corner", "unknown: the record has fewer than six periods of half of it");
   double const low = -std::expm1(-phase * phase / 2);
   if (low < 0.01) return "";
-  return line(
-      "below --corner",
-      fmt::format("{:.2g} rad rms between half of it and it; if that is motion and not noise of the sensor, the "
-                  "amplitude is {}: halve it",
-                  phase, low > 0.5 ? "far too low" : fmt::format("low by {:.2g} %", 100 * low)));
+  return line("below --corner",
+              fmt::format("{:.2g} rad rms between half of it and it; if that is motion and not sensor noise, the "
+                          "amplitude is {}: halve it",
+                          phase, low > 0.5 ? "far too low" : fmt::format("low by {:.2g} %", 100 * low)));
 }
 
 std::string strength_text(FitAnswer const& a, FittedPath const& p) {
@@ -89,7 +88,7 @@ std::string path_text(FitAnswer const& a, std::size_t i) {
   if (p.delay.sigma > 0) out += line("delay", value_text(scaled(p.delay, 1e3), "ms"));
   if (p.drift.sigma > 0) out += line("drift of the phase", value_text(p.drift, "rad/s"));
   out += line("chi^2 gained",
-              fmt::format("{:.1f}; noise alone does that with a chance of {}", p.gain, chance_text(p.ln_false_alarm)));
+              fmt::format("{:.1f}; probability in noise alone: {}", p.gain, chance_text(p.ln_false_alarm)));
   if (!a.routes.empty()) out += prediction_text(p, a.routes[i]);
   return out;
 }
@@ -119,7 +118,7 @@ double correlation_of(FringeFit const& fit, std::string const& a, std::string co
 
 std::string test_text(FringeFit const& fit, double false_alarm) {
   OutOfSample const& t = fit.test;
-  if (t.seconds == 0) return "out of sample: no test; all of the record was fitted\n";
+  if (t.seconds == 0) return "out of sample: no test; the whole record was fitted\n";
   return fmt::format(
       "out of sample, {:.4g} s: chi^2 {:.1f} -> {:.1f} ({:.0f} expected); with the fit and its errors it is {} times "
       "as "
@@ -174,7 +173,7 @@ std::string verdict_text(FitOutcome v) {
     case FitOutcome::clock:
       return "clock? another delay of the witness fits better and gives another amplitude";
     case FitOutcome::at_end:
-      return "significant, but a parameter stands at the end of its range: the best fit may lie beyond; widen it";
+      return "significant, but a parameter is at the end of its range: the best fit may be outside; widen the range";
     case FitOutcome::found:
       return "fringe noise found: the fit predicts the rest of the record";
   }
@@ -234,7 +233,7 @@ TimeSeries subtracted(FitAnswer const& a, FringeModel const& model) {
   if (a.fit.verdict != FitOutcome::found)
     throw InputError(
         fmt::format("--subtract: {}; nothing was subtracted and no residual written", verdict_text(a.fit.verdict)),
-        "leave the option out, or fit another witness, band or stretch");
+        "remove the option, or fit another witness, band or stretch");
   TimeSeries rest = a.records.target;
   rest.name += "_RESIDUAL";
   for (std::size_t i = 0; i < model.values.size(); ++i) rest.samples[model.first + i] -= model.values[i];
@@ -283,7 +282,7 @@ CurveSheet fit_curves(FitAnswer const& a, FringeModel const& model) {
     return sheet;
   }
   add("fitted_noise", welch(model.values, h.rate, welch_settings));
-  for (std::size_t i = 0; i < lines.size(); ++i)  // beyond the band it is what leaks through the window
+  for (std::size_t i = 0; i < lines.size(); ++i)  // outside the band it is leakage of the window
     if (sheet.x.values[i] < a.settings.low || sheet.x.values[i] > a.settings.high)
       for (std::size_t c = sheet.y.size() - 2; c < sheet.y.size(); ++c) sheet.y[c].values[i] = not_a_number;
   for (std::size_t i = 0; i < n; ++i) part.samples[i] -= model.values[i];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run predicts for the routes of its path table: coupling, fringes per metre of a body, response of the port.
+// Predictions of a run for the routes of its path table: coupling, fringes per metre of a body, response of the port.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -17,8 +17,7 @@ namespace {
 
 constexpr std::array<char const*, 6> axis_names{"x", "y", "z", "rx", "ry", "rz"};
 
-// Weighted sums over the paths of a route: how the phase turns per metre of a body along each axis, and per
-// radian about it.
+// Weighted sums over the paths of a route: phase per metre of a body along each axis, and per radian about it.
 struct PhaseSensitivities {
   double weight = 0;
   std::array<double, 6> sum{}, square{};
@@ -76,7 +75,7 @@ void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingC
 CouplingClass const& class_of(CouplingTable const& table, std::uint64_t hash, std::string const& port) {
   for (CouplingClass const& c : table.classes)
     if (c.hash == hash && table.ports[c.port.value] == port) return c;
-  throw InputError("the run file does not hold the route that its path table names", "make the run again");
+  throw InputError("the run file lacks a route of its path table", "repeat the run");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace inspect: what a material, a preset or a BSDF file contains as understood.
+// straytrace inspect: the content of a material, a preset or a BSDF file as interpreted.
 #include "cli/inspect/inspect.hpp"
 
 #include <CLI/CLI.hpp>
@@ -44,7 +44,7 @@ bool is_preset(std::string const& name) {
   return false;
 }
 
-// A scene that holds nothing but the preset; it reads from `texts` as long as it lives.
+// A scene with only the preset; it reads from `texts` as long as it lives.
 Scene scene_of_preset(std::string const& name, FileTexts& texts) {
   texts["preset"] = fmt::format("straytrace: 1\nmaterials: {{{0}: {{preset: {0}}}}}\n", name);
   return read_scene("preset", {}, &texts);
@@ -56,7 +56,7 @@ Scene scene_of_preset(std::string const& name, FileTexts& texts) {
   for (LibraryEntry const& e : library_entries()) {
     if (e.name == name)
       throw InputError(
-          fmt::format("'{}' is a {} of the library, and inspect shows presets, materials of a scene, and files", name,
+          fmt::format("'{}' is a {} of the library, but inspect shows presets, materials of a scene, and files", name,
                       e.kind),
           fmt::format("see straytrace library {}", name));
     names.push_back(e.name);
@@ -64,7 +64,7 @@ Scene scene_of_preset(std::string const& name, FileTexts& texts) {
   std::string const near = nearest_word(name, names);
   throw InputError(
       fmt::format("'{}' is neither a file nor in the library", name),
-      fmt::format("{}to see a material of a scene, name the scene after it: straytrace inspect steel arm.yaml",
+      fmt::format("{}for a material of a scene, name the scene after it: straytrace inspect steel arm.yaml",
                   near.empty() ? "" : fmt::format("did you mean '{}'? ", near)));
 }
 
@@ -109,7 +109,7 @@ void print(WorldView const& world, MaterialInfo const& info, std::vector<std::st
 void plot(nlohmann::json const& data, std::string const& png) {
   std::string message;
   std::string const picture = picture_of(data.dump(), draw_law_picture, message);
-  if (picture.empty()) throw InputError(message, "or leave --plot out");
+  if (picture.empty()) throw InputError(message, "or remove --plot");
   write_file(png, picture);
   std::cout << "\npicture: " << png << '\n';
 }
@@ -122,7 +122,7 @@ int print_list(std::string const& file, bool json) {
   std::vector<NewmtlMaterial> const list = read_newmtl(text, problems);
   std::string const name = std::filesystem::path(file).filename().string();
   if (list.empty() && problems.empty())
-    throw InputError(fmt::format("'{}' holds no material", name), "begin with a line 'newmtl NAME'");
+    throw InputError(fmt::format("'{}' contains no material", name), "begin with a line 'newmtl NAME'");
   std::string said;
   for (Problem const& p : problems) said += placed_message(p, name) + '\n';
   if (!problems.empty()) throw InputError(problems, said, {name});
@@ -159,24 +159,24 @@ std::optional<Scene> scene_asked(InspectOptions const& i, FileTexts& texts) {
   refuse_name(name);
 }
 
-// Of a file that is HDF5: whether it says that it is a run, as records of sensors do not.
+// Whether an HDF5 file is marked as a run, unlike records of sensors.
 bool is_run(std::string const& file) {
   try {
     return hdf5::Reader(read_file(file), {[](std::string const&) { return false; }}).has_attribute("/", "file_type");
   } catch (InputError const&) {
-    return true;  // damaged: what reads runs says so
+    return true;  // damaged: the reader of runs reports it
   }
 }
 
 int inspect(InspectOptions const& i) {
   std::string const& name = i.file;
   if (is_run_file(name) && !is_run(name))
-    throw InputError(fmt::format("'{}' is HDF5 and no run file", name),
-                     fmt::format("of recorded data, see straytrace signal psd {}, which names its channels", name));
+    throw InputError(fmt::format("'{}' is HDF5 but not a run file", name),
+                     fmt::format("for recorded data, see straytrace signal psd {}, which lists its channels", name));
   if (is_run_file(name))
     throw InputError(
         fmt::format("'{}' is a run file", name),
-        fmt::format("see straytrace paths {0}, straytrace noise {0}, or straytrace run {0} -o FOLDER to make it again",
+        fmt::format("see straytrace paths {0}, straytrace noise {0}, or straytrace run {0} -o FOLDER to repeat it",
                     name));
   if (is_geometry(name) && i.scene.empty()) return inspect_geometry(name, i.units, i.plot, i);
   if (is_list(i.file) && i.scene.empty()) return print_list(i.file, i.json());
@@ -184,7 +184,7 @@ int inspect(InspectOptions const& i) {
   std::optional<Scene> const asked = scene_asked(i, texts);
   if (!asked) return inspect_scatter(i);
   if (!i.write.empty())
-    throw InputError("--write converts files of measured scatter", "name such a file, or leave --write out");
+    throw InputError("--write converts files of measured scatter", "name such a file, or remove --write");
   Scene const& scene = *asked;
   bool const own = !i.scene.empty();
   if (is_scene(i.file) && shows_motion(scene)) return inspect_motion(scene, i.plot, i);
@@ -238,14 +238,15 @@ void add_inspect(CLI::App& app, int& exit_code) {
       "--plot", o.plot,
       "draw the parts, BSDF against |beta - beta0| and TIS against angle, measured scatter with fits and residuals, or "
       "the ASDs of motion, into this PNG file");
-  command->add_option("--units", o.units, "of a CAD or mesh file: unit of its numbers, for example mm");
+  command->add_option("--units", o.units, "unit of the numbers of a CAD or mesh file, for example mm");
   command->add_option("--write", o.write, "convert a file of measured scatter into this SSDD file");
-  command->add_option("--beyond", o.beyond, "of measured scatter: constant, power or zero")
+  command->add_option("--beyond", o.beyond, "extrapolation of measured scatter: constant, power or zero")
       ->check(CLI::IsMember({"constant", "power", "zero"}));
-  command->add_option("--angles", o.angles, "of a CSV that does not say it: from_normal or from_specular")
+  command->add_option("--angles", o.angles, "angles of a CSV that does not declare them: from_normal or from_specular")
       ->check(CLI::IsMember({"from_normal", "from_specular"}));
-  command->add_option("--wavelength", o.wavelength, "of a file that does not say it, for example \"633 nm\"");
-  command->add_option("--entry", o.entry, "of an ABg catalogue: the name of the entry");
+  command->add_option("--wavelength", o.wavelength,
+                      "wavelength of a file that does not declare it, for example \"633 nm\"");
+  command->add_option("--entry", o.entry, "name of the entry of an ABg catalogue");
   command->add_flag("--quiet", o.quiet, "no warnings");
   add_format_option(*command, o);
   command->footer(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `straytrace inspect` prints of CAD and mesh files, motion and measured scatter.
+// Output of `straytrace inspect` for CAD and mesh files, motion and measured scatter.
 #pragma once
 
 #include <map>
@@ -15,14 +15,14 @@
 namespace straytrace::cli {
 
 bool is_geometry(std::string const& file);  // by its ending
-// Prints parts, colours, faces, areas, size, findings and an entry for a scene. `units`: of the numbers in the file, in
-// place of what it says; empty: as it says. `plot`: a PNG file, none when empty.
+// Prints parts, colours, faces, areas, size, findings and an entry for a scene. `units`: of the numbers in the file,
+// overriding the file; empty: those of the file. `plot`: a PNG file, none when empty.
 int inspect_geometry(std::string const& file, std::string const& units, std::string const& plot, PrintOptions const&);
 
 // A CAD or mesh file as a list of parts, and as a world to draw.
 
 struct GeometryPart {
-  std::string name, material, colour;        // empty: the file says none
+  std::string name, material, colour;        // empty: the file states none
   std::map<std::string, std::size_t> faces;  // by kind: plane, cylinder ... freeform, triangle
   double area = 0;                           // m^2
   std::string closed;                        // of meshes, in words
@@ -34,7 +34,7 @@ struct GeometryFile {
   double scale = 1;          // m per unit of the numbers in `box` as read
   Box box;                   // m
   std::vector<GeometryPart> parts;
-  std::vector<MeshFault> notes;  // what is suspicious
+  std::vector<MeshFault> notes;  // suspicious findings
   World world;
 };
 
@@ -48,7 +48,7 @@ int inspect_motion(Scene const&, std::string const& plot, PrintOptions const&);
 
 struct ScatterRequest : PrintOptions {
   std::string file, beyond = "constant", angles, wavelength,
-                    entry;             // as the keys of the law `table`; empty: the file says
+                    entry;             // as the keys of the model `table`; empty: as the file declares
   std::string plot, write;             // PNG and SSDD to write; empty: none
   std::vector<std::string> overrides;  // of the scene that holds the material
 };

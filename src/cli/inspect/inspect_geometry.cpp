@@ -81,7 +81,7 @@ void print_text(std::string const& file, GeometryFile const& g, std::string cons
                              p.area, faces_text(p), p.material.empty() ? "" : ", material '" + p.material + "'",
                              p.closed.empty() ? "" : ", " + p.closed);
   for (MeshFault const& n : g.notes) std::cout << fmt::format("\nnote: {}\n      {}\n", n.what, n.suggestion);
-  std::cout << "\nThat parts pass through each other is not checked. For a scene:\n\n" << entry(file, g, units);
+  std::cout << "\nIntersections of parts are not checked. For a scene:\n\n" << entry(file, g, units);
 }
 
 void print_json(std::string const& file, GeometryFile const& g, std::string const& units) {
@@ -108,7 +108,7 @@ void print_json(std::string const& file, GeometryFile const& g, std::string cons
             << '\n';
 }
 
-// From above and in front, z up as CAD programs have it.
+// From above and in front, z up as in CAD programs.
 void draw(GeometryFile const& g, std::string const& plot, PrintOptions const& options) {
   constexpr double field = pi / 6;
   Vec3 const middle = 0.5 * (g.box.lower + g.box.upper);
@@ -168,7 +168,7 @@ double metres_in(std::string const& units) {
   return unit->si;
 }
 
-// The picture tells objects apart by the first piece of a group's name.
+// The picture distinguishes objects by the first piece of a group's name.
 GroupId group_of(World& world, std::string const& part) { return world.add_group(part.substr(part.rfind('/') + 1)); }
 
 void add_cad_part(CadFilePart const& p, double scale, std::uint32_t optic, BodyId body, GeometryFile& out) {
@@ -212,7 +212,7 @@ void read_cad(std::string const& name, std::string const& bytes, std::string con
   refuse_mesh(name, read_cad_file(text, file));
   out.format = fmt::format("{}, converted by {}", file.schema, file.made_by);
   out.unit = !file.unit_stated ? "not in the file, shown as mm"
-             : file.unit > 0   ? fmt::format("the file says {:g} m", file.unit)
+             : file.unit > 0   ? fmt::format("the file states {:g} m", file.unit)
                                : "the file uses several";
   out.unit_known = file.unit_stated || !units.empty();
   if (!units.empty() && file.unit > 0) {
@@ -231,9 +231,9 @@ void read_cad(std::string const& name, std::string const& bytes, std::string con
   out.box = {out.scale * file.box.lower, out.scale * file.box.upper};
   note(out, scale_advice(file.box, out.scale));
   if (freeform > 0)
-    out.notes.push_back({fmt::format("{} of {} faces are free surfaces: triangles within {:g} m of them stand for them",
+    out.notes.push_back({fmt::format("{} of {} faces are free-form surfaces, represented by triangles within {:g} m",
                                      freeform, faces, file.chord),
-                         "they scatter well; a mirror among them reflects into wrong directions"});
+                         "scatter from them is accurate; specular reflection from them goes in wrong directions"});
 }
 
 void add_mesh_part(MeshPart& p, MeshHealth::Part const& health, std::size_t number, double scale, std::uint32_t optic,

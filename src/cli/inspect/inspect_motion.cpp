@@ -18,7 +18,7 @@ namespace {
 constexpr std::array<double, 3> bands_from = {0.1, 1, 10};  // Hz
 constexpr std::array<char const*, 6> coordinates = {"x", "y", "z", "rx", "ry", "rz"};
 
-// One coordinate of one body: as the phase of a phase sensitivity of 1 on it alone.
+// One coordinate of one body: as the phase with a phase sensitivity of 1 on it alone.
 struct MotionRow {
   std::string body, axis, unit;
   double rms = 0, rate = 0, drift = 0;            // m, m/s, m/s (rad); random motion and tones
@@ -95,7 +95,7 @@ CurveSheet sheet_of(std::vector<MotionRow> const& rows, std::vector<MotionClass>
     low = std::min(low, c.reference.lowest());
     high = std::max(high, c.reference.highest());
   }
-  if (!(low < high)) throw InputError("no motion of this file has a spectrum to draw", "leave --plot out");
+  if (!(low < high)) throw InputError("no motion of this file has a spectrum to draw", "remove --plot");
   CurveSheet sheet;
   sheet.title = "Motion of bodies, amplitude spectral density";
   sheet.notes = {"tones and drifts are not drawn"};

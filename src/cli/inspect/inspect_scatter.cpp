@@ -26,7 +26,7 @@ double length_of(std::string const& text) {
   auto const unit = blank == text.npos ? std::nullopt : parse_unit(without_blanks(text.substr(blank)));
   auto const value = unit && unit->dimension == dim::length ? number_in(text.substr(0, blank), *unit) : std::nullopt;
   if (!value || !(*value > 1e-8 && *value < 1e-3))
-    throw InputError(fmt::format("'{}' is no wavelength", text), "write --wavelength \"1064 nm\"");
+    throw InputError(fmt::format("'{}' is not a wavelength", text), "write --wavelength \"1064 nm\"");
   return *value;
 }
 
@@ -140,7 +140,7 @@ nlohmann::json as_json(std::string const& name, ScatterFile const& file, Scatter
 void draw(nlohmann::json const& data, std::string const& png) {
   std::string message;
   std::string const picture = picture_of(data.dump(), draw_scatter_picture, message);
-  if (picture.empty()) throw InputError(message, "or leave --plot out");
+  if (picture.empty()) throw InputError(message, "or remove --plot");
   write_file(png, picture);
 }
 
@@ -154,9 +154,9 @@ int inspect_scatter(ScatterRequest const& r) {
   std::string ssdd, why;
   if (!r.write.empty()) {
     if (!r.write.ends_with(".ssdd"))
-      throw InputError(fmt::format("'{}' is no SSDD file", r.write), "write --write NAME.ssdd");
+      throw InputError(fmt::format("'{}' is not an SSDD file", r.write), "write --write NAME.ssdd");
     ssdd = ssdd_text(file, r.beyond, why);
-    if (!why.empty()) throw InputError(fmt::format("'{}' cannot become SSDD: {}", name, why), "leave --write out");
+    if (!why.empty()) throw InputError(fmt::format("cannot convert '{}' to SSDD: {}", name, why), "remove --write");
   }
   nlohmann::json const data = as_json(name, file, audit, fits);
   if (!r.plot.empty()) draw(data, r.plot);
@@ -204,7 +204,7 @@ std::string totals(ScatterAudit const& audit, std::string const& beyond) {
   }
   return out + fmt::format(
                    "nearest, farthest: |beta-beta0| of the points. TIS: by |beta-beta0| alone, {} beyond the points "
-                   "(extrapolated: the share\nof it there). sampling: how much it moves without every second point.\n",
+                   "(extrapolated: the share\nof it there). sampling: its change without every second point.\n",
                    beyond);
 }
 
@@ -267,7 +267,7 @@ std::string parameter_text(FitParameter const& p) {
   return fmt::format("{} = {:.{}g} +- {:.2g}{}", p.name, p.value, digits, p.error, unit);
 }
 
-// The point that is farthest from a fit, when it is far: a glint, light that missed the sample, a slip of the pen.
+// The worst outlier of a fit, if large: a glint, light that missed the sample, a typing error.
 std::string farthest_text(ScatterFile const& file, ScatterFit const& fit) {
   constexpr double far = 3;  // factor
   double worst = std::log(far);
@@ -288,7 +288,7 @@ std::string farthest_text(ScatterFile const& file, ScatterFit const& fit) {
           : fmt::format("theta_i {:.4g} deg, offset {:.4g}", point->theta_i / degree, point->offset);
   return fmt::format(
       "  look: line {} ({}) is {:.3g} times the best fit: a glint, or a bad point? 'model: table' spreads it over a\n"
-      "  ring about the specular direction; leave it out there, and look at the part where it comes from\n",
+      "  ring about the specular direction; remove it there, and inspect the part that it comes from\n",
       point->line, where, ratio);
 }
 

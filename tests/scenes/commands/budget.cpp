@@ -166,12 +166,13 @@ TEST(Budget, CurvesReplaceNoisesR2_17R2_22) {  // Newtonian, and every other one
     EXPECT_EQ(noise(at, name)["kind"], "fundamental");
     EXPECT_NEAR(at["total"][0].get<double>() / std::sqrt(total * total - before * before + 9e-42), 1, 1e-9) << name;
   }
-  // One that the detector does not state: left out without, an entry with a curve.
-  EXPECT_THAT(straytrace({"budget", "kagra"}).out, HasSubstr("left out, not stated: SubstrateThermoRefractive"));
+  // One that the detector does not state: omitted without a curve, an entry with one.
+  EXPECT_THAT(straytrace({"budget", "kagra"}).out,
+              HasSubstr("omitted, parameters not stated: SubstrateThermoRefractive"));
   write_text(folder / "kagra.yaml", "extends: kagra\nCurves: [{name: SubstrateThermoRefractive, file: curve.txt}]\n");
   Finished const done = straytrace({"budget", folder / "kagra.yaml", "--at", "20 Hz"});
   EXPECT_THAT(done.out, HasSubstr("SubstrateThermoRefractive          3.000e-21"));
-  EXPECT_THAT(done.out, Not(HasSubstr("left out")));
+  EXPECT_THAT(done.out, Not(HasSubstr("omitted")));
 }
 
 TEST(Budget, BadInput) {

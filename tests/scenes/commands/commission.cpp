@@ -91,8 +91,7 @@ TEST(FitWitness, VelocityAndAccelerationAreIntegratedR6_07) {
     Json const fit = answer(with("0.15 Hz"));
     EXPECT_EQ(fit["verdict"], "found") << derivative;
     EXPECT_NEAR(fit["paths"][0]["multiplicity"]["value"].get<double>(), 1.3, 0.002 * 1.3) << derivative;
-    EXPECT_THAT(straytrace(with("0.6 Hz")).out,
-                HasSubstr("that is motion and not noise of the sensor, the amplitude is"));
+    EXPECT_THAT(straytrace(with("0.6 Hz")).out, HasSubstr("that is motion and not sensor noise, the amplitude is"));
     EXPECT_THAT(straytrace(with("0.25 Hz")).out, Not(HasSubstr("below --corner"))) << "control: all motion is above";
     Json const high = answer(with("0.6 Hz"))["paths"][0];
     EXPECT_NEAR(

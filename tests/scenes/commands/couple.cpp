@@ -148,7 +148,7 @@ TEST(Couple, ErrorsNameTheRemedy) {
   };
   Words two = noise_words();
   two.insert(two.end(), {"--witness", data("shaken.csv") + "::H", "--save", "x.csv"});
-  EXPECT_THAT(said(two), HasSubstr("--save holds one coupling"));
+  EXPECT_THAT(said(two), HasSubstr("--save writes one coupling"));
   Words ending = noise_words();
   ending.insert(ending.end(), {"-o", "x.doc"});
   EXPECT_THAT(said(ending), HasSubstr("x.doc"));

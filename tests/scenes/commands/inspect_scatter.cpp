@@ -58,7 +58,7 @@ TEST(InspectScatter, PictureAndConversion) {
   EXPECT_THAT(back.out, HasSubstr("at or below it: upper limits"));
   Finished const bad = straytrace({"inspect", dump, "--write", folder / "dump.txt"});
   EXPECT_EQ(bad.code, 2);
-  EXPECT_THAT(bad.err, HasSubstr("is no SSDD file"));
+  EXPECT_THAT(bad.err, HasSubstr("is not an SSDD file"));
 }
 
 Finished scene_with(Folder const& folder, std::string const& law) {

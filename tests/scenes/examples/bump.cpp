@@ -45,7 +45,7 @@ TEST(Bump, WholeBandHasTheCouplingOfSmallMotion) {
   EXPECT_NEAR(link, per_metre / std::sqrt(2), 0.12 * per_metre);
   EXPECT_NEAR(together(injection("ACC_LINK", "4e-6 m/s^2", "50 Hz..90 Hz")) / link, 0.5, 0.01);
   EXPECT_GT(together(injection("ACC_BENCH", "2e-6 m/s^2", "60 Hz..78 Hz")), 10 * link);
-  EXPECT_THAT(straytrace(injection("ACC_LINK", "2e-6 m/s^2", "67 Hz..73 Hz")).out, HasSubstr("choose it wider"));
+  EXPECT_THAT(straytrace(injection("ACC_LINK", "2e-6 m/s^2", "67 Hz..73 Hz")).out, HasSubstr("choose a wider band"));
 }
 
 TEST(Bump, CountsNeedACalibrationAndMetresDoNot) {
@@ -85,7 +85,7 @@ TEST(Bump, AccelerometerIsProjectedByACouplingPerMetre) {
 
 TEST(Bump, ARecordIsNotARunFile) {
   Finished const f = straytrace({"inspect", quiet});
-  EXPECT_THAT(f.err, HasSubstr("no run file"));
+  EXPECT_THAT(f.err, HasSubstr("but not a run file"));
   EXPECT_THAT(f.err, HasSubstr("signal psd"));
 }
 

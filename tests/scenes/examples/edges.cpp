@@ -83,7 +83,7 @@ TEST(AperturesCommand, WholePathAndErrors) {
   rejected({"apertures", bench, "--show", "0"}, "is not a whole number from 1 to 1000000");
   rejected({"apertures", virgo_arm, "--profile", "ETM", "--distance", "1 um"}, "nearer than the beam is wide");
   rejected({"apertures", bench, "--profile", "fold/front", "--distance", "1 m"},
-           "no round rim about the chief ray, across a round beam");
+           "no round edge about the chief ray, across a round beam");
 }
 
 // A lens that is too small for the main beam, by name and share, for every command; control: one that is large enough.

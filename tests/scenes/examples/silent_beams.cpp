@@ -171,7 +171,7 @@ TEST(SilentBeams, NothingToAimAt) {
   write_text(folder / "a.yaml", lamp(dark, "on: lamp, travel: [0, 0, 1]"));
   Finished const r = straytrace({"importance", folder / "a.yaml"});
   EXPECT_EQ(r.code, 0) << r.err;
-  EXPECT_EQ(r.out, "Nothing to aim at: no light that is scattered a second time is received.\n");
+  EXPECT_EQ(r.out, "No targets: no light of a second scatter is received.\n");
 }
 
 TEST(SilentBeams, SubPathsBehindGlassDoNotFollowPolarisation) {

@@ -55,8 +55,8 @@ Folder* Runs::folder = nullptr;
 TEST_F(Runs, GivenTwiceAreErrors) {
   rejected({"adv", at("seed1/run.h5"), at("seed1/run.h5")}, {"given twice", "name each input once"});
   rejected({"adv", at("seed1/run.h5"), at("seed1/../seed1/run.h5")}, {"given twice"});
-  rejected({"adv", at("seed1/run.h5"), at("copy.h5")}, {"hold the same noise, 'StrayLight'", "copy.h5"});
-  rejected({at("few/run.h5"), at("few.h5")}, {"hold the same noise"});  // no row is resolved: the content decides
+  rejected({"adv", at("seed1/run.h5"), at("copy.h5")}, {"contain the same noise, 'StrayLight'", "copy.h5"});
+  rejected({at("few/run.h5"), at("few.h5")}, {"contain the same noise"});  // no row is resolved: the content decides
   // Control: baffles of another width scatter other light.
   EXPECT_EQ(straytrace({"budget", "adv", at("seed1/run.h5"), at("narrow/run.h5"), "--quiet"}).code, 0);
 }
@@ -64,7 +64,7 @@ TEST_F(Runs, GivenTwiceAreErrors) {
 TEST_F(Runs,
        LightOfOneSceneIsNotAddedToItself) {  // a second seed estimates the same light: its sum is sqrt(2) too loud
   rejected({"adv", at("seed1/run.h5"), at("seed2/run.h5")},
-           {"seed1/run.h5' and", "seed2/run.h5' hold the stray light of one scene", "pick one", "--compare"});
+           {"seed1/run.h5' and", "seed2/run.h5' contain the stray light of one scene", "pick one", "--compare"});
   Finished const beside = straytrace(
       {"budget", "adv", at("seed1/run.h5"), "--compare", at("seed2/run.h5"), "--at", "10 Hz", "--format", "json"});
   ASSERT_EQ(beside.code, 0) << beside.err;
@@ -77,7 +77,7 @@ TEST_F(Runs,
 TEST_F(Runs, BudgetsThatContainAGivenRunOrDetectorAreErrors) {
   ASSERT_EQ(straytrace({"budget", "adv", at("seed1/run.h5"), "--export", "pygwinc", "-o", at("out"), "--quiet"}).code,
             0);
-  rejected({at("seed1/run.h5"), at("out/budget.hdf5")}, {"hold the same noise, 'StrayLight'"});
+  rejected({at("seed1/run.h5"), at("out/budget.hdf5")}, {"contain the same noise, 'StrayLight'"});
   rejected({"adv", at("out/budget.hdf5")}, {"'adv' and", "'CoatingBrownian'", "--compare"});
   rejected({at("seed2/run.h5"), at("out/budget.hdf5")}, {"light of one scene"});  // the exported file names its model
   EXPECT_EQ(straytrace({"budget", at("out/budget.hdf5"), at("narrow/run.h5"), "--quiet"}).code, 0);
@@ -193,10 +193,10 @@ TEST(BudgetInput, JsonHoldsForProblemsAndWarnings) {
   ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "4096", "--quiet"}).code, 0);
   Json const warning = list_of({"budget", folder / "run/run.h5", "--format", "json"}, 0);
   EXPECT_EQ(warning[0]["severity"], "warning");
-  EXPECT_THAT(warning[0]["what"].get<std::string>(), HasSubstr("no detector is named"));
+  EXPECT_THAT(warning[0]["what"].get<std::string>(), HasSubstr("without a detector"));
   Finished const both = straytrace({"paths", folder / "run/run.h5", "--format", "json", "--csv"});
   EXPECT_EQ(both.code, 2);
-  EXPECT_THAT(both.err, HasSubstr("two forms of one answer"));
+  EXPECT_THAT(both.err, HasSubstr("exclude each other"));
 }
 
 }  // namespace

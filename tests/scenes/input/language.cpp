@@ -296,7 +296,7 @@ TEST(Messages, WarningsComeAsJsonWithTheirPlaces) {
 
 TEST(Messages, MisuseHasOneFormOfMessage) {
   EXPECT_THAT(error_text({"run", virgo_arm, "--seed", "1", "--seed", "2", "-o", "x"}),
-              HasSubstr("--seed is given 2 times\n  give it once"));
+              HasSubstr("--seed appears 2 times\n  give it once"));
   EXPECT_THAT(error_text({"check", virgo_arm, "--format", "jsn"}), HasSubstr("did you mean 'json'?"));
   EXPECT_THAT(error_text({"noise", "run.h5", "--motion"}), HasSubstr("--motion needs a value"));
   EXPECT_THAT(error_text({"check"}), HasSubstr("'scene' is missing\n  write straytrace check scene"));

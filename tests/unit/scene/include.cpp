@@ -64,12 +64,12 @@ TEST(Include, MergesByName) {
 TEST(Include, LaterDefinitionsNeedTheWord) {
   std::string const lib = "params: {a: 1 m}\nmaterials: {steel: {x: 2}}\ntrace: {seed: 1}\n";
   EXPECT_THAT(errors_of(included("materials: {steel: {x: 3}}\n", lib)),
-              HasSubstr("arm.yaml:3:13: error: material 'steel' is defined already (line 2 of lib/a.yaml)"));
+              HasSubstr("arm.yaml:3:13: error: material 'steel' is already defined (line 2 of lib/a.yaml)"));
   EXPECT_THAT(errors_of(included("params: {a: 2 m}\n", lib)), HasSubstr("parameter 'a' is already defined"));
   EXPECT_THAT(errors_of(included("trace: {seed: 2}\n", lib)),
-              HasSubstr("'trace' is defined already (line 3 of lib/a.yaml)"));
+              HasSubstr("'trace' is already defined (line 3 of lib/a.yaml)"));
   EXPECT_THAT(errors_of("parts: {mirror: {faces: {a: {shape: {disk: {}}}}}}\n"),
-              HasSubstr("part 'mirror' is defined already (line 3 of built-in parts)"));
+              HasSubstr("part 'mirror' is already defined (line 3 of built-in parts)"));
 
   Scene const scene =
       scene_of(included("materials: {steel: {x: 3, override: true}}\nparams: {override: true, a: 2 m}\ntrace: "
