@@ -121,7 +121,7 @@ void add_importance(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand(
       "importance", "Show which surfaces light must not reach: the adjoint of each part of each surface.");
   add_scene_options(*command, o, "scene (YAML), or run file (HDF5) to show its stored map");
-  command->add_option("--show", o.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
+  command->add_option("--show", o.show, "number of rows; default 20")->check(whole_between(1, 1e6, "50"));
   command->add_flag("--csv", o.csv, "all rows, all digits, in the order of the scene");
   command->footer(
       "Examples:\n"

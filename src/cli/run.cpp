@@ -20,7 +20,7 @@
 namespace straytrace::cli {
 namespace {
 
-// All files of a result; what could not be drawn.
+// All files of a result; returns failures of pictures.
 std::string write_with_page(std::string const& folder, RunContent const& content, PathTable const& paths,
                             Model const& model, SteeredWorld const& world) {
   std::string undrawn = write_results(folder, content, paths, model);
@@ -35,27 +35,27 @@ struct RunOptions : TraceOptions {
   std::string out;
 };
 
-// Who asks it to stop while it still reads, or already writes, gets a run file as well.
+// A stop request while it still reads, or already writes, gives a run file as well.
 int run(RunOptions const& options) {
   InterruptGuard const guard;
-  RunInput const earlier(options.input);  // a run file is made again from its own content
+  RunInput const earlier(options.input);  // a run file is repeated from its own content
   if (!earlier.slice().whole())
     throw InputError(
         fmt::format("'{}' is slice {}/{} of a run", options.input, earlier.slice().number, earlier.slice().of),
-        fmt::format("make one run of all slices by straytrace merge; straytrace noise {0} and straytrace report {0} "
-                    "look at this one alone",
+        fmt::format("merge all slices with straytrace merge; straytrace noise {0} and straytrace report {0} "
+                    "show only this one",
                     options.input));
   Model model = earlier.read(options.overrides);  // input file -> world, motion, detector
   apply(options, model);
   print_warnings(model, options);
 
-  bool const alone = options.out.ends_with(".h5");  // the run file and nothing beside it
+  bool const alone = options.out.ends_with(".h5");  // only the run file
   std::optional<OutputFolder> folder;
   if (!alone) folder.emplace(options.out);
   std::optional<FolderLock> const lock = alone ? std::nullopt : std::optional<FolderLock>(std::in_place, options.out);
   std::string const run_file = alone ? options.out : options.out + "/run.h5";
   auto const [world, traced] = trace_model(model, options, run_file);  // world -> coupling table
-  std::optional<NoiseBudget> budget;                                   // from here on nothing is expensive
+  std::optional<NoiseBudget> budget;                                   // the rest is fast
   if (model.detector) budget = model.project_with_bands(traced.coupling);
   if (budget) print_warnings(*budget, options);
   PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
@@ -94,7 +94,7 @@ void add_run(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<RunOptions>();
   RunOptions& o = *options;
   auto* const command = app.add_subcommand("run", "Check, trace, project the noise and write the report in one go.");
-  add_scene_options(*command, o, "scene file (YAML), or run file (HDF5) to make again");
+  add_scene_options(*command, o, "scene file (YAML), or run file (HDF5) to repeat");
   add_trace_options(*command, o);
   command->add_option("-o,--out", o.out, "folder for the results; a name that ends with .h5: the run file alone")
       ->required();

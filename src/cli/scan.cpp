@@ -52,13 +52,12 @@ void save(ScanTable const& table, ScanCommandOptions const& options, bool last) 
 
 ScanList points_of(ScanCommandOptions const& order) {
   if (!order.points.empty() && !order.axes.empty())
-    throw InputError("--points and values of parameters both say what to scan", "keep one of them");
+    throw InputError("--points and parameter values both define the scan", "keep one of them");
   if (!order.points.empty()) return read_points(order.points);
   ScanList list{parse_axes(order.axes, false), {}};
   if (list.axes.empty())
-    throw InputError(
-        "nothing to scan",
-        "name a parameter and its values: aperture=50cm..80cm:7, a file with --points, or ask with --invert");
+    throw InputError("nothing to scan",
+                     "name a parameter and its values: aperture=50cm..80cm:7, a file with --points, or use --invert");
   list.points = combinations(list.axes);
   return list;
 }
@@ -68,7 +67,7 @@ int scan(ScanCommandOptions const& options) {
   auto const& all = list.points;
   ScanTable table{std::filesystem::path(options.input).filename().string(), "", list.axes, {}, all.size()};
   if (options.jobs > 1 && options.out.empty())
-    throw InputError("--jobs hands the traces over in a folder", "name one with -o");
+    throw InputError("--jobs needs a folder for the traces", "name one with -o");
   std::optional<OutputFolder> folder;
   std::optional<FolderLock> lock;
   if (!options.out.empty()) {
@@ -100,14 +99,16 @@ int start(ScanCommandOptions options) {
 }
 
 void add_invert_options(CLI::App& command, ScanCommandOptions& o) {
-  command.add_option("--invert", o.invert.what,
-                     "brdf(MATERIAL), motion(BODY) or param(NAME) with NAME=lo..hi: the largest that keeps the total "
-                     "under the line");
-  command.add_option("--margin", o.margin, "of the design curve, for example 1/10; default: that of the model");
+  command.add_option(
+      "--invert", o.invert.what,
+      "brdf(MATERIAL), motion(BODY) or param(NAME) with NAME=lo..hi: the largest value that keeps the total "
+      "under the line");
+  command.add_option("--margin", o.margin, "factor on the design curve, for example 1/10; default: that of the model");
   command.add_option("--against", o.requirement.against,
                      "design curve by name or file; default: the first of the model's 'compare'");
-  command.add_flag("--per-frequency", o.invert.per_frequency, "the requirement of each frequency alone as well");
-  command.add_option("--tolerance", o.invert.tolerance, "of param: width of the answer over the range; default 0.01")
+  command.add_flag("--per-frequency", o.invert.per_frequency,
+                   "also derive the requirement at each frequency separately");
+  command.add_option("--tolerance", o.invert.tolerance, "width of the result over the range, for param; default 0.01")
       ->check(CLI::Range(1e-6, 0.5));
 }
 
@@ -117,7 +118,7 @@ void add_scan(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<ScanCommandOptions>();
   ScanCommandOptions& o = *options;
   auto* const command =
-      app.add_subcommand("scan", "Run a model over its parameters, or find the requirement that a design curve sets.");
+      app.add_subcommand("scan", "Run a model over its parameters, or derive a requirement from a design curve.");
   add_scene_options(*command, o, "scene file (YAML); with --invert also a run file (HDF5)");
   command->add_option("axes", o.axes, "NAME=lo..hi:n, NAME=lo..hi:n:log or NAME=a,b,c; all combinations");
   add_trace_options(*command, o);
@@ -129,7 +130,9 @@ void add_scan(CLI::App& app, int& exit_code) {
       ->add_option("--points", o.points,
                    "CSV of points instead of values: a header such as 'rim [cm], baffles', a row for each point")
       ->group("Model");
-  command->add_option("--jobs", o.jobs, "points traced at the same time, with -o; the results are the same bits")
+  command
+      ->add_option("--jobs", o.jobs,
+                   "number of points traced at the same time, with -o; the results have the same bits")
       ->check(whole_between(1, 1024, "4"));
   add_invert_options(*command, o);
   command->footer(

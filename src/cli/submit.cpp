@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double most_jobs = 50000;          // names of all parts fit into one command line of 2 MB
-constexpr std::uint64_t usual_array = 1000;  // MaxArraySize of Slurm, unless it is configured
+constexpr std::uint64_t usual_array = 1000;  // default MaxArraySize of Slurm
 
 struct SubmitOptions : TraceOptions {
   std::string out;
@@ -36,9 +36,9 @@ struct SubmitOptions : TraceOptions {
 
 void refuse_what_has_no_slices(Model const& model, std::uint64_t jobs) {
   if (model.until.by_error())
-    throw InputError(fmt::format("the stop rule '{}' needs the histories of all jobs together, and each sees its own",
+    throw InputError(fmt::format("the stop rule '{}' needs the histories of all jobs, but each job has only its own",
                                  model.until.error_rule),
-                     "say how many histories there are in all, for example --histories 1e9");
+                     "give the total number of histories, for example --histories 1e9");
   std::uint64_t const blocks = blocks_of(model.histories, model.world.block_size);
   if (jobs > blocks)
     throw InputError(fmt::format("{} histories are {} of {}: too few for {} jobs", model.histories,
@@ -49,11 +49,11 @@ void refuse_what_has_no_slices(Model const& model, std::uint64_t jobs) {
 void check_accounting(std::string const& group) {
   std::smatch m;
   if (group.empty() || bounded_regex_match(group, m, std::regex("[A-Za-z0-9_.@/+-]+"))) return;
-  throw InputError(fmt::format("--accounting '{}' is no name of an account", group),
+  throw InputError(fmt::format("--accounting '{}' is not a valid name of an account", group),
                    "letters, digits and . _ - + @ / are allowed");
 }
 
-// A job needs time to read the scene and to write its part, and no cluster lets one run for a year.
+// A job needs time to read the scene and to write its part; no cluster allows a year.
 double job_time(std::string const& text) {
   double const seconds = parse_duration(text);
   if (seconds >= 60 && seconds <= 366 * 86400.0) return seconds;
@@ -77,7 +77,7 @@ void check_parts(std::string const& folder, Model const& model, std::uint64_t jo
   }
 }
 
-// The scene with all it includes, its parameters and numbers in one file: a run of which nothing is done.
+// The scene with all included files and parameters in one file: a run without histories.
 void write_input(std::string const& file, RunInput const& earlier, Model const& model) {
   TraceSettings settings;
   settings.seed = model.seed;
@@ -113,15 +113,14 @@ int submit(SubmitOptions const& options) {
   write_files(files);
   std::cout << "bash " << shell_word(folder.path("submit.sh")) << '\n';
   if (options.backend == "slurm" && jobs.slices > usual_array)
-    print_warning(
-        fmt::format("{} jobs are more than Slurm takes in one array unless its administrator allows it\n  compare "
-                    "MaxArraySize of: scontrol show config; or take --jobs {}",
-                    jobs.slices, usual_array),
-        options);
+    print_warning(fmt::format("{} jobs exceed the default limit of a Slurm array\n  compare MaxArraySize of: scontrol "
+                              "show config; or take --jobs {}",
+                              jobs.slices, usual_array),
+                  options);
   if (options.quiet) return done;
   names.erase(names.begin());
   std::cerr << fmt::format(
-      "{} of {:.4g} histories; nothing was submitted. Read {} in {}, edit them, then run the "
+      "{} of {:.4g} histories; nothing was submitted. Check {} in {}, edit them, then run the "
       "command above\n",
       counted(jobs.slices, "job"), double(model.histories) / double(jobs.slices), fmt::join(names, ", "), options.out);
   return done;
@@ -132,11 +131,10 @@ int submit(SubmitOptions const& options) {
 void add_submit(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<SubmitOptions>();
   SubmitOptions& o = *options;
-  auto* const command =
-      app.add_subcommand("submit", "Write the files with which Slurm or HTCondor traces a scene in slices.");
+  auto* const command = app.add_subcommand("submit", "Write files for Slurm or HTCondor to trace a scene in slices.");
   add_scene_options(*command, o, "scene file (YAML), or run file (HDF5)");
   command->add_option("--backend", o.backend, "slurm or condor")->required()->check(CLI::IsMember({"slurm", "condor"}));
-  command->add_option("--jobs", o.jobs, "how many slices, one job each")
+  command->add_option("--jobs", o.jobs, "number of slices, one job each")
       ->required()
       ->check(whole_between(1, most_jobs, "200"));
   command->add_option("-o,--out", o.out, "folder for the files and the results")->required();
@@ -144,7 +142,7 @@ void add_submit(CLI::App& app, int& exit_code) {
   command->add_option_function<std::string>(
       "--time", [options](std::string const& text) { options->seconds = job_time(text); },
       "limit of one job, for example 50min; the run continues in another job; default 1h");
-  command->add_option("--threads", o.threads, "of a job; default 1")->check(whole_between(1, 1024, "4"));
+  command->add_option("--threads", o.threads, "threads of a job; default 1")->check(whole_between(1, 1024, "4"));
   command->add_option("--accounting", o.accounting, "account or accounting group");
   add_force_option(*command, o.force);
   command->footer(
@@ -152,7 +150,7 @@ void add_submit(CLI::App& app, int& exit_code) {
       "  straytrace submit examples/virgo_arm.yaml --backend slurm --jobs 200 --histories 1e10 -o jobs/\n"
       "  straytrace submit examples/virgo_arm.yaml --backend condor --jobs 200 --histories 1e10 -o jobs/ "
       "--accounting virgo.prod.o4\n"
-      "Nothing is submitted: the files are there to be read and edited, and the command to start them is printed.");
+      "Nothing is submitted: check and edit the files, then run the printed command.");
   command->callback([options, &exit_code] {
     drop_slashes(options->out);
     exit_code = submit(*options);

@@ -28,19 +28,19 @@ namespace {
 
 struct TraceCommandOptions : TraceOptions {
   std::string out;
-  std::optional<std::uint64_t> history;  // --history: follow this one alone
+  std::optional<std::uint64_t> history;  // --history: trace only this one
 };
 
-// Looks of a stop rule are at all histories so far, and a slice has only its own.
+// A stop rule checks all histories so far, but a slice has only its own.
 void refuse_stop_rule(TraceOptions const& options, Model const& model) {
   if (options.slices == 1 || !model.until.by_error()) return;
   throw InputError(fmt::format("--slice {}/{}: the stop rule '{}' needs the histories of all slices together",
                                options.slice, options.slices, model.until.error_rule),
-                   "say how many histories there are in all, for example --histories 1e8");
+                   "give the total number of histories, for example --histories 1e8");
 }
 
-// A run file is continued in place, unless another file is named. Who asks it to stop while it still reads, or
-// already writes, gets a run file as well.
+// A run file is resumed in place, unless another file is named. A stop request while it still reads, or already writes,
+// gives a run file as well.
 int trace_only(TraceCommandOptions options, Transport* transport) {
   InterruptGuard const guard;
   RunInput const earlier(options.input);
@@ -64,7 +64,7 @@ int trace_only(TraceCommandOptions options, Transport* transport) {
   return traced.checkpointed() ? checkpointed : done;
 }
 
-// All processes of the job run this; rank 0 speaks and writes.
+// All processes of the job run this; rank 0 prints and writes.
 int trace_by_mpi(TraceCommandOptions const& options) {
   Transport& transport = open_mpi();
   bool const leads = transport.rank() == 0;
@@ -80,7 +80,7 @@ int trace_by_mpi(TraceCommandOptions const& options) {
   return done;
 }
 
-// One history, event by event: of a scene as it would be traced, or of a run as it was.
+// One history, event by event, of a scene or of a run.
 int print_history(TraceOptions const& options, std::uint64_t number) {
   RunInput const earlier(options.input);
   Model model = earlier.read(options.overrides);
@@ -119,8 +119,8 @@ void read_slice(std::string const& text, TraceOptions& options) {
     options.slices = std::stoull(m[2]);
     if (options.slice >= 1 && options.slice <= options.slices) return;
   }
-  throw InputError(fmt::format("--slice '{}' is no part of a run", text),
-                   "write for example --slice 7/200: the seventh of 200; there may be 9999999");
+  throw InputError(fmt::format("--slice '{}' is not a part of a run", text),
+                   "write for example --slice 7/200, the seventh of 200 (at most 9999999)");
 }
 
 }  // namespace
@@ -135,9 +135,9 @@ void add_trace(CLI::App& app, int& exit_code) {
   command
       ->add_option_function<std::string>(
           "--slice", [options](std::string const& text) { read_slice(text, *options); },
-          "trace this part of the histories alone, for example 7/200; straytrace merge makes one run of all")
+          "trace only this part of the histories, for example 7/200; straytrace merge combines all parts")
       ->type_name("N/OF");
-  command->add_option("--history", o.history, "follow this history alone and print its events; also of a run file")
+  command->add_option("--history", o.history, "trace only this history and print its events; also of a run file")
       ->check(whole_between(0, 9e15, "1234"));
   command->footer(
       "Examples:\n"

@@ -225,7 +225,7 @@ void add_inspect(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<InspectOptions>();
   InspectOptions& o = *options;
   auto* const command = app.add_subcommand(
-      "inspect", "Show what a material, a preset, or a file of CAD, meshes, measured scatter or motion contains.");
+      "inspect", "Show the content of a material, a preset, or a file of CAD, meshes, measured scatter or motion.");
   command
       ->add_option(
           "what", o.file,

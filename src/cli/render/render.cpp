@@ -35,7 +35,7 @@ struct RenderOptions : SceneOptions {
 };
 
 [[noreturn]] void refuse_option(std::string const& option, std::string const& text, std::string const& instead) {
-  throw InputError(fmt::format("'{}' is not what --{} takes", text, option), instead);
+  throw InputError(fmt::format("'{}' is not valid for --{}", text, option), instead);
 }
 
 double number_in(std::string const& option, std::string const& text, Dimension dimension, std::string const& instead) {
@@ -86,7 +86,7 @@ bool belongs(std::string const& group, std::string const& name) {
   return group == name || group.starts_with(name + "/");
 }
 
-// What --at and --from can name.
+// Names for --at and --from.
 [[noreturn]] void unknown_name(World const& world, std::string const& option, std::string const& name) {
   std::vector<std::string> known;
   if (option == "from") {
@@ -101,7 +101,7 @@ bool belongs(std::string const& group, std::string const& name) {
   known.erase(std::unique(known.begin(), known.end()), known.end());
   std::string const near = nearest_word(name, known);
   throw InputError(
-      fmt::format("--{}: nothing in the scene is called '{}'", option, name),
+      fmt::format("--{}: the scene has no '{}'", option, name),
       near.empty() ? fmt::format("its names: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
@@ -161,13 +161,13 @@ Framing choose_view(World const& world, RenderOptions const& w) {
   Box const box = bounds_of(view, [&](SurfaceId id) { return w.at.empty() || belongs(world.name_of(id), w.at); });
   if (!(box.lower.x <= box.upper.x)) unknown_name(world, "at", w.at);
   if (w.eye.empty()) {
-    if (!w.look.empty()) throw InputError("--look without --eye", "say where the eye stands: --eye 0,0,-1m");
+    if (!w.look.empty()) throw InputError("--look without --eye", "give the position of the eye: --eye 0,0,-1m");
     return w.section || is_long(box) ? section(box, columns, rows) : framing(box, field, columns, rows);
   }
   std::string const place = "write three lengths, for example --eye 0,20cm,-1.5m";
   Vec3 const eye = vector_in("eye", w.eye, dim::length, place);
   Vec3 const look = w.look.empty() ? 0.5 * (box.lower + box.upper) : vector_in("look", w.look, dim::length, place);
-  if (!(length(look - eye) > 0)) refuse_option("look", w.look, "eye and look are one point");
+  if (!(length(look - eye) > 0)) refuse_option("look", w.look, "--eye and --look are the same point");
   return {looking_at(eye, look, up, field, columns, rows), {}};
 }
 
@@ -211,7 +211,7 @@ void print(RenderOptions const& options, Camera const& c, Drawn const& drawn) {
 void check_picture_name(std::string const& file) {
   std::filesystem::path path(file);
   if (lower_case(path.extension().string()) == ".png") return;
-  throw InputError(fmt::format("'{}' is not the name of a PNG file, and pictures are written as PNG", file),
+  throw InputError(fmt::format("'{}' is not the name of a PNG file", file),
                    fmt::format("write -o {}", path.replace_extension(".png").string()));
 }
 
@@ -220,8 +220,8 @@ Flash flash_of(RenderOptions const& w, Camera const& camera) {
   Flash const flash{.radius = number_in("lamp", w.lamp, dim::length, instead)};
   if (!(flash.radius > 0)) refuse_option("lamp", w.lamp, instead);
   if (camera.lens == Camera::Lens::flat || w.mode != "shaded" || !w.cuts.empty())
-    throw InputError("--flash needs a camera that stands somewhere, in a scene that is whole",
-                     "write --from NAME or --eye X,Y,Z, and leave out --section, --mode and --cut");
+    throw InputError("--flash needs a camera position and a complete scene",
+                     "write --from NAME or --eye X,Y,Z, without --section, --mode and --cut");
   return flash;
 }
 
@@ -264,24 +264,25 @@ int render(RenderOptions const& w) {
 void add_render(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<RenderOptions>();
   RenderOptions& o = *options;
-  auto* const command = app.add_subcommand("render", "Draw a scene by rays from a camera, to see whether it is right.");
+  auto* const command = app.add_subcommand("render", "Draw a scene by ray casting, to check its geometry.");
   add_scene_options(*command, o, "scene (YAML), or run file (HDF5)");
   command->add_option("-o,--out", o.out, "picture to write (PNG)")->required();
   command->add_option("--mode", o.mode, "shaded, id, normal, depth or importance")
       ->check(CLI::IsMember({"shaded", "id", "normal", "depth", "importance"}));
-  command->add_option("--eye", o.eye, "where the camera stands, for example 0,20cm,-1.5m");
+  command->add_option("--eye", o.eye, "position of the camera, for example 0,20cm,-1.5m");
   command->add_option("--look", o.look, "point in the middle of the picture; default: middle of the scene");
-  command->add_option("--up", o.up, "direction that is up in the picture; default: 0,1,0");
-  command->add_option("--fov", o.field, "angle from the lower to the upper edge; default: 30deg, from a spot 170deg");
+  command->add_option("--up", o.up, "upward direction of the picture; default: 0,1,0");
+  command->add_option("--fov", o.field, "angle from the lower to the upper edge; default: 30deg, with --from 170deg");
   command->add_option("--pixels", o.pixels, "width x height; default: 800x600");
-  command->add_option("--from", o.from, "stand on this port, beam, receiver or surface, looking against its light");
+  command->add_option("--from", o.from, "view from this port, beam, receiver or surface, against its light");
   command->add_option("--at", o.at, "frame this object instead of the whole scene")->group("Camera");
-  command->add_option("--cut", o.cuts, "leave out one side of a plane: x=0 (the side of the eye), \"y>5cm\"")
+  command->add_option("--cut", o.cuts, "remove one side of a plane: x=0 (the side of the eye), \"y>5cm\"")
       ->allow_extra_args(false);
-  command->add_flag("--flash", o.flash, "by the light of the camera's own flash: what scatters it back, and glints");
+  command->add_flag("--flash", o.flash, "show scattered light and glints of the camera's own flash");
   command->add_option("--lamp", o.lamp, "radius of the flash around the eye; default: 5 mm");
-  command->add_flag("--section", o.section, "half beyond the axis, each side of the picture with its own scale");
-  command->add_flag("--whole", o.whole, "draw walls from behind too, where they carry no material");
+  command->add_flag("--section", o.section,
+                    "section along the axis, with separate scales for both sides of the picture");
+  command->add_flag("--whole", o.whole, "also draw the back of walls without material there");
   command->add_option("--threads", o.threads, "default: all cores; does not change the picture");
   command->footer(
       "Examples:\n"
@@ -292,7 +293,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = render(*options); });
 }
 
-// Picture by the camera's own flash, and what shines back, by object.
+// Picture by the camera's own flash, and the returned light by object.
 
 namespace {
 
@@ -336,7 +337,7 @@ Drawn draw_flash(World const& world, Camera const& camera, LookSettings const& s
                                  "radiance over the intensity of the flash: yellow {:.3g} /m^2, black 1e-{:.0f} of it "
                                  "or less, logarithmic; white: glints, up to {:.3g} /m^2",
                                  yellow, below, glint)
-                           : "nothing shines back";
+                           : "no light returns";
   return drawn;
 }
 

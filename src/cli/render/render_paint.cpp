@@ -149,7 +149,7 @@ Drawn draw_depths(World const& world, Camera const& camera, LookSettings const& 
   });
   drawn.scale =
       far > 0 ? fmt::format("white {:.4g} m, grey 26 of 255 {:.4g} m, logarithmic between; black: nothing", near, far)
-              : "nothing is in the picture";
+              : "the picture is empty";
   return drawn;
 }
 
@@ -180,7 +180,7 @@ Drawn draw_importance(World& world, Camera const& camera, LookSettings const& se
   drawn.scale =
       high > 0
           ? fmt::format("adjoint from {:.3g} (violet) by green to {:.3g} (yellow), logarithmic; grey: none", low, high)
-          : "nothing to aim at: no light that is scattered a second time is received";
+          : "no targets: no light of a second scatter is received";
   return drawn;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Colours of pictures, and what they mean.
+// Colours of pictures, and their meaning.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +17,16 @@ namespace straytrace::cli {
 struct LegendEntry {
   std::string colour, name, what;  // "#1f77b4", "blue", "tube"
 };
-// What comes back to the eye from an object by the light of a flash: irradiance over the intensity of the flash, 1/m^2.
+// Light returned to the eye by an object from a flash: irradiance over the intensity of the flash, 1/m^2.
 struct Shine {
-  std::string object;  // what a ray meets first
+  std::string object;  // the first hit of a ray
   double scattered = 0, glint = 0;
 };
 struct Drawn {
   std::vector<std::uint8_t> rgb;  // three bytes per pixel, row by row
   std::vector<LegendEntry> legend;
   std::vector<Shine> shine;      // of a flash: most first
-  std::string scale;             // what shades mean, in words; empty: nothing to say
+  std::string scale;             // meaning of the shades, in words; may be empty
   std::optional<ColourBar> bar;  // added below the picture
 };
 
@@ -36,10 +36,10 @@ Drawn draw_shaded(World const&, Camera const&, LookSettings const&);
 Drawn draw_ids(World const&, Camera const&, LookSettings const&);      // one flat colour per group
 Drawn draw_normals(World const&, Camera const&, LookSettings const&);  // in the frame of the camera
 Drawn draw_depths(World const&, Camera const&, LookSettings const&);   // near white, far black, logarithmic
-// Adjoint of the steering tables (docs/theory/sampling.md): where light must not go.
-// `kept`: of a run of this scene; null: made anew.
+// Adjoint of the steering tables (docs/theory/sampling.md): surfaces that light must not reach.
+// `kept`: of a run of this scene; null: computed.
 Drawn draw_importance(World&, Camera const&, LookSettings const&, ImportanceMap const* kept);
-// Logarithmic; what is more than the brightest scattered light is white (cli/render/render.cpp).
+// Logarithmic; values above the brightest scattered light are white (cli/render/render.cpp).
 Drawn draw_flash(World const&, Camera const&, LookSettings const&, Flash const&);
 
 std::string object_of(std::string const& group);

@@ -41,7 +41,7 @@ Side read_side(std::string const& file, std::vector<std::string> const& override
   Side side;
   if (is_run_file(file)) {
     if (!overrides.empty())
-      throw InputError("-p sets parameters of a model, and a run has its own", "compare models, or leave -p out");
+      throw InputError("-p sets parameters of a model, but a run has its own", "compare models, or remove -p");
     side.run = read_run(file);
   } else {
     side.scene = read_by_all(file, overrides);
@@ -82,7 +82,7 @@ int diff(DiffOptions const& options) {
                           after.run->about.motion_file.empty() ? "the scene" : after.run->about.motion_file);
     bool const same = data_hash(files[0]) == data_hash(files[1]);
     out["same_data"] = same;
-    if (same) text += "the results are the same to the last bit (all but the time it took)\n";
+    if (same) text += "the results are identical to the last bit (except run times)\n";
     if (!same || before.run->noise) {
       RunDifference const results = run_differences(*before.run, *after.run);
       out["results"] = run_difference_json(results);

@@ -34,7 +34,7 @@ struct ExplainOptions : PrintOptions {
   double hz = 30;
 };
 
-// 'unit m/sqrt(Hz)' may stand in quotes as one word.
+// 'unit m/sqrt(Hz)' may be quoted as one word.
 std::vector<std::string> words_of(ExplainOptions const& asked) {
   for (std::string const first : {"unit ", "h "})
     if (asked.words.size() == 1 && asked.words.front().starts_with(first))
@@ -63,7 +63,7 @@ Explanation answer_to(ExplainOptions const& asked) {
   if (auto found = explain_column(what)) return *found;
   if (auto found = explain_message(what)) return *found;
   if (parse_unit(what)) return explain_unit(what);
-  throw InputError(fmt::format("nothing in the language or the library is called '{}'", what), suggestion_for(what));
+  throw InputError(fmt::format("'{}' is unknown in the language and the library", what), suggestion_for(what));
 }
 
 }  // namespace
@@ -74,13 +74,14 @@ void add_explain(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand(
       "explain", "Explain a key of the language, a part, a column, a unit, a message, or the factors of a path.");
   command
-      ->add_option("what", o.words,
-                   "TABLE.KEY, TABLE, KEY, a thing of the library, a column of the path table, 'unit U', the text of a "
-                   "message, or 'h RUN'")
+      ->add_option(
+          "what", o.words,
+          "TABLE.KEY, TABLE, KEY, an entry of the library, a column of the path table, 'unit U', the text of a "
+          "message, or 'h RUN'")
       ->required();
-  command->add_option("--path", o.path, "of 'explain h': rank in the path table; 1 unless given")
+  command->add_option("--path", o.path, "rank in the path table, for 'explain h'; default 1")
       ->check(whole_between(1, 1e6, "3"));
-  command->add_option("--at", o.hz, "of 'explain h': frequency in Hz; 30 unless given")->check(CLI::Range(1e-9, 1e9));
+  command->add_option("--at", o.hz, "frequency in Hz, for 'explain h'; default 30")->check(CLI::Range(1e-9, 1e9));
   add_format_option(*command, o);
   command->footer(
       "Examples:\n"
@@ -177,7 +178,7 @@ std::optional<Explanation> explain_column(std::string const& what) {
   a.json = {{"column", hit->key}, {"title", hit->title}, {"unit", hit->unit}, {"text", hit->help}};
   std::string const unit = hit->is_text ? "text" : hit->unit.empty() ? "number" : hit->unit;
   a.text =
-      fmt::format("{}: column of the path table, {}\n  {}\n  asked by straytrace paths RUN --where, --sort, --csv\n",
+      fmt::format("{}: column of the path table, {}\n  {}\n  used by straytrace paths RUN --where, --sort, --csv\n",
                   hit->key, unit, hit->help);
   a.text += "see docs/reference/run_file.md\n";
   return a;
@@ -235,7 +236,7 @@ nlohmann::ordered_json about(LibraryEntry const& e) {
 std::string where(LibraryEntry const& e) {
   return fact("status", e.status) + fact("source", e.source) + fact("note", e.note) +
          fact("include", e.file.empty() ? "none is needed" : e.file) +
-         fmt::format("straytrace library {} prints it whole; see docs/reference/library.md\n", e.name);
+         fmt::format("straytrace library {} prints all of it; see docs/reference/library.md\n", e.name);
 }
 
 Explanation of_number(LibraryEntry const& e, std::string const& name, std::string const& value) {
@@ -288,11 +289,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double alike = 0.6;  // share of the words of the message that stand in what was asked
+constexpr double alike = 0.6;  // share of the words of the message that are in the query
 constexpr std::size_t most = 3, fewest_words = 3;
 constexpr double near_best = 0.15;
 
-// Words of letters, in lower case; names and numbers of the user count for nothing.
+// Words of letters, in lower case; names and numbers of the user are ignored.
 std::set<std::string> words_of(std::string const& text) {
   std::set<std::string> words;
   std::string word;
@@ -309,7 +310,7 @@ std::set<std::string> words_of(std::string const& text) {
   return words;
 }
 
-// How well the words of a message cover what was asked, and the other way round.
+// How well the words of a message cover the query, and vice versa.
 double likeness(std::set<std::string> const& message, std::set<std::string> const& asked) {
   if (message.size() < fewest_words || asked.empty()) return 0;
   auto const common = double(std::count_if(message.begin(), message.end(), [&](auto& w) { return asked.contains(w); }));

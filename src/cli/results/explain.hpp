@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `straytrace explain` answers; each as text and as JSON. They throw InputError with a suggestion.
+// Answers of `straytrace explain`, each as text and as JSON. They throw InputError with a suggestion.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -16,17 +16,17 @@ struct Explanation {
   nlohmann::ordered_json json;
 };
 
-// "cone.half_angle", "half_angle" in all tables, "cone" with all its keys; nothing when no name is like it.
+// "cone.half_angle", "half_angle" in all tables, "cone" with all its keys; empty without a similar name.
 std::optional<Explanation> explain_key(std::string const& what);
 std::string nearest_key(std::string const& what);  // empty: none
-// A thing of the library, "virgo_baffle", or a number of a part or detector, "virgo_baffle.inner_radius".
+// An entry of the library, "virgo_baffle", or a number of a part or detector, "virgo_baffle.inner_radius".
 std::optional<Explanation> explain_library(std::string const& what);
 // Parts whose names hold the word before the dot, with their numbers, as a suggestion; empty: none.
 std::string parts_like(std::string const& what);
 // A column of the path table, "coupling".
 std::optional<Explanation> explain_column(std::string const& what);
 Explanation explain_unit(std::string const& unit);
-// A message as it was printed, or a part of it; nothing when none is like it.
+// A printed message or a part of it; empty without a similar one.
 std::optional<Explanation> explain_message(std::string const& text);
 // The chain of factors from the coupling of one route to its strain at `hz` (docs/theory/spectra.md and
 // docs/theory/interferometer.md). `path`: its rank in the path table.

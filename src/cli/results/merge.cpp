@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace merge: slices -> the run they are parts of.
+// straytrace merge: slices -> the complete run.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -38,18 +38,18 @@ void report_other_texts(RunParts const& parts, MergeOptions const& options) {
 void refuse_gaps(RunParts const& parts) {
   std::string text = missing_text(parts);
   text.pop_back();  // the end of its last line
-  throw InputError(text, "merge again when they are there, or take what there is with --partial");
+  throw InputError(text, "merge again when they exist, or merge the existing parts with --partial");
 }
 
-// A run that is there already may hold histories that no part does.
+// An existing run may contain histories that are in no part.
 void refuse_loss(RunParts const& parts, MergeOptions const& options) {
   if (!earlier_run(options.out, parts.heads.front().model_hash, parts.heads.front().seed, options.force)) return;
   std::uint64_t blocks = 0;
   for (BlockRange const& range : lost_with(read_part_head(options.out), parts)) blocks += range.size();
   if (blocks > 0)
-    throw InputError(fmt::format("'{}' holds {} of histories that no part does, which would be lost", options.out,
+    throw InputError(fmt::format("'{}' contains {} of histories that are in no part and would be lost", options.out,
                                  counted(blocks, "block")),
-                     "choose another place with -o, or overwrite it with --force");
+                     "choose another file with -o, or overwrite it with --force");
 }
 
 TraceResult merged(RunParts const& parts, Model& model, MergeOptions const& options) {
@@ -85,11 +85,11 @@ int merge(MergeOptions const& options) {
 void add_merge(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<MergeOptions>();
   MergeOptions& o = *options;
-  auto* const command = app.add_subcommand(
-      "merge", "Merge the slices of a run into one run with the same bits as if it had never been cut.");
+  auto* const command =
+      app.add_subcommand("merge", "Merge the slices of a run into one run, with the same bits as an uncut run.");
   command->add_option("parts", o.files, "run files of trace --slice")->required();
   command->add_option("-o,--out", o.out, "run file to write (HDF5)")->required();
-  command->add_flag("--partial", o.partial, "when parts are missing: a smaller run of what is there");
+  command->add_flag("--partial", o.partial, "if parts are missing: merge the existing ones into a smaller run");
   command->add_flag("--quiet", o.quiet, "no warnings");
   add_force_option(*command, o.force);
   add_format_option(*command, o);
@@ -97,9 +97,9 @@ void add_merge(CLI::App& app, int& exit_code) {
       "Examples:\n"
       "  straytrace merge part*.h5 -o run.h5\n"
       "  straytrace merge part*.h5 -o run.h5 --partial\n"
-      "What is missing is listed with the commands that trace it. straytrace trace run.h5 fills the gaps of a run "
+      "Missing slices are listed with the commands to trace them. straytrace trace run.h5 fills the gaps of a run "
       "that\n"
-      "was merged with --partial.");
+      "merged with --partial.");
   command->callback([options, &exit_code] { exit_code = merge(*options); });
 }
 

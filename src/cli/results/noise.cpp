@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace noise: run file -> h(f), with its own motion or another one, without tracing.
+// straytrace noise: run file -> h(f), with its own motion or another, without tracing.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 struct NoiseOptions : PrintOptions {
   std::string input, out, motion, response;
-  std::size_t show = 0;  // rows; 0: as the scene says
+  std::size_t show = 0;  // rows; 0: as in the scene
   bool force = false;
 };
 
@@ -32,7 +32,7 @@ void warn_of_own_folder(NoiseOptions const& options) {
   bool const own = std::filesystem::equivalent(std::filesystem::path(options.out) / "run.h5", options.input, none);
   if (own && !(options.motion.empty() && options.response.empty()))
     std::cerr << fmt::format(
-        "warning: '{}' is the folder of the run itself: its results and run file now are those of {}\n  choose another "
+        "warning: '{}' is the folder of the run itself: its results and run file are now those of {}\n  choose another "
         "one with -o to keep both\n",
         options.out, name_of(options.motion.empty() ? options.response : options.motion));
 }
@@ -43,7 +43,7 @@ int noise(NoiseOptions const& options) {
   OpenRun run(options.input, options.motion, &files);
   RunFile const& file = run.file;
   ProjectionModel& model = run.model;
-  bool const alone = options.out.ends_with(".h5");  // the run file and nothing beside it
+  bool const alone = options.out.ends_with(".h5");  // only the run file
   if (alone)
     earlier_run(options.out, file.about.model_hash, file.trace.coupling.seed, options.force);
   else if (!options.out.empty() && std::filesystem::is_directory(options.out))
@@ -70,7 +70,7 @@ int noise(NoiseOptions const& options) {
     std::cout << path_text(paths, options.show ? options.show : model.paths_shown) << '\n'
               << band_summary(budget, paths.frequencies) << '\n'
               << headline(budget, paths) << '\n';
-    if (!options.quiet) std::cerr << fmt::format("projected in {:.2f} s; nothing was traced\n", seconds);
+    if (!options.quiet) std::cerr << fmt::format("projected in {:.2f} s without tracing\n", seconds);
   }
   if (options.out.empty()) return done;
   if (alone) {
@@ -93,9 +93,8 @@ void add_noise(CLI::App& app, int& exit_code) {
   command->add_option("run", o.input, "run file (HDF5)")->required();
   command->add_option("--motion", o.motion,
                       "YAML file with 'straytrace: 1' and 'bodies' (also 'noise', 'interferometer') to use instead");
-  command->add_option(
-      "--response", o.response,
-      "YAML file with 'straytrace: 1' and 'interferometer: {responses: ...}', of ports that get others");
+  command->add_option("--response", o.response,
+                      "YAML file with 'straytrace: 1' and 'interferometer: {responses: ...}', new responses of ports");
   command->add_option("-o,--out", o.out,
                       "folder for curves, tables and picture; a name that ends with .h5: the run file alone");
   add_force_option(*command, o.force);

@@ -67,8 +67,8 @@ int paths(PathsOptions const& options) {
   PathsChoice const& choice = options.choice;
   refuse_two_formats(options.csv, options);
   if (choice.any() && (options.first_order || options.census || options.by == "receiver" || options.by == "source"))
-    throw InputError("--where, --without, --sort and --band are about routes to ports",
-                     "leave out --by, --census and --first-order, or leave these out");
+    throw InputError("--where, --without, --sort and --band apply to routes to ports",
+                     "remove --by, --census and --first-order, or these");
   if (options.first_order) return print_first_order(options);
   OpenRun const run(options.input);
   RunFile const& file = run.file;
@@ -78,8 +78,8 @@ int paths(PathsOptions const& options) {
   bool const without_ports = file.trace.coupling.ports.empty() && options.by.empty();
   if (options.census || options.by == "receiver" || options.by == "source" || without_ports) {
     if (choice.any())
-      throw InputError("this run has no ports, and --where, --without, --sort and --band are about routes to ports",
-                       "leave them out");
+      throw InputError("this run has no ports, but --where, --without, --sort and --band apply to routes to ports",
+                       "remove them");
     print_receivers(options, content, show);
     return done;
   }
@@ -103,25 +103,23 @@ void add_paths(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<PathsOptions>();
   PathsOptions& o = *options;
   auto* const command =
-      app.add_subcommand("paths", "Rank the routes by which light rejoins the mode or reaches receivers.");
+      app.add_subcommand("paths", "Rank the routes of light that rejoins the mode or reaches receivers.");
   command->add_option("run", o.input, "run file (HDF5); with --first-order also a scene")->required();
-  command->add_option("--by", o.by, "port or receiver; source: what lights which receiver")
+  command->add_option("--by", o.by, "port or receiver; source: surfaces that illuminate each receiver")
       ->check(CLI::IsMember({"port", "receiver", "source"}));
-  command->add_option("--where", o.choice.where,
-                      "only routes of which this is true: 'via(\"baffle*\") and scatters == 2'");
-  command->add_option("--band", o.choice.band, "of shares and ranks: \"10 Hz..100 Hz\"; all frequencies unless given");
-  command->add_option("--sort", o.choice.sort, "by this name of --where, largest first: opl, 'h(30 Hz)'");
-  command
-      ->add_option("--without", o.choice.without,
-                   "sums the noise again without routes that pass this object, * for any")
+  command->add_option("--where", o.choice.where, "only routes that satisfy this: 'via(\"baffle*\") and scatters == 2'");
+  command->add_option("--band", o.choice.band, "band of shares and ranks: \"10 Hz..100 Hz\"; default: all frequencies");
+  command->add_option("--sort", o.choice.sort, "sort by this column of --where, largest first: opl, 'h(30 Hz)'");
+  command->add_option("--without", o.choice.without, "sum the noise without routes that pass this object, * for any")
       ->allow_extra_args(false);
   command->add_option("--show", o.show, "rows")->check(whole_between(1, 1e6, "20"));
-  command->add_flag("--census", o.census, "objects that the light of each receiver has met, by watts");
-  command->add_flag("--first-order", o.first_order, "what is lit, what is seen, and both; of a scene or a run");
+  command->add_flag("--census", o.census, "objects met by the light of each receiver, by watts");
+  command->add_flag("--first-order", o.first_order,
+                    "illuminated objects, critical objects, and both; of a scene or a run");
   command
       ->add_option_function<double>(
           "--histories", [options](double n) { options->histories = std::uint64_t(n); },
-          "of --first-order, forward and backward from each end; 131072 unless given")
+          "histories of --first-order, forward and backward from each end; default 131072")
       ->check(CLI::Range(1.0, 1e12));
   command->add_option("-p,--param", o.overrides, "set a parameter of the scene, for example -p rim=48cm")
       ->allow_extra_args(false);
@@ -140,7 +138,7 @@ void add_paths(CLI::App& app, int& exit_code) {
 
 namespace {
 
-// Rows of routes that pass an object; a pattern that no object has is a problem, since nothing would be left out.
+// Rows of routes that pass an object; a pattern without a match is a problem, since it would remove nothing.
 std::vector<std::size_t> passing(std::vector<std::string> const& patterns, PathTable const& table,
                                  std::vector<InputError>& errors) {
   std::set<std::size_t> rows;
@@ -183,7 +181,7 @@ std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
                                  chosen.left_out, chosen.left_out == 1 ? "" : "s");
   for (StrainWithout const& s : chosen.strain) {
     text += fmt::format("  h({:g} Hz) ", s.hz);
-    text += std::isnan(s.after.value) ? "not resolved: no resolved route that is left makes noise there"
+    text += std::isnan(s.after.value) ? "not resolved: no remaining resolved route causes noise there"
                                       : fmt::format("{}, factor {}", number_of(s.after), number_of(s.factor));
     text += fmt::format("; before {} 1/sqrt(Hz)\n", number_of(s.before));
   }
@@ -192,10 +190,10 @@ std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
                         number_of(chosen.coupling_before));
   bool const others =
       std::any_of(chosen.all.rows.begin(), chosen.all.rows.end(), [](PathRow const& row) { return row.vertices == 0; });
-  if (others) text += "  Rows 'other' stay in the sums: some of the routes they hold may pass there as well.\n";
+  if (others) text += "  Rows 'other' stay in the sums: some of their routes may pass there as well.\n";
   if (chosen.all.lower_bound())
-    text += "  lower bounds: of unresolved routes the sums hold what was seen, with an error as large\n";
-  return text + "  What their light would do instead is not traced: for that take the object out of the scene.\n";
+    text += "  lower bounds: the sums contain the observed part of unresolved routes, with an equal error\n";
+  return text + "  The further path of their light is not traced: for that remove the object from the scene.\n";
 }
 
 }  // namespace

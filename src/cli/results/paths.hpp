@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which rows `paths` shows: --where, --without, --sort.
+// The rows of `paths`: --where, --without, --sort.
 #pragma once
 
 #include <string>
@@ -17,17 +17,17 @@ struct PathsChoice {
 };
 
 struct ChosenPaths {
-  PathTable all, shown;               // `all`: without what --without leaves out
+  PathTable all, shown;               // `all`: except rows removed by --without
   std::vector<StrainWithout> strain;  // of --without
   std::size_t left_out = 0;
   WithError coupling_before;  // of --without
   std::vector<std::string> notes;
 };
 
-// Throws InputError with all that is wrong in the three options.
+// Throws InputError with all problems of the three options.
 ChosenPaths choose_paths(PathsChoice const&, PathTable const&, CouplingTable const&, NoiseBudget const*);
 
-// What the options did, in lines: for people above the table, for `#` lines of CSV.
+// Effect of the options, in lines: above the table, and as `#` lines of CSV.
 std::string choice_text(PathsChoice const&, ChosenPaths const&);
 // The same as members "where", "sort", "without" of the JSON text of a table.
 std::string with_choice(std::string const& json, PathsChoice const&, ChosenPaths const&);

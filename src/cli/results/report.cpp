@@ -28,7 +28,7 @@ SteeredWorld steered_as_traced(RunFile const& file, Model& model) {
   return steer(model.world);
 }
 
-// A run whose histories can be followed again.
+// A run whose histories can be traced again.
 struct Opened {
   RunFile file;
   Model model;
@@ -55,7 +55,7 @@ void write_curves(std::string const& name, RunContent const& content, PathTable 
   write_files(files);
 }
 
-// report.pdf and the like: the picture alone.
+// report.pdf and similar: only the picture.
 bool is_picture(std::string const& file) {
   return file.ends_with(".pdf") || file.ends_with(".png") || file.ends_with(".svg");
 }
@@ -69,7 +69,7 @@ struct ReportOptions {
 int report(ReportOptions const& options) {
   ReportWanted wanted = options.wanted;
   if (names_scene(options.input))
-    throw InputError(fmt::format("'{}' is a scene, and a report is about a run", options.input),
+    throw InputError(fmt::format("'{}' is a scene, but a report needs a run", options.input),
                      fmt::format("trace it first: straytrace run {} -o out/", options.input));
   std::string message;
   if (is_picture(options.out)) {
@@ -134,7 +134,7 @@ int view(ViewOptions const& options) {
     write_view(options, model, steer(model.world), nullptr, nullptr);
   } else {
     if (!options.overrides.empty())
-      throw InputError("a run holds its parameters", "leave out -p, or view the scene file");
+      throw InputError("the parameters of a run are fixed", "remove -p, or view the scene file");
     Opened const run(options.input);
     write_view(options, run.model, run.world, &run.content, &run.table);
   }
@@ -147,22 +147,22 @@ void add_report(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<ReportOptions>();
   ReportOptions& o = *options;
   auto* const command =
-      app.add_subcommand("report", "Write one HTML file about a run, for a logbook, that opens anywhere offline.");
+      app.add_subcommand("report", "Write an HTML report of a run in one file, for a logbook; it works offline.");
   command->add_option("run", o.input, "run file (HDF5)")->required();
   command->add_option("-o,--out", o.out,
-                      "HTML file; default: report.html beside the run; .pdf, .png, .svg: the picture of the run alone");
-  command->add_option("--paths", o.wanted.rows, "rows of the path table whose paths are drawn; 50 unless given")
+                      "HTML file; default: report.html next to the run; .pdf, .png, .svg: only the picture of the run");
+  command->add_option("--paths", o.wanted.rows, "number of rows of the path table whose paths are drawn; default 50")
       ->check(whole_between(0, 1e5, "20"));
-  command->add_option("--show", o.wanted.paths, "paths drawn of each of them; 12 unless given")
+  command->add_option("--show", o.wanted.paths, "number of paths drawn per row; default 12")
       ->check(whole_between(1, 512, "30"));
   command
       ->add_option(
           "--pictures", o.wanted.pictures,
-          "of budget, scene, maps, ghosts, materials, convergence; default: those of 'report' in the scene, or all")
+          "list of budget, scene, maps, ghosts, materials, convergence; default: that of 'report' in the scene, or all")
       ->delimiter(',')
       ->check(CLI::IsMember(report_pictures()));
-  command->add_option("--title", o.wanted.title, "instead of that of the scene");
-  command->add_option("--csv", o.csv, "folder for budget.csv, routes.csv and paths.csv too");
+  command->add_option("--title", o.wanted.title, "replaces the title of the scene");
+  command->add_option("--csv", o.csv, "also write budget.csv, routes.csv and paths.csv to this folder");
   command->add_flag("--quiet", o.quiet, "no messages");
   command->footer(
       "Examples:\n"
@@ -182,12 +182,13 @@ void add_view(CLI::App& app, int& exit_code) {
   command->add_option("-o,--out", o.out, "HTML file; default: view.html, or none with --vtk or --glb");
   command->add_option("--vtk", o.vtk, "folder for straytrace.vtm, for ParaView: parts, paths, names");
   command->add_option("--glb", o.glb, "binary glTF file, for slides: parts and paths");
-  command->add_option("--rays", o.wanted.rays, "sample histories; 200 unless given")
+  command->add_option("--rays", o.wanted.rays, "number of sample histories; default 200")
       ->check(whole_between(0, 1e5, "500"));
   command
-      ->add_option("--show", o.wanted.rows, "of a run: rows of the path table whose paths are drawn; 12 unless given")
+      ->add_option("--show", o.wanted.rows,
+                   "number of rows of the path table whose paths are drawn, for a run; default 12")
       ->check(whole_between(0, 1e4, "30"));
-  command->add_option("--title", o.wanted.title, "instead of that of the scene");
+  command->add_option("--title", o.wanted.title, "replaces the title of the scene");
   command->add_flag("--quiet", o.quiet, "no messages");
   command->footer(
       "Examples:\n"

@@ -30,7 +30,7 @@ MapSheet map_of(Spectrogram const& s, FrequencyBand band, std::string title, std
   std::copy_if(s.hz.begin(), s.hz.end(), std::back_inserter(map.frequency), inside);
   if (map.frequency.empty())
     throw InputError(fmt::format("--band: no line between {:g} Hz and {:g} Hz", band.low, band.high),
-                     "choose it wider, or longer segments");
+                     "choose a wider band, or longer segments");
   for (std::size_t i = 0; i < s.time.size(); ++i)
     for (std::size_t k = 0; k < s.hz.size(); ++k)
       if (inside(s.hz[k])) map.value.push_back(s.at(i, k));

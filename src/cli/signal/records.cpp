@@ -66,8 +66,8 @@ void answer_records(DataOptions const& o, std::vector<TimeSeries> const& all, st
 int integrations(RecordOptions const& o, TimeSeries const& s) {
   int const times = integrations_to_displacement(s.unit) - (o.to == "velocity" ? 1 : 0);
   if (times < 0)
-    throw InputError(fmt::format("'{}' in {} is no velocity after integrating", s.name, s.unit),
-                     "leave --to velocity away");
+    throw InputError(fmt::format("'{}' in {} does not become a velocity by integration", s.name, s.unit),
+                     "remove --to velocity");
   return times;
 }
 
@@ -113,7 +113,7 @@ int displacement(RecordOptions const& o) {
     return done;
   }
   std::string const title = fmt::format("{} of {}", o.to, o.files[0]);
-  if (times == 0 && o.corner.empty()) {  // nothing grows towards low frequencies
+  if (times == 0 && o.corner.empty()) {  // no growth towards low frequencies
     answer_records(o, {in_si(s)}, title, {source_note(s), "not integrated, so without a high pass"});
     return done;
   }
@@ -152,7 +152,7 @@ TimeSeries filtered_as_asked(RecordOptions const& o, TimeSeries s) {
   if (o.rate.empty()) return s;
   double const rate = option_quantity(o.rate, dim::frequency, "--rate", "256 Hz"), factor = std::round(s.rate / rate);
   if (!(factor >= 1 && std::abs(s.rate / rate - factor) < 1e-9 * factor))
-    throw InputError(fmt::format("--rate: {:g} Hz is no whole part of {:g} Hz", rate, s.rate),
+    throw InputError(fmt::format("--rate: {:g} Hz is not a whole fraction of {:g} Hz", rate, s.rate),
                      fmt::format("write for example --rate \"{:g} Hz\"", s.rate / 2));
   return decimated(s, std::size_t(factor));
 }
@@ -184,13 +184,13 @@ void add_displacement(CLI::App& signal, int& exit_code) {
   c.add_option("--to", o->to, "displacement or velocity")
       ->check(CLI::IsMember({"displacement", "velocity"}))
       ->default_str(o->to);
-  c.add_option("--domain", o->domain, "of the record: frequency (no phase error) or causal (from past samples)")
+  c.add_option("--domain", o->domain,
+               "integration of the record: frequency (no phase error) or causal (from past samples)")
       ->check(CLI::IsMember({"frequency", "causal"}))
       ->default_str(o->domain);
-  c.add_option("--corner", o->corner,
-               "of the high pass of the record; default: 1 Hz where it is integrated, else none");
-  c.add_flag("--asd", o->asd, "the spectrum of it instead of the record");
-  add_band_option(c, *o, "of --asd: frequencies to show and write");
+  c.add_option("--corner", o->corner, "corner of the high pass; default: 1 Hz for an integrated record, else none");
+  c.add_flag("--asd", o->asd, "compute the spectrum instead of the record");
+  add_band_option(c, *o, "frequencies to show and write, for --asd");
   add_welch_options(c, *o);
   add_output_options(c, *o);
   c.footer(
@@ -205,7 +205,7 @@ void add_displacement(CLI::App& signal, int& exit_code) {
 void add_signal_records(CLI::App& signal, int& exit_code) {
   add_displacement(signal, exit_code);
   auto const w = std::make_shared<RecordOptions>();
-  CLI::App& white = one_record(signal, "whiten", "Give a record the same power at all frequencies.", w);
+  CLI::App& white = one_record(signal, "whiten", "Whiten a record: equal power at all frequencies.", w);
   add_welch_options(white, *w);
   add_output_options(white, *w);
   white.footer(
@@ -221,8 +221,8 @@ void add_signal_records(CLI::App& signal, int& exit_code) {
   c.add_option("data", o->files, "records: FILE or FILE::CHANNEL")->required();
   add_span_options(c, *o);
   add_band_option(c, *o, "band pass without phase (Butterworth of order 4, both ways)");
-  c.add_option("--notch", o->notches, "removes a line, without phase (Q 30); may be repeated")->allow_extra_args(false);
-  c.add_option("--rate", o->rate, "lower sample rate, behind a low pass without phase");
+  c.add_option("--notch", o->notches, "remove a line, without phase (Q 30); may be repeated")->allow_extra_args(false);
+  c.add_option("--rate", o->rate, "reduce the sample rate, after a low pass without phase");
   add_output_options(c, *o);
   c.footer(
       "Examples:\n"

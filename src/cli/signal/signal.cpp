@@ -37,7 +37,7 @@ void keep_band(CurveSheet& sheet, FrequencyBand band) {
   kept(sheet.x);
   if (sheet.x.values.empty())
     throw InputError(fmt::format("--band: no line between {:g} Hz and {:g} Hz", band.low, band.high),
-                     "choose it wider, or longer segments");
+                     "choose a wider band, or longer segments");
 }
 
 std::string some_rows(CurveSheet const& sheet, std::size_t count) {
@@ -159,7 +159,7 @@ void add_signal_rms(CLI::App& signal, int& exit_code) {
   c.add_option("data", o->file, "record: FILE or FILE::CHANNEL")->required();
   add_span_options(c, *o);
   add_band_option(c, *o, "default: 0 to half the sample rate");
-  c.add_option("--stride", o->stride, "a trend: one value for each stride, for example \"10 s\"");
+  c.add_option("--stride", o->stride, "interval of a trend, one value for each: for example \"10 s\"");
   add_welch_options(c, *o);
   add_output_options(c, *o);
   c.footer(

@@ -59,7 +59,7 @@ int psd(SpectrumOptions const& o) {
     if (sheet.y.empty())
       sheet = frequency_sheet(fmt::format("{} of {}", o.power ? "PSD" : "ASD", fmt::join(o.files, ", ")), spectrum.hz);
     if (sheet.x.values != spectrum.hz)
-      throw InputError(fmt::format("'{}' has other frequencies than '{}'", file, o.files[0]),
+      throw InputError(fmt::format("'{}' and '{}' have different frequencies", file, o.files[0]),
                        "give both the same --segment and rate, or write two files");
     add_density(o, s, spectrum, sheet);
     sheet.notes.push_back(source_note(s));
@@ -90,7 +90,8 @@ Pair read_pair(SpectrumOptions const& o) {
              welch_note(p.settings, p.input.rate, p.spectra.segments, p.spectra.effective_averages,
                         p.spectra.noise_bandwidth)};
   if (p.spectra.effective_averages < 2)
-    throw InputError("a coherence needs two segments or more; of one it is 1 everywhere", "choose --segment shorter");
+    throw InputError("a coherence needs at least two segments; with one it is 1 everywhere",
+                     "choose a shorter --segment");
   return p;
 }
 
@@ -166,7 +167,7 @@ CLI::App& common(CLI::App& signal, char const* name, char const* what, std::shar
 CLI::App& with_pair(CLI::App& signal, char const* name, char const* what, std::shared_ptr<SpectrumOptions> const& o) {
   CLI::App& command = common(signal, name, what, o);
   command.add_option("data", o->files, "input and output: FILE or FILE::CHANNEL")->required()->expected(2);
-  command.add_option("--output-unit", o->output_unit, "of the output, where it differs from --unit");
+  command.add_option("--output-unit", o->output_unit, "unit of the output, where it differs from --unit");
   return command;
 }
 
@@ -176,7 +177,7 @@ void add_signal_spectra(CLI::App& signal, int& exit_code) {
   auto const o = std::make_shared<SpectrumOptions>();
   CLI::App& density = common(signal, "psd", "Estimate the one-sided amplitude or power spectral density.", o);
   density.add_option("data", o->files, "records: FILE or FILE::CHANNEL")->required();
-  density.add_flag("--power", o->power, "power densities; otherwise amplitude densities, their roots");
+  density.add_flag("--power", o->power, "power densities instead of amplitude densities");
   density.footer(
       "Examples:\n"
       "  straytrace signal psd examples/data/bench.csv::acc --segment \"4 s\"\n"
@@ -185,7 +186,7 @@ void add_signal_spectra(CLI::App& signal, int& exit_code) {
 
   auto const c = std::make_shared<SpectrumOptions>();
   CLI::App& coherent =
-      with_pair(signal, "coherence", "Estimate the coherence of two records, with the level that chance reaches.", c);
+      with_pair(signal, "coherence", "Estimate the coherence of two records, with the chance level.", c);
   coherent.footer(
       "Examples:\n"
       "  straytrace signal coherence examples/data/bench.csv::acc examples/data/bench.csv::bench --segment \"4 s\"\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace fringes: which frequencies do moving surfaces make, and when?
+// straytrace fringes: fringe frequencies of moving surfaces over time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct FringesOptions {
   std::size_t show = 6;
 };
 
-// One curve of fringe frequency, and what to call it.
+// One curve of fringe frequency, and its name.
 struct Line {
   std::string name, bodies;
   std::vector<double> hz;
@@ -38,7 +38,7 @@ struct FringePrediction {
   std::vector<double> largest;  // of all lines, sample by sample
 };
 
-// Other motion than that of the channels would hide what they make.
+// Motion other than that of the channels would mask their fringes.
 MotionSeries motion_of(TimeOptions const& o, TimeInputs& in) {
   double fastest = 0;
   if (!o.channel.empty()) std::erase_if(in.model.motion.inputs, [](MotionInput const& i) { return !i.recorded; });
@@ -75,14 +75,14 @@ FringePrediction from_run(FringesOptions const& o) {
     p.lines.push_back({curve.name, fmt::format("{}", fmt::join(seen, ", ")), std::move(curve.hz)});
   }
   if (p.lines.empty())
-    throw InputError("nothing moves on these routes", "give --motion, or --body, --axis and --channel");
+    throw InputError("no body of these routes moves", "give --motion, or --body, --axis and --channel");
   return p;
 }
 
 // Without a run: a velocity along the beam, the wavelength and the number of bounces.
 FringePrediction from_channel(FringesOptions const& o) {
   if (o.wavelength.empty() || o.time.channel.size() != 1)
-    throw InputError("without a run the wavelength and one channel are needed",
+    throw InputError("without a run, --wavelength and one --channel are needed",
                      "write --wavelength 1064nm --channel FILE::CHANNEL, and --bounces N");
   double const corner =
       o.time.corner.empty() ? 0 : option_quantity(o.time.corner, dim::frequency, "--corner", "0.05 Hz");
@@ -191,17 +191,17 @@ void add_fringes(CLI::App& app, int& exit_code) {
   FringesOptions& o = *options;
   auto* const command =
       app.add_subcommand("fringes", "Predict the fringe frequency over time, of a run or of one moving surface.");
-  command->add_option("run", o.time.run, "run file (HDF5); without it --wavelength and --channel are needed");
-  command->add_option("--wavelength", o.wavelength, "of the light, without a run: 1064nm");
-  command->add_option("--bounces", o.bounces, "on the surface at normal incidence, without a run")
+  command->add_option("run", o.time.run, "run file (HDF5); without it, --wavelength and --channel are needed");
+  command->add_option("--wavelength", o.wavelength, "wavelength of the light, without a run: 1064nm");
+  command->add_option("--bounces", o.bounces, "number of bounces on the surface at normal incidence, without a run")
       ->check(CLI::Range(1e-3, 1e4));
   add_motion_options(*command, o.time);
   add_stretch_options(*command, o.time);
   add_route_options(*command, o.time);
-  command->add_option("--stride", o.stride, "table of percentiles for each stride of time: 60s");
-  command->add_option("--above", o.above, "when the fringes pass this frequency: 10Hz");
-  command->add_option("--overlay", o.overlay, "FILE::CHANNEL whose spectrogram is drawn under the curves");
-  command->add_option("--show", o.show, "routes, by coupling")->check(whole_between(1, 1000, "6"));
+  command->add_option("--stride", o.stride, "interval of the table of percentiles: 60s");
+  command->add_option("--above", o.above, "list times when the fringe frequency exceeds this: 10Hz");
+  command->add_option("--overlay", o.overlay, "FILE::CHANNEL whose spectrogram is drawn behind the curves");
+  command->add_option("--show", o.show, "number of routes, by coupling")->check(whole_between(1, 1000, "6"));
   add_output_options(*command, o.data);
   command->footer(
       "Examples:\n"

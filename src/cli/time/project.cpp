@@ -43,7 +43,7 @@ TimeDomainSettings settings_of(TimeOptions const& o, TimeInputs const& in) {
   return s;
 }
 
-// Options that say nothing about a coupling function.
+// Options that do not apply to a coupling function.
 void refuse_options_of_runs(TimeOptions const& time, TimeFiles const& files) {
   std::pair<bool, char const*> const given[] = {{!files.strain.empty(), "-o"},
                                                 {!files.spectrogram.empty(), "--spectrogram"},
@@ -63,7 +63,7 @@ void refuse_options_of_runs(TimeOptions const& time, TimeFiles const& files) {
   std::vector<InputError> errors;
   for (std::string const& name : names)
     errors.emplace_back(name + ": for the motion through a run; a coupling function gives a spectrum only",
-                        &name == &names.back() ? "write --asd FILE for the projection, and leave the others out" : "");
+                        &name == &names.back() ? "write --asd FILE for the projection, and remove the others" : "");
   throw_all(errors);
 }
 
@@ -71,7 +71,7 @@ void refuse_options_of_runs(TimeOptions const& time, TimeFiles const& files) {
 int project_coupling_file(ProjectOptions const& o) {
   refuse_options_of_runs(o.time, o.files);
   if (o.coupling.witness.empty())
-    throw InputError(fmt::format("'{}' is a coupling function, and no quiet witness is given", o.time.run),
+    throw InputError(fmt::format("'{}' is a coupling function, but no quiet witness is given", o.time.run),
                      "write --witness FILE::CHANNEL");
   CouplingProjectionOptions c = o.coupling;
   c.coupling = o.time.run;
@@ -91,7 +91,7 @@ int project(ProjectOptions const& o) {
   if (o.time.run.ends_with(".csv") || !o.coupling.witness.empty()) return project_coupling_file(o);
   if (!o.coupling.target.empty() || !o.coupling.coupling_unit.empty())
     throw InputError("--target, --coupling-unit: for a coupling function",
-                     "leave them out, or give its CSV and --witness");
+                     "remove them, or give its CSV and --witness");
   check_time_files(o.files);
   TimeInputs const in(o.time);
   if (!o.data.quiet) std::cerr << (o.data.json() ? in.model.warnings_json : in.model.warnings);
@@ -132,28 +132,29 @@ void add_project(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand(
       "project", "Project measured or drawn motion through a run in the time domain: h(t), spectrum, spectrogram.");
   command->add_option("run", o.time.run, "run file (HDF5), or coupling function (CSV) with --witness")->required();
-  command->add_option("--witness", o.coupling.witness, "FILE::CHANNEL, quiet, that a measured coupling is taken times");
+  command->add_option("--witness", o.coupling.witness, "FILE::CHANNEL of the quiet witness, for a measured coupling");
   command->add_option("--target", o.coupling.target, "FILE::CHANNEL to compare that projection with");
-  command->add_option("--coupling-unit", o.coupling.coupling_unit,
-                      "of the factors, where the CSV does not say it: 1/m");
+  command->add_option("--coupling-unit", o.coupling.coupling_unit, "unit of the factors, where the CSV has none: 1/m");
   add_motion_options(*command, o.time);
   add_stretch_options(*command, o.time);
   add_route_options(*command, o.time);
   command
       ->add_option("--paths-per-route", o.time.per_route,
-                   "fields drawn for each route; default: about 2048 in all, at least 16")
+                   "number of fields drawn for each route; default: about 2048 in total, at least 16")
       ->check(whole_between(1, 1e6, "64"));
-  command->add_option("--realisations", o.realisations, "independent draws of motion and static phases")
+  command->add_option("--realisations", o.realisations, "number of independent draws of motion and static phases")
       ->check(whole_between(1, 1e5, "20"));
-  command->add_flag("--retarded", o.time.retarded, "each path sees the motion as it was half of its length ago");
+  command->add_flag("--retarded", o.time.retarded, "delay the motion of each path by half of its length");
   command->add_option("--threads", o.time.threads, "default: all cores; does not change the result")
       ->check(whole_between(1, 1024, "4"));
   command->add_option("--backend", o.time.backend, "cpu, or cuda: fields are summed on a GPU; the same bits");
-  command->add_option("-o,--out", o.files.strain, "h(t) of the first realisation: .hdf5, .txt, .csv, .png, .html");
-  command->add_option("--asd", o.files.asd, "spectrum of h: .txt .csv .hdf5 .json .png .html");
-  command->add_option("--spectrogram", o.files.spectrogram, "of h, first realisation: .png .html .txt .hdf5");
-  command->add_option("--stride", o.files.stride, "of the spectrogram; default: 0.5 s");
-  command->add_option("--save-motion", o.files.motion, "what the bodies did, first realisation: .hdf5 .txt .csv");
+  command->add_option("-o,--out", o.files.strain, "file of h(t), first realisation: .hdf5, .txt, .csv, .png, .html");
+  command->add_option("--asd", o.files.asd, "file of the spectrum of h: .txt .csv .hdf5 .json .png .html");
+  command->add_option("--spectrogram", o.files.spectrogram,
+                      "file of the spectrogram of h, first realisation: .png .html .txt .hdf5");
+  command->add_option("--stride", o.files.stride, "stride of the spectrogram; default: 0.5 s");
+  command->add_option("--save-motion", o.files.motion,
+                      "file of the motion of the bodies, first realisation: .hdf5 .txt .csv");
   add_welch_options(*command, o.data);
   command->add_option("--format", o.data.format, "text or json")->check(CLI::IsMember({"text", "json"}));
   command->add_flag("--quiet", o.data.quiet, "results only");

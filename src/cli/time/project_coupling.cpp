@@ -33,8 +33,8 @@ Level level_of(TimeSeries const& s, WelchSettings const& settings, std::string& 
   return level;
 }
 
-// What stands below the stroke of a unit said for the factors: "m" of "1/m", "m/s^2" of "1/(m/s^2)". It must be of the
-// witness, or the projection would be in another unit than it says.
+// The denominator of the unit of the factors: "m" of "1/m", "m/s^2" of "1/(m/s^2)". It must be the unit of the witness,
+// otherwise the unit of the projection would be wrong.
 std::string unit_below(std::string const& unit, TimeSeries const& witness) {
   auto const stroke = unit.find('/');
   std::string below = stroke == unit.npos ? "1" : unit.substr(stroke + 1);
@@ -49,20 +49,19 @@ std::string unit_below(std::string const& unit, TimeSeries const& witness) {
   return below;
 }
 
-// What stands above the stroke of "1/m" or "1/(m/s^2)".
+// The numerator of "1/m" or "1/(m/s^2)".
 std::string target_unit(CouplingFunction const& c) {
   for (std::string const& below : {"/" + c.witness_unit, "/(" + c.witness_unit + ")"})
     if (c.unit.ends_with(below)) return c.unit.substr(0, c.unit.size() - below.size());
   return c.unit;
 }
 
-// From the unit above the stroke of the coupling to that of the target.
+// From the numerator of the unit of the coupling to the unit of the target.
 void rescale(ProjectedCoupling& p, std::string const& unit, TimeSeries const& target) {
   auto const have = parse_unit(unit), want = parse_unit(target.unit);
   if (!have || !want || !(have->dimension == want->dimension))
-    throw InputError(fmt::format("--target: '{}' is in {}, and the coupling makes {} of the witness", target.name,
-                                 target.unit, unit),
-                     "choose the target that the coupling was measured with");
+    throw InputError(fmt::format("--target: '{}' is in {}, but the coupling gives {}", target.name, target.unit, unit),
+                     "choose the target of the measured coupling");
   for (ProjectedPoint& q : p.points) {
     q.asd *= have->si / want->si;
     q.sigma *= have->si / want->si;

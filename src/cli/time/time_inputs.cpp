@@ -15,11 +15,11 @@
 namespace straytrace::cli {
 namespace {
 
-constexpr double usual_duration = 64;  // s, of motion that is drawn
+constexpr double usual_duration = 64;  // s, of drawn motion
 
 std::string comma_list(std::vector<std::string> const& words) { return fmt::format("{}", fmt::join(words, ", ")); }
 
-// Position of a word in a list; the error names the option and what is near.
+// Position of a word in a list; the error names the option and a similar word.
 template <class Words>
 std::size_t place_of(std::string const& word, Words const& words, std::string const& option, std::string const& what) {
   auto const found = std::find(std::begin(words), std::end(words), word);
@@ -42,7 +42,7 @@ void replace_motions(TimeOptions const& o, TimeInputs& in) {
     throw InputError(
         fmt::format("{} times --channel, {} times --body, {} times --axis", o.channel.size(), o.body.size(),
                     o.axis.size()),
-        "write --body BODY --axis z --channel FILE::CHANNEL for each coordinate; one --axis alone counts for all");
+        "write --body BODY --axis z --channel FILE::CHANNEL for each coordinate; a single --axis applies to all");
   for (std::size_t i = 0; i < o.channel.size(); ++i) {
     auto const body = place_of(o.body[i], in.model.motion.bodies, "--body", "a body of this run");
     auto const axis = int(place_of(o.axis.size() == 1 ? o.axis[0] : o.axis[i], axis_names, "--axis", "a coordinate"));
@@ -61,7 +61,7 @@ std::string warnings_of_channels(TimeOptions const& o, TimeInputs const& in) {
   std::string text;
   for (Problem const& p : warnings_of_gaps(std::span(all).last(o.channel.size()), band, in.model.traced.wavelength))
     text += fmt::format(
-        "warning: {}\n  give a channel that holds it: a higher rate, a longer stretch or a lower --corner\n", p.what);
+        "warning: {}\n  give a channel that covers it: a higher rate, a longer stretch or a lower --corner\n", p.what);
   return text;
 }
 
@@ -78,11 +78,11 @@ void choose_times(TimeOptions const& o, TimeInputs& in) {
   double const all = recorded ? to - from : usual_duration;
   GpsSpan const span = o.gps.empty() ? GpsSpan{} : parse_gps(o.gps);
   in.start = std::max(span.from > -1e299 ? span.from : recorded ? from : 0, from);
-  double const end = o.corner.empty() ? span.to : std::min(span.to, to);  // integration loses the ends
+  double const end = o.corner.empty() ? span.to : std::min(span.to, to);  // integration removes the ends
   double const asked = end < 1e299 ? end - in.start : recorded ? to - in.start : all;
   in.duration = o.duration.empty() ? asked : option_quantity(o.duration, dim::time, "--duration", "64 s");
   if (!(in.duration > 0 && in.duration <= 1e6))
-    throw InputError(fmt::format("a duration of {:g} s", in.duration), "it is positive and at most 1e6 s");
+    throw InputError(fmt::format("a duration of {:g} s", in.duration), "choose a positive value up to 1e6 s");
 }
 
 // Names for matching: ASCII, without spaces.
@@ -150,27 +150,30 @@ void add_motion_options(CLI::App& command, TimeOptions& o) {
   command.add_option("--motion", o.motion, "YAML file with 'straytrace: 1' and 'bodies' to use instead of the run's");
   command.add_option("--body", o.body, "body whose motion the next --channel replaces; may be repeated")
       ->allow_extra_args(false);
-  command.add_option("--axis", o.axis, "coordinate of it: x, y, z, rx, ry or rz; may be repeated")
+  command.add_option("--axis", o.axis, "coordinate of that body: x, y, z, rx, ry or rz; may be repeated")
       ->allow_extra_args(false);
-  command.add_option("--channel", o.channel, "FILE or FILE::CHANNEL with what that coordinate did; may be repeated")
+  command
+      .add_option("--channel", o.channel, "FILE or FILE::CHANNEL with the motion of that coordinate; may be repeated")
       ->allow_extra_args(false);
-  command.add_option("--unit", o.unit, "of the channels, where the files do not say it: um, m/s^2");
+  command.add_option("--unit", o.unit, "unit of the channels, where the files have none: um, m/s^2");
   command.add_option("--corner", o.corner, "high pass of integrated velocities and accelerations, for example 0.05Hz");
-  command.add_option("--seed", o.seed, "of drawn motion and of static phases")->check(whole_between(0, 9e15, "7"));
+  command.add_option("--seed", o.seed, "seed of drawn motion and of static phases")->check(whole_between(0, 9e15, "7"));
 }
 
 void add_stretch_options(CLI::App& command, TimeOptions& o) {
-  command.add_option("--gps", o.gps, "stretch A..B in GPS seconds or UTC; default: all that was recorded");
-  command.add_option("--duration", o.duration, "of the record; default: what was recorded, or 64 s");
+  command.add_option("--gps", o.gps, "stretch A..B in GPS seconds or UTC; default: all recorded data");
+  command.add_option("--duration", o.duration, "duration of the record; default: all recorded data, or 64 s");
   command.add_option("--rate", o.rate, "samples per second; default: chosen from the largest fringe frequency")
       ->check(CLI::Range(1.0, 1048576.0));
 }
 
 void add_route_options(CLI::App& command, TimeOptions& o) {
-  command.add_option("--route", o.routes, "rank in the path table or part of the name ('tube.S'); may be repeated")
+  command
+      .add_option("--route", o.routes,
+                  "only this route: rank in the path table or part of the name ('tube.S'); may be repeated")
       ->allow_extra_args(false);
   command.add_option("--port", o.ports, "only routes of this port; may be repeated")->allow_extra_args(false);
-  command.add_option("--moved-by", o.moved_by, "only routes that this body moves; may be repeated")
+  command.add_option("--moved-by", o.moved_by, "only routes moved by this body; may be repeated")
       ->allow_extra_args(false);
 }
 
@@ -181,11 +184,11 @@ RecordedMotion as_motion(TimeSeries const& series, bool rotation, double corner)
   for (c.derivatives = 0; c.derivatives < 2 && d != (rotation ? dim::angle : dim::length); ++c.derivatives)
     d.second = std::int8_t(d.second + 2);
   if (!unit || d != (rotation ? dim::angle : dim::length))
-    throw InputError(fmt::format("--channel: '{}' is in '{}', which is no {} over time", series.name, series.unit,
+    throw InputError(fmt::format("--channel: '{}' is in '{}', which is not a unit of {}", series.name, series.unit,
                                  rotation ? "angle" : "displacement, velocity or acceleration"),
                      fmt::format("write its unit: --unit {}", rotation ? "urad" : "um/s^2"));
   if (c.derivatives > 0 && corner <= 0)
-    throw InputError(fmt::format("--channel: '{}' is in {} and has to be integrated, which makes slow errors large",
+    throw InputError(fmt::format("--channel: '{}' is in {} and must be integrated, which amplifies slow errors",
                                  series.name, series.unit),
                      "write --corner 0.05Hz; slower motion is removed");
   if (series.samples.size() < 32)
@@ -213,7 +216,7 @@ void replace_coordinate(MotionSet& motion, BodyId body, int axis, RecordedMotion
 
 TimeInputs::TimeInputs(TimeOptions const& o) : OpenRun(o.run, o.motion) {
   if (!model.detector)
-    throw InputError("this run has no interferometer, so nothing becomes strain", "add 'ports' to the scene");
+    throw InputError("this run has no interferometer, so there is no strain", "add 'ports' to the scene");
   replace_motions(o, *this);
   model.warnings += warnings_of_channels(o, *this);
   choose_times(o, *this);

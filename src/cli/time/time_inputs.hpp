@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `project` and `fringes` share: a run, motion that measured channels replace, the stretch of time, and routes.
+// Common inputs of `project` and `fringes`: a run, motion replaced by measured channels, the stretch of time, and
+// routes.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -21,7 +22,7 @@ struct TimeOptions {
   std::vector<std::string> routes, ports, moved_by;
   std::uint64_t seed = 1;
   double rate = 0;            // Hz; 0: chosen
-  std::size_t per_route = 0;  // 0: as many as keep the work small
+  std::size_t per_route = 0;  // 0: a number that limits the work
   std::string backend = "cpu";
   unsigned threads = 0;
   bool retarded = false;
@@ -41,7 +42,7 @@ struct TimeInputs : OpenRun {
   CouplingTable const& coupling() const { return file.trace.coupling; }
 };
 
-// The recording takes the place of all that moved this coordinate; other bodies keep what they had.
+// The recording replaces all motion of this coordinate; other bodies keep theirs.
 void replace_coordinate(MotionSet&, BodyId, int axis, RecordedMotion const&);
 
 // Displacement [m] or angle [rad] from a channel of displacement, velocity or acceleration; the last two need a

@@ -94,8 +94,8 @@ BandLevel nothing(double hz) {
   return {hz, hz, hz, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number};
 }
 
-// What eq. 2.6 leaves out of this route if the largest translation of a body on each path were transverse to its mean
-// leg; mean over the paths by power.
+// Second-order effects (eq. 2.6) neglected for this route if the largest translation of a body on each path were
+// transverse to its mean leg; mean over the paths by power.
 double second_order_of(TimeInputs const& in, StrayLight const& light) {
   CouplingClass const& c = in.coupling().classes[light.moving.route];
   double const legs = c.steps.size() > 2 ? double(c.steps.size() - 1) : 1;
@@ -116,7 +116,7 @@ double second_order_of(TimeInputs const& in, StrayLight const& light) {
   return power > 0 ? phase / power : 0;
 }
 
-// What the delays leave open in h at 100 Hz, relative to the noise of one body. `retarded`: half of the path is the
+// Uncertainty of h at 100 Hz by the delays, relative to the noise of one body. `retarded`: half of the path is the
 // mean delay of a body on a path and its reverse, of others it may be the whole or nothing
 // (docs/theory/time_domain.md).
 double delay_error_of(TimeInputs const& in, bool retarded) {
@@ -204,11 +204,12 @@ std::string project_text(ProjectResult const& r) {
   text += fmt::format("phase: {:.4g} rad rms of {}, the route with the largest moving power\n", r.rms_phase,
                       r.rms_phase_route);
   text += fmt::format("fastest fringe {:.4g} Hz at GPS {:.2f}: {}\n", r.fastest.hz, r.fastest.time, r.fastest_route);
-  text += fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe and a margin of {:.4g} Hz)\n",
-                      r.rule.least(), r.rule.margin);
-  text += fmt::format("left out (eq. 2.6): second order about {:.2g} rad, tilt of the rays, ", r.second_order);
+  text +=
+      fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe frequency plus a margin of {:.4g} Hz)\n",
+                  r.rule.least(), r.rule.margin);
+  text += fmt::format("neglected (eq. 2.6): second order about {:.2g} rad, tilt of the rays, ", r.second_order);
   if (r.retarded)
-    text += fmt::format("of the delays what is not half of a path: up to {:.1g} of h at 100 Hz\n", r.delay_error);
+    text += fmt::format("deviations of the delays from half of a path: up to {:.1g} of h at 100 Hz\n", r.delay_error);
   else
     text += fmt::format("delays up to {:.2g} ms: up to {:.1g} of h at 100 Hz where bodies interfere\n", 1e3 * r.delay,
                         r.delay_error);

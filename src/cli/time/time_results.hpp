@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `project` says and writes.
+// Output of `project`.
 #pragma once
 
 #include <string>
@@ -34,8 +34,8 @@ class Realisations {
 
 // Spectrum in one band of h.
 struct BandLevel {
-  double hz = 0, low = 0, high = 0;         // Hz; what was averaged
-  double asd = 0, sigma = 0;                // 1/sqrt(Hz), root of the mean PSD; NaN outside what the record resolves
+  double hz = 0, low = 0, high = 0;  // Hz; what was averaged
+  double asd = 0, sigma = 0;         // 1/sqrt(Hz), root of the mean PSD; NaN outside the resolution of the record
   double below = 0, median = 0, above = 0;  // percentiles 5, 50, 95 of the realisations; NaN for fewer than 5
   double exact = 0;                         // mean by spectra, NaN outside the band of the run
 };

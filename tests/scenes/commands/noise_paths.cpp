@@ -166,7 +166,7 @@ TEST(NoiseAndPaths, OfOneRun) {
 
   Finished const r = straytrace({"noise", run, "-o", folder / "noise"});
   ASSERT_EQ(r.code, 0) << r.err;
-  EXPECT_THAT(r.err, HasSubstr("nothing was traced"));
+  EXPECT_THAT(r.err, HasSubstr("without tracing"));
   EXPECT_LT(difference(curve_in(folder / "noise/h_asd.txt"), own), 1e-12);
   EXPECT_EQ(data_hash(folder / "noise/run.h5"), data_hash(run));
   auto const json = nlohmann::json::parse(straytrace({"noise", run, "--format", "json"}).out, nullptr, false);

@@ -149,7 +149,7 @@ TEST_F(NoiseResponse, IntoTheFolderOfTheRunItself) {
       << "control: its own motion";
   EXPECT_THAT(said({"noise", run, "--motion", storm, "-o", folder / "storm"}), Not(HasSubstr("the run itself")));
   EXPECT_THAT(said({"noise", run, "--motion", storm, "-o", folder / "run"}),
-              HasSubstr("is the folder of the run itself: its results and run file now are those of storm.yaml"));
+              HasSubstr("is the folder of the run itself: its results and run file are now those of storm.yaml"));
 }
 
 }  // namespace

@@ -118,11 +118,10 @@ TEST(Render, ErrorsOfOptionsStateARemedy) {
     Words words;
     std::string says;
   };
-  for (Case const& c :
-       {Case{{"--eye", "0,0,1"}, "--eye 0,20cm,-1.5m"}, Case{{"--eye", "0,0"}, "--eye 0,20cm,-1.5m"},
-        Case{{"--fov", "200deg"}, "--fov 30deg"}, Case{{"--pixels", "800"}, "--pixels 800x600"},
-        Case{{"--cut", "w=0"}, "--cut x=0"}, Case{{"--at", "lens_9"}, "did you mean 'lens_1'"},
-        Case{{"--from", "PDD"}, "nothing in the scene is called"}, Case{{"--look", "0,0,0"}, "--eye"}}) {
+  for (Case const& c : {Case{{"--eye", "0,0,1"}, "--eye 0,20cm,-1.5m"}, Case{{"--eye", "0,0"}, "--eye 0,20cm,-1.5m"},
+                        Case{{"--fov", "200deg"}, "--fov 30deg"}, Case{{"--pixels", "800"}, "--pixels 800x600"},
+                        Case{{"--cut", "w=0"}, "--cut x=0"}, Case{{"--at", "lens_9"}, "did you mean 'lens_1'"},
+                        Case{{"--from", "PDD"}, "the scene has no"}, Case{{"--look", "0,0,0"}, "--eye"}}) {
     Words words{"render", bench, "-o", file};
     words.insert(words.end(), c.words.begin(), c.words.end());
     Finished const r = straytrace(words);

@@ -44,7 +44,7 @@ TEST(Hostile, DevicesAndPipesAreNotRead) {
       EXPECT_EQ(r.code, 2) << words.front() << ' ' << name << ' ' << r.err;
       bool const scene = name.ends_with(".yaml");
       bool const wants_run = scene && (words.front() == "paths" || words.front() == "noise");
-      EXPECT_THAT(r.err, HasSubstr(scene && words.front() == "report" ? "is a scene, and a report is about a run"
+      EXPECT_THAT(r.err, HasSubstr(scene && words.front() == "report" ? "is a scene, but a report needs a run"
                                    : wants_run                        ? "is a scene, not a run"
                                                                       : why))
           << words.front() << ' ' << name;

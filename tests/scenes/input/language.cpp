@@ -93,7 +93,7 @@ TEST(Explain, UnitsAndMessages) {
   EXPECT_THAT(error_text({"explain", "unit", "metre"}), HasSubstr("did you mean 'm'?"));
   EXPECT_THAT(straytrace({"explain", "arm.yaml:8:29: error: \"10 um\" does not say which amplitude it is"}).out,
               HasSubstr("... peak"));
-  EXPECT_THAT(error_text({"explain", "xyzzy plugh"}), HasSubstr("nothing in the language"));
+  EXPECT_THAT(error_text({"explain", "xyzzy plugh"}), HasSubstr("is unknown in the language"));
 }
 
 // S = 1/2 kappa^2 S_x where motion is small (docs/theory/spectra.md, eq. 7.2): here S_x = (1e-12 (f/10 Hz)^-1)^2

@@ -39,7 +39,7 @@ class Slices(unittest.TestCase):
     def test_all_parts_are_one_run(self):
         self.merge(reversed(self.parts), name="all.h5")
         self.assertEqual(bits(self.folder / "all.h5"), bits(self.one))
-        self.assertIn("the same to the last bit", ask("diff", self.one, self.folder / "all.h5"))
+        self.assertIn("identical to the last bit", ask("diff", self.one, self.folder / "all.h5"))
         trace(self.folder / "seed2.h5", "--histories", MANY, "--seed", 2)                # negative control
         self.assertNotEqual(bits(self.folder / "seed2.h5"), bits(self.one))
         noise = [ask("noise", run, "-o", self.folder / "noise.h5", "--quiet", "--force") for run in (self.one, self.folder / "all.h5")]
@@ -97,7 +97,7 @@ class Slices(unittest.TestCase):
         longer = self.folder / "longer.h5"
         trace(longer, "--histories", 14 * BLOCK)
         before = longer.read_bytes()
-        self.assertIn("holds 32 blocks of histories that no part does", self.merge(self.parts, code=2, name="longer.h5"))
+        self.assertIn("contains 32 blocks of histories that are in no part", self.merge(self.parts, code=2, name="longer.h5"))
         self.assertEqual(longer.read_bytes(), before)
         self.merge(self.parts, "--force", name="longer.h5")
         self.assertEqual(bits(longer), bits(self.one))

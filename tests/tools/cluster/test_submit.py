@@ -142,7 +142,7 @@ class Words(unittest.TestCase):
             for time in ("1s", "1e300h"):                               # too short to write a part; no number of a clock
                 self.assertIn("between 1min and 8784h", rejected("--jobs", "2", "--histories", MANY, "--time", time))
             self.assertIn("from 1 to 50000", rejected("--jobs", "60000", "--histories", "1e10"))
-            self.assertIn("no name of an account", rejected("--jobs", "2", "--accounting", "a;b"))
+            self.assertIn("not a valid name of an account", rejected("--jobs", "2", "--accounting", "a;b"))
             self.assertIn("--backend", ask("submit", *SCENE, "--jobs", "2", "-o", f"{place}/jobs", code=2))
             for count, said in (("1000", False), ("1001", True)):
                 words = ["submit", *SCENE, "--backend", "slurm", "-o", f"{place}/many", "--jobs", count, "--histories", "1e10"]
