@@ -12,7 +12,7 @@
 
 namespace straytrace::report {
 
-using NamedTexts = std::vector<std::pair<std::string, std::string>>;  // name of a file and what it holds
+using NamedTexts = std::vector<std::pair<std::string, std::string>>;  // name of a file and its content
 
 // straytrace.vtm, a file for each part below parts/, paths.vtp, and names.csv with the names of all numbers in them.
 // Points are in m, float64; paths carry their route, coupling, strain at the frequencies of the table, and moving body.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A world as triangles, for pictures and exports: equal shapes are stored once, meshes of millions of triangles are
-// thinned out and marked so.
+// simplified and marked.
 #pragma once
 
 #include <array>

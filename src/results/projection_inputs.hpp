@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the projection of noise needs from the traced model besides the coupling table. With it in the run file, no
+// Inputs of the projection of noise from the traced model, besides the coupling table. With it in the run file, no
 // surface and no search structure is built again (docs/develop/architecture.md, Walk: one displacement).
 #pragma once
 
@@ -21,7 +21,7 @@ struct ProjectionInputs {
   // Lines of the reports: what was assumed or computed while the model was built; which light is not counted, and which
   // sources of materials have no status.
   std::vector<std::string> notes, limits;
-  std::string warnings, warnings_json;  // of the scene: for people; for editors, JSON lists
+  std::string warnings, warnings_json;  // of the scene: as text; for editors, JSON lists
 };
 
 }  // namespace straytrace::results

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Interface of the results module: run files, curves, tables and texts. All of them can be made again from a run file.
+// Interface of the results module: run files, curves, tables and texts. All of them can be recreated from a run file.
 #pragma once
 
 #include <array>
@@ -31,14 +31,15 @@ struct Provenance {
   std::string created;  // ISO 8601, UTC
 };
 
-// Where light must not go, as the trace was steered: adjoint of each side of each patch (docs/theory/sampling.md).
+// Surfaces that light must not reach, from the steering of the trace: adjoint of each side of each patch
+// (docs/theory/sampling.md).
 struct ImportanceMap {
   struct Strip {
     std::uint32_t group = 0, patch = 0;
     double low = 0, high = 0;  // m, along z
     double area = 0;           // m^2
   };
-  std::vector<Strip> strips;               // all of the scene, in its order; empty: nothing was steered
+  std::vector<Strip> strips;               // all of the scene, in its order; empty: no steering
   std::vector<double> adjoint, law_share;  // front and back of patch 0, of patch 1, ...
 };
 
@@ -48,7 +49,7 @@ struct RunContent {
   std::string main_file, title;
   std::vector<std::string> overrides;  // as written on the command line
   std::string resolved;
-  // Of `files`, what replaces tables of the scene (motion, responses), one a line, in this order; empty: nothing does.
+  // The `files` that replace tables of the scene (motion, responses), one per line, in this order; may be empty.
   std::string motion_file;
   std::string model_hash;
   std::string interferometer;         // Interferometer::description()
@@ -82,7 +83,7 @@ RunFile read_run(std::string const& file);
 
 std::string model_hash(std::span<std::string const> texts);  // sha256 over the texts, each with its length in front
 // sha256 over every dataset and attribute in path order, except /timing and the attribute `created`: equal for equal
-// results, whoever computed them and when.
+// results, independent of machine and time.
 std::string data_hash(std::string const& run_file);
 std::string utc_now();  // "2024-05-01T12:00:00Z"
 
@@ -101,7 +102,7 @@ struct WithError {
   WithError over(double x) const { return {value / x, sigma / x, at_most}; }
 };
 
-// A line in one bin of a curve: what it is in all, since its mean over the bin depends on the width of that.
+// A line in one bin of a curve: its total, since its mean over the bin depends on the width of the bin.
 struct BinLine {
   WithError rms{not_a_number, not_a_number};  // unit of the curve times sqrt(Hz); NaN: no line
   double low = 0, high = 0;                   // Hz, edges of the bin
@@ -129,7 +130,7 @@ struct PathRow {
   std::uint64_t hash = 0;
   std::string port, sequence;
   ClassKind kind = ClassKind::scattered;
-  std::string statement;     // of deterministic routes: what the number is and how far it holds
+  std::string statement;     // of deterministic routes: meaning and validity of the value
   std::size_t vertices = 0;  // 0 for `other`, as the counts below
   std::size_t scatters = 0, reflections = 0, bounces = 0, objects = 0;  // bounces: vertices but the first and the last
   std::string first_scatterer, last_scatterer;                          // of the bounces
@@ -141,7 +142,7 @@ struct PathRow {
   bool faint = false;  // unresolved, but too faint to matter (noise.hpp)
   std::string why_not;
   std::vector<WithError> strain;              // 1/sqrt(Hz), one per frequency; NaN outside the grid
-  std::vector<double> hint;                   // 1/sqrt(Hz), of unresolved routes: what was seen
+  std::vector<double> hint;                   // 1/sqrt(Hz), of unresolved routes: the observed part
   std::vector<double> input_low, input_high;  // of it: what stated inputs leave open; NaN where it was not made
   WithError power;                            // of its strain noise in the band, strain^2
   WithError share;               // of the resolved strain noise power in the band [1]; NaN without a budget
@@ -188,12 +189,12 @@ std::string path_json(PathTable const&, RunContent const&);
 // Columns frequency, mean, sigma, low, high, phase, amplitude, design, ratio. Needs content.noise.
 std::string asd_text(RunContent const&);
 std::string summary_json(RunContent const&, PathTable const&);
-// For people. `assumptions`: further lines for that section.
+// As text. `assumptions`: further lines for that section.
 std::string text_report(RunContent const&, PathTable const&, std::size_t show,
                         std::vector<std::string> const& assumptions = {});
-// Where the light went: emitted, then a line for each term of the energy balance, and whether they balance.
+// The energy balance: emitted, then a line for each term, and whether it closes.
 std::string energy_balance_text(RunContent const&);
-// Power that arrives on each group and what it absorbs, then what media absorb; largest absorber first.
+// Power arriving on each group and absorbed by it, then that absorbed by media; largest absorber first.
 std::string objects_text(RunContent const&);
 // "Stray light stays a factor 6.1 ± 0.2 below the margin line 0.1 x adv-lal between 10 and 500 Hz; ..."
 std::string verdict_sentence(NoiseBudget const&, double low_hz, double high_hz);

@@ -44,7 +44,7 @@ std::optional<Mpi> job;
 
 [[noreturn]] void refuse_transport(std::string const& why) {
   throw InputError(fmt::format("--backend mpi: {}", why),
-                   "build straytrace where MPI is found (scripts/setup --test installs libopenmpi-dev), or divide the "
+                   "build straytrace with MPI installed (scripts/setup --test installs libopenmpi-dev), or divide the "
                    "run: --slice 1/16, and straytrace merge");
 }
 
@@ -61,7 +61,7 @@ Transport& open_mpi() {
   auto const open = reinterpret_cast<decltype(&straytrace_transport_open)>(dlsym(library, "straytrace_transport_open"));
   straytrace_transport mpi = {};
   if (!open || open(straytrace_transport_version, &mpi) != straytrace_transport_version)
-    refuse_transport(fmt::format("'{}' is of another version of straytrace", file));
+    refuse_transport(fmt::format("'{}' is from another version of straytrace", file));
   return job.emplace(mpi);
 }
 
@@ -71,7 +71,7 @@ void close_mpi(int exit_code) {
 
 DirectSum phase_summer(std::string const& backend) {
   if (backend == "cpu") return {};
-  if (backend != "cuda") throw InputError(fmt::format("'{}' does not sum phases", backend), "write cpu or cuda");
+  if (backend != "cuda") throw InputError(fmt::format("'{}' cannot sum phases", backend), "write cpu or cuda");
   std::shared_ptr<DeviceEngine> const engine = cuda_engine();
   return [engine](PhaseTerms const& terms) {
     std::size_t const samples = terms.coordinate.empty() ? 0 : terms.coordinate.front().size();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Other places than this process to compute in: GPUs, and the ranks that mpirun started.
+// Backends outside this process: GPUs, and ranks started by mpirun.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace straytrace::session {
 
-// Only straytrace-mpi.so, next to the program, knows MPI.
-// Loads the library and joins the job, once in a program. Throws InputError with the reason and what to do when the
-// library is not there or cannot be loaded.
+// Only straytrace-mpi.so, next to the program, depends on MPI.
+// Loads the library and joins the job, once in a program. Throws InputError with the reason and the remedy when the
+// library is missing or cannot be loaded.
 Transport& open_mpi();
 
 // Leaves the job, if it was joined, as the last thing that the program does: a job that has lost a rank ends here with

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Warnings on stderr: sentences for people, JSON lists with --format json, nothing with --quiet.
+// Warnings on stderr: sentences, JSON lists with --format json, nothing with --quiet.
 #pragma once
 
 #include <string>
@@ -15,13 +15,13 @@ void print_warnings(ProjectionModel const&, PrintOptions const&);
 void print_warnings(Scene const&, PrintOptions const&);
 void print_warning(std::string const& sentence, PrintOptions const&);  // without a place in a file
 
-// Lines of JSON on stderr for a program that has started this one (straytrace --events): how far a trace is, and the
-// problems of the input. Each is an object with the key `event`; all other lines are for people.
+// Lines of JSON on stderr for a program that runs this one (straytrace --events): progress of a trace, and problems of
+// the input. Each is an object with the key `event`; all other lines are plain text.
 
 void print_events();  // from now on
 bool events_on();
 // {"event": "progress", histories, wanted_histories, seconds, histories_per_s, rays_per_s, error, wanted_error, line};
-// errors are relative, null where there is none; `line` is for people.
+// errors are relative, null where there is none; `line` is plain text.
 void print_progress(TraceProgress const&, std::string const& line);
 void print_problems(InputError const&);  // {"event": "problems", text, "problems": [as problems_as_json]}
 

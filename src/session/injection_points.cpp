@@ -20,7 +20,7 @@ bool is_second_mirror(World const& world, std::uint32_t footprint) {
                      [&](Footprint const& f) { return f.standing && f.beam == all[footprint].beam; });
 }
 
-// Where light that comes back at this footprint joins an arm.
+// Where light returning at this footprint joins an arm.
 InjectionPoint injection_point_of(World const& world, std::uint32_t footprint) {
   bool const standing = world.footprints()[footprint].standing;
   std::uint32_t const mirror = standing ? footprint : world.feeds()[footprint].mirror;
@@ -76,8 +76,8 @@ void check_entrances(Node const& interferometer, std::vector<TracedPort> const& 
     if (entry.kind() != Node::Kind::table || !entry.has("at")) continue;
     std::string const at = entry.word("at");
     if (at == "end-bench" || at == "short-arm")
-      return entry["at"].problem("'lit' has followed this light through the mirror: its transmission would count twice",
-                                 "leave 'at' out: couplings of the port are relative to the light in the arm");
+      return entry["at"].problem("'lit' already includes the transmission of the mirror: it would count twice",
+                                 "remove 'at': couplings of the port are relative to the light in the arm");
   }
 }
 

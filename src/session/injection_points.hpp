@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where light of the ports of a scene joins the interferometer, as far as the scene itself tells.
+// Where light of the ports of a scene joins the interferometer, as far as the scene determines it.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@
 namespace straytrace::session {
 
 // Ports in the order of PortId: behind the second mirror of a cavity `through_end`, at it `end_mirror`, elsewhere
-// `arm`; of a port at several places the first of these that holds, from the input mirror on. Those that a faulty entry
-// could not open stand behind them, so that nothing else complains of their names.
+// `arm`; of a port at several places the first of these that holds, from the input mirror on. Ports of faulty
+// entries come last, so that their names cause no further messages.
 std::vector<TracedPort> traced_ports(Scene const&, World const&);
 
 // Light that `lit` followed through a mirror of a cavity has passed it in its coupling already, twice; the places

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Long work under Ctrl-C, and what it says on stderr meanwhile.
+// Long work that Ctrl-C can stop, and its progress on stderr.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@
 
 namespace straytrace::session {
 
-// While the outermost lives, Ctrl-C, SIGTERM and what batch systems warn with (SIGUSR1, SIGUSR2) ask for a stop; a
-// second Ctrl-C or SIGTERM ends the program at once. One thread makes them.
+// While the outermost object lives, Ctrl-C, SIGTERM and the warning signals of batch systems (SIGUSR1, SIGUSR2) request
+// a stop; a second Ctrl-C or SIGTERM ends the program at once. One thread makes them.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -30,10 +30,10 @@ class InterruptGuard {
   std::array<struct sigaction, signals.size()> before_{};
 };
 
-// Time that is left of work whose share `done` grows evenly from the first call on: what comes before it says nothing.
+// Remaining time of work whose share `done` grows evenly from the first call on; earlier time is ignored.
 class TimeLeft {
  public:
-  // Seconds; NaN as long as nothing has grown.
+  // Seconds; NaN before any growth.
   double at(double seconds, double done) {
     if (std::isnan(first_done_)) first_seconds_ = seconds, first_done_ = done;
     double const grown = done - first_done_;
@@ -54,7 +54,7 @@ class ProgressLine {
   ProgressLine(ProgressLine const&) = delete;
   ProgressLine& operator=(ProgressLine const&) = delete;
 
-  // `line()` makes the text, when it is time.
+  // `line()` returns the text, when due.
   template <class Line>
   void at(double seconds, Line const& line) {
     if (quiet_ || seconds < 0.5) return;

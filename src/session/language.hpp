@@ -16,7 +16,7 @@ struct LanguageKey {
   std::string key;
   nlohmann::ordered_json schema;  // of its value
 
-  std::string text() const;  // what it means, in one sentence
+  std::string text() const;  // meaning, in one sentence
   std::string fact(
       std::string const&) const;  // "type", "range", "default", "page", "example"; empty when there is none
 };

@@ -169,20 +169,20 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   bool const without = !noiseless && !model.scene.root().has("interferometer");
   if (without && !model.scene.root().data()->misspelt)  // otherwise it may be what is misspelt
     model.scene.root().problem(
-        "there is no 'interferometer' that turns light at the ports into strain",
+        "the scene has ports but no 'interferometer' to convert their light to strain",
         "add 'interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, "
         "input_transmission: 1.4 %}', or count watts on 'receivers'");
   else if (!without && !noiseless)
     model.detector = read_detector(model, model.scene.table("interferometer"));
   if (model.detector) refuse_input_mirrors(model.scene, model.world);
   if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
-    model.scene.table("bodies").warning("no body moves, so no route makes noise", "give a body a 'motion'");
+    model.scene.table("bodies").warning("no body moves, so there is no noise", "give a body a 'motion'");
   read_orders(model);
   read_report(model);
   read_ghosts(model.scene);
   warn_of_ghosts_left_out(model.scene, model.world);
   if (Node const table = model.scene.root()["scan"])
-    table.problem("a model has no table 'scan'",
+    table.problem("a model does not take a table 'scan'",
                   "name parameters on the command line: straytrace scan MODEL NAME=lo..hi:n");
   model.scene.throw_if_problems();
   warn_of_gaps(model.motion, model.noise, model.scene.table("bodies"), model.world.wavelength);
@@ -240,10 +240,11 @@ void replace_motion(ProjectionModel& model, std::string const& file, FileTexts c
   else if (noise && model.detector)  // its files must cover the new band too
     model.detector = read_detector(model, model.scene.table("interferometer"));
   if (responses && !(interferometer && interferometer.has("responses")))
-    other.root().problem("this file holds no responses", "write 'interferometer: {responses: {PORT: {...}}}'");
+    other.root().problem("this file contains no responses", "write 'interferometer: {responses: {PORT: {...}}}'");
   else if (responses && (bodies || noise))
     (bodies ? bodies : noise)
-        .problem("a file of responses holds nothing else", "give 'bodies' and 'noise' in the file of --motion");
+        .problem("a file of responses must not contain other tables",
+                 "give 'bodies' and 'noise' in the file of --motion");
   else if (!bodies && !interferometer && !noise && other.root().healthy())
     other.root().problem("this file replaces nothing", "give 'bodies' (also 'interferometer', 'noise')");
   other.throw_if_problems();
@@ -257,8 +258,7 @@ void replace_motion(ProjectionModel& model, std::string const& file, FileTexts c
   if (!read) return;
   for (auto const& [name, text] : other.files())
     if (auto const [at, added] = read->emplace(name, text); !added && at->second != text)
-      throw InputError(fmt::format("the run already holds a file '{}' with other content", name),
-                       "give the new file another name");
+      throw InputError(fmt::format("the run already contains a different file '{}'", name), "rename the new file");
 }
 
 std::string Model::hash() const {

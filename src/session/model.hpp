@@ -47,8 +47,8 @@ double parse_duration(std::string const&);
 inline constexpr std::uint64_t no_limit = 1ull << 36;    // histories
 inline constexpr std::uint64_t fewest_histories = 1000;  // for numbers with errors
 
-// What turns a coupling table into strain noise: motion, interferometer, band and design curves. It holds no surfaces
-// and no search structure, so a run file is opened without them.
+// Inputs of the projection of a coupling table to strain noise: motion, interferometer, band and design curves, without
+// surfaces and search structure, so that a run file is opened without them.
 struct ProjectionModel {
   Scene scene;
   ProjectionInputs traced;  // `materials` and the texts are there once the model has no problems
@@ -76,7 +76,7 @@ struct Model : ProjectionModel {
 
 // Worst error over the goals, scaled so that all hold when it is below wanted_error().
 double stop_rule_error(StopRule const&, Model const&, CouplingTable const&);
-// What the model has not, of what the rule names.
+// Names of the rule that the model lacks.
 std::optional<StopRule::Complaint> complaint_about(StopRule const&, Model const&);
 
 // Reads the scene and everything in it; throws one InputError with all problems. `texts`: of a run file, instead of
@@ -93,7 +93,7 @@ void replace_motion(ProjectionModel&, std::string const& file, FileTexts const* 
 // The motion in a file with nothing to trace, as far as it can be judged without a run: with all problems that
 // `straytrace noise --motion` tells of any run. Warnings are left in the scene.
 MotionSet read_motion_file(Scene const&);
-// Warns of files of motion that do not hold the band of the noise; at `table` those that stand elsewhere.
+// Warns of files of motion that do not cover the band of the noise; at `table` those that stand elsewhere.
 void warn_of_gaps(MotionSet const&, NoiseSettings const&, Node const& table, double wavelength_m);
 
 // Every key with its value in SI, its origin, and how the readers ask for it (type, unit, range, default, choices).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a run file to its model, in one place: what was projected with another motion is read with that motion.
+// From a run file to its model, in one place: a run projected with another motion is read with that motion.
 #pragma once
 
 #include <optional>
@@ -35,7 +35,7 @@ struct OpenRun {
   std::string projected_with;  // files of motion and responses in the order in which they act, a line each
 };
 
-// The input of `run`: a scene file, or a run file that is made again from the texts, seed and stop rule inside it.
+// The input of `run`: a scene file, or a run file that is repeated from the texts, seed and stop rule inside it.
 
 class RunInput {
  public:
@@ -51,7 +51,7 @@ class RunInput {
   std::optional<RunFile> file_;
 };
 
-// A file of the language, a model or motion alone, read by every room that has a part in it.
+// A file of the language, a model or only motion, read by every module involved.
 
 // By its first bytes; whether it is sound read_run() tells.
 bool is_run_file(std::string const& file);

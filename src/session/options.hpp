@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Options that several commands have in common. The struct of a command derives from the one that it needs and adds its
+// Options common to several commands. The struct of a command derives from the one that it needs and adds its
 // own, in the file of the command.
 #pragma once
 

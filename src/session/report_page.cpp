@@ -35,7 +35,7 @@ std::map<std::uint64_t, CouplingClass const*> by_hash(CouplingTable const& coupl
   return all;
 }
 
-// Paths with their part of the noise of the band, of the rows that make all but a hundredth of it.
+// Paths with their part of the noise of the band, of the rows that cause 99 % of it.
 std::vector<NoisyPath> noisy_paths(CouplingTable const& coupling, PathTable const& table, SteeredWorld const& world) {
   constexpr std::size_t most_rows = 24, most_paths = 4096;
   auto const classes = by_hash(coupling);
@@ -135,7 +135,7 @@ std::vector<std::string> read_pictures(Node const& report) {
     wanted.push_back(word.as_word());
     if (word.kind() != Node::Kind::scalar || std::ranges::count(report_pictures(), wanted.back()) > 0) continue;
     std::string const near = nearest_word(wanted.back(), report_pictures());
-    word.problem(fmt::format("a report has no picture '{}'", wanted.back()),
+    word.problem(fmt::format("a report does not have a picture '{}'", wanted.back()),
                  fmt::format("{}write some of: {}", near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
                              fmt::join(report_pictures(), ", ")));
   }
@@ -224,7 +224,7 @@ std::string view_page(Model const& model, SteeredWorld const& world, RunContent 
   std::string const own = model.scene.title();
   page.title = !wanted.title.empty() ? wanted.title : own.empty() ? "straytrace scene" : own;
   page.body =
-      "<noscript><p>This page draws a scene in three dimensions and needs scripts. For a fixed picture: "
+      "<noscript><p>This page draws a scene in three dimensions and needs scripts. For a static picture: "
       "straytrace render SCENE</p></noscript>\n";
   std::vector<GhostReport> const ghosts = ghosts_for_page(model, ghosts_shown);
   std::vector<DrawnPath> paths;

@@ -52,10 +52,10 @@ std::string progress_line(TraceProgress const& p, StopRule const& rule) {
     double const want = p.wanted_error, seen = double(p.error_histories);
     goal = std::isfinite(p.error) ? fmt::format("error {:.2g} % at {:.3g}", 100 * p.error, seen)
            : std::isnan(p.error)  ? "no look yet"
-                                  : fmt::format("something unresolved at {:.3g}", seen);
+                                  : fmt::format("unresolved at {:.3g}", seen);
     goal += fmt::format("  (want {:g} %)", 100 * want);
     left = infinity;
-    if (std::isfinite(p.error)) {  // it falls as the root, and must be seen twice, at looks a factor 1.4 apart
+    if (std::isfinite(p.error)) {  // it falls as the root, and must hold at two checks a factor 1.4 apart
       double const needed = std::max(seen * std::pow(p.error / want, 2), double(p.histories)) * std::sqrt(2.0);
       left = (std::min(needed, double(p.wanted_histories)) - double(p.histories)) / p.histories_per_s;
     }
@@ -75,27 +75,27 @@ void resume_earlier(Model& model, TraceOptions const& options, std::string const
   auto const found = earlier_run(run_file, model.hash(), model.seed, options.force);
   if (!found) return;
   RunFile const& earlier = *found;
-  require_this_program(earlier.about.provenance, run_file,
-                       "choose another place with -o, or trace it anew with --force");
+  require_this_program(earlier.about.provenance, run_file, "choose another file with -o, or trace again with --force");
   std::uint64_t& size = model.world.block_size;
   std::uint64_t const size_before = earlier.trace.coupling.block_size, histories = earlier.trace.total.histories;
   Slice const& before = earlier.trace.slice;
   BlockRange const now = settings.slice.blocks(blocks_of(settings.histories, size));
   if (before.number != settings.slice.number || before.of != settings.slice.of ||
       (!before.whole() && (size_before != size || !(before.blocks(earlier.trace.all_blocks) == now))))
-    throw InputError(
-        fmt::format("'{}' holds {}, which is not {}", run_file, name_of(before, earlier.trace.all_blocks * size_before),
-                    name_of(settings.slice, settings.histories)),
-        "choose another place with -o, or overwrite it with --force; parts become one run by straytrace merge");
-  // Looks count only when they were at the same noise: a rule about h_total depends on motion and detector as well.
+    throw InputError(fmt::format("'{}' contains {}, which is not {}", run_file,
+                                 name_of(before, earlier.trace.all_blocks * size_before),
+                                 name_of(settings.slice, settings.histories)),
+                     "choose another file with -o, or overwrite it with --force; straytrace merge combines parts");
+  // Checks count only for the same noise: a rule about h_total also depends on motion and detector.
   if (earlier.trace.stop_rule == settings.stop_rule && earlier.about.files == model.scene.files() &&
       earlier.about.overrides == model.scene.overrides())
     settings.good_checks = earlier.trace.good_checks;
   bool const enough = histories >= settings.histories || settings.good_checks >= 2,
              anew = size != size_before && !enough;
   if (!options.quiet)
-    std::cerr << (anew ? fmt::format("the {:.3g} histories in '{}' are a whole small run: a longer one begins anew\n",
-                                     double(histories), run_file)
+    std::cerr << (anew ? fmt::format(
+                             "the {:.3g} histories in '{}' are a complete small run: a longer one starts again\n",
+                             double(histories), run_file)
                        : fmt::format("resuming from {:.3g} histories in '{}'\n", double(histories), run_file));
   if (anew) {
     settings.good_checks = 0;
@@ -126,7 +126,7 @@ struct DeterministicLight {
   }
 };
 
-// A full disk is no reason to stop: the file that stood there still does.
+// A full disk is no reason to stop: the previous file remains.
 void save(std::string const& run_file, RunContent const& content, PrintOptions const& options) {
   try {
     write_run(run_file, content);
@@ -139,7 +139,7 @@ void save(std::string const& run_file, RunContent const& content, PrintOptions c
   }
 }
 
-// What must be the same on all ranks.
+// Must be equal on all ranks.
 std::string identity_of(Model const& model) {
   return fmt::format("{} {} {} {}", model.hash(), model.seed, build_info::version, build_info::commit);
 }
@@ -163,7 +163,7 @@ std::optional<RunFile> earlier_run(std::string const& run_file, std::string cons
   std::filesystem::path const folder = std::filesystem::path(run_file).parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder))
     throw InputError(fmt::format("there is no folder '{}' to write to", folder.string()),
-                     "make it first, or choose another one with -o");
+                     "create it first, or choose another one with -o");
   if (std::filesystem::is_directory(run_file))
     throw InputError(fmt::format("'{}' is a folder", run_file),
                      fmt::format("name a file with -o, for example -o {}",
@@ -177,7 +177,7 @@ std::optional<RunFile> earlier_run(std::string const& run_file, std::string cons
     throw InputError(e.reason(), "choose another place with -o, or overwrite it with --force");
   }
   if (earlier.about.model_hash != model_hash || earlier.trace.coupling.seed != seed)
-    throw InputError(fmt::format("'{}' holds a run of another model or seed; nothing was run", run_file),
+    throw InputError(fmt::format("'{}' contains a run of another model or seed; nothing was run", run_file),
                      "choose another place with -o, or overwrite it with --force");
   return earlier;
 }
@@ -331,15 +331,14 @@ void print_warnings(NoiseBudget const& budget, PrintOptions const& options, std:
     print_warning(fmt::format("{}{}{}", where, where.empty() ? "" : ": ", warning), options);
 }
 
-// Of a total that is zero everywhere: why. Motion outside the band makes nothing in it as long as its phase is small.
+// Reason for a total that is zero everywhere. Motion outside the band causes no noise in it while its phase is small.
 static std::string silence(NoiseBudget const& budget) {
   double phase = 0;
   for (NoiseTrace const& t : budget.routes) phase = std::max(phase, std::sqrt(t.mean_square_phase));
-  if (!(phase > 0)) return "stray light makes no strain noise here: nothing on its routes moves";
+  if (!(phase > 0)) return "stray light causes no strain noise here: nothing on its routes moves";
   return fmt::format(
-      "stray light makes no strain noise between {:g} and {:g} Hz: what moves on its routes moves at other "
-      "frequencies, "
-      "by {:.2g} rad rms at most, which does not wrap into this band",
+      "stray light causes no strain noise between {:g} and {:g} Hz: bodies on its routes move at other "
+      "frequencies, by {:.2g} rad rms at most, which does not wrap into this band",
       budget.grid.edges.front(), budget.grid.edges.back(), phase);
 }
 
@@ -394,7 +393,7 @@ std::string make(fs::path const& folder, std::vector<fs::path>& made) {
   }
   std::error_code code;
   if (fs::is_directory(folder, code)) return "";
-  if (fs::is_symlink(folder, code)) return "a link has this name, and what it leads to is not there";
+  if (fs::is_symlink(folder, code)) return "a link has this name, but its target does not exist";
   return fs::exists(folder, code) ? "a file has this name" : std::strerror(error);
 }
 

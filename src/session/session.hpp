@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the commands share: tracing with progress and interruption, and the files of a result.
+// Common parts of the commands: tracing with progress and interruption, and the files of a result.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct TracedModel {
   TraceResult result;
 };
 // Traces, or resumes the run file at `run_file` if it has the same model and seed. Progress goes to stderr; Ctrl-C
-// finishes the blocks under way. From time to time the blocks done so far are written to `run_file`, unless it is
+// finishes the blocks in progress. From time to time the blocks done so far are written to `run_file`, unless it is
 // empty. Throws InputError if that would overwrite the run of another model without --force. `transport`: rank 0 of
 // several.
 TracedModel trace_model(Model&, TraceOptions const&, std::string const& run_file, Transport* transport = nullptr);
@@ -43,12 +43,12 @@ void work_for_rank_0(Model&, unsigned threads, Transport&);
 // Throws InputError when this program would not trace the same bits as the one that wrote `about`.
 void require_this_program(Provenance const& about, std::string const& file, std::string const& remedy);
 
-// The run that stands where this one will be written, if any. Throws InputError when it is of another model or seed and
+// The existing run at the place of this one, if any. Throws InputError when it is of another model or seed and
 // may not be overwritten (`force`), or when nothing can be written there.
 std::optional<RunFile> earlier_run(std::string const& run_file, std::string const& model_hash, std::uint64_t seed,
                                    bool force);
 
-// Holds a folder as long as it lives, so that two runs cannot write into one. Throws InputError when another holds it.
+// Locks a folder while it lives, so that two runs cannot write to it. Throws InputError when another run has the lock.
 class FolderLock {
  public:
   explicit FolderLock(std::string const& folder);
@@ -65,21 +65,21 @@ inline constexpr char no_way_to_go_on[] = "stopped early; with -o FOLDER the sam
 inline constexpr char how_to_go_on[] = "stopped early with a valid result; the same command resumes from here\n";
 
 RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);
-// run.h5, h_asd.txt, paths.csv, report.txt, report.png in the folder; returns what could not be drawn.
+// run.h5, h_asd.txt, paths.csv, report.txt, report.png in the folder; returns failures of pictures.
 std::string write_results(std::string const& folder, RunContent const&, PathTable const&, ProjectionModel const&);
 
-// What a trace has found: coupling table, receivers, energy balance on stdout; merits, and what to do next, on stderr.
+// Results of a trace: coupling table, receivers, energy balance on stdout; figures of merit and next steps on stderr.
 void print_traced(RunContent const&, Model const&, std::string const& run_file, PrintOptions const&);
 
-// The line that matters: total strain at 10, 30, 100 Hz with errors, and the ratio to the first design curve.
+// The summary line: total strain at 10, 30, 100 Hz with errors, and the ratio to the first design curve.
 std::string headline(NoiseBudget const&, PathTable const&);
 
 PathTable table_for(CouplingTable const&, NoiseBudget const*, ProjectionModel const&);
 
-// What a reader of the noise must know, to stderr unless that is to be quiet. `where`: a point of a scan, or empty.
+// Warnings about the noise, to stderr unless quiet. `where`: a point of a scan, or empty.
 void print_warnings(NoiseBudget const&, PrintOptions const&, std::string const& where = {});
 
-// A folder for results that is there before anything is computed, and gone again when nothing came of it.
+// A folder for results that is created before the computation and removed again without a result.
 
 class OutputFolder {
  public:

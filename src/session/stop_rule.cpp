@@ -72,7 +72,7 @@ double worst_receiver(Goal const& goal, CouplingTable const& table) {
   return worst;
 }
 
-// Of one named route, or of all that bring more than 1 % of what their end gets.
+// Of one named route, or of all with more than 1 % of the light of their end.
 double worst_route(Goal const& goal, CouplingTable const& table) {
   double worst = 0;
   bool found = false;
@@ -103,7 +103,7 @@ double worst_noise(Goal const& goal, NoiseBudget const& budget) {
   };
   bool const any = std::any_of(budget.routes.begin(), budget.routes.end(), [](auto const& r) { return r.resolved; });
   bool const still = std::all_of(budget.total.asd.begin(), budget.total.asd.end(), [](double h) { return h == 0; });
-  if (any && still && budget.unresolved.empty()) return 0;  // nothing moves: no error is left to lower
+  if (any && still && budget.unresolved.empty()) return 0;  // nothing moves: no error to reduce
   double error = worst(budget.total);
   if (goal.of == Goal::Of::routes) {
     double total = 0;
@@ -152,7 +152,7 @@ std::optional<StopRule::Complaint> complaint_about(StopRule const& rule, Model c
   names.emplace_back("other");
   for (Goal const& goal : rule.goals) {
     if (about_noise(goal) && !model.detector)
-      return StopRule::Complaint{"without an interferometer there is no h, so no rule about it",
+      return StopRule::Complaint{"without an interferometer there is no h for a stop rule",
                                  "write for example 'receiver:* < 5 %'"};
     if (goal.of == Goal::Of::receiver && receivers.empty())
       return StopRule::Complaint{"the scene has no receivers", "write for example 'h_total < 5 %'"};
@@ -163,7 +163,7 @@ std::optional<StopRule::Complaint> complaint_about(StopRule const& rule, Model c
     if (goal.of == Goal::Of::route && goal.name != "*")
       for (std::string const& group : groups_in(goal.name))
         if (std::find(names.begin(), names.end(), group) == names.end())
-          return StopRule::Complaint{fmt::format("'{}' in '{}' is nothing that routes pass", group, goal.name),
+          return StopRule::Complaint{fmt::format("'{}' in '{}' is not an object of any route", group, goal.name),
                                      nearest_of(group, names, "surfaces")};
   }
   return {};

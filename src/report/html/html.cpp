@@ -76,7 +76,7 @@ std::string static_head(StaticReport const& r) {
 }
 
 std::string static_body(StaticReport const& r, PathTable const& table) {
-  std::string text = "<noscript>\n<p>Scripts are off: this is the fixed part of the report.</p>\n";
+  std::string text = "<noscript>\n<p>Scripts are off: this is the static part of the report.</p>\n";
   if (!r.picture.bytes.empty())
     text += fmt::format("<p><img alt=\"noise budget\" class=\"budget\" src=\"data:image/{};base64,{}\"></p>\n",
                         r.picture.type, base64(r.picture.bytes.data(), r.picture.bytes.size()));

@@ -17,11 +17,11 @@ struct HtmlPage {
   std::string title, body;            // body: HTML shown without scripts
   nlohmann::json data;                // for the scripts
   std::vector<std::string> scripts;   // of data/page, in order
-  bool plots = false, scene = false;  // which libraries they need
+  bool plots = false, scene = false;  // libraries that they need
 };
 std::string html_text(HtmlPage const&);
 
-// Verdict, picture, table and text of a run as HTML, for browsers without scripts.
+// Summary sentence, picture, table and text of a run as HTML, for browsers without scripts.
 struct Picture {
   std::string type, bytes;  // "png", "svg+xml"; no bytes: none
 };

@@ -21,7 +21,7 @@ static_assert(std::endian::native == std::endian::little);  // typed arrays of b
 
 namespace {
 
-// All digits that a picture of 40 km needs: 1e-5 m.
+// Digits needed for a picture of 40 km: 1e-5 m.
 double metres(double x) { return std::round(x * 1e6) * 1e-6; }
 PageJson vector_json(Vec3 p) { return {metres(p.x), metres(p.y), metres(p.z)}; }
 
@@ -124,7 +124,7 @@ PageJson lit_json(World const& world) {
 
 namespace {
 
-// Densities of the cells of a map; null where nothing was seen.
+// Densities of the cells of a map; null without light.
 PageJson cells_json(CellValues const& map, double scale, bool per_area) {
   std::vector<double> places, value, error;
   for (std::size_t i = 0; i < map.cells.size(); ++i) {
@@ -191,7 +191,7 @@ PageJson values_of(RouteColumn const& c) {
   return list;
 }
 
-// `units`: what a filter may write behind a number, of columns of numbers.
+// `units`: units that a filter accepts after a number, of columns of numbers.
 PageJson column_json(RouteColumn const& c) {
   PageJson j{{"key", c.key}, {"title", c.title}, {"unit", c.unit}, {"help", c.help}, {"values", values_of(c)}};
   j["shown"] = c.shown_first;
@@ -221,7 +221,7 @@ using Floats = std::vector<float>;
 
 std::string floats_text(Floats const& all) { return base64(all.data(), all.size() * sizeof(float)); }
 
-// What the page needs to leave rows out of the total: per bin, the share of the PSD of the total that a route makes,
+// Data to remove rows from the total on the page: per bin, the share of a route in the PSD of the total,
 // and asd * sigma over that PSD, of the loudest routes; the rest of the resolved ones in one sum.
 PageJson shares_json(NoiseTrace const& total, std::vector<NoiseTrace const*> const& routes) {
   constexpr std::size_t most = 400;

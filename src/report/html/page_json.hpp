@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a page is made of, as JSON: the scripts of the page draw it and compute nothing. Lengths in m, couplings over
+// Data of a page as JSON: the scripts of the page only draw it. Lengths in m, couplings over
 // the main mode, strain as one-sided ASD in 1/sqrt(Hz); null: not resolved or not known.
 #pragma once
 
@@ -30,7 +30,7 @@ PageJson provenance_json(RunContent const&);
 PageJson energy_balance_json(RunContent const&);  // terms of the energy balance and objects, each with its error
 PageJson convergence_json(RunContent const&,
                           PathTable const&);  // error against histories, from the replicas; figures of merit
-PageJson inputs_json(RunContent const&);      // what is not exactly known, and its share of the noise
+PageJson inputs_json(RunContent const&);      // uncertain inputs, and their share of the noise
 PageJson receivers_json(RunContent const&);   // routes and maps of receivers
 PageJson maps_json(std::vector<SurfaceMap> const&, double beam_power);
 
@@ -40,7 +40,7 @@ PageJson rays_json(World const&, std::vector<RaySegment> const&);
 PageJson told_json(std::vector<HistoryEvent> const&);
 PageJson lit_json(World const&);  // spots of beams on surfaces, and ports
 
-// What a material does to light, for scripts and pages.
+// Optical properties of a material, for scripts and pages.
 
 inline constexpr double material_angles[] = {0, 10, 20, 30, 40, 50, 60, 70, 80, 85, 89};  // deg of incidence, of shares
 inline constexpr double material_incidences[] = {0, 30, 60, 80};                          // deg, of BSDF curves
@@ -50,7 +50,7 @@ std::vector<double> material_offsets(int per_decade, double low, double high);  
 nlohmann::json material_json(WorldView const&, MaterialInfo const&, std::vector<std::string> const& notes,
                              int per_decade = 30);
 
-// All materials of a scene, with the measured points of tables: {deg, offset, bsdf} each, and how well each is known.
+// All materials of a scene, with the measured points of tables: {deg, offset, bsdf} each, and their uncertainties.
 nlohmann::json materials_json(Scene const&, World const&);
 
 }  // namespace straytrace::report

@@ -12,11 +12,11 @@
 namespace straytrace::report {
 namespace {
 
-// Errors stay below 30 % where a cell has a dozen paths: what has more than twice as many is halved.
+// Errors stay below 30 % with a dozen paths per cell: cells with more than twice as many are halved.
 constexpr double most_paths_in_cell = 24;
 constexpr std::size_t most_cells = 512;
 // Histories that make the cells of light are others than those that fill them, a quarter as many: six to twelve
-// arrivals of theirs become 24 to 48. Arrivals count whatever their power: one that carries most of it would otherwise
+// arrivals of theirs become 24 to 48. Arrivals count independent of their power: otherwise one with most of it would
 // leave a single cell.
 constexpr std::uint64_t pilot_part = 4;
 constexpr double most_pilots_in_cell = 12;
@@ -155,7 +155,7 @@ std::vector<SurfaceMap> noise_maps(World const& world, std::vector<NoisyPath> co
 
 namespace {
 
-// Hears of every arrival on the groups with a map: each(map, place, power).
+// Receives every arrival on the groups with a map: each(map, place, power).
 template <class Each>
 class ArrivalSink {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where on a surface: the square centimetres that make the noise, and the light that arrives on them.
+// Maps of surfaces: the square centimetres that cause the noise, and the light arriving on them.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct CellValues {
 
 // All instances of a name are laid over one another, in the frame of their shapes: polar about the axis of round ones,
 // in x and y across the axis of others, unrolled where the shape is longer than wide or a cylinder. Areas are those of
-// the map. Cells and values are functions of the run alone, however it was traced.
+// the map. Cells and values are functions of the run alone, independent of how it was traced.
 struct SurfaceMap {
   std::string name;
   GroupId group;

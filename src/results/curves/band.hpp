@@ -12,7 +12,7 @@ constexpr double wrapped_from = 1;  // rad rms; above, fringes wrap (docs/theory
 
 // {low, high}, or the whole grid when high <= low.
 std::pair<double, double> band_of(FrequencyGrid const&, double low, double high);
-// How the noise of a route comes about over the band: "linear" where motion of the same frequency makes most of it,
+// Origin of the noise of a route over the band: "linear" where motion of the same frequency causes most of it,
 // "wrapped" where fringes wrap, "linear > 13 Hz" and "linear < 5 Hz" with one change, "mixed" with more. Without shares
 // per frequency by the rms phase alone; "-" where nothing moves.
 std::string regime(NoiseTrace const&, FrequencyGrid const&, double low, double high);

@@ -53,7 +53,7 @@ void check_curve_ending(std::string const& file, std::string const& option) {
   std::string const ending = fs::path(file).extension().string();
   for (char const* known : {".txt", ".csv", ".json", ".hdf5", ".h5", ".png", ".html"})
     if (ending == known) return;
-  throw InputError(fmt::format("{}{}'{}' does not end as a format", option, option.empty() ? "" : ": ", file),
+  throw InputError(fmt::format("{}{}'{}' does not have a known ending", option, option.empty() ? "" : ": ", file),
                    "end it with .txt, .csv, .json, .hdf5, .png or .html");
 }
 
@@ -178,14 +178,14 @@ std::string json(MapSheet const& map) {
 
 }  // namespace straytrace::results::curve_format
 
-// Curves and maps as gwpy reads them: TimeSeries, FrequencySeries and Spectrogram, all with regular axes.
+// Curves and maps for gwpy: TimeSeries, FrequencySeries and Spectrogram, all with regular axes.
 namespace straytrace::results::curve_format {
 namespace {
 
 double regular_step_of(std::vector<double> const& axis, std::string const& name, std::string const& file) {
   if (double const step = regular_step(axis); step > 0) return step;
   std::string const stem = file.substr(0, file.rfind('.'));
-  throw InputError(fmt::format("'{}': the axis '{}' is not regular, and gwpy files hold regular axes only", file, name),
+  throw InputError(fmt::format("'{}': the axis '{}' is not regular, as gwpy files require", file, name),
                    fmt::format("write it as text: -o {}.txt", stem));
 }
 
@@ -260,7 +260,7 @@ std::string hdf5(MapSheet const& map, std::string const& file) {
 namespace straytrace::results::curve_format {
 namespace {
 
-constexpr std::size_t most_rows = 2000;  // a browser stays quick; the numbers are complete in the other formats
+constexpr std::size_t most_rows = 2000;  // keeps browsers responsive; the numbers are complete in the other formats
 
 std::string head(std::string const& title, std::vector<std::string> const& notes, std::string const& png) {
   std::string page = fmt::format(

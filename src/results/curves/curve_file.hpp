@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Curves of the commands that work with data, in whatever format the name of the file asks for.
+// Curves of the commands for recorded data, in the format given by the name of the file.
 #pragma once
 
 #include <string>
@@ -38,7 +38,7 @@ struct MapSheet {
 // .json. All files or none. Throws InputError for another ending or a failing disk.
 void write_curves(std::vector<std::string> const& files, CurveSheet const&);
 void write_map(std::vector<std::string> const& files, MapSheet const&);
-// What the .json files hold, for standard output.
+// Content of the .json files, for standard output.
 std::string curve_json(CurveSheet const&);
 std::string curve_json(MapSheet const&);
 // Before anything is computed: throws InputError when write_curves has no format for the ending. `option`: in front.

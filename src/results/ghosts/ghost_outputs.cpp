@@ -23,7 +23,7 @@ std::string spot_text(Spot const& s) {
                                    : fmt::format("{:.3g}x{:.3g}", 1e3 * s.major, 1e3 * s.minor);
 }
 
-// Long ways keep their ends; programs get all of it.
+// Long paths keep their ends; programs get the complete path.
 std::string short_route(std::string const& route) {
   constexpr std::string_view sign = " > ";
   constexpr std::size_t shown_before = 3, shown_behind = 2;
@@ -274,7 +274,7 @@ std::string sums_text(GhostReport const& report) {
       "Recoupled, each ghost once where it comes into line: {:.3g} with the main beam, {:.3g} against it, back to the "
       "launch.\n",
       report.recoupled_with, report.recoupled_against);
-  if (report.has_port && report.families == 0) return text + fmt::format("No ghost comes to port {}.\n", report.port);
+  if (report.has_port && report.families == 0) return text + fmt::format("No ghost reaches port {}.\n", report.port);
   if (report.has_port)
     text += fmt::format(
         "At port {}: {:.3g} of the main mode in {} families of equal phase sensitivities, {} within each. Powers "

@@ -48,7 +48,7 @@ void for_each_met(World const& world, Ghost const& g, F&& f) {
   }
 }
 
-// Whether a way there and back is its own reverse.
+// Whether a round trip is its own reverse.
 bool is_own_reverse(std::vector<PathStep> const& steps) {
   return std::equal(steps.begin(), steps.begin() + std::ptrdiff_t(steps.size() / 2), steps.rbegin());
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The table of ghosts: the ones that count most, whatever their number, the families that make noise together, and the
-// objects they meet. Memory is bounded by the number of rows kept and of families.
+// The table of ghosts: the strongest of any number, the families with common phase sensitivities, and the objects they
+// meet. Memory is bounded by the number of rows kept and of families.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -25,10 +25,11 @@ using GhostStrain = std::array<double, 3>;                          // 1/sqrt(Hz
 // with the phases of the geometry as it is written.
 enum class GhostSum : std::uint8_t { independent, coherent };
 
-// How far ghosts are followed, and how they add: the table `ghosts` of a scene, or the command line.
+// Limits and summation of ghosts: the table `ghosts` of a scene, or the command line.
 struct GhostSettings {
   static constexpr double default_floor = 1e-15;
-  double floor = default_floor;  // least power followed, over what leaves: of a cavity, what its mirror lets through
+  double floor =
+      default_floor;  // smallest power followed, over the launched power: of a cavity, that transmitted by its mirror
   std::uint32_t order = TreeLimits{}.order;
   GhostSum sum = GhostSum::independent;
   TreeLimits limits(BeamLaunch const& launch) const {
@@ -97,7 +98,7 @@ struct GhostRow {
   double key = 0;
 };
 
-// What an object does to ghosts.
+// Effect of an object on ghosts.
 struct GhostObject {
   double ends = 0;       // ghost power that is absorbed or scattered there, or passes beside its rim; over the launched
   double recoupled = 0;  // share of the recoupled light that has met or left it as a ghost: saved by a perfect dump

@@ -113,7 +113,7 @@ void check_squeezer(IfoTree& t, Squeezer const& q) {
     t.problem("Squeezer.AntiAmplitudedB",
               fmt::format("'Squeezer.AntiAmplitudedB' is {:g}, less than the squeezing of {:g} dB", q.anti_decibels,
                           q.decibels),
-              "write at least as many dB as of Squeezer.AmplitudedB, or leave it out");
+              "write at least as many dB as Squeezer.AmplitudedB, or remove it");
 }
 
 void check_waves(IfoTree& t, Ground const& g) {
@@ -128,7 +128,7 @@ void check_readout(IfoTree& t, Detector const& d) {
   if (!DualRecycled(dual_recycled(d)).sees_darm(probe_hz))
     t.problem(
         "Optics.Quadrature.dc",
-        fmt::format("at 'Optics.Quadrature.dc' {:g} rad the read-out does not see the arms move", d.readout_angle),
+        fmt::format("at 'Optics.Quadrature.dc' {:g} rad the read-out has no response to the arms", d.readout_angle),
         "write 1.5707963 (pi/2), where the signal of a tuned interferometer is");
 }
 
@@ -153,7 +153,7 @@ std::string named_preset(std::string const& name) {
   return std::string(embedded_file(std::string(preset_folder) + name + ".yaml"));
 }
 
-// Presets may build upon others. Number of the first source that is not a preset.
+// Presets may extend others. Number of the first source that is not a preset.
 std::size_t add_with_base(IfoTree& t, std::string const& source, std::string const& text, int depth) {
   IfoTree alone;
   alone.add(source, text);
@@ -164,7 +164,7 @@ std::size_t add_with_base(IfoTree& t, std::string const& source, std::string con
     if (preset.empty() || depth > 4) {
       std::vector<std::string> const known = ifo_presets();
       std::string const near = nearest_word(base, known);
-      alone.problem("extends", fmt::format("there is no preset '{}'", base),
+      alone.problem("extends", fmt::format("preset '{}' does not exist", base),
                     near.empty() ? fmt::format("write one of: {}", fmt::join(known, ", "))
                                  : fmt::format("did you mean '{}'?", near));
       alone.throw_if_problems();

@@ -10,7 +10,7 @@
 
 namespace straytrace::results {
 
-// A noise given as a table of two columns, Hz and ASD. Named like a fundamental noise it takes its place.
+// A noise given as a table of two columns, Hz and ASD. Named like a fundamental noise it replaces it.
 struct CurveFile {
   std::string name, file;     // file: as it can be opened
   bool displacement = false;  // m/sqrt(Hz) of the difference of the arms, instead of strain
@@ -21,13 +21,13 @@ struct IfoFile {
   std::string title;              // name of the file or preset; empty: unnamed
   std::string compare;            // design curve that belongs to it; empty: none
   std::vector<CurveFile> curves;  // technical noises
-  std::string yaml;               // all its values, as pygwinc reads them
+  std::string yaml;               // all its values, in the form of pygwinc
 };
 
 std::vector<std::string> ifo_presets();
 // A preset, or a YAML file. Unknown keys are accepted, unless the file has `extends: PRESET`: then it may only change
-// or add what is understood. Overrides: "Laser.Power=25", in SI. Throws InputError with everything that is wrong or
-// missing.
+// or add known keys. Overrides: "Laser.Power=25", in SI. Throws InputError with all problems and missing
+// values.
 IfoFile read_ifo(std::string const& preset_or_file, std::vector<std::string> const& overrides = {});
 
 }  // namespace straytrace::results

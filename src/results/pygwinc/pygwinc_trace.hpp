@@ -9,7 +9,7 @@
 
 namespace straytrace::results {
 
-// A noise with what it is the sum of.
+// A noise with its parts.
 struct BudgetTrace {
   std::string name, label;  // name: of the group; label: for pictures
   std::vector<double> psd;  // strain^2/Hz

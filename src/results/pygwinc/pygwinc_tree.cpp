@@ -84,7 +84,7 @@ void IfoTree::add(std::string const& source, std::string const& yaml) {
     if (!root.IsMap()) {
       problems_.push_back({{std::uint32_t(number), 1, 1},
                            "this is not a description of an interferometer",
-                           "write keys as in pygwinc's ifo.yaml, or 'extends: aligo' and what differs"});
+                           "write keys as in pygwinc's ifo.yaml, or 'extends: aligo' and the differences"});
       return;
     }
     collect(collect, root, "");
@@ -297,7 +297,7 @@ CoatingMaterial read_coating(IfoTree& t, std::string const& end) {  // "lown", "
   for (char const* what : {"PET", "lossB", "lossS"})  // experimental options of pygwinc
     if (std::string const path = at + what + end; t.has(path))
       t.problem(path, fmt::format("'{}' is not taken into account", path),
-                "leave it out: losses are equal in bulk and shear, and there is no photo-elastic effect");
+                "remove it: losses are equal in bulk and shear, without photo-elastic effect");
   return m;
 }
 

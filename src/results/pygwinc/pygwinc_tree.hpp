@@ -20,12 +20,12 @@ class IfoTree {
     std::string text;
     Place place;  // file: number of the source
   };
-  // Adds the values of a text over those that are there; a list takes the place of an earlier one.
+  // Adds the values of a text to the existing ones; a list replaces an earlier one.
   void add(std::string const& source, std::string const& yaml);
   void set(std::string const& path, std::string const& text);           // from the command line
   bool has(std::string const& path) const;                              // value, table or list
   std::optional<std::size_t> source_of(std::string const& path) const;  // which source gave it; none: none, or ".nan"
-  void drop(std::string const& path);                                   // as if nobody had given it
+  void drop(std::string const& path);                                   // as if not given
   // Number at a path; NaN when it is not there or ".nan", `needed`: with a problem; NaN and a problem when it is no
   // number or out of its range.
   double number(std::string const& path, bool needed = true);
@@ -55,7 +55,7 @@ std::vector<GasSpecies> read_gas(IfoTree&);
 Ground read_ground(IfoTree&);
 std::optional<Squeezer> read_squeezer(IfoTree&);  // none: no squeezed light
 
-// What the numbers of an ifo.yaml may be, by the end of their path.
+// Ranges of the numbers of an ifo.yaml, by the end of their path.
 
 // Empty when the number is valid at this path ("Suspension.Stage.0.Mass"), otherwise what it must be.
 std::string out_of_range(std::string_view path, double value);

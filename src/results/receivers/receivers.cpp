@@ -46,7 +46,7 @@ void take_census(ReceiverEntry& entry, CouplingTable const& table, std::vector<C
       objects[name].second.push_back(route.rank);
     }
   }
-  auto const& histories = table.replica_histories;  // without all of them, what routes have in common is not known
+  auto const& histories = table.replica_histories;  // without all of them, correlations of routes are unknown
   bool const known = std::find(histories.begin(), histories.end(), 0u) == histories.end();
   for (auto const& [name, found] : objects) {
     WithError const sum = found.first.result();
@@ -82,7 +82,7 @@ ReceiverEntry entry_of(CouplingTable const& table, std::size_t number, BlockSums
 }  // namespace
 
 CellEstimates cell_estimates(MapSums const& map, std::uint64_t histories, std::uint64_t blocks) {
-  constexpr double faintest = 1e-290;  // of squares: below, what single blocks add has lost digits or is gone
+  constexpr double faintest = 1e-290;  // of squares: below, contributions of single blocks lose precision or underflow
   constexpr double rounding = 1e-13;   // relative, of sums of squares
   CellEstimates cells;
   double const n = double(histories), b = double(blocks);
@@ -123,7 +123,7 @@ ReceiverTable receiver_table(RunContent const& run) {
   return table;
 }
 
-// The columns of receivers and their routes, and of the objects that the light has met.
+// The columns of receivers and their routes, and of the objects met by the light.
 
 namespace {
 
@@ -294,7 +294,7 @@ std::vector<TableColumn<ObjectRow>> object_columns(double beam_power) {
 
 // clang-format on
 
-// Receivers for people: their light, its routes, and the objects that it has met.
+// Receivers as text: their light, its routes, and the objects that it met.
 
 // Relative power, and in watts where the power of the beam is known.
 void add_power(std::vector<std::string>& row, WithError p, bool resolved, double beam_power) {
@@ -377,7 +377,7 @@ std::string receiver_text(ReceiverTable const& table, std::size_t show) {
 
 std::string census_text(ReceiverTable const& table, std::size_t show) {
   if (table.receivers.empty()) return "The scene has no receivers.\n";
-  std::string text = "What the light that arrives has met. " + units_text(table) +
+  std::string text = "Objects met by the arriving light. " + units_text(table) +
                      ".\nA path counts once for every object it touches, so shares add up to more than 100 %.\n";
   for (ReceiverEntry const& r : table.receivers)
     text += headline(r) + census(table, r, show) + "\n" + routes(table, r, show);
@@ -444,7 +444,7 @@ std::string receiver_json(ReceiverTable const& table, RunContent const& run) {
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-// Which source lights which receiver: the resolved routes, summed by the object they start from.
+// Sources by receiver: the resolved routes, summed by the object where they start.
 
 namespace {
 
@@ -495,7 +495,7 @@ std::string source_text(ReceiverTable const& table) {
     hints.push_back(hint > 0 ? fmt::format("about {:.1g}", hint) : "-");
   }
   c.rows.push_back(std::move(hints));
-  return "Power on each receiver (columns) by the object it starts from, over that of the main mode; (n): one "
+  return "Power on each receiver (columns) by the object where it starts, over that of the main mode; (n): one "
          "standard\n"
          "error, last digits. Resolved routes; errors of routes added in quadrature.\n\n" +
          aligned(c);

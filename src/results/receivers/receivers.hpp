@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Light in watts: tables of receivers, their routes, the census of what the light has met, and their maps.
+// Light in watts: tables of receivers, their routes, the census of objects met by the light, and their maps.
 #pragma once
 
 #include <complex>
@@ -26,7 +26,7 @@ struct FieldMap {
 };
 FieldMap field_map(Receiver const&, ReceiverSums const&, std::uint64_t histories);
 
-// Words of a chart of cells, as files and pages have them, by Chart.
+// Names of a chart of cells in files and pages, by Chart.
 inline constexpr std::string_view chart_names[] = {"plane", "polar", "unrolled"};
 
 struct ReceivedRoute {
@@ -34,13 +34,13 @@ struct ReceivedRoute {
   std::uint64_t hash = 0;
   std::string sequence;
   Estimate power;                    // W per W of the main mode
-  WithError share;                   // of what the receiver gets [1]
+  WithError share;                   // of the light of the receiver [1]
   std::vector<std::string> objects;  // groups passed, each once, without the receiver; none for `other`
   std::size_t folded_routes = 0;     // of `other`: how many it sums
   std::vector<FoldedRow> folded;     // the largest of them, descending
 };
 
-// A named object among what the light of a receiver has met, source included.
+// A named object met by the light of a receiver, including the source.
 struct CensusRow {
   std::string object;               // empty: routes without names (too long, or too faint for a row of their own)
   WithError power;                  // of all routes that touch it; NaN error below 32 blocks

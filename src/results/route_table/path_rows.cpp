@@ -14,7 +14,7 @@
 namespace straytrace::results {
 namespace {
 
-// What shakes, and the mean-square phase in the band, or in all, per unit of kappa of each class.
+// The moving bodies, and the mean-square phase in the band, or in total, per unit of kappa of each class.
 struct Shaking {
   MotionSet const* motion = nullptr;
   std::vector<MotionClass> classes = {};
@@ -47,7 +47,7 @@ void add_phase_sensitivity(BodyPart& part, double weight, PhaseSensitivity const
   for (std::size_t i = 0; i < kappa.size(); ++i) part.phase2 += weight * shaking->power[i] * kappa[i];
 }
 
-// The body that shakes the phase most. Without motion, the one with the largest phase sensitivity, named with those
+// The body with the largest phase noise. Without motion, the one with the largest phase sensitivity, named with those
 // that are equal to it within 1 %: the phase sees their relative motion.
 void find_body(PathRow& row, CouplingClass const& c, std::vector<std::string> const& names, Shaking const* shaking) {
   std::map<std::uint32_t, BodyPart> parts;
@@ -96,7 +96,7 @@ void find_shares(std::vector<PathRow>& rows) {
     if (row.resolved) row.share = ReplicaSum(row.power, row.replicas).share_of(total);
 }
 
-// What follows from the steps of a route.
+// Columns derived from the steps of a route.
 void count_steps(PathRow& row, CouplingTable const& table, CouplingClass const& c) {
   std::set<std::uint32_t> met;
   row.vertices = c.steps.size();
@@ -202,7 +202,7 @@ PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, M
       table.lines.push_back(line_at(budget->total, budget->grid, f));
     }
   }
-  // In the linear regime the motion inside the band makes the noise; where fringes wrap, all of it does.
+  // In the linear regime the motion inside the band causes the noise; where fringes wrap, all of it does.
   Shaking in_band, all;
   if (motion) {
     in_band = shaking_of(*motion, table.low, table.high);

@@ -57,7 +57,7 @@ Line rest_of(PathTable const& table, std::size_t first, PathTable const& whole, 
   return line;
 }
 
-// What was seen of unresolved routes is in the total, each with an error as large as itself.
+// The observed part of unresolved routes is in the total, each with an equal error.
 Line hints_of(PathTable const& table) {
   std::vector<double> square(table.frequencies.size()), variance(table.frequencies.size());
   double coupling = 0, coupling_variance = 0;
@@ -93,7 +93,7 @@ void add_total_strain(Line& line, PathTable const& table) {
   }
 }
 
-// The last lines: the sum, or that of resolved routes, what was seen of the others, and both together.
+// The last lines: the sum, or that of resolved routes, the observed part of the others, and the total.
 std::vector<Line> sums_of(PathTable const& table) {
   bool const nothing = table.unresolved == table.rows.size();
   Line const hints = hints_of(table);
@@ -135,7 +135,7 @@ std::string explanation(PathTable const& table) {
 
 constexpr std::size_t folded_shown = 5;
 
-// What deterministic routes hold, each statement once with the routes it is about; also of rows that are not shown.
+// Statements of deterministic routes, each once with its routes; also of rows that are not shown.
 std::string statements(PathTable const& table, std::size_t show) {
   constexpr std::size_t named = 4;
   std::vector<std::pair<std::string, std::vector<PathRow const*>>> all;

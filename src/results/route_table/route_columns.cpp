@@ -21,7 +21,7 @@ constexpr char const* unresolved = "unresolved";
 constexpr char const* still = "still";
 constexpr char const* strain_unit = "1/√Hz";
 
-// A route without moving surfaces makes exactly no noise.
+// A route without moving surfaces causes exactly no noise.
 bool moves(PathRow const& row) { return !row.resolved || row.rms_phase > 0; }
 
 std::string share_text(PathRow const& row) {

@@ -41,7 +41,7 @@ struct RouteColumn {
 class RouteColumns {
  public:
   explicit RouteColumns(std::vector<RouteColumn> columns);  // all of one length
-  // `budget` may be null; with it h is known at any frequency of its grid. It must outlive this.
+  // `budget` may be null; with it h is available at any frequency of its grid. It must outlive this.
   RouteColumns(PathTable const&, NoiseBudget const* budget);
 
   std::deque<RouteColumn> const& all() const { return all_; }
@@ -60,7 +60,7 @@ class RouteColumns {
   NoiseBudget const* budget_ = nullptr;
 };
 
-// To six digits, as columns are compared and drawn: more than any error of them holds.
+// To six digits, as columns are compared and drawn: more precise than their errors.
 double six_digits(double);
 
 // Names of the objects on a route: ITM, baffles of "ITM·S > baffles·S". None for a row `other`, which sums many routes.

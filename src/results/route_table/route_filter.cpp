@@ -267,7 +267,7 @@ class Filter {
     }
     return compared(word, name, *columns_.find(name));
   }
-  // What follows a name that is not known, so that the rest is read as well.
+  // The rest after an unknown name, so that reading continues.
   Test skipped() {
     if (words_.takes("("))
       while (words_.here().kind != Kind::end && !words_.takes(")")) words_.next();

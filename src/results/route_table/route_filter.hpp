@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which rows of a path table: via("NE_bench/*") and scatters == 2 and h(30 Hz) > 1e-25, or plain words. The same
+// Filters of a path table: via("NE_bench/*") and scatters == 2 and h(30 Hz) > 1e-25, or plain words. The same
 // language as in the filter of a report (data/page/filter.js); docs/reference/filter.md.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace straytrace::results {
 
-// What is wrong with bytes [begin, begin + width) of a filter.
+// A problem at bytes [begin, begin + width) of a filter.
 struct FilterProblem {
   std::size_t begin = 0, width = 1;
   std::string what, suggestion;
@@ -19,12 +19,12 @@ struct FilterProblem {
 struct FilterAnswer {
   std::vector<std::size_t> rows;  // those let through, in the order of the table; empty where there are problems
   std::vector<FilterProblem> problems;
-  std::vector<std::string> notes;  // patterns that fit no route at all
+  std::vector<std::string> notes;  // patterns that match no route
 };
 
 FilterAnswer filtered(std::string_view text, RouteColumns&);
 
-// Rows by a column, largest number first, texts and ranks from the first; what is not known comes last.
+// Rows by a column, largest number first, texts and ranks from the first; unknown values come last.
 // `key`: a name of the filter, h(30 Hz) among them. Problems as above.
 FilterAnswer sorted_by(std::string_view key, std::vector<std::size_t> rows, RouteColumns&);
 

@@ -103,7 +103,7 @@ ReplicaPattern pattern_of(CouplingTable const& table, CouplingClass const& c) {
     off[r] = c.replica_sum[r] - mean * double(histories[r]);
     square += off[r] * off[r];
   }
-  if (!(square > 1e-24 * sum * sum)) return {};  // equal sums: what is left is rounding
+  if (!(square > 1e-24 * sum * sum)) return {};  // equal sums: the rest is rounding
   for (double& x : off) x /= std::sqrt(square);
   return off;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Path tables of some of the routes: those a filter lets through, or those that are left when an object is absent.
+// Path tables of some of the routes: those that pass a filter, or those that remain without an object.
 #pragma once
 
 #include <array>
@@ -16,28 +16,28 @@ void rank_and_sum(PathTable&, bool shares);
 // These rows, in this order, resolved ones first; ranks, shares and total_strain are those of the whole table.
 PathTable part_of(PathTable const&, std::vector<std::size_t> const& rows);
 
-// What leaving routes out does to the total at one frequency [Hz].
+// Effect on the total of removing routes, at one frequency [Hz].
 struct StrainWithout {
   double hz = 0;
   WithError before, after;  // 1/sqrt(Hz); `after` NaN when no resolved route is left
-  WithError factor;         // after/before; what both have in common is in neither error twice
+  WithError factor;         // after/before; the correlation of both is included
 };
 
 struct Without {
-  PathTable rest;  // ranks, shares and totals of what is left
+  PathTable rest;  // ranks, shares and totals of the rest
   std::vector<StrainWithout> strain;
 };
 
-// `left_out`: rows. The noise of a route that is left out is taken away; what its light would do instead is not known.
+// `left_out`: rows. The noise of a removed route is subtracted; the further path of its light is unknown.
 Without without_rows(PathTable const&, std::vector<std::size_t> const& left_out, CouplingTable const&,
                      NoiseBudget const*);
 
 // Sum line and lines `further routes` are about the rows of `part`, shares are of `all`.
 std::string path_text(PathTable const& part, std::size_t show, PathTable const& all);
 
-// Errors of sums over routes. Routes share histories, and a route may carry the numbers of its reverse: then they go up
-// and down together, and the squares of their errors do not simply add up. What they have in common is seen in the
-// replicas of the trace (docs/theory/errors.md, errors of sums).
+// Errors of sums over routes. Routes share histories, and a route may carry the numbers of its reverse: then they are
+// correlated, and the squares of their errors do not simply add. The replicas of the trace contain the
+// correlation (docs/theory/errors.md, errors of sums).
 
 // Deviations of a route's coupling from its mean in the replicas, scaled so that their squares add up to 1; zeros: some
 // replica has no histories, or all have the same sum.
@@ -63,8 +63,8 @@ class ReplicaSum {
   double independent_ = 0;  // variance of what has no pattern
 };
 
-// Figures of merit: how fast a run learns, 1/(relative error^2 x seconds of tracing). They depend on machine and load:
-// printed and kept in /timing, but no part of a result (docs/theory/errors.md).
+// Figures of merit: efficiency of a run, 1/(relative error^2 x seconds of tracing). They depend on machine and load:
+// printed and stored in /timing, but not part of a result (docs/theory/errors.md).
 
 struct Merit {
   std::string what;  // "receiver PD", "port ITM", or a route

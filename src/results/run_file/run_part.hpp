@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Run files as parts of a larger run: what must agree, and their sums, without the rest; and sums as bytes.
+// Run files as parts of a larger run: properties that must agree, and their sums, without the rest; and sums as bytes.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace straytrace::results {
 
-// What is known of a part before its sums are read.
+// Properties of a part, before its sums are read.
 struct PartHead {
   std::string file;
   Provenance provenance;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// /projection: what noise needs from the traced model besides the coupling table.
+// /projection: inputs of the noise from the traced model besides the coupling table.
 #include "base/errors.hpp"
 #include "results/run_file/run_file.hpp"
 

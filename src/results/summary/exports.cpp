@@ -68,7 +68,7 @@ Json energy_balance(RunContent const& run) {
   return energy_balance;
 }
 
-// Where the watts end, by object; "(in media)": absorbed on the way through glass.
+// Absorbed watts by object; "(in media)": absorbed in glass.
 Json objects(RunContent const& run) {
   BlockSums const& total = run.trace->total;
   std::vector<std::string> const& groups = run.trace->coupling.groups;
@@ -125,7 +125,7 @@ void add_bands(Json& j, NoiseBudget const& b, std::vector<double> const& frequen
   j["taken_as_exact"] = b.bands.taken_as_exact;
 }
 
-// Names may hold bytes that are not UTF-8; they are replaced, never thrown at.
+// Bytes of names that are not UTF-8 are replaced; they are never an error.
 std::string dumped(Json const& j) { return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 }  // namespace

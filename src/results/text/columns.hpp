@@ -18,7 +18,7 @@ struct Columns {
 std::string aligned(Columns const&, std::string const& indent = "");
 std::size_t width_of(std::string const& utf8);  // code points
 
-// What all text exports share.
+// Common parts of all text exports.
 
 std::string file_header(RunContent const&);                  // "# " lines: title, program, model, seed
 std::string hash_text(std::uint64_t);                        // 16 hexadecimal digits

@@ -35,7 +35,7 @@ std::string png_bytes(Image const& image) {
 
 void write_png(std::string const& file, Image const& image) { write_file(file, png_bytes(image)); }
 
-// Scale of a picture whose colours mean a number.
+// Scale of a picture whose colours represent a number.
 
 namespace {
 

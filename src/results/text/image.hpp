@@ -22,15 +22,15 @@ std::string png_bytes(Image const&);  // throws NumericalError when libpng fails
 // Complete or not at all; throws InputError with the reason of the system.
 void write_png(std::string const& file, Image const&);
 
-// Scale of a picture whose colours mean a number.
+// Scale of a picture whose colours represent a number.
 
 struct ColourBar {
   double low = 0, high = 0;  // ends, above 0; logarithmic between
-  std::string title;         // what the number is, with its unit: lower case, digits and :+-./
+  std::string title;         // name of the number, with its unit: lower case, digits and :+-./
   std::function<std::array<std::uint8_t, 3>(double)> colour;  // of 0 (low) to 1 (high)
 };
 
-// Adds it below in rows of its own, with labelled decades; false: the picture is too narrow, and is as it was.
+// Adds it below the picture, with labelled decades; false: the picture is too narrow and unchanged.
 bool add_colour_bar(Image&, ColourBar const&);
 
 }  // namespace straytrace::results

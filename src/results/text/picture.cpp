@@ -20,7 +20,7 @@ namespace straytrace::results {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::string_view advice = "install what it needs with: apt install python3-matplotlib python3-h5py";
+constexpr std::string_view advice = "install its packages with: apt install python3-matplotlib python3-h5py";
 
 std::string environment(char const* name) {
   char const* value = std::getenv(name);
@@ -78,7 +78,7 @@ bool draw(std::vector<std::string> words, std::string const& png_file, std::stri
   if (folder.empty()) {
     message =
         "no picture: the folder python/straytrace was not found near the program; set STRAYTRACE_PYTHONPATH to the "
-        "folder that holds it";
+        "folder that contains it";
     return false;
   }
   words.insert(words.begin(), {python, "-m"});
@@ -94,7 +94,7 @@ bool draw(std::vector<std::string> words, std::string const& png_file, std::stri
   return false;
 }
 
-// A folder of our own for the picture on its way.
+// A temporary folder for the picture.
 class Workplace {
  public:
   Workplace() {

@@ -31,7 +31,7 @@ bool draw_budget_picture(std::string const& json_file, std::string const& png_fi
 // Curves or a map, from the JSON of results/curves/curve_file.hpp.
 bool draw_curves_picture(std::string const& json_file, std::string const& png_file, std::string& message);
 
-// The bytes of what one of these draws from `json`, in a folder of its own; empty, and `message`, when it cannot.
+// The bytes of one of these pictures from `json`, drawn in a temporary folder; empty, and `message`, on failure.
 using DrawFromJson = bool (*)(std::string const& json_file, std::string const& png_file, std::string& message);
 std::string picture_of(std::string const& json, DrawFromJson, std::string& message);
 

@@ -124,7 +124,7 @@ class TableWriter {
     }
     return out;
   }
-  // Where a JSON row has each column: {key, at, kind, unit, help}.
+  // The place of each column in a JSON row: {key, at, kind, unit, help}.
   nlohmann::ordered_json json_columns() const {
     auto out = nlohmann::ordered_json::array();
     for (TableColumn<Row> const* c : json_)

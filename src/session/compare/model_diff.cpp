@@ -49,7 +49,7 @@ class Flattener {
 
   void add(ModelValue const& v, std::string const& named, Leaves& into) const {
     std::string const path = one_of_list(v) ? named + "[0]" : named;
-    // Where numbers come from; `like` is taken over already.
+    // Sources of numbers; `like` is already resolved.
     bool const remark = v.key == "source" || v.key == "note" || v.key == "status" || v.key == "override";
     if (remark || (v.key == "like" && v.how.form != KeyRequest::Form::choice)) return;  // of a motion it is a choice
     if (v.kind == Node::Kind::none || v.kind == Node::Kind::scalar) {
@@ -73,7 +73,8 @@ class Flattener {
   }
 
   Leaf leaf(ModelValue const& v) const {
-    auto const folder = v.origin.substr(0, v.origin.rfind('/') + 1);  // names are relative to the file they stand in
+    auto const folder =
+        v.origin.substr(0, v.origin.rfind('/') + 1);  // names are relative to the file that contains them
     for (std::string const& name : {v.value, folder + v.value})
       if (auto const hit = files_.find(name); v.given() && hit != files_.end())
         return {fmt::format("{} (content {:.8})", v.value, sha256(hit->second)), {}, false};
@@ -117,10 +118,10 @@ std::map<std::string, Leaves> named(ModelValue const* section, Flattener const& 
   return out;
 }
 
-// What decides where a shape stands and what it is made of.
+// Placement and material of a shape.
 Leaves placed(PlacedValue const& p, Flattener const& flat) {
   Leaves out;
-  for (ModelValue const* table : {&p.entry, &p.face})  // the face has the last word
+  for (ModelValue const* table : {&p.entry, &p.face})  // the face has priority
     for (char const* key : {"shape", "file", "units", "body", "material", "side", "medium", "surfaces"})
       if (ModelValue const* v = table->find(key); v && v->given()) flat.add(*v, key, out);
   for (std::size_t i = 0; i < p.frames.size(); ++i)
@@ -210,7 +211,7 @@ std::vector<Difference> parameter_differences(Scene const& before, Scene const& 
   return all;
 }
 
-// What differs between two models, for people: readable numbers, and one line for what many instances do.
+// Differences between two models as text: readable numbers, and one line for equal changes of many instances.
 
 namespace {
 
@@ -256,7 +257,7 @@ std::string change(Difference const& d) {
   return d.before + " -> " + d.after;
 }
 
-// A number that is there once.
+// A number in only one model.
 std::string alone(std::string const& text, std::optional<Quantity> const& q) {
   Unit const* const unit = q ? unit_for(*q) : nullptr;
   return unit ? in_unit(q->si, *unit, 5) : text;
@@ -332,7 +333,7 @@ constexpr Compared all_compared[] = {
     {"Gamma, from signal recycling and finesse,", "", &DetectorNumbers::gain, 0.1},
 };
 
-// What is not known differs from nothing.
+// An unknown value equals any other.
 std::vector<std::string> differences(DetectorNumbers const& own, DetectorNumbers const& curve) {
   std::vector<std::string> all;
   for (Compared const& c : all_compared) {

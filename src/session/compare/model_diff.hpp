@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What differs between two models as physics: values in SI with defaults, placed shapes, contents of data files. Order,
-// comments, names of parameters and spelling of units make no difference.
+// Physical differences between two models: values in SI with defaults, placed shapes, contents of data files. Order,
+// comments, names of parameters and spelling of units are ignored.
 #pragma once
 
 #include <map>
@@ -17,16 +17,16 @@ namespace straytrace::session {
 struct Difference {
   std::string section;        // "materials", "scene", ...
   std::string name, key;      // "baffles/cone", "shape.cone.inner_radius"
-  std::string before, after;  // empty: not there
+  std::string before, after;  // empty: missing
   std::size_t instances = 1;  // of a repeated entry
   std::optional<Quantity> was{}, is{};
 };
 
 // By section, in the order of the language. Both scenes have been read by all rooms.
 std::vector<Difference> differences(Scene const& before, Scene const& after);
-// Parameters of the models that have other values, those of only one of them last; section "params".
+// Parameters with different values, those of only one model last; section "params".
 std::vector<Difference> parameter_differences(Scene const& before, Scene const& after);
-// For people: parameters first, then what differs; changes of one key by many instances in one line.
+// As text: parameters first, then differences; changes of one key by many instances in one line.
 std::string difference_text(std::vector<Difference> const& parameters, std::vector<Difference> const&);
 
 // A design curve holds for one detector: what makes its stray light is compared with the interferometer of a scene.

@@ -55,7 +55,7 @@ ById by_id(RunFile const& run) {
 
 std::string port_of(RunFile const& run, CouplingClass const& c) { return run.trace.coupling.ports.at(c.port.value); }
 
-// The row of `run` for what has no row of its own at this port.
+// The row of `run` for routes without a row of their own at this port.
 NoiseTrace const* other_of(RunFile const& run, std::string const& port) {
   auto const& classes = run.trace.coupling.classes;
   for (std::size_t r = 0; r < run.noise->routes.size() && r < classes.size(); ++r)
@@ -63,7 +63,7 @@ NoiseTrace const* other_of(RunFile const& run, std::string const& port) {
   return nullptr;
 }
 
-// Whether light may take this route of `from` in `to` as well: all that it meets is there.
+// Whether this route of `from` is possible in `to`: all its objects exist.
 bool exists_in(RunFile const& to, RunFile const& from, CouplingClass const& c) {
   auto const& names = to.trace.coupling.groups;
   return std::all_of(c.steps.begin(), c.steps.end(), [&](PathStep const& s) {
@@ -212,7 +212,7 @@ std::string line(Change const& c, std::size_t width) {
     return w.value > 0 ? with_error(w) : c.within.empty() ? std::string("none") : "in '" + c.within + "'";
   };
   return fmt::format("  {:<{}}  {} -> {}  {}{}\n", c.what, width, value(c.before), value(c.after), verdict,
-                     c.bound ? " (unresolved: more may be missed)" : "");
+                     c.bound ? " (unresolved: more may be missing)" : "");
 }
 
 std::string lines(std::vector<Change> const& all, std::size_t most) {
@@ -258,7 +258,7 @@ double Change::sigmas() const {
 RunDifference run_differences(RunFile const& before, RunFile const& after) {
   if (!before.noise || !after.noise)
     throw InputError("one of the runs has no noise to compare",
-                     "give runs of scenes with an 'interferometer'; one that was only traced gets its noise by "
+                     "give runs of scenes with an 'interferometer'; for a run without noise use "
                      "'straytrace noise RUN -o DIR'");
   NoiseBudget const &b = *before.noise, &a = *after.noise;
   RunDifference d;
@@ -280,7 +280,7 @@ std::string run_difference_text(RunDifference const& d) {
   return fmt::format(
       "\nrms strain of the total, in bands (one Monte-Carlo standard error of each; {})\n{}"
       "\nrms strain of routes, {:g} to {:g} Hz, largest change first\n{}",
-      d.common ? "same histories: sigmas of what changes, since both err alike" : "runs taken as independent",
+      d.common ? "same histories: sigmas of the change, since both errors are correlated" : "runs taken as independent",
       lines(d.bands, d.bands.size()), d.low, d.high, lines(d.routes, shown));
 }
 

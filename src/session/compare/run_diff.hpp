@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What differs between the results of two runs, with its significance.
+// Differences between the results of two runs, with their significance.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -20,7 +20,7 @@ struct Change {
   // Of a route that only one of the runs lists: the row of the other that may hold it, "other > ITM". It is compared
   // there, together with all such routes.
   std::string within{};
-  double held = 0;         // of the same histories: what spectra do not hold, 5e-4 of each value
+  double held = 0;         // of the same histories: error of the spectra, 5e-4 of each value
   bool too_small() const;  // to count as a change
   double sigmas() const;   // NaN: no answer
 };

@@ -20,7 +20,7 @@ std::string times(Jobs const& jobs) {
 
 std::size_t digits(std::uint64_t slices) { return std::to_string(slices).size(); }
 
-// For a comment: no line of it can become more.
+// For a comment: its lines stay comments.
 std::string one_line(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
@@ -97,8 +97,8 @@ program={}
 // A line of a submit file: no quotes, no macros, no new line.
 std::string condor_path(std::string const& path) {
   if (path.find_first_of("\"'$\\\n\r\t ") == path.npos) return path;
-  throw InputError(fmt::format("a submit file cannot hold the path of the program, '{}'", one_line(path)),
-                   "put straytrace where its path has no spaces, quotes or dollar signs");
+  throw InputError(fmt::format("a submit file cannot contain the path of the program, '{}'", one_line(path)),
+                   "install straytrace in a path without spaces, quotes or dollar signs");
 }
 
 std::string condor_head(Jobs const& jobs, std::string const& what, std::string const& log) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files for batch systems: texts to read and edit. They name nothing of the user's but the program and the account;
-// scene and parameters are in input.h5, so that no name of a file can become a command.
+// Files for batch systems: texts to read and edit. From the user they contain only the program and the account; scene
+// and parameters are in input.h5, so that no name of a file can become a command.
 #pragma once
 
 #include <cstdint>
@@ -18,25 +18,25 @@ struct Jobs {
   std::string program;     // absolute path
   std::string scene;       // for a comment
   std::string accounting;  // empty: none
-  double seconds = 3600;   // that a job may take
+  double seconds = 3600;   // limit of a job
   unsigned threads = 1;
-  bool noise = true;  // there is an interferometer to project on
+  bool noise = true;  // the scene has an interferometer
 };
 
 using NamedTexts = std::vector<std::pair<std::string, std::string>>;  // file, content
 
-// slices.sbatch, finish.sbatch, submit.sh: an array whose tasks are put back into the queue when they end with 85.
+// slices.sbatch, finish.sbatch, submit.sh: an array whose tasks that end with 85 are requeued.
 NamedTexts slurm_files(Jobs const&);
-// slices.sub, merge.sub, noise.sub, report.sub, run.dag, submit.sh. Throws InputError when the path of the program has
-// what a submit file cannot hold.
+// slices.sub, merge.sub, noise.sub, report.sub, run.dag, submit.sh. Throws InputError when a submit file cannot
+// contain the path of the program.
 NamedTexts condor_files(Jobs const&);
 
 // "part007.h5" of 200: as many digits as the largest number has.
 std::string part_name(std::uint64_t number, std::uint64_t of);
 
-// Words for a POSIX shell, whatever is in them.
+// Quotes any words for a POSIX shell.
 
-// As one word that the shell takes as it is: plain words stay, others are put between single quotes.
+// As one literal word of the shell: plain words are unchanged, others are put in single quotes.
 inline std::string shell_word(std::string_view text) {
   constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
   if (!text.empty() && text.front() != '-' && text.find_first_not_of(plain) == text.npos) return std::string(text);

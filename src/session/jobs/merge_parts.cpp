@@ -26,19 +26,19 @@ std::vector<InputError> disagreements(std::vector<PartHead> const& heads) {
   for (PartHead const& head : heads) {
     if (errors.size() == lines_shown) break;
     try {
-      require_this_program(head.provenance, head.file, "merge with that version, or trace it anew with this one");
+      require_this_program(head.provenance, head.file, "merge with that version, or trace again with this one");
     } catch (InputError const& e) {
       errors.push_back(e);
     }
     if (head.model_hash != first.model_hash)
-      complain(fmt::format("'{}' is of another model than '{}'", head.file, first.file),
-               "leave one of them out; straytrace diff tells the difference");
+      complain(fmt::format("'{}' has another model than '{}'", head.file, first.file),
+               "remove one of them; straytrace diff shows the difference");
     else if (head.seed != first.seed)
-      complain(fmt::format("'{}' has seed {}, '{}' has seed {}: their histories are others", head.file, head.seed,
+      complain(fmt::format("'{}' has seed {}, '{}' has seed {}: their histories differ", head.file, head.seed,
                            first.file, first.seed),
                "leave one of them out");
     else if (head.block_size != first.block_size)
-      complain(fmt::format("'{}' is of a run of another number of histories than '{}': its blocks have {}, not {}",
+      complain(fmt::format("'{}' and '{}' are parts of runs with different numbers of histories: blocks of {} and {}",
                            head.file, first.file, head.block_size, first.block_size),
                "leave one of them out");
   }
@@ -70,7 +70,7 @@ std::vector<InputError> overlaps(std::vector<PartHead> const& heads) {
   std::vector<Held> const all = held_by(heads);
   for (Held const& held : all) {
     if (reaches && held.range.first < reaches->range.end && errors.size() < lines_shown)
-      errors.emplace_back(fmt::format("'{}' and '{}' both hold {}", heads[reaches->part].file, heads[held.part].file,
+      errors.emplace_back(fmt::format("'{}' and '{}' both contain {}", heads[reaches->part].file, heads[held.part].file,
                                       name_of({held.range.first, std::min(held.range.end, reaches->range.end)})),
                           "leave one of them out");
     if (!reaches || held.range.end > reaches->range.end) reaches = &held;
@@ -135,7 +135,7 @@ std::string runs_of(std::vector<std::uint64_t> const& numbers) {
   return text;
 }
 
-// What has been begun is continued; what is not there is traced from the model in another part.
+// Started slices are resumed; missing ones are traced from the model in another part.
 std::vector<std::string> commands(RunParts const& parts, std::vector<std::uint64_t> const& slices) {
   std::map<std::uint64_t, PartHead const*> there;
   for (PartHead const& head : parts.heads) there[head.slice.number] = &head;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parts of one run, and what speaks against making one of them.
+// Parts of one run, and the reasons why they cannot be merged.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace straytrace::session {
 
-// Sorted by their first block; those that hold none come last.
+// Sorted by their first block; empty ones come last.
 struct RunParts {
   std::vector<PartHead> heads;
   std::uint64_t all_blocks = 0;
@@ -23,10 +23,10 @@ RunParts read_parts(std::vector<std::string> const& files);
 // Blocks of a run file that no part holds.
 std::vector<BlockRange> lost_with(PartHead const& there, RunParts const&);
 
-// What is missing, and the commands that trace it, a line each.
+// Missing slices, and the commands to trace them, a line each.
 std::string missing_text(RunParts const&);
 
-// Adds up one file after the other: at no time are more than one of them and the sums in memory.
+// Adds up one file after the other: only one of them and the sums are in memory at a time.
 SumTree merged_sums(RunParts const&);
 
 }  // namespace straytrace::session

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ways of routes that were computed, not sampled, as lines: ghosts by the beam tree, and diffraction at rims.
+// Paths of computed routes as lines: ghosts by the beam tree, and diffraction at edges.
 #pragma once
 
 #include <vector>

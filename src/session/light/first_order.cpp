@@ -43,9 +43,10 @@ void print_lit(Model const& model, std::vector<FirstOrderRow> rows, std::size_t 
       else
         ++left;
     }
-  std::cout << "Lit by the first scatter of the beams, or by free beams, directly or by mirrors and lenses.\n"
-            << "Power relative to the main mode.\n"
-            << aligned(table) << (left ? fmt::format("and {} more; --csv has all\n", left) : "") << '\n';
+  std::cout
+      << "Illuminated by the first scatter of the beams, or by free beams, directly or through mirrors and lenses.\n"
+      << "Power relative to the main mode.\n"
+      << aligned(table) << (left ? fmt::format("and {} more; --csv has all\n", left) : "") << '\n';
 }
 
 void print_seen(Model const& model, FirstOrderList const& list, std::size_t show) {
@@ -72,10 +73,10 @@ void print_seen(Model const& model, FirstOrderList const& list, std::size_t show
                           : sure ? with_brackets(row.product.mean, row.product.std_error)
                                  : "unresolved"});
   }
-  std::cout << fmt::format("Seen from {}: throughput {:.4g} m^2 sr in all", name_of(model, list.ending), list.total);
-  if (list.outside.scored > 0) std::cout << fmt::format(", of it {} past everything", cell(list.outside));
+  std::cout << fmt::format("Seen from {}: total throughput {:.4g} m^2 sr", name_of(model, list.ending), list.total);
+  if (list.outside.scored > 0) std::cout << fmt::format(", of which {} escapes", cell(list.outside));
   if (table.rows.empty())
-    std::cout << "\nno walk met a surface: narrow or distant ones may be missed, more walks see more (--histories)\n\n";
+    std::cout << "\nno walk met a surface: narrow or distant ones may be missed; use more walks (--histories)\n\n";
   else
     std::cout << '\n' << aligned(table) << (left ? fmt::format("and {} more; --csv has all\n", left) : "") << '\n';
 }
@@ -126,7 +127,7 @@ int print_first_order(FirstOrderOptions const& options) {
   std::vector<FirstOrderList> lists = first_order(model.world, settings);
   if (!options.by.empty()) {
     std::erase_if(lists, [&](FirstOrderList const& list) { return list.ending.port != (options.by == "port"); });
-    if (lists.empty()) throw InputError(fmt::format("the scene has no {}s", options.by), "leave out --by");
+    if (lists.empty()) throw InputError(fmt::format("the scene has no {}s", options.by), "remove --by");
   }
   if (options.csv) {
     print_csv(model, lists);

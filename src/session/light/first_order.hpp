@@ -10,13 +10,13 @@ struct FirstOrderOptions : SceneOptions {
   std::optional<std::uint64_t> histories;
   std::string by;  // "port", "receiver"; empty: both
   bool csv = false;
-  std::size_t show = 0;  // rows; 0: as the scene says
+  std::size_t show = 0;  // rows; 0: as in the scene
 };
 
-// straytrace paths FILE --first-order: what is lit, what is seen, and both. Returns the exit code.
+// straytrace paths FILE --first-order: illuminated objects, critical objects, and both. Returns the exit code.
 int print_first_order(FirstOrderOptions const&);
 
-// Of an entry of these lists, whose histories are batches: with fewer the spread says nothing about the error.
+// Of an entry of these lists, whose histories are batches: with fewer the spread does not give the error.
 constexpr std::uint64_t least_batches = 4;
 inline bool resolved(Estimate const& e) { return e.scored >= least_batches; }
 

@@ -34,7 +34,7 @@ PathRecord record_of(GhostFamily const& f) {
   return record;
 }
 
-// How many of the families, strongest first, add as fields.
+// Number of families, strongest first, that add as fields.
 std::size_t coherent_of(std::span<GhostFamily const* const> by_share) {
   bool const fields = by_share.size() > 1 && by_share.front()->sum == GhostSum::coherent;
   return fields ? std::min(by_share.size(), most_coherent) : 0;
@@ -59,7 +59,7 @@ void to_principal_states(std::vector<PathRecord>& records) {
   }
 }
 
-// All of them as one route, named by the strongest; its parts stand in `folded`.
+// All of them as one route, named by the strongest; its parts are in `folded`.
 CouplingClass family_class(std::span<GhostFamily const* const> members, PortId port) {
   std::vector<PathRecord> records;
   std::vector<FoldedRoute> parts;

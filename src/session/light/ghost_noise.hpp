@@ -10,7 +10,7 @@
 
 namespace straytrace::session {
 
-// The key `ghosts` of a scene, a table or on: how far ghosts are followed for the noise of a run; nothing without it or
+// The key `ghosts` of a scene, a table or on: limits of the ghosts in the noise of a run; nothing without it or
 // when it is off.
 std::optional<GhostSettings> read_ghosts(Scene const&);
 
@@ -23,8 +23,8 @@ struct GhostClasses {
 GhostClasses ghosts_beside(World const&, GhostSettings const&);
 
 // A deterministic class for each family of equal phase sensitivities; powers of classes add. With GhostSum::coherent
-// one class for the `most_coherent` strongest families of the beam, whose fields add (eq. 10.5); a warning says what it
-// leaves out.
+// one class for the `most_coherent` strongest families of the beam, whose fields add (eq. 10.5); a warning states the
+// omitted light.
 GhostClasses ghost_classes(GhostFamilies const&);
 
 // Strain of each family for the motion and the interferometer of the model, into the families; returns that of all.

@@ -13,7 +13,7 @@
 namespace straytrace::session {
 namespace {
 
-// Why ghosts of a beam have no h; empty when they may have one.
+// Why ghosts of a beam have no h; empty if they can have one.
 std::string no_strain(Model const& model, BeamLaunch const& launch, std::optional<PortId> port) {
   if (launch.through_input_mirror())
     return fmt::format(
@@ -21,7 +21,7 @@ std::string no_strain(Model const& model, BeamLaunch const& launch, std::optiona
         "no "
         "h. Launch the light there in a scene of its own, with 'at: short-arm' for its port.",
         launch.name, launch.passes);
-  if (!port) return "No port of this beam is open on its way, so there is no h: see 'ports'.";
+  if (!port) return "This beam meets no port, so there is no h: see 'ports'.";
   if (!model.detector) return "The scene has no 'interferometer', so there is no h.";
   return {};
 }
@@ -42,7 +42,7 @@ void warn_of_floor(GhostReport& report) {
 void add_notes(GhostReport& report, MainBeam const& main, GhostFamilies const& families, std::string const& no_h) {
   if (!main.complete())
     report.notes.push_back(fmt::format(
-        "The main beam meets more than {} surfaces: what comes into line beyond them is not counted as recoupled.",
+        "The main beam meets more than {} surfaces: ghosts that align beyond them do not count as recoupled.",
         MainBeam::most_nodes));
   if (families.left_out > 0)
     report.notes.push_back(
@@ -134,7 +134,7 @@ GhostReport ghost_report(GhostSearch const& search, BeamLaunch const& launch,
     count();
   });
   if (double const off = std::fabs(report.energy_balance.total() - 1); !(off < 1e-10))
-    throw NumericalError(fmt::format("the energy balance of the beam '{}' does not close: {:.3g}", launch.name, off));
+    throw NumericalError(fmt::format("the energy balance of the beam '{}' is violated: {:.3g}", launch.name, off));
   table.fill(report);
   add_notes(report, main, families, no_h);
   warn_of_floor(report);
@@ -149,7 +149,7 @@ void require_strain(GhostSearch const& search, std::vector<BeamLaunch> const& be
     if (no_h.empty()) return;
     reasons += fmt::format("\n  beam '{}': {}", launch.name, no_h);
   }
-  throw InputError("--by strain needs h, and no ghost has one", "take --by recoupled" + reasons);
+  throw InputError("--by strain needs h, but no ghost has one", "use --by recoupled" + reasons);
 }
 
 namespace {

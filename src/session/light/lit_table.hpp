@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the beams light that are followed through the scene, for `straytrace check`.
+// Surfaces illuminated by propagated beams, for `straytrace check`.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -10,7 +10,7 @@
 
 namespace straytrace::session {
 
-std::string lit_table(Model const&);            // empty when no beam says `lit`
+std::string lit_table(Model const&);            // empty when no beam has `lit`
 nlohmann::ordered_json lit_json(Model const&);  // a list
 
 }  // namespace straytrace::session

@@ -24,7 +24,7 @@
 namespace straytrace::session {
 namespace {
 
-// What an inversion of one run needs.
+// Inputs of the inversion of one run.
 struct Traced {
   std::unique_ptr<OpenRun> run;  // owns the texts that the model refers to
   ProjectionModel model;
@@ -32,14 +32,14 @@ struct Traced {
   bool complete = true;
 };
 
-// Refuses before anything is traced.
+// Rejects invalid requests before tracing.
 void ask(Requirement const& requirement, ProjectionModel& model, ScanOptions const& options) {
   apply(requirement, model);
   print_warnings(model, options);
   if (!model.detector)
-    throw InputError("a requirement needs noise, and the scene has no 'interferometer'", "add one, with 'ports'");
+    throw InputError("a requirement needs noise, but the scene has no 'interferometer'", "add one, with 'ports'");
   if (model.design.empty())
-    throw InputError("there is no line to stay under", "name a design curve, for example --against adv-lal");
+    throw InputError("there is no line to compare with", "name a design curve, for example --against adv-lal");
 }
 
 Traced traced(ScanOptions const& options, Requirement const& requirement) {
@@ -68,7 +68,7 @@ Traced traced(ScanOptions const& options, Requirement const& requirement) {
 [[noreturn]] void refuse_name(std::string const& word, char const* kind, std::vector<std::string> const& known) {
   std::string const near = nearest_word(word, known);
   throw InputError(
-      fmt::format("--invert: there is no {} '{}' here", kind, word),
+      fmt::format("--invert: {} '{}' does not exist", kind, word),
       near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
@@ -117,12 +117,12 @@ int invert(ScanOptions const& options, Requirement const& requirement, InvertOrd
   static std::regex const form(R"(\s*(brdf|motion|param)\s*\(\s*(.+?)\s*\)\s*)");
   std::smatch m;
   if (!bounded_regex_match(order.what, m, form))
-    throw InputError(fmt::format("--invert: '{}' is not a question", order.what),
+    throw InputError(fmt::format("--invert: '{}' is not valid", order.what),
                      "write \"brdf(MATERIAL)\", \"motion(BODY)\" or \"param(NAME)\" with NAME=lo..hi");
   std::string const kind = m[1], name = m[2];
   if (kind == "param") return invert_parameter(options, requirement, order, name, axes);
   if (!axes.empty())
-    throw InputError(fmt::format("--invert \"{}\" looks at one model", order.what), "set parameters with -p");
+    throw InputError(fmt::format("--invert \"{}\" needs a single model", order.what), "set parameters with -p");
   Traced const t = traced(options, requirement);
   Answer answer = kind == "brdf" ? scatter_answer(t, name, options) : motion_answer(t, name, options);
   answer.what = order.what;
@@ -158,7 +158,7 @@ class Search {
     Probe p{number, scanner_.at({axis_.name + "=" + value})};
     if (!p.point.complete) return {};
     if (std::isnan(p.point.ratio.value))
-      throw InputError("there is no line to stay under, or no answer", "name a design curve: --against adv-lal");
+      throw InputError("there is no line to compare with, or no result", "name a design curve: --against adv-lal");
     return p;
   }
 
@@ -207,9 +207,9 @@ void refuse_other_shapes(Bracket const& b, Probe const& p, ScanAxis const& axis)
     return x.point.ratio.value - y.point.ratio.value > 3 * std::hypot(x.point.ratio.sigma, y.point.ratio.sigma);
   };
   if (!above(p, b.fails) && !above(b.meets, p)) return;
-  throw InputError(fmt::format("h/line does not go one way with '{}': {}, {} and {}", axis.name,
-                               words(b.meets, axis.unit), words(p, axis.unit), words(b.fails, axis.unit)),
-                   "scan the range first, and ask where it is monotonic");
+  throw InputError(fmt::format("h/line is not monotonic in '{}': {}, {} and {}", axis.name, words(b.meets, axis.unit),
+                               words(p, axis.unit), words(b.fails, axis.unit)),
+                   "scan the range first, and choose a monotonic part");
 }
 
 // Halves what is not known; about the line itself the errors leave a doubt that no halving removes.
@@ -229,7 +229,7 @@ std::string text_of(Bracket const& b, ScanAxis const& axis, std::string const& w
   if (!b.doubt.empty())
     text += fmt::format("{}{} it is within two standard errors of the line: trace longer for a narrower answer.\n",
                         b.doubt.size() > 1 ? "Between, as at " : "At ", words(b.doubt[b.doubt.size() / 2], axis.unit));
-  if (b.stopped) text += "Stopped before it was as narrow as wanted.\n";
+  if (b.stopped) text += "Stopped before the requested width.\n";
   return text;
 }
 
@@ -248,7 +248,7 @@ int stopped_early(ScanOptions const& options) {
 int invert_parameter(ScanOptions const& options, Requirement const& requirement, InvertOrder const& order,
                      std::string const& name, std::vector<ScanAxis> const& axes) {
   if (axes.size() != 1 || axes.front().name != name || !axes.front().range)
-    throw InputError(fmt::format("--invert \"param({})\" needs one range to look in", name),
+    throw InputError(fmt::format("--invert \"param({})\" needs one search range", name),
                      fmt::format("write {}=lo..hi", name));
   ScanAxis const& axis = axes.front();
   std::optional<OutputFolder> folder;
@@ -258,7 +258,7 @@ int invert_parameter(ScanOptions const& options, Requirement const& requirement,
   Search search(scanner, axis, options.quiet, guard.stop());
   std::optional<Probe> const low = search.at(axis.numbers.front()),
                              high = low ? search.at(axis.numbers.back()) : std::nullopt;
-  if (!high) return stopped_early(options);  // one end is no answer
+  if (!high) return stopped_early(options);  // one end has no result
   std::string const ends = fmt::format("{} and {}", words(*low, axis.unit), words(*high, axis.unit));
   nlohmann::ordered_json answer;
   std::string text;
@@ -300,14 +300,14 @@ std::string subject_words(Answer const& a) {
   return a.subject == Answer::Subject::scatter ? "the BRDF of the material" : "the motion (ASD) of the body";
 }
 
-// What the factor means in numbers of the trade.
+// The factor as physical quantities.
 std::string in_numbers(Answer const& a) {
   Allowed const& all = a.inversion.all;
   if (a.subject == Answer::Subject::scatter && std::isfinite(a.tis)) {
     double const tis = all.scale * a.tis;
     std::string text = fmt::format("Scattered share at normal incidence: {:.3g} now, {} allowed.\n", a.tis,
                                    with_error(tis, all.sigma * a.tis));
-    if (tis > 1) text += "That is more than all light: no scatter of this material alone breaks the line.\n";
+    if (tis > 1) text += "That exceeds the incident light: scatter of this material alone cannot exceed the line.\n";
     return text;
   }
   if (a.subject == Answer::Subject::motion && a.motion[a.inversion.decides] > 0)
@@ -326,10 +326,10 @@ std::string sentence(Answer const& a) {
                          with_error(all.scale, all.sigma), subject_words(a), at) +
              in_numbers(a);
     case Verdict::always:
-      return fmt::format("{}: every factor that was looked at stays under {}: it does not decide.\n", a.what, a.line);
+      return fmt::format("{}: every factor tested stays under {}: it sets no limit.\n", a.what, a.line);
     case Verdict::never:
-      return fmt::format("{}: nothing helps: light that it does not touch alone is a factor {:.3g} above {} at {}.\n",
-                         a.what, all.rest, a.line, at);
+      return fmt::format("{}: no factor suffices: other light alone is a factor {:.3g} above {} at {}.\n", a.what,
+                         all.rest, a.line, at);
     default:
       return fmt::format("{}: {} has no value in the band: nothing was compared.\n", a.what, a.line);
   }
@@ -349,7 +349,7 @@ std::string table(Answer const& a) {
       c.rows.back().push_back(found && a.motion[i] > 0 ? fmt::format("{:.3e}", one.scale * a.motion[i]) : "-");
   }
   return "\n" + aligned(c) +
-         "\nEach frequency alone. never: the rest is above the line; always: every factor meets it.\n";
+         "\nEach frequency separately. never: the rest is above the line; always: every factor meets it.\n";
 }
 
 Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
@@ -394,17 +394,18 @@ std::vector<double> root_spectrum(MotionSet const& motion, BodyId body, Frequenc
 std::string answer_text(Answer const& a, bool per_frequency) {
   std::string text = sentence(a);
   if (a.inversion.touched > 0)
-    text += fmt::format("Routes that it acts on carry at most {:.3g} % of the noise power at any frequency.\n",
+    text += fmt::format("Affected routes carry at most {:.3g} % of the noise power at any frequency.\n",
                         100 * a.inversion.touched);
   else
-    text += "No resolved route is touched by it.\n";
+    text += "No resolved route is affected.\n";
   if (a.inversion.first_order)
-    text += "Rows 'other' are scaled as their named routes are; without any, as one scatter: first order.\n";
+    text += "Rows 'other' are scaled like their named routes; without any, as one scatter: first order.\n";
   text += fmt::format("Errors: {}one standard error, Monte Carlo only.\n",
                       a.subject == Answer::Subject::scatter ? "at most " : "");
   if (!a.unresolved.empty())
-    text += fmt::format("This is no safe answer: {} unresolved, and in the total by what was seen. Trace longer.\n",
-                        counted(a.unresolved.size(), "route", "is", "are"));
+    text += fmt::format(
+        "This result is not conservative: {} unresolved, with only the observed part in the total. Trace longer.\n",
+        counted(a.unresolved.size(), "route", "is", "are"));
   return per_frequency ? text + table(a) : text;
 }
 

@@ -19,7 +19,7 @@ struct InvertOrder {
   double tolerance = 0.01;     // param: width of the answer over the range
 };
 
-// Prints the answer; returns the exit code. `axes`: for param, the one range to look in.
+// Prints the result; returns the exit code. `axes`: for param, the single search range.
 int invert(ScanOptions const&, Requirement const&, InvertOrder const&, std::vector<ScanAxis> const& axes);
 
 // The case of a parameter: traces at both ends of the range and between them.
@@ -34,7 +34,7 @@ struct Answer {
   Inversion inversion;
   FrequencyGrid grid;
   std::vector<double> line_asd;         // 1/sqrt(Hz)
-  std::vector<std::string> unresolved;  // routes that are not in the total: no answer then
+  std::vector<std::string> unresolved;  // routes that are not in the total: then there is no result
   double tis = not_a_number;            // scattered share at normal incidence, of what was traced
   std::vector<double> motion;           // m/sqrt(Hz), root of the sum over the axes, per bin
   bool complete = true;

@@ -46,10 +46,10 @@ void add_range(ScanAxis& axis, std::string const& word, std::smatch const& m, bo
   Number const low = number_in(m[1]), high = number_in(m[2]);
   if (!std::isfinite(low.value) || !std::isfinite(high.value))
     refuse_range(word, "a range runs from a number to a number", axis.name);
-  if (low.unit != high.unit) refuse_range(word, "both ends of a range have the same unit", axis.name);
+  if (low.unit != high.unit) refuse_range(word, "both ends of a range must have the same unit", axis.name);
   std::string const count = m[3];
   bool const logarithmic = m[4].matched;
-  if (count.empty() && !open) refuse_range(word, "the range does not say how many values it has", axis.name);
+  if (count.empty() && !open) refuse_range(word, "the range has no number of values", axis.name);
   double const n = count.empty() ? 2 : std::strtod(count.c_str(), nullptr);
   if (n < 2 || n > double(most_points))
     refuse_range(word, fmt::format("a range has 2 to {} values", most_points), axis.name);
@@ -112,7 +112,7 @@ std::vector<ScanAxis> parse_axes(std::vector<std::string> const& words, bool ope
     }
   throw_all(errors);
   if (points > double(most_points))
-    throw InputError(fmt::format("{:.0f} combinations are more than {}", points, most_points), "take fewer values");
+    throw InputError(fmt::format("{:.0f} combinations are more than {}", points, most_points), "use fewer values");
   return axes;
 }
 

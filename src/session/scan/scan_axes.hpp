@@ -17,7 +17,7 @@ struct ScanAxis {
   bool range = false;               // given as lo..hi, with or without a count
 };
 
-// Throws one InputError with all problems. `open`: a range may stand without a count, as --invert takes it.
+// Throws one InputError with all problems. `open`: a range may omit the count, as for --invert.
 std::vector<ScanAxis> parse_axes(std::vector<std::string> const& words, bool open);
 
 // "name=value" of each parameter, for every combination; the last parameter changes first.

@@ -133,7 +133,7 @@ ScanPoint Scanner::at(std::vector<std::string> const& settings) {
     throw InputError(e.problems, fmt::format("{}\nat the point {}", e.what(), fmt::join(settings, ", ")), e.files);
   }
   if (!model.detector)
-    throw InputError("a scan looks at noise, and the scene has no 'interferometer'", "add one, and 'ports'");
+    throw InputError("a scan needs noise, but the scene has no 'interferometer'", "add one, and 'ports'");
   if (model.warnings != told_) print_warnings(model, options_);
   told_ = model.warnings;
   point.model_hash = model.hash();
@@ -181,12 +181,12 @@ std::vector<Job> different_models(std::vector<Settings> const& points, ScanOptio
   int code = input_error;
   try {
     code = Scanner(options, requirement, options.out).at(*job.point).complete ? done : checkpointed;
-  } catch (std::exception const&) {  // said again, to people, by the scan that follows
+  } catch (std::exception const&) {  // repeated by the scan that follows
   }
   ::_exit(code);
 }
 
-// What a run file is, to see whether a job changed it.
+// Identity of a run file, to detect changes by a job.
 std::filesystem::file_time_type age(std::string const& folder, std::string const& run) {
   std::error_code none;
   return std::filesystem::last_write_time(fmt::format("{}/runs/{}.h5", folder, run), none);
@@ -206,7 +206,7 @@ std::set<std::string> trace_together(std::vector<Settings> const& points, ScanOp
       std::cout.flush();
       pid_t const child = ::fork();
       if (child == 0) work(all[next], options, requirement, jobs);
-      if (child < 0) throw InputError("no further process can be started", "take fewer with --jobs");
+      if (child < 0) throw InputError("cannot start another process", "reduce --jobs");
       running[child] = &all[next++];
     }
     if (running.empty()) break;  // stopped
@@ -249,7 +249,7 @@ ScanList read_points(std::string const& file) {
   CsvTable const table = parse_csv_table(read_file(file), Comments::whole_lines, "rim [cm], baffles", problems);
   if (table.rows.size() > most_listed_points)
     complain(problems, {"", table.rows[most_listed_points].line(), 1},
-             fmt::format("more than {} points", most_listed_points), "take fewer");
+             fmt::format("more than {} points", most_listed_points), "use fewer");
   if (!problems.empty()) throw_problems(problems, file);
   ScanList list;
   for (CsvTable::Column const& c : table.columns) list.axes.push_back({c.name, {}, {}, c.written_unit, false});

@@ -70,11 +70,11 @@ class Scanner {
 // trace depends on model, seed and histories only.
 
 // Fills `runs/` of the folder with the traces that the points need, at most `jobs` at a time, each model once. The
-// names of the run files that were made or continued. Complaints about a point are left to the scan that follows.
+// names of the run files that were made or continued. The scan that follows reports problems of a point.
 std::set<std::string> trace_together(std::vector<std::vector<std::string>> const& points, ScanOptions const&,
                                      Requirement const&, unsigned jobs, std::atomic<bool> const& stop);
 
-// The table of a scan for people, spreadsheets and pictures.
+// The table of a scan as text, for spreadsheets and pictures.
 
 struct ScanTable {
   std::string model, line;  // file name; "0.1 x adv-lal", empty: not compared

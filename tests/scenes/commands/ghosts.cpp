@@ -160,7 +160,7 @@ TEST(GhostCommand, errors_state_a_remedy) {
     EXPECT_THAT(done.err, HasSubstr(what));
     EXPECT_THAT(done.err, HasSubstr(remedy));
   };
-  says({"ghosts", bench, "--by", "strain"}, "--by strain needs h", "take --by recoupled");
+  says({"ghosts", bench, "--by", "strain"}, "--by strain needs h", "use --by recoupled");
   says({"ghosts", bench, "--beam", "inptu"}, "beam 'inptu' is not launched", "did you mean 'input'?");
   says({"ghosts", bench, "--floor", "0"}, "'0' is not a power ratio above 0", "write for example 1e-15");
   says({"ghosts", bench, "--show", "0"}, "'0' is not a whole number from 1", "write for example 50");

@@ -126,10 +126,10 @@ TEST_F(NoiseResponse, WrongFilesAreErrors) {
     for (std::string const& s : says) EXPECT_THAT(done.err, HasSubstr(s));
     EXPECT_FALSE(fs::exists(folder / "no"));
   };
-  rejected("straytrace: 1\n", {"this file holds no responses"});
-  rejected(text_of(storm), {"this file holds no responses"});
+  rejected("straytrace: 1\n", {"this file contains no responses"});
+  rejected(text_of(storm), {"this file contains no responses"});
   rejected(response_of("ITM", "phase: one.txt") + "noise: {band: [5 Hz, 1 kHz]}\n",
-           {"bad.yaml:4:", "a file of responses holds nothing else"});
+           {"bad.yaml:4:", "a file of responses must not contain other tables"});
   rejected("straytrace: 1\ninterferometer: {responses: {}, mirror_mass: 40 kg}\n", {"mirror_mass"});
   rejected(response_of("ITN", "phase: one.txt"), {"bad.yaml:3:", "ITN", "ITM"});
   rejected(response_of("ITM", "phase: none.txt"), {"bad.yaml:3:", "none.txt"});

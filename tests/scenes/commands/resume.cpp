@@ -79,8 +79,8 @@ TEST(Resume, AReachedErrorIsNotTracedAgain) {
   auto const said = [&](std::string const& scene) {
     return straytrace({"run", scene, "-p", "rings=40", "-o", folder / "a", "--until", "h_total < 0.05 %"}).err;
   };
-  EXPECT_THAT(said(et_hf), Not(HasSubstr("begins anew")));
-  EXPECT_THAT(said(folder / "louder.yaml"), HasSubstr("begins anew"));
+  EXPECT_THAT(said(et_hf), Not(HasSubstr("starts again")));
+  EXPECT_THAT(said(folder / "louder.yaml"), HasSubstr("starts again"));
 }
 
 TEST(Resume, AnotherModelIsNotOverwritten) {
@@ -93,7 +93,7 @@ TEST(Resume, AnotherModelIsNotOverwritten) {
     words.insert(words.end(), other.begin(), other.end());
     Finished const rejected = straytrace(words);
     EXPECT_EQ(rejected.code, 2);
-    EXPECT_THAT(rejected.err, HasSubstr("holds a run of another model or seed"));
+    EXPECT_THAT(rejected.err, HasSubstr("contains a run of another model or seed"));
     EXPECT_THAT(rejected.err, HasSubstr("overwrite it with --force"));
     EXPECT_EQ(text_of(folder / "a/run.h5"), bytes);
     EXPECT_EQ(text_of(folder / "a/report.txt"), report);

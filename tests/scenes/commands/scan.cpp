@@ -81,16 +81,16 @@ TEST_F(Scan, WrongWords) {
     Words words;
     std::string says;
   } const wrong[] = {{{}, "nothing to scan"},
-                     {{"black=1e-4/sr..4e-4/sr"}, "how many values"},
+                     {{"black=1e-4/sr..4e-4/sr"}, "number of values"},
                      {{"black=1e-4/sr..4 cm:3"}, "same unit"},
                      {{"=3"}, "does not name a parameter"},
                      {{"black=1e-4/sr,"}, "a value is missing"},
                      {{"black=1e-4/sr,2e-4/sr", "black=1e-3/sr"}, "given twice"},
                      {{"blck=1e-4/sr"}, "blck"},
-                     {{"--invert", "colour(baffle)"}, "is not a question"},
+                     {{"--invert", "colour(baffle)"}, "is not valid"},
                      {{"--invert", "brdf(bafle)"}, "did you mean 'baffle'?"},
-                     {{"--invert", "motion(tube)"}, "there is no body 'tube'"},
-                     {{"--invert", "param(black)"}, "needs one range"},
+                     {{"--invert", "motion(tube)"}, "body 'tube' does not exist"},
+                     {{"--invert", "param(black)"}, "needs one search range"},
                      {{"--invert", "brdf(baffle)", "--margin", "much"}, "is not a margin"},
                      {{"--invert", "brdf(baffle)", "black=1e-4/sr"}, "with -p"}};
   for (auto const& w : wrong) {
@@ -179,7 +179,7 @@ TEST_F(Scan, AnInterruptedSearchPrintsItsInterval) {
   running.interrupt();
   Finished const stopped = running.wait();
   EXPECT_EQ(stopped.code, 85) << stopped.err;
-  EXPECT_THAT(stopped.out, HasSubstr("Stopped before it was as narrow as wanted"));
+  EXPECT_THAT(stopped.out, HasSubstr("Stopped before the requested width"));
   EXPECT_THAT(stopped.err, HasSubstr("same command"));
 }
 

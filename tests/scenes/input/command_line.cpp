@@ -99,7 +99,7 @@ TEST(CommandLine, MistakesAreExplained) {
       {{"run", virgo_arm, "-o", out, "--threads", "0"}, "'0' is not a whole number", "write for example 4"},
       {{"check", virgo_arm, "--format", "xml"}, "xml", "json"},
       {{"run", virgo_arm, "-o", folder / "file"}, "cannot make the folder", "choose another one"},
-      {{"trace", virgo_arm, "-o", folder / "none/a.h5"}, "there is no folder", "make it first"},
+      {{"trace", virgo_arm, "-o", folder / "none/a.h5"}, "there is no folder", "create it first"},
       {{"trace", virgo_arm, "-o", folder.path()}, "is a folder", "name a file with -o"},
       {{"noise", folder / "none.h5"}, "there is no such file", ""},
       {{"paths", virgo_arm}, "is a scene, not a run", "trace it first"},

@@ -263,8 +263,7 @@ TEST(Messages, ZeroNoiseStatesWhetherAnythingMoves) {
     write_text(folder / "a.yaml", edited(text, "131072", "4096"));
     return straytrace({"run", folder / "a.yaml", "-o", folder / "a", "--quiet", "--force"}).out;
   };
-  std::string const moves = "what moves on its routes moves at other frequencies",
-                    still = "nothing on its routes moves";
+  std::string const moves = "bodies on its routes move at other frequencies", still = "nothing on its routes moves";
   std::string const below = headline("{sine: {frequency: 1 Hz, amplitude: 1e-13 m peak}}");
   EXPECT_THAT(below, HasSubstr(moves));
   EXPECT_THAT(below, Not(HasSubstr(still)));

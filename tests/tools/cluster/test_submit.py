@@ -101,7 +101,7 @@ class Words(unittest.TestCase):
                 done = subprocess.run(words, text=True, capture_output=True, env=QUIET, cwd=place)
                 if backend == "condor":
                     self.assertEqual(done.returncode, 2)                # a submit file has no way to quote it
-                    self.assertIn("put straytrace where", done.stderr)
+                    self.assertIn("install straytrace in a path", done.stderr)
                     self.assertFalse(out.exists())
                     words[0] = str(PROGRAM)
                     done = subprocess.run(words, text=True, capture_output=True, env=QUIET, cwd=place)
