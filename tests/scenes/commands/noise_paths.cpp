@@ -154,7 +154,7 @@ void expect_other_motion(Folder const& folder, Curve const& own) {
   write_text(folder / "virgo_arm.yaml", text_of(storm));
   Finished const clash = straytrace({"noise", run, "--motion", folder / "virgo_arm.yaml", "-o", folder / "none"});
   EXPECT_EQ(clash.code, 2);
-  EXPECT_THAT(clash.err, HasSubstr("another name"));
+  EXPECT_THAT(clash.err, HasSubstr("rename the new file"));
 }
 
 TEST(NoiseAndPaths, OfOneRun) {
