@@ -30,6 +30,25 @@ Sheet with_program(Sheet sheet) {
   return sheet;
 }
 
+double segment_in(std::string const& text) { return option_quantity(text, dim::time, "--segment", "8 s"); }
+
+double overlap_in(std::string const& text) {
+  double const overlap = option_quantity(text, dim::plain, "--overlap", "50 %");
+  if (!(overlap >= 0 && overlap < 1))
+    throw InputError(fmt::format("--overlap: '{}' is not from 0 to below 100 %", text), "write --overlap \"50 %\"");
+  return overlap;
+}
+
+// Refuses a word, before any work, as the function does that reads it.
+template <class Read>
+CLI::Validator readable(Read read) {
+  return {[read](std::string const& text) -> std::string {
+            read(text);
+            return {};
+          },
+          ""};
+}
+
 void say_written(DataOptions const& o) {
   if (o.quiet) return;
   for (std::string const& file : o.out) std::cerr << fmt::format("wrote {}\n", file);
@@ -47,13 +66,18 @@ void add_band_option(CLI::App& command, DataOptions& o, std::string const& meani
 }
 
 void add_welch_options(CLI::App& command, DataOptions& o) {
-  command.add_option("--segment", o.segment,
-                     "length of the segments that are averaged; default: 8 s, or 1/8 of the record");
-  command.add_option("--overlap", o.overlap, "overlap of neighbouring segments")->default_str(o.overlap);
+  command
+      .add_option("--segment", o.segment,
+                  "length of the segments that are averaged; default: 8 s, or 1/8 of the record")
+      ->check(readable(segment_in));
+  command.add_option("--overlap", o.overlap, "overlap of neighbouring segments")
+      ->default_str(o.overlap)
+      ->check(readable(overlap_in));
   command
       .add_option("--window", o.window,
                   "hann, hamming, blackman, blackmanharris, flattop, tukey(0.5), kaiser(14), rectangular")
-      ->default_str(o.window);
+      ->default_str(o.window)
+      ->check(readable(parse_window));
   command.add_option("--average", o.average, "mean or median of the segments")
       ->check(CLI::IsMember({"mean", "median"}))
       ->default_str(o.average);
@@ -114,24 +138,23 @@ TimeSeries series_of(DataOptions const& o, std::string const& argument) {
   return series_argument(argument, o.unit, span_of(o), true);
 }
 
+double segment_of(DataOptions const& o, std::string const& name, double duration) {
+  double const seconds = o.segment.empty() ? std::min(8.0, duration / 8) : segment_in(o.segment);
+  if (seconds > duration * (1 + 1e-9))
+    throw InputError(
+        fmt::format("--segment: {:g} s are longer than the record '{}' of {:g} s", seconds, name, duration),
+        "choose a shorter one");
+  return seconds;
+}
+
 WelchSettings welch_of(DataOptions const& o, TimeSeries const& s) {
-  double const seconds =
-      o.segment.empty() ? std::min(8.0, s.duration() / 8) : option_quantity(o.segment, dim::time, "--segment", "8 s");
-  double const samples = std::round(seconds * s.rate),
-               overlap = option_quantity(o.overlap, dim::plain, "--overlap", "50 %");
+  double const seconds = segment_of(o, s.name, s.duration()), samples = std::round(seconds * s.rate);
   if (!(samples >= 2))
     throw InputError(fmt::format("--segment: {:g} s contain fewer than two samples at {:g} Hz", seconds, s.rate),
                      "choose a longer one");
-  if (samples > double(s.samples.size()))
-    throw InputError(
-        fmt::format("--segment: {:g} s are longer than the record '{}' of {:g} s", seconds, s.name, s.duration()),
-        "choose a shorter one");
-  if (!(overlap >= 0 && overlap < 1))
-    throw InputError(fmt::format("--overlap: '{}' is not from 0 to below 100 %", o.overlap),
-                     "write --overlap \"50 %\"");
   NamedWindow const window = parse_window(o.window);
   return {std::size_t(samples),
-          overlap,
+          overlap_in(o.overlap),
           window.window,
           window.parameter,
           one_of<Detrend>(o.detrend,

@@ -42,7 +42,9 @@ GpsSpan span_of(DataOptions const&);
 FrequencyBand band_of(DataOptions const&, FrequencyBand otherwise, double nyquist_hz);
 // FILE or FILE::CHANNEL, with --unit and --gps.
 TimeSeries series_of(DataOptions const&, std::string const& argument);
-// Without --segment: 8 s, or an eighth of the record where that is shorter.
+// --segment, in s, which fits a record of that name and duration; without it 8 s, or an eighth of the record where that
+// is shorter.
+double segment_of(DataOptions const&, std::string const& record, double duration_s);
 WelchSettings welch_of(DataOptions const&, TimeSeries const&);
 
 // Lines for notes of curves: source with unit, rate and span; segments, window, averages.

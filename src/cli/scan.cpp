@@ -54,7 +54,7 @@ ScanList points_of(ScanCommandOptions const& order) {
   if (!order.points.empty() && !order.axes.empty())
     throw InputError("--points and parameter values both define the scan", "keep one of them");
   if (!order.points.empty()) return read_points(order.points);
-  ScanList list{parse_axes(order.axes, false), {}};
+  ScanList list{.axes = parse_axes(order.axes, false), .points = {}};
   if (list.axes.empty())
     throw InputError("nothing to scan",
                      "name a parameter and its values: aperture=50cm..80cm:7, a file with --points, or use --invert");
@@ -77,11 +77,16 @@ int scan(ScanCommandOptions const& options) {
   InterruptGuard const guard;
   Scanner scanner(options, options.requirement, options.out);
   if (options.jobs > 1) scanner.made(trace_together(all, options, options.requirement, options.jobs, guard.stop()));
-  for (auto const& settings : all) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    auto const& settings = all[i];
     if (guard.stop()) break;
     if (!options.quiet)
       std::cerr << fmt::format("scan  {} of {}: {}\n", table.points.size() + 1, all.size(), fmt::join(settings, ", "));
-    table.points.push_back(scanner.at(settings));
+    try {
+      table.points.push_back(scanner.at(settings));
+    } catch (InputError const& e) {
+      throw in_points(e, list, i, options.overrides.size());
+    }
     table.line = scanner.line();
     save(table, options, guard.stop() || !table.points.back().complete || table.points.size() == all.size());
     if (!table.points.back().complete) break;

@@ -9,12 +9,14 @@
 #include <set>
 
 #include "base/input/document.hpp"
+#include "base/math/constants.hpp"
 #include "base/text/words.hpp"
 
 namespace straytrace::io {
 namespace {
 
 constexpr char const* point_remedy = "use decimal points, not decimal commas: 1.5, not 1,5";
+constexpr char const* one_per_column = "give one value per column, separated by commas";
 constexpr std::size_t most_problems = 10;
 
 std::string_view without_byte_order_mark(std::string_view text) {
@@ -119,13 +121,19 @@ void complain_of_number(std::vector<Problem>& problems, TextCell const& where, s
            comma ? point_remedy : "write a finite number without unit");
 }
 
+std::string surplus_remedy(std::span<TextCell const> cells) {
+  bool const points = std::ranges::any_of(cells, [](TextCell const& c) { return c.text.find('.') != c.text.npos; });
+  return points ? one_per_column : point_remedy;
+}
+
 // Tables with a header.
 
 namespace {
 
 class CsvReader {
  public:
-  CsvReader(std::string const& example, std::vector<Problem>& problems) : example_(example), problems_(problems) {}
+  CsvReader(std::string const& example, std::span<std::string_view const> numeric, std::vector<Problem>& problems)
+      : example_(example), numeric_(numeric), problems_(problems) {}
 
   CsvTable read(std::string_view text, Comments comments) {
     std::size_t const before = problems_.size();
@@ -139,7 +147,7 @@ class CsvReader {
     if (problems_.size() == before && table_.rows.empty())
       complain(problems_, {}, "the table has no rows",
                fmt::format("write rows of numbers below a header '{}'", example_));
-    if (problems_.size() > before) table_.rows.clear();
+    table_.whole = problems_.size() == before;
     return std::move(table_);
   }
 
@@ -155,30 +163,49 @@ class CsvReader {
 
   void header(TextLine const& line) {
     if (has_semicolons(line)) return;
-    for (TextCell const& cell : comma_cells(line)) {
+    for (TextCell const& cell : cells_in(line)) {
       auto const title = column_title(cell.text);
-      if (!title || is_number(title->name))
-        return complain(problems_, cell, fmt::format("cannot read the column name '{}'", shortened(cell.text)),
-                        fmt::format("begin with a header of names and units such as '{}'", example_));
-      std::string const name(title->name);
-      if (!names_.insert(name).second)
-        return complain(problems_, cell, fmt::format("column '{}' appears twice", name), "remove one of them");
-      table_.columns.push_back({name, title->unit, std::string(title->written_unit), cell.line, cell.column});
+      bool const number = title && is_number(title->name);
+      std::string const name(title ? title->name : "");
+      if (!title || number)
+        complain(problems_, cell, fmt::format("cannot read the column name '{}'", shortened(cell.text)),
+                 fmt::format("begin with a header of names and units such as '{}'", example_));
+      else if (!names_.insert(name).second)
+        complain(problems_, cell, fmt::format("column '{}' appears twice", name), "remove one of them");
+      else
+        table_.columns.push_back({name, title->unit, std::string(title->written_unit), cell.line, cell.column});
+      if (number) return;  // there is no header
     }
+  }
+
+  bool is_numeric(std::size_t column) const {
+    return numeric_.empty() || std::ranges::find(numeric_, table_.columns[column].name) != numeric_.end();
+  }
+
+  // Without quotes around single cells, and without empty cells behind the last column, which spreadsheets write.
+  std::vector<TextCell> cells_in(TextLine const& line) const {
+    std::vector<TextCell> cells = comma_cells(line);
+    while (cells.size() > std::max<std::size_t>(table_.columns.size(), 1) && cells.back().text.empty())
+      cells.pop_back();
+    for (TextCell& cell : cells)
+      if (cell.text.size() > 1 && cell.text.front() == '"' && cell.text.back() == '"')
+        cell.text = without_blanks(cell.text.substr(1, cell.text.size() - 2));
+    return cells;
   }
 
   void row(TextLine const& line) {
     if (has_semicolons(line)) return;
-    CsvTable::Row row{{}, comma_cells(line)};
-    if (row.cells.size() != table_.columns.size())
+    std::size_t const columns = table_.columns.size();
+    CsvTable::Row row{{}, cells_in(line)};
+    while (row.cells.size() < columns && !is_numeric(row.cells.size())) row.cells.push_back({"", line.number, 1});
+    if (row.cells.size() != columns)
       return complain(
           problems_, {line.text.substr(0, 1), line.number, 1},
-          fmt::format("{}, but the header has {}", counted(row.cells.size(), "value"),
-                      counted(table_.columns.size(), "column")),
-          row.cells.size() > table_.columns.size() ? point_remedy : "give one value per column, separated by commas");
+          fmt::format("{}, but the header has {}", counted(row.cells.size(), "value"), counted(columns, "column")),
+          row.cells.size() > columns ? surplus_remedy(row.cells) : one_per_column);
     for (std::size_t i = 0; i < row.cells.size(); ++i) {
       TextCell const& cell = row.cells[i];
-      auto const value = number_in(cell.text, table_.columns[i].unit);
+      auto const value = is_numeric(i) ? number_in(cell.text, table_.columns[i].unit) : not_a_number;
       if (!value)
         return complain(problems_, cell, fmt::format("'{}' is not a number", shortened(cell.text)),
                         cell.text.find('"') != cell.text.npos
@@ -190,6 +217,7 @@ class CsvReader {
   }
 
   std::string example_;
+  std::span<std::string_view const> numeric_;
   std::vector<Problem>& problems_;
   CsvTable table_;
   std::set<std::string> names_;
@@ -204,8 +232,8 @@ int CsvTable::find(std::string_view column) const {
 }
 
 CsvTable parse_csv_table(std::string_view text, Comments comments, std::string const& example,
-                         std::vector<Problem>& problems) {
-  return CsvReader(example, problems).read(text, comments);
+                         std::vector<Problem>& problems, std::span<std::string_view const> numeric) {
+  return CsvReader(example, numeric, problems).read(text, comments);
 }
 
 CsvTable read_csv_table(Node const& owner, std::string const& file, Comments comments, std::string const& example) {
@@ -338,6 +366,7 @@ class NumberReader {
            code_points(line.substr(0, std::size_t(bad.data() - line.data()))) + 1);
     else if (!row.empty())
       add(row, number);
+    points_ |= line.find('.') != line.npos;
   }
 
   void add(std::vector<double> const& row, std::uint32_t number) {
@@ -367,10 +396,9 @@ class NumberReader {
     std::size_t const columns = table_.column.size();
     if (titles_.empty()) titles_ = titles_in_comments();
     if (!titles_.empty() && titles_.size() != columns)
-      return fail(
-          fmt::format("{}, and the row of names has {} (numbers are written with a point, 0.5, not with a comma)",
-                      counted(columns, "number"), titles_.size()),
-          table_.line.front());
+      return fail(fmt::format("{}, and the row of names has {}{}", counted(columns, "number"), titles_.size(),
+                              points_ ? "" : " (numbers are written with a point, 0.5, not with a comma)"),
+                  table_.line.front());
     titles_.resize(columns);
     for (std::string const& title : titles_) name_column(title);
   }
@@ -389,6 +417,7 @@ class NumberReader {
 
   NonFinite words_;
   HeaderRow header_;
+  bool points_ = false;                             // a number with a decimal point was read
   std::vector<std::string> titles_;                 // the row of words
   std::vector<std::vector<std::string>> comments_;  // titles that the comments above the numbers may be
   NumberTable table_;

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,6 +49,8 @@ std::optional<double> number_in(std::string_view text, Quantity const& unit = {1
 
 // A problem at a cell.
 void complain(std::vector<Problem>&, TextCell const&, std::string what, std::string suggestion);
+// Of a row with more values than columns.
+std::string surplus_remedy(std::span<TextCell const>);
 // "'ten' is not a number; the angle should stand here", with the remedy.
 void complain_of_number(std::vector<Problem>&, TextCell const&, std::string const& what);
 
@@ -67,14 +70,17 @@ struct CsvTable {
     std::uint32_t line() const { return cells.front().line; }
   };
   std::vector<Column> columns;
-  std::vector<Row> rows;
+  std::vector<Row> rows;                    // those without problems
+  bool whole = false;                       // no problems
   std::shared_ptr<std::string const> text;  // which the cells point into
 
   int find(std::string_view column) const;  // -1: none
 };
-// Header, then rows of as many finite numbers. Has no rows when there are problems, of which it adds the first ten;
-// `example`: a header for messages.
-CsvTable parse_csv_table(std::string_view text, Comments, std::string const& example, std::vector<Problem>&);
+// Header, then rows of as many finite numbers. Adds the first ten problems; after one in the header there are no
+// columns. `example`: a header for messages. `numeric`: names of the columns of numbers, where the others are texts
+// that may be missing at the end of a row.
+CsvTable parse_csv_table(std::string_view text, Comments, std::string const& example, std::vector<Problem>&,
+                         std::span<std::string_view const> numeric = {});
 // The same for a data file next to the scene, with the problems at its lines.
 CsvTable read_csv_table(Node const& owner, std::string const& file, Comments, std::string const& example);
 

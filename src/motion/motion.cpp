@@ -2,6 +2,7 @@
 #include "motion/motion.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -27,23 +28,30 @@ void share_transfers(std::vector<Gain>& gains) {
       if (before->transfer && *before->transfer == *gain->transfer) gain->transfer = before->transfer;
 }
 
-// Once for a body with all its modes; a misspelt name is reported where it is written.
-void report_missing(Node const& table, std::string const& name, std::vector<std::string> const* of_run) {
+void report_missing_mode(Node const& table, std::string const& name) {
   auto const stroke = name.find('/');
-  if (stroke != std::string::npos) {
-    std::string const body = name.substr(0, stroke), mode = name.substr(stroke + 1);
-    for (auto const& [other, node] : table.items())
-      if (other == body)
-        node.problem(fmt::format("mode '{}' has no motion", name),
-                     fmt::format("add 'modes: {{{}: {{motion: still}}}}' to body '{}'", mode, body));
-    return;
-  }
+  std::string const body = name.substr(0, stroke), mode = name.substr(stroke + 1);
   for (auto const& [other, node] : table.items())
-    if (of_run && std::find(of_run->begin(), of_run->end(), other) == of_run->end() &&
-        nearest_word(other, *of_run) == name)
-      return;
-  table.problem(fmt::format("body '{}' has no motion", name),
-                fmt::format("add '{}: {{motion: still}}' to 'bodies', or its spectrum", name));
+    if (other == body)
+      node.problem(fmt::format("mode '{}' has no motion", name),
+                   fmt::format("add 'modes: {{{}: {{motion: still}}}}' to body '{}'", mode, body));
+}
+
+// A misspelt name is reported where it is written.
+bool is_misspelt(Node const& table, std::string const& name, std::vector<std::string> const& of_run) {
+  for (auto const& [other, node] : table.items())
+    if (std::find(of_run.begin(), of_run.end(), other) == of_run.end() && nearest_word(other, of_run) == name)
+      return true;
+  return false;
+}
+
+// Bodies with all their modes, in one problem.
+void report_missing(Node const& table, std::vector<std::string> const& names) {
+  if (names.empty()) return;
+  bool const one = names.size() == 1;
+  table.problem(
+      fmt::format("{} '{}' {} no motion", one ? "body" : "bodies", fmt::join(names, "', '"), one ? "has" : "have"),
+      fmt::format("add '{}: {{motion: still}}' to 'bodies', or its spectrum{}", names[0], one ? "" : ", and so on"));
 }
 
 }  // namespace
@@ -65,6 +73,7 @@ MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& 
   MotionSet set;
   set.bodies = bodies;
   std::vector<Axes> axes(bodies.size());
+  std::vector<std::string> missing;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     bool const met = placed.empty() || placed[b];
     if (reader.knows(bodies[b])) {
@@ -73,8 +82,12 @@ MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& 
       continue;
     }
     if (!met) continue;  // its motion does not affect any light
-    report_missing(bodies_table, bodies[b], traced ? &bodies : nullptr);
+    if (bodies[b].find('/') != std::string::npos)
+      report_missing_mode(bodies_table, bodies[b]);
+    else if (!traced || !is_misspelt(bodies_table, bodies[b], bodies))
+      missing.push_back(bodies[b]);
   }
+  report_missing(bodies_table, missing);
   reader.finish(traced ? &bodies : nullptr);
   set.inputs = std::move(reader.inputs);
   set.files = std::move(reader.files);

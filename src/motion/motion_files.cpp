@@ -10,6 +10,7 @@
 
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
+#include "base/text/words.hpp"
 #include "io/delimited_text.hpp"
 #include "spectra/curve.hpp"
 #include "spectra/shapes.hpp"
@@ -149,9 +150,8 @@ Spectrum read_spectrum_file(Node const& spec, bool rotation) {
   std::size_t const there = table->column.size(), wanted = std::max(columns->frequency, columns->value);
   if (wanted > there) {
     (spec.has("use") ? spec["use"] : file)
-        .problem(
-            fmt::format("'{}' has {} column{}; column {} does not exist", name, there, there == 1 ? "" : "s", wanted),
-            "write the numbers of the columns of frequency and motion, for example 'use: [1, 2]'");
+        .problem(fmt::format("'{}' has {}; column {} does not exist", name, counted(there, "column"), wanted),
+                 "write the numbers of the columns of frequency and motion, for example 'use: [1, 2]'");
     return {};
   }
   if (there > 2 && !spec.has("use") && spec.list("columns").size() != there) {

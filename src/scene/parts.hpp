@@ -70,6 +70,10 @@ class InPart : public Document {
     ProblemRedirect const now(whole_, blame_);
     whole_.add(std::move(p));
   }
+  void withdraw(Problem p) override {
+    ProblemRedirect const now(whole_, blame_);
+    whole_.withdraw(std::move(p));
+  }
   std::size_t errors() const override { return whole_.errors(); }
   std::optional<Value> evaluate(NodeData const& node, Scope const* scope) override {
     ProblemRedirect const now(whole_, blame_);

@@ -8,6 +8,7 @@
 
 #include "base/files/embedded.hpp"
 #include "base/files/read_write.hpp"
+#include "base/files/text_file.hpp"
 #include "scene/library.hpp"
 #include "scene/scope.hpp"
 
@@ -38,16 +39,6 @@ void refuse_library_name(Node const& named_by, std::string const& name) {
       near.empty() ? "'straytrace library' lists its files" : fmt::format("did you mean '{}'?", near));
 }
 
-// Text readers cannot use other bytes, and these should not be printed.
-bool is_binary(Source const& source) {
-  std::string_view const start = std::string_view(source.text).substr(0, 4096);
-  auto const controls = std::count_if(start.begin(), start.end(), [](char c) {
-    auto const byte = static_cast<unsigned char>(c);
-    return (byte < 0x20 && (byte < '\t' || byte > '\r')) || byte == 0x7f;
-  });
-  return start.find('\0') != start.npos || std::size_t(controls) * 10 > start.size();
-}
-
 }  // namespace
 
 std::string_view Source::line(std::uint32_t number) const {
@@ -67,12 +58,7 @@ SceneDocument::SceneDocument(std::filesystem::path folder, FileTexts const* text
       if (static_cast<unsigned char>(c) < 0x20) c = '?';
 }
 
-void SceneDocument::add(Problem p) {
-  if (p.place.line > 0 && is_binary(sources_[p.place.file]))
-    p = {{p.place.file},
-         "this is a binary file, but a text file is needed here",
-         "name a text file, or export it as text",
-         p.severity};
+Problem SceneDocument::where_the_user_can_act(Problem p) const {
   if (blame && (p.place.file == blame->hidden || is_library(sources_[p.place.file].name))) {
     p.what = fmt::format("'{}': {}", blame->name, p.what);
     p.suggestion = fmt::format("change the parameters of the part ({}:{}:{}: {})", sources_[p.place.file].name,
@@ -80,10 +66,26 @@ void SceneDocument::add(Problem p) {
     p.place = blame->place;
     p.width = blame->width;
   }
+  return p;
+}
+
+void SceneDocument::add(Problem p) {
+  if (p.place.line > 0 && is_binary(sources_[p.place.file].text)) {
+    Severity const severity = p.severity;
+    p = binary_problem(p.place.file);
+    p.severity = severity;
+  }
+  p = where_the_user_can_act(std::move(p));
   if (!seen_.emplace(p.place.file, p.place.line, p.place.column, p.what).second) return;
   if (p.severity == Severity::error) ++errors_;
   if (problems_.size() < most_problems) problems_.push_back(std::move(p));
   if (seen_.size() > 100 * most_problems) seen_.clear();  // hostile input must not fill the memory
+}
+
+void SceneDocument::withdraw(Problem p) {
+  p = where_the_user_can_act(std::move(p));
+  auto const key = [](Problem const& q) { return std::tuple(q.place.file, q.place.line, q.place.column, q.what); };
+  errors_ -= std::erase_if(problems_, [&](Problem const& q) { return key(q) == key(p); });
 }
 
 std::optional<Value> SceneDocument::evaluate(NodeData const& node, Scope const* scope) {
@@ -118,7 +120,7 @@ std::uint32_t SceneDocument::command_line() {
   if (!command_line_) {
     std::string text;
     for (std::string const& o : overrides_) text += fmt::format("-p {}\n", o);
-    command_line_ = add_source("command line", std::move(text), false);
+    command_line_ = add_source(std::string(command_line_name), std::move(text), false);
   }
   return *command_line_;
 }

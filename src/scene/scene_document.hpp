@@ -30,12 +30,15 @@ struct Blame {
   std::string name;
 };
 
+constexpr std::string_view command_line_name = "command line";
+
 class SceneDocument : public Document {
  public:
   // Reads below `folder`, or only from `texts` when given.
   SceneDocument(std::filesystem::path folder, FileTexts const* texts, std::vector<std::string> const& overrides);
 
   void add(Problem) override;
+  void withdraw(Problem) override;
   std::size_t errors() const override { return errors_; }
   std::optional<Value> evaluate(NodeData const&, Scope const*) override;
   std::optional<Value> evaluate(NodeData const&, ParameterLookup const&);
@@ -46,7 +49,7 @@ class SceneDocument : public Document {
   Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) override;
 
   std::uint32_t add_source(std::string name, std::string text, bool stored);
-  std::uint32_t command_line();  // the source whose lines are "-p name=value"
+  std::uint32_t command_line();  // the source of that name, whose lines are "-p name=value"
   // Reads a file that was named in a file of the model; its index, or empty and a problem at `named_by`.
   std::optional<std::uint32_t> open(Node const& named_by, std::string const& written, std::size_t size_limit);
   // Reads the main file; throws InputError when there is none.
@@ -63,6 +66,7 @@ class SceneDocument : public Document {
   Document* keep(std::unique_ptr<Document> view) { return views_.emplace_back(std::move(view)).get(); }
 
  private:
+  Problem where_the_user_can_act(Problem) const;
   // Path of a file that a file of the model names.
   std::string name_from(Node const& named_by, std::string const& written) const;
   std::optional<std::uint32_t> open_library(std::string const& name, std::string const& written);

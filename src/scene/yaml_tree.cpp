@@ -201,9 +201,11 @@ class TreeBuilder : public YAML::EventHandler {
     auto node = std::make_shared<NodeData>();  // of kind none: its problem is recorded here
     node->place = place(mark);
     if (stack_.empty()) return;
-    Frame const& top = stack_.back();
+    Frame& top = stack_.back();
     if (top.node->kind == Node::Kind::table) {
-      if (!top.discard)
+      if (follows_decimal_comma(top))
+        refuse_decimal_comma(top);
+      else if (!top.discard)
         guess(top.key_place, fmt::format("'{}' has no value", shortened(top.key)), "write a value, or remove the key",
               top.key_width);
       node->place = top.key_place;
@@ -356,6 +358,22 @@ class TreeBuilder : public YAML::EventHandler {
       problem(top.key_place, fmt::format("key '{}' is written twice in one table", shortened(top.key)),
               fmt::format("remove one of them; the first is in line {}", first->place.line), top.key_width);
     }
+  }
+
+  // "{position: 3,2 mm}" is a table with the keys 'position' and '2 mm'.
+  static bool follows_decimal_comma(Frame const& top) {
+    if (top.node->entries.empty() || top.key.find_first_of("0123456789") != 0) return false;
+    NodeData const& before = *top.node->entries.back().value;
+    return before.kind == Node::Kind::scalar && is_number(before.text) && before.place.line == top.key_place.line &&
+           before.place.column + before.width + 1 == top.key_place.column;
+  }
+
+  void refuse_decimal_comma(Frame& top) {
+    NodeData& before = *top.node->entries.back().value;
+    problem(before.place, fmt::format("'{}' has a decimal comma", shortened(before.text + "," + top.key)),
+            fmt::format("write '{}'", shortened(before.text + "." + top.key)), before.width + 1 + top.key_width);
+    before.kind = Node::Kind::none;
+    top.discard = true;
   }
 
   void attach(std::shared_ptr<NodeData> node) {

@@ -37,7 +37,7 @@ void read_orders(Model& model) {
         if (auto const complaint = complaint_about(model.until, model); complaint && until.healthy())
           until.problem(complaint->what, complaint->suggestion);
       } catch (InputError const& e) {
-        until.problem(e.reason(), "write for example until: \"h_total < 5 %\"");
+        until.problem(e.reason(), e.remedy());
       }
     t.refuse_unknown("'trace'");
   }

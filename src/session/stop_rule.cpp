@@ -42,10 +42,16 @@ void parse_one(std::string const& text, StopRule& rule) {
     }
   } catch (std::exception const&) {  // not a number: fall through to the message
   }
-  throw InputError(
-      fmt::format("'{}' is not a stop rule; write 'h_total < 5 %', 'routes < 10 %', 'receiver:* < 5 %', "
-                  "'class:* < 10 %' or '10 min'",
-                  text));
+  throw InputError(fmt::format("'{}' is not a stop rule", text),
+                   "write 'h_total < 5 %', 'routes < 10 %', 'receiver:* < 5 %', 'class:* < 10 %' or '10 min'");
+}
+
+// "h_total < 0,5 %" as it was meant.
+std::string with_decimal_points(std::string text) {
+  auto const digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
+  for (std::size_t i = 1; i < text.size(); ++i)
+    if (text[i] == ',' && digit(i - 1) && digit(i + 1)) text[i] = '.';
+  return text;
 }
 
 // "lamp·S > PD1·D" and "lamp > PD1" are the same route: names of groups without what happened there.
@@ -179,7 +185,7 @@ double parse_duration(std::string const& text) {
   return seconds;
 }
 
-StopRule parse_stop_rule(std::string const& text) {
+StopRule parse_stop_rule(std::string const& text) try {
   StopRule rule;
   for (std::size_t at = 0; at <= text.size();) {
     std::size_t const comma = std::min(text.find(',', at), text.size());
@@ -187,6 +193,11 @@ StopRule parse_stop_rule(std::string const& text) {
     at = comma + 1;
   }
   return rule;
+} catch (InputError const&) {
+  std::string const meant = with_decimal_points(text);
+  if (meant == text) throw;
+  throw InputError(fmt::format("'{}' is not a stop rule: it has a decimal comma", text),
+                   fmt::format("write '{}'", meant));
 }
 
 }  // namespace straytrace::session

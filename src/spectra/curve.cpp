@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "base/math/constants.hpp"
+#include "base/text/words.hpp"
 #include "io/delimited_text.hpp"
 
 namespace straytrace::spectra {
@@ -28,10 +29,10 @@ Curve curve_of(NumberTable const& table, std::size_t frequency_column, std::size
   if (!table.error.empty()) return {{}, {}, table.described_error()};
   std::size_t const columns = table.column.size();
   if (frequency_column < 1 || value_column < 1 || std::max(frequency_column, value_column) > columns)
-    return {
-        {},
-        {},
-        fmt::format("it has {} columns; columns {} and {} were requested", columns, frequency_column, value_column)};
+    return {{},
+            {},
+            fmt::format("it has {}; columns {} and {} were requested", counted(columns, "column"), frequency_column,
+                        value_column)};
   Curve curve;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     double const f = table.column[frequency_column - 1][i], v = table.column[value_column - 1][i];

@@ -11,6 +11,7 @@
 
 #include "analysis/coupling/band_coupling.hpp"
 #include "base/errors.hpp"
+#include "base/files/text_file.hpp"
 #include "base/units/quantity.hpp"
 #include "io/delimited_text.hpp"
 #include "spectra/curve.hpp"
@@ -195,22 +196,30 @@ class Reader {
   explicit Reader(std::string const& file) : file_(file) {}
 
   CouplingFunction read(std::string_view csv) {
+    std::vector<InputError> errors;
     for (TextLine const& line : text_lines(csv, Comments::whole_lines)) {
       line_ = line.number;
-      columns_.empty() ? take_header(line) : take_row(line);
+      bool const header = columns_.empty();
+      try {
+        header ? take_header(line) : take_row(line);
+      } catch (InputError const& e) {
+        errors.push_back(e);
+      }
+      if (errors.size() >= (header ? 1 : most_errors)) break;
     }
+    throw_all(errors);
     line_ = 0;
     if (columns_.empty() || out_.points.empty()) refuse("no couplings in it", "the columns are " + std::string(wanted));
     return std::move(out_);
   }
 
   [[noreturn]] void refuse(std::string const& what, std::string const& suggestion) const {
-    Problem const problem{{0, line_, 0}, what, suggestion};
-    throw InputError({problem}, placed_message(problem, file_), {file_});
+    throw errors_in(file_, {{{0, line_, 0}, what, suggestion}});
   }
 
  private:
   static constexpr std::string_view glued = "darmbgcoherence";  // pemcoupling omits a comma between two names
+  static constexpr std::size_t most_errors = 10;
   static constexpr std::string_view wanted = "frequency, factor, factor_counts, flag";
 
   // Names contain no blanks, so a blank inside a name replaces an omitted comma. A cell without a name is a column too:
@@ -255,8 +264,7 @@ class Reader {
   void take_row(TextLine const& line) {
     cells_ = comma_cells(line);
     if (cells_.size() > named_ && !plain(cells_[named_].text).empty())
-      refuse(fmt::format("more values than the {} columns that have a name", named_),
-             "use decimal points, not decimal commas: 1.5, not 1,5");
+      refuse(fmt::format("more values than the {} columns that have a name", named_), surplus_remedy(cells_));
     auto const flag = flag_of(text("flag"));
     if (!flag)
       refuse(fmt::format("'{}' is not a flag", plain(text("flag"))),

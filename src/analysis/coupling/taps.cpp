@@ -12,6 +12,7 @@
 #include "analysis/coupling/coupling.hpp"
 #include "analysis/coupling/lines.hpp"
 #include "base/errors.hpp"
+#include "base/files/text_file.hpp"
 #include "io/delimited_text.hpp"
 #include "spectra/welch.hpp"
 
@@ -229,79 +230,63 @@ std::vector<TapPeak> tap_peaks(TapSeries const& s, std::span<TapPlace const> pla
 
 namespace {
 
-// Text of the cells, without quotes.
-std::vector<std::string> cells_of(TextLine const& line) {
-  std::vector<std::string> cells;
-  for (TextCell const& cell : comma_cells(line)) {
-    std::string text(cell.text);
-    std::erase(text, '"');
-    cells.emplace_back(without_blanks(text));
-  }
-  return cells;
-}
-
 class ListReader {
  public:
-  explicit ListReader(std::string const& file) : file_(file) {}
-
-  std::vector<TapPlace> read(std::string_view csv) {
-    for (TextLine const& line : text_lines(csv, Comments::whole_lines)) {
-      line_ = line.number;
-      header_.empty() ? take_header(line) : take(line);
-    }
-    if (errors_.empty() && places_.empty()) add("no places in it", "the first line is 'place,start,duration'");
-    throw_all(errors_);
-    return std::move(places_);
+  std::vector<TapPlace> read(std::string_view csv, std::string const& file) {
+    static constexpr std::string_view numeric[] = {"start", "duration"};
+    table_ = parse_csv_table(csv, Comments::whole_lines, "place,start,duration", problems_, numeric);
+    if (!table_.columns.empty() && header_fits())
+      for (CsvTable::Row const& row : table_.rows) take(row);
+    if (problems_.empty()) return std::move(places_);
+    std::ranges::stable_sort(problems_, {}, [](Problem const& p) { return p.place.line; });
+    throw errors_in(file, std::move(problems_));
   }
 
  private:
-  void add(std::string const& what, std::string const& suggestion) {
-    Problem const problem{{0, line_, 0}, what, suggestion};
-    errors_.push_back(InputError({problem}, placed_message(problem, file_), {file_}));
+  bool header_fits() {
+    bool sound = true;
+    for (char const* name : {"place", "start", "duration"}) {
+      if (table_.find(name) >= 0) continue;
+      sound = false;
+      complain(problems_, {"", table_.columns[0].line, 1}, fmt::format("no column '{}'", name),
+               "the first line names the columns: place, start, duration, strength");
+    }
+    for (CsvTable::Column const& c : table_.columns) {
+      if (c.unit.dimension == dim::plain || c.unit.dimension == dim::time) continue;
+      sound = false;
+      complain(problems_, {c.name, c.line, c.at}, fmt::format("column '{}' is in {}, not in s", c.name, c.written_unit),
+               "start is GPS time in s, duration in s");
+    }
+    return sound;
   }
 
-  void take_header(TextLine const& line) {
-    header_ = cells_of(line);
-    for (char const* name : {"place", "start", "duration"})
-      if (std::find(header_.begin(), header_.end(), name) == header_.end())
-        add(fmt::format("no column '{}'", name), "the first line names the columns: place, start, duration, strength");
+  TextCell cell(CsvTable::Row const& row, std::string_view name) const {
+    int const at = table_.find(name);
+    return at < 0 ? TextCell() : row.cells[std::size_t(at)];
+  }
+  double number(CsvTable::Row const& row, std::string_view name) const {
+    return row.values[std::size_t(table_.find(name))];
   }
 
-  std::string cell(std::vector<std::string> const& cells, char const* name) const {
-    auto const at = std::size_t(std::find(header_.begin(), header_.end(), name) - header_.begin());
-    return at < cells.size() ? cells[at] : "";
-  }
-
-  double number(std::vector<std::string> const& cells, char const* name) {
-    std::string const text = cell(cells, name);
-    if (auto const value = number_in(text)) return *value;
-    add(fmt::format("'{}' is not a number in column '{}'", text, name), "start is GPS time in s, duration in s");
-    return not_a_number;
-  }
-
-  void take(TextLine const& line) {
-    if (!errors_.empty() && places_.empty()) return;  // the header is wrong
-    std::vector<std::string> const cells = cells_of(line);
-    if (cells.size() > header_.size() && !cells[header_.size()].empty())
-      return add(fmt::format("{} values for {} columns", cells.size(), header_.size()),
-                 "use decimal points, not decimal commas: 1.5, not 1,5");
-    TapPlace p{cell(cells, "place"), number(cells, "start"), number(cells, "duration"), cell(cells, "strength")};
-    if (p.name.empty()) add("a place without a name", "write it in column 'place'");
-    if (p.duration <= 0) add(fmt::format("a duration of {} s", p.duration), "taps of about 20 s are usual");
+  void take(CsvTable::Row const& row) {
+    TapPlace p{std::string(cell(row, "place").text), number(row, "start"), number(row, "duration"),
+               std::string(cell(row, "strength").text)};
+    if (p.name.empty()) complain(problems_, cell(row, "place"), "a place without a name", "write it in column 'place'");
+    if (p.duration <= 0)
+      complain(problems_, cell(row, "duration"), fmt::format("a duration of {} s", p.duration),
+               "taps of about 20 s are usual");
     places_.push_back(std::move(p));
   }
 
-  std::string const& file_;
-  std::uint32_t line_ = 0;
-  std::vector<std::string> header_;
-  std::vector<InputError> errors_;
+  CsvTable table_;
+  std::vector<Problem> problems_;
   std::vector<TapPlace> places_;
 };
 
 }  // namespace
 
 std::vector<TapPlace> parse_tap_list(std::string_view csv, std::string const& file) {
-  return ListReader(file).read(csv);
+  return ListReader().read(csv, file);
 }
 
 }  // namespace straytrace::analysis

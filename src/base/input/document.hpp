@@ -61,6 +61,7 @@ struct NodeData {
   mutable std::map<std::string, KeyRequest, std::less<>> asked;  // requested keys, present or not
   mutable KeyRequest read;                                       // how the value itself was read
   mutable bool listed = false;                                   // its keys were read as a list of names
+  mutable std::map<std::string, Problem, std::less<>> missing;   // absent keys, as they were reported
   mutable bool misspelt = false;  // has an unknown key, so a missing key may only be misspelt
   mutable std::string role;       // its name in refuse_unknown()
 
@@ -93,6 +94,7 @@ class Document {
  public:
   virtual ~Document() = default;
   virtual void add(Problem) = 0;
+  virtual void withdraw(Problem) = 0;      // which another one explains
   virtual std::size_t errors() const = 0;  // so far
   bool healthy() const { return errors() == 0; }
   // Value of a scalar with the parameters of a scope; records a problem when it has none.

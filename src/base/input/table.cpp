@@ -94,7 +94,9 @@ Place Node::key_place(std::string_view key) const {
 void Node::missing(std::string_view key, std::string_view nature, std::string const& suggestion) const {
   if (!document_) return;
   std::string const in = data_ && !data_->label.empty() ? fmt::format(" in '{}'", data_->label) : "";
-  document_->add({place(), fmt::format("key '{}' ({}) is missing{}", key, nature, in), suggestion});
+  Problem const problem{place(), fmt::format("key '{}' ({}) is missing{}", key, nature, in), suggestion};
+  document_->add(problem);
+  if (data_) data_->missing.emplace(key, problem);
 }
 
 std::string Node::word(std::string_view key, std::string_view fallback) const {
@@ -173,12 +175,17 @@ std::vector<Node> Node::as_list() const {
 void Node::refuse_unknown(std::string_view what) const {
   if (kind() != Kind::table) return;
   data_->role = what;
-  std::vector<std::string> known;
+  std::vector<std::string> known, missing;
   for (auto const& [key, how] : data_->asked) known.push_back(key);
+  for (auto const& [key, problem] : data_->missing) missing.push_back(key);
   int reported = 0;
   for (NodeData::Entry const& e : data_->entries) {
     if (e.value->known || ++reported > 100) continue;  // limits the messages of hostile input
-    std::string const near = nearest_word(e.key, known);
+    std::string near = nearest_word(e.key, missing);
+    if (near.empty())
+      near = nearest_word(e.key, known);
+    else
+      document_->withdraw(data_->missing.at(near));
     std::string const suggestion = !near.empty()   ? fmt::format("did you mean '{}'?", near)
                                    : known.empty() ? "remove it"
                                                    : "known keys: " + listed(known);

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/errors.hpp"
+#include "base/files/text_file.hpp"
 #include "noise/fundamental/fundamental.hpp"
 #include "results/curves/band.hpp"
 #include "results/pygwinc/pygwinc_trace.hpp"
@@ -134,7 +135,7 @@ BudgetEntry NoiseSource::on(std::vector<double> const& at) const {
 }
 
 Sampled two_columns(std::string const& file, std::string const& what, std::span<std::string_view const> names) {
-  Curve const curve = parse_named_curve(read_file(file), names);
+  Curve const curve = parse_named_curve(read_text(file), names);
   if (!curve.error.empty())
     throw InputError(fmt::format("'{}' is not {}: {}", file, what, curve.error),
                      "give two columns: frequency in Hz and amplitude density");

@@ -10,9 +10,9 @@
 
 #include "analysis/coupling/taps.hpp"
 #include "base/errors.hpp"
+#include "base/files/text_file.hpp"
 #include "base/math/constants.hpp"
 #include "cli/couple/couple_data.hpp"
-#include "results/results.hpp"
 #include "results/text/columns.hpp"
 #include "spectra/files/gps.hpp"
 
@@ -81,7 +81,7 @@ int run_impulse(ImpulseOptions const& o) {
   if (o.list.empty())
     starts = find_taps(both[0], o.threshold, s.length);
   else
-    for (TapPlace const& p : parse_tap_list(read_file(o.list), o.list)) starts.push_back(p.start);
+    for (TapPlace const& p : parse_tap_list(read_text(o.list), o.list)) starts.push_back(p.start);
   ImpulseResponse const r = impulse_response(both[0], both[1], starts, s);
   std::string const unit = coupling_unit(both[1].unit, both[0].unit);
   CurveSheet sheet;

@@ -8,6 +8,7 @@
 
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
+#include "base/files/text_file.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/couple/couple_data.hpp"
@@ -50,7 +51,7 @@ bool counts(OverlayPoint const& p) { return p.measured.flag == CouplingFlag::mea
 }  // namespace
 
 CouplingFunction read_coupling(std::string const& file, std::string const& unit, std::string const& witness_unit) {
-  return parse_coupling(read_file(file), file, unit, witness_unit);
+  return parse_coupling(read_text(file), file, unit, witness_unit);
 }
 
 Overlay overlay_of(CouplingFunction const& c, PredictedCoupling const& p, std::string const& unit) {

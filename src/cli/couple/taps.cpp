@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "base/errors.hpp"
+#include "base/files/text_file.hpp"
 #include "base/text/words.hpp"
 #include "cli/couple/couple_data.hpp"
 #include "cli/options.hpp"
@@ -129,7 +130,7 @@ nlohmann::json json_of(std::vector<TapPeak> const& peaks) {
 
 int run_taps(TapOptions const& o) {
   check_outputs(o.data);
-  std::vector<TapPlace> const places = parse_tap_list(read_file(o.list), o.list);
+  std::vector<TapPlace> const places = parse_tap_list(read_text(o.list), o.list);
   GpsSpan const quiet = parse_gps(o.quiet);
   std::vector<FoundStretch> stretches{{"--quiet " + o.quiet, o.list, quiet.from, quiet.to}};
   for (TapPlace const& p : places)

@@ -13,7 +13,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
-#include "base/files/read_write.hpp"
+#include "base/files/text_file.hpp"
 #include "cli/commands.hpp"
 #include "cli/library.hpp"
 #include "cli/options.hpp"
@@ -116,16 +116,13 @@ void plot(nlohmann::json const& data, std::string const& png) {
 
 // A list of materials in the newmtl format, as a file that a scene can include.
 int print_list(std::string const& file, bool json) {
-  auto const [text, why] = bytes_of_file(file);
-  if (!why.empty()) throw InputError(fmt::format("cannot read '{}': {}", file, why), "check the name and the folder");
+  std::string const text = read_text(file);
   std::vector<Problem> problems;
   std::vector<NewmtlMaterial> const list = read_newmtl(text, problems);
   std::string const name = std::filesystem::path(file).filename().string();
   if (list.empty() && problems.empty())
     throw InputError(fmt::format("'{}' contains no material", name), "begin with a line 'newmtl NAME'");
-  std::string said;
-  for (Problem const& p : problems) said += placed_message(p, name) + '\n';
-  if (!problems.empty()) throw InputError(problems, said, {name});
+  if (!problems.empty()) throw errors_in(name, std::move(problems));
   if (!json) {
     std::cout << fmt::format(
                      "straytrace: 1\n# of {}: save this as materials.yaml beside a scene and write there\n"

@@ -8,7 +8,7 @@
 #include <iostream>
 
 #include "base/errors.hpp"
-#include "base/files/read_write.hpp"
+#include "base/files/text_file.hpp"
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "cli/inspect/inspect.hpp"
@@ -31,8 +31,7 @@ double length_of(std::string const& text) {
 }
 
 ScatterFile read(ScatterRequest const& r) {
-  auto const [text, why] = bytes_of_file(r.file);
-  if (!why.empty()) throw InputError(fmt::format("cannot read '{}': {}", r.file, why), "name a file");
+  std::string const text = read_text(r.file);
   ScatterDeclared given;
   given.angles = r.angles;
   given.entry = r.entry;
@@ -41,9 +40,7 @@ ScatterFile read(ScatterRequest const& r) {
   ScatterFile file = read_scatter_file(text, given, problems);
   if (problems.empty()) check_scatter_points(file.points, problems);
   if (problems.empty()) return file;
-  std::string said;
-  for (Problem const& p : problems) said += placed_message(p, r.file) + '\n';
-  throw InputError(problems, said, {r.file});
+  throw errors_in(r.file, std::move(problems));
 }
 
 nlohmann::json audit_json(ScatterAudit const& audit) {

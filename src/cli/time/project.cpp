@@ -94,6 +94,7 @@ int project(ProjectOptions const& o) {
                      "remove them, or give its CSV and --witness");
   check_time_files(o.files);
   TimeInputs const in(o.time);
+  segment_of(o.data, "h", in.duration);
   if (!o.data.quiet) std::cerr << (o.data.json() ? in.model.warnings_json : in.model.warnings);
   TimeDomainSettings settings = settings_of(o.time, in);
   Realisations all;

@@ -6,10 +6,10 @@
 
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
+#include "base/files/text_file.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/time/time_results.hpp"
-#include "results/results.hpp"
 #include "session/options.hpp"
 #include "spectra/files/unit_text.hpp"
 
@@ -124,7 +124,7 @@ std::string text_of(ProjectedCoupling const& p, Level const* target, std::string
 int project_measured_coupling(CouplingProjectionOptions const& o) {
   if (!o.asd.empty()) check_curve_ending(o.asd, "--asd");
   TimeSeries const witness = series_of(o.data, o.witness);
-  CouplingFunction coupling = parse_coupling(read_file(o.coupling), o.coupling, o.coupling_unit,
+  CouplingFunction coupling = parse_coupling(read_text(o.coupling), o.coupling, o.coupling_unit,
                                              o.coupling_unit.empty() ? "" : unit_below(o.coupling_unit, witness));
   if (coupling.witness.empty()) coupling.witness = witness.name;
   if (coupling.target.empty()) coupling.target = "target";

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text/words.hpp"
 #include "cli/data_options.hpp"
 #include "cli/options.hpp"
 #include "motion/axis_motion.hpp"
@@ -92,6 +93,45 @@ std::string plain(std::string text) {
   return text;
 }
 
+bool is_rank(std::string const& word) { return word.find_first_not_of("0123456789") == word.npos; }
+
+bool is_part_of(std::string const& word, std::string const& route) {
+  return plain(route).find(plain(word)) != std::string::npos;
+}
+
+void check_route(std::string const& word, CouplingTable const& table) {
+  auto const& all = table.classes;
+  std::uint64_t const rank = is_rank(word) ? std::strtoull(word.c_str(), nullptr, 10) : 0;
+  bool const found = is_rank(word) ? rank >= 1 && rank <= all.size()
+                                   : std::any_of(all.begin(), all.end(), [&](CouplingClass const& c) {
+                                       return is_part_of(word, route_name(table, c));
+                                     });
+  if (!found)
+    throw InputError(fmt::format("--route: '{}' is {}", word,
+                                 is_rank(word) ? fmt::format("no rank; this run has {}", counted(all.size(), "route"))
+                                               : "part of no route name"),
+                     "see straytrace paths RUN for ranks and names");
+}
+
+// Refuses all wrong names at once, before anything is computed.
+void check_names(TimeOptions const& o, TimeInputs const& in) {
+  std::vector<InputError> errors;
+  auto const each = [&](std::vector<std::string> const& words, auto const& check) {
+    for (std::string const& word : words) try {
+        check(word);
+      } catch (InputError const& e) {
+        errors.push_back(e);
+      }
+  };
+  CouplingTable const& table = in.coupling();
+  each(o.body, [&](auto const& body) { place_of(body, in.model.motion.bodies, "--body", "a body of this run"); });
+  each(o.axis, [](auto const& axis) { place_of(axis, axis_names, "--axis", "a coordinate"); });
+  each(o.routes, [&](auto const& route) { check_route(route, table); });
+  each(o.ports, [&](auto const& port) { place_of(port, table.ports, "--port", "a port of this run"); });
+  each(o.moved_by, [&](auto const& body) { place_of(body, table.bodies, "--moved-by", "a body of this run"); });
+  throw_all(errors);
+}
+
 bool touches(CouplingClass const& c, BodyId body) {
   return std::any_of(c.records.begin(), c.records.end(), [&](PathRecord const& r) {
     return std::any_of(r.phase_sensitivities.begin(), r.phase_sensitivities.end(),
@@ -109,12 +149,11 @@ class RouteChoice {
   }
   bool operator()(CouplingTable const& table, CouplingClass const& c) const {
     return asked_.empty() || std::any_of(asked_.begin(), asked_.end(), [&](std::string const& word) {
-             bool const number = word.find_first_not_of("0123456789") == word.npos;
-             return number ? std::any_of(ranks_.begin(), ranks_.end(),
-                                         [&](auto const& r) {
-                                           return fmt::format("{}", r.first) == word && r.second == c.hash;
-                                         })
-                           : plain(route_name(table, c)).find(plain(word)) != std::string::npos;
+             return is_rank(word) ? std::any_of(ranks_.begin(), ranks_.end(),
+                                                [&](auto const& r) {
+                                                  return fmt::format("{}", r.first) == word && r.second == c.hash;
+                                                })
+                                  : is_part_of(word, route_name(table, c));
            });
   }
   bool empty() const { return asked_.empty(); }
@@ -217,6 +256,7 @@ void replace_coordinate(MotionSet& motion, BodyId body, int axis, RecordedMotion
 TimeInputs::TimeInputs(TimeOptions const& o) : OpenRun(o.run, o.motion) {
   if (!model.detector)
     throw InputError("this run has no interferometer, so there is no strain", "add 'ports' to the scene");
+  check_names(o, *this);
   replace_motions(o, *this);
   model.warnings += warnings_of_channels(o, *this);
   choose_times(o, *this);

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "base/files/embedded.hpp"
+#include "base/files/text_file.hpp"
 #include "base/input/table.hpp"
 #include "noise/fundamental/quantum.hpp"
 #include "results/pygwinc/pygwinc_tree.hpp"
@@ -190,7 +191,7 @@ IfoFile read_ifo(std::string const& name, std::vector<std::string> const& overri
   std::string text = named_preset(name);
   bool const preset = !text.empty();
   std::filesystem::path const path(name);
-  if (!preset) text = read_file(name);
+  if (!preset) text = read_text(name);
   std::size_t own = add_with_base(t, preset ? name : path.filename().string(), text, 0);
   bool const extends = !preset && own > 0;
   for (std::string const& o : overrides) {

@@ -24,6 +24,27 @@
 namespace straytrace::session {
 namespace {
 
+// "brdf(steel)", "motion(tube)".
+struct Question {
+  std::string kind, name;
+};
+
+// Number of the material or body that the question names.
+std::size_t subject_of(Question const& question, ProjectionModel const& model) {
+  bool const scatter = question.kind == "brdf";
+  std::vector<std::string> known = model.motion.bodies;
+  if (scatter) {
+    known.clear();
+    for (MaterialSpread const& m : model.traced.materials) known.push_back(m.name);
+  }
+  auto const hit = std::find(known.begin(), known.end(), question.name);
+  if (hit != known.end()) return std::size_t(hit - known.begin());
+  std::string const near = nearest_word(question.name, known);
+  throw InputError(
+      fmt::format("--invert: {} '{}' does not exist", scatter ? "material that scatters" : "body", question.name),
+      near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
+}
+
 // Inputs of the inversion of one run.
 struct Traced {
   std::unique_ptr<OpenRun> run;  // owns the texts that the model refers to
@@ -33,26 +54,27 @@ struct Traced {
 };
 
 // Rejects invalid requests before tracing.
-void ask(Requirement const& requirement, ProjectionModel& model, ScanOptions const& options) {
+void ask(Question const& question, Requirement const& requirement, ProjectionModel& model, ScanOptions const& options) {
   apply(requirement, model);
   print_warnings(model, options);
   if (!model.detector)
     throw InputError("a requirement needs noise, but the scene has no 'interferometer'", "add one, with 'ports'");
   if (model.design.empty())
     throw InputError("there is no line to compare with", "name a design curve, for example --against adv-lal");
+  subject_of(question, model);
 }
 
-Traced traced(ScanOptions const& options, Requirement const& requirement) {
+Traced traced(Question const& question, ScanOptions const& options, Requirement const& requirement) {
   Traced t;
   if (options.input.ends_with(".h5")) {
     t.run = std::make_unique<OpenRun>(options.input);
     t.model = std::move(t.run->model);
-    ask(requirement, t.model, options);
+    ask(question, requirement, t.model, options);
     t.coupling = std::move(t.run->file.trace.coupling);
   } else {
     Model model = read_model(options.input, options.overrides);
     apply(options, model);
-    ask(requirement, model, options);
+    ask(question, requirement, model, options);
     std::string const run = options.out.empty() ? "" : options.out + "/run.h5";
     std::optional<OutputFolder> folder;
     if (!options.out.empty()) folder.emplace(options.out);
@@ -65,35 +87,19 @@ Traced traced(ScanOptions const& options, Requirement const& requirement) {
   return t;
 }
 
-[[noreturn]] void refuse_name(std::string const& word, char const* kind, std::vector<std::string> const& known) {
-  std::string const near = nearest_word(word, known);
-  throw InputError(
-      fmt::format("--invert: {} '{}' does not exist", kind, word),
-      near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
-}
-
-Answer scatter_answer(Traced const& t, std::string const& name, ScanOptions const& options) {
-  std::vector<std::string> names;
+Answer scatter_answer(Traced const& t, std::size_t material, ScanOptions const& options) {
   ProjectionInputs const& known = t.model.traced;
-  for (std::size_t i = 0; i < known.materials.size(); ++i) {
-    MaterialSpread const& m = known.materials[i];
-    names.push_back(m.name);
-    if (m.name != name) continue;
-    NoiseBudget const budget = t.model.project(t.coupling);
-    print_warnings(budget, options);
-    Answer a = answer_about(t.model, budget, invert_scatter(budget, t.coupling, m, line_of(t.model)));
-    a.tis = known.scattered[i];
-    a.subject = Answer::Subject::scatter;
-    return a;
-  }
-  refuse_name(name, "material that scatters", names);
+  NoiseBudget const budget = t.model.project(t.coupling);
+  print_warnings(budget, options);
+  Answer a =
+      answer_about(t.model, budget, invert_scatter(budget, t.coupling, known.materials[material], line_of(t.model)));
+  a.tis = known.scattered[material];
+  a.subject = Answer::Subject::scatter;
+  return a;
 }
 
-Answer motion_answer(Traced const& t, std::string const& name, ScanOptions const& options) {
-  std::vector<std::string> const& bodies = t.model.motion.bodies;
-  auto const hit = std::find(bodies.begin(), bodies.end(), name);
-  if (hit == bodies.end()) refuse_name(name, "body", bodies);
-  BodyId const body{std::uint32_t(hit - bodies.begin())};
+Answer motion_answer(Traced const& t, std::size_t moved, ScanOptions const& options) {
+  BodyId const body{std::uint32_t(moved)};
   NoiseBudget const budget = t.model.project(t.coupling);
   print_warnings(budget, options);
   auto const at = [&](double scale) {
@@ -119,12 +125,13 @@ int invert(ScanOptions const& options, Requirement const& requirement, InvertOrd
   if (!bounded_regex_match(order.what, m, form))
     throw InputError(fmt::format("--invert: '{}' is not valid", order.what),
                      "write \"brdf(MATERIAL)\", \"motion(BODY)\" or \"param(NAME)\" with NAME=lo..hi");
-  std::string const kind = m[1], name = m[2];
-  if (kind == "param") return invert_parameter(options, requirement, order, name, axes);
+  Question const question{m[1], m[2]};
+  if (question.kind == "param") return invert_parameter(options, requirement, order, question.name, axes);
   if (!axes.empty())
     throw InputError(fmt::format("--invert \"{}\" needs a single model", order.what), "set parameters with -p");
-  Traced const t = traced(options, requirement);
-  Answer answer = kind == "brdf" ? scatter_answer(t, name, options) : motion_answer(t, name, options);
+  Traced const t = traced(question, options, requirement);
+  std::size_t const subject = subject_of(question, t.model);
+  Answer answer = question.kind == "brdf" ? scatter_answer(t, subject, options) : motion_answer(t, subject, options);
   answer.what = order.what;
   answer.complete = t.complete;
   print(answer, options, order.per_frequency);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/namespaces.hpp"
+#include "base/errors.hpp"
 
 namespace straytrace::session {
 
@@ -28,7 +28,12 @@ std::vector<std::vector<std::string>> combinations(std::vector<ScanAxis> const&)
 struct ScanList {
   std::vector<ScanAxis> axes;  // columns
   std::vector<std::vector<std::string>> points;
+  std::string file = {};
+  std::vector<std::vector<Place>> places = {};  // of the values in the file
 };
 ScanList read_points(std::string const& file);
+// The error of a point with the places in the file of points instead of those in the command line, in which the
+// settings of the point come after `overrides` others.
+InputError in_points(InputError const&, ScanList const&, std::size_t point, std::size_t overrides);
 
 }  // namespace straytrace::session

@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "base/errors.hpp"
+#include "base/files/text_file.hpp"
 #include "base/math/constants.hpp"
 #include "base/process/threads.hpp"
 #include "io/delimited_text.hpp"
@@ -25,6 +26,7 @@
 #include "results/curves/band.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
+#include "scene/scene_document.hpp"
 #include "session/compare/model_diff.hpp"
 #include "session/diagnostics.hpp"
 #include "session/scan/scan_axes.hpp"
@@ -49,7 +51,7 @@ DesignCurve curve_named(std::string const& name, FrequencyGrid const& grid) {
         fmt::format("--against: '{}' is neither a design curve nor a file", name),
         near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
   }
-  Curve const table = parse_named_curve(read_file(name), strain_columns);
+  Curve const table = parse_named_curve(read_text(name), strain_columns);
   if (!table.error.empty())
     throw InputError(fmt::format("--against: '{}' is not a design curve: {}", name, table.error),
                      "give two columns: frequency in Hz, strain in 1/sqrt(Hz)");
@@ -235,35 +237,48 @@ namespace {
 
 constexpr std::size_t most_listed_points = 10000;
 
-[[noreturn]] void throw_problems(std::vector<Problem> const& problems, std::string const& name) {
-  std::string text;
-  for (Problem const& p : problems)
-    text += fmt::format("{}:{}:{}: error: {}\n      | {}\n", name, p.place.line, p.place.column, p.what, p.suggestion);
-  throw InputError(problems, text, {name});
-}
-
 }  // namespace
 
 ScanList read_points(std::string const& file) {
   std::vector<Problem> problems;
-  CsvTable const table = parse_csv_table(read_file(file), Comments::whole_lines, "rim [cm], baffles", problems);
+  CsvTable const table = parse_csv_table(read_text(file), Comments::whole_lines, "rim [cm], baffles", problems);
   if (table.rows.size() > most_listed_points)
     complain(problems, {"", table.rows[most_listed_points].line(), 1},
              fmt::format("more than {} points", most_listed_points), "use fewer");
-  if (!problems.empty()) throw_problems(problems, file);
-  ScanList list;
+  if (!problems.empty()) throw errors_in(file, problems);
+  ScanList list{.file = file};
   for (CsvTable::Column const& c : table.columns) list.axes.push_back({c.name, {}, {}, c.written_unit, false});
   for (CsvTable::Row const& row : table.rows) {
     std::vector<std::string> point;
+    std::vector<Place> places;
     for (std::size_t i = 0; i < row.cells.size(); ++i) {
       ScanAxis& axis = list.axes[i];
       axis.values.push_back(std::string(row.cells[i].text) + (axis.unit.empty() ? "" : " " + axis.unit));
       axis.numbers.push_back(io::number_in(row.cells[i].text).value_or(not_a_number));
       point.push_back(axis.name + "=" + axis.values.back());
+      places.push_back({0, row.cells[i].line, row.cells[i].column});
     }
     list.points.push_back(std::move(point));
+    list.places.push_back(std::move(places));
   }
   return list;
+}
+
+InputError in_points(InputError const& e, ScanList const& list, std::size_t point, std::size_t overrides) {
+  if (list.file.empty() || e.files.empty()) return e;
+  std::vector<Problem> problems = e.problems;
+  std::vector<std::string> files = e.files;
+  files.push_back(list.file);
+  std::string text;
+  for (Problem& p : problems) {
+    if (files[p.place.file] == command_line_name && p.place.line > overrides) {
+      p.place = list.places[point][p.place.line - 1 - overrides];
+      p.place.file = std::uint32_t(files.size() - 1);
+    }
+    text += placed_message(p, files[p.place.file]) + "\n";
+  }
+  text += fmt::format("at the point {}", fmt::join(list.points[point], ", "));
+  return {std::move(problems), std::move(text), std::move(files)};
 }
 
 namespace {

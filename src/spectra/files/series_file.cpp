@@ -10,6 +10,7 @@
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
+#include "base/files/text_file.hpp"
 #include "base/input/table.hpp"
 #include "base/units/quantity.hpp"
 #include "io/delimited_text.hpp"
@@ -125,6 +126,7 @@ std::string without_blanks_around(std::string const& text) {
 
 TimeSeries parse_series(std::string const& bytes, std::string const& file, SeriesRequest const& wanted) {
   if (is_hdf5_file(bytes)) return series_source::from_hdf5(bytes, file, wanted);
+  refuse_binary(bytes, file);
   return series_source::from_text(bytes, file, wanted);
 }
 

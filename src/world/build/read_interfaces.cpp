@@ -60,13 +60,14 @@ bool check_share_column(Node const& node, std::string const& file, CsvTable::Col
 // Text file: one row per angle and wavelength.
 ShareTable read_share_file(Node const& node, std::string const& file) {
   CsvTable const table = read_csv_table(node, file, Comments::anywhere, "angle [deg], reflect, transmit [%]");
-  if (table.rows.empty()) return {};
-  for (CsvTable::Column const& column : table.columns)
-    if (!check_share_column(node, file, column)) return {};
+  if (table.columns.empty()) return {};
+  bool sound = table.whole;
+  for (CsvTable::Column const& column : table.columns) sound &= check_share_column(node, file, column);
   if (table.find("angle") < 0) {
     node.file_problem(file, table.columns[0].line, 1, "no column of angles", "name one column 'angle [deg]'");
-    return {};
+    sound = false;
   }
+  if (!sound) return {};
   ShareTable shares;
   shares.file = file;
   for (CsvTable::Row const& row : table.rows) {

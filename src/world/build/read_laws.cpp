@@ -274,7 +274,7 @@ HeightSpectrum points_of(Node const& law, std::string const& name, bool profile)
   std::string const example = profile ? "f [1/mm], s1 [nm^2*mm]" : "f [1/mm], s2 [nm^4]";
   CsvTable const file = read_csv_table(law["file"], name, Comments::anywhere, example);
   HeightSpectrum points;
-  if (file.rows.empty()) return points;
+  if (file.columns.empty()) return points;
   auto const problem = [&](std::uint32_t line, std::uint32_t at, std::string what, std::string suggestion) {
     law["file"].file_problem(name, line, at, std::move(what), std::move(suggestion));
     return HeightSpectrum();
@@ -295,6 +295,7 @@ HeightSpectrum points_of(Node const& law, std::string const& name, bool profile)
                      "a density must be positive; remove points below the noise floor");
     points.push_back({f, value});
   }
+  if (!file.whole) return {};
   if (points.size() < 2) return problem(file.rows[0].line(), 1, "fewer than two rows", "give at least two frequencies");
   return points;
 }

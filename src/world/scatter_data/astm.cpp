@@ -8,6 +8,7 @@
 
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
+#include "base/text/words.hpp"
 #include "io/delimited_text.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
@@ -58,7 +59,7 @@ class AstmReader {
       return false;
     };
     if (cells.size() < 5)
-      return refuse(fmt::format("{} columns", cells.size()), "write VARS theta_i,phi_i,theta_s,phi_s,1064nm");
+      return refuse(counted(cells.size(), "column"), "write VARS theta_i,phi_i,theta_s,phi_s,1064nm");
     for (std::size_t i = 0; i < 4; ++i) {
       auto const name = column_title(cells[i].text);
       if (!name)
@@ -95,8 +96,7 @@ class AstmReader {
     if (cells.size() != width_)
       return complain(problems_, {line.text.substr(0, 1), line.number, 1},
                       fmt::format("{} values, but VARS names {}", cells.size(), width_),
-                      cells.size() > width_ ? "use decimal points, not decimal commas: 1.5, not 1,5"
-                                            : "give one value per name, separated by commas");
+                      cells.size() > width_ ? surplus_remedy(cells) : "give one value per name, separated by commas");
     double x[5] = {};
     for (std::size_t i = 0; i < 5; ++i) {
       TextCell const& c = cells[i < 4 ? i : channel_];

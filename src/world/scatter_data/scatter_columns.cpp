@@ -65,7 +65,7 @@ class Declarations {
     if (value && *value >= low && *value <= high)
       into = *value;
     else
-      complain(problems_, where_, fmt::format("'{}' is not {} of a measurement", shortened(text), where_.text),
+      complain(problems_, where_, fmt::format("'{}' cannot be '{}'", where_.text, shortened(text)),
                fmt::format("write '# {}: {}'", where_.text, example));
   }
   void word(std::string const& text, std::vector<std::string> const& choices, std::string& into) {
@@ -86,7 +86,7 @@ class Columns {
 
   void read(std::string_view text) {
     table_ = parse_csv_table(text, Comments::anywhere, "theta_i [deg], theta_s [deg], brdf [1/sr]", problems_);
-    if (table_.rows.empty() || !columns_fit()) return;
+    if (table_.columns.empty() || !columns_fit()) return;
     std::size_t const before = problems_.size();
     for (CsvTable::Row const& row : table_.rows)
       if (problems_.size() < before + 10) point(row);
@@ -107,21 +107,24 @@ class Columns {
     return false;
   }
 
-  bool columns_fit() {
+  bool column_fits(CsvTable::Column const& c) {
     static constexpr std::string_view known[] = {"theta_i", "theta_s", "phi", "offset", "brdf", "brdf_cos", "error"};
-    for (CsvTable::Column const& c : table_.columns) {
-      bool const angle = c.name == "theta_i" || c.name == "theta_s" || c.name == "phi",
-                 density = c.name.starts_with("brdf") || c.name == "error";
-      if (std::find(std::begin(known), std::end(known), c.name) == std::end(known))
-        return problem(c.line, c.at, fmt::format("unknown column '{}'", c.name),
-                       fmt::format("known columns: {}", fmt::join(known, ", ")));
-      if (c.unit.dimension != (angle ? dim::angle : density ? dim::brdf : dim::plain))
-        return problem(c.line, c.at, fmt::format("column '{}' needs its unit", c.name),
-                       fmt::format("write '{}{}'", c.name,
-                                   angle     ? " [deg]"
-                                   : density ? " [1/sr]"
-                                             : ""));
-    }
+    if (std::find(std::begin(known), std::end(known), c.name) == std::end(known))
+      return problem(c.line, c.at, fmt::format("unknown column '{}'", c.name),
+                     fmt::format("known columns: {}", fmt::join(known, ", ")));
+    bool const angle = c.name == "theta_i" || c.name == "theta_s" || c.name == "phi", offset = c.name == "offset";
+    if (c.unit.dimension == (angle ? dim::angle : offset ? dim::plain : dim::brdf)) return true;
+    return problem(c.line, c.at, fmt::format("column '{}' {}", c.name, offset ? "has no unit" : "needs its unit"),
+                   fmt::format("write '{}{}'", c.name,
+                               angle    ? " [deg]"
+                               : offset ? ""
+                                        : " [1/sr]"));
+  }
+
+  bool columns_fit() {
+    bool sound = true;
+    for (CsvTable::Column const& c : table_.columns) sound &= column_fits(c);
+    if (!sound) return false;
     std::uint32_t const line = table_.columns.front().line;
     if (there("brdf") == there("brdf_cos"))
       return problem(line, 1, "the values must be either 'brdf' or 'brdf_cos'",

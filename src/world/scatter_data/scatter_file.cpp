@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/files/text_file.hpp"
 #include "base/math/constants.hpp"
 #include "io/delimited_text.hpp"
 #include "optics/scatter/measured.hpp"
@@ -43,9 +44,7 @@ constexpr Format formats[] = {
     {"RGL binary BSDF", [](Head const& h) { return h.text.starts_with("tensor_file"); }, nullptr,
      "an RGL binary BSDF: visible light (360 to 1000 nm) on an adaptive grid, without the steep lobe of a mirror",
      "evaluate it with the library of its authors at the directions you need and write those as laboratory CSV"},
-    {"binary file",
-     [](Head const& h) { return h.text.substr(0, 4096).find('\0') != h.text.npos || h.text.starts_with("\x89HDF"); },
-     nullptr, "a binary file of no known format",
+    {"binary file", [](Head const& h) { return is_binary(h.text); }, nullptr, "a binary file of no known format",
      "export it as text: laboratory CSV, Zemax tabular BSDF, ASTM or SSDD"},
     {"SSDD", [](Head const& h) { return h.has("DATA_TYPE") || (h.has("VERSION") && h.has("COLOR_MODEL")); }, read_ssdd},
     {"Zemax tabular BSDF",

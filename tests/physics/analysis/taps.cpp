@@ -186,13 +186,15 @@ TEST(Taps, ValidListsAreReadOthersAreErrors) {
     return std::string("taken");
   };
   EXPECT_EQ(said("place,start,duration\ntower,now,20\n,1,-1\n"),
-            "taps.csv:2: error: 'now' is not a number in column 'start'\n  start is GPS time in s, duration in s\n"
-            "taps.csv:3: error: a place without a name\n  write it in column 'place'\n"
-            "taps.csv:3: error: a duration of -1 s\n  taps of about 20 s are usual");
+            "taps.csv:2:7: error: 'now' is not a number\n  write a finite number without unit; the unit belongs in the "
+            "header\ntaps.csv:3:1: error: a place without a name\n  write it in column 'place'\n"
+            "taps.csv:3:4: error: a duration of -1 s\n  taps of about 20 s are usual");
   EXPECT_EQ(said("place,start,duration\ntower,10,5,20\n"),
-            "taps.csv:2: error: 4 values for 3 columns\n  use decimal points, not decimal commas: 1.5, not 1,5");
+            "taps.csv:2:1: error: 4 values, but the header has 3 columns\n  use decimal points, not decimal commas: "
+            "1.5, not 1,5");
   EXPECT_NE(said("place,start\n").find("no column 'duration'"), std::string::npos);
-  EXPECT_NE(said("").find("no places in it"), std::string::npos);
+  EXPECT_NE(said("place,start [m],duration\na,1,2\n").find("'start' is in m, not in s"), std::string::npos);
+  EXPECT_NE(said("").find("the table has no rows"), std::string::npos);
 }
 
 }  // namespace

@@ -129,7 +129,12 @@ TEST_F(Projected, ErrorsOfTheCommandLineAreExplained) {
   };
   EXPECT_NE(error(project({"--body", "bench"})).find("0 times --channel"), std::string::npos);
   EXPECT_NE(error(project({"--moved-by", "bensh"})).find("did you mean 'bench'?"), std::string::npos);
-  EXPECT_NE(error({"project", at("run/run.h5"), "--route", "nowhere"}).find("no route"), std::string::npos);
+  std::string const names = error({"project", at("run/run.h5"), "--route", "nowhere", "--route", "99999", "--port",
+                                   "no", "--body", "bench", "--axis", "z", "--channel", at("missing.hdf5")});
+  EXPECT_NE(names.find("--route: 'nowhere' is part of no route name"), std::string::npos) << names;
+  EXPECT_NE(names.find("--route: '99999' is no rank"), std::string::npos) << names;
+  EXPECT_NE(names.find("--port: 'no'"), std::string::npos) << names;
+  EXPECT_EQ(names.find("missing.hdf5"), std::string::npos) << "names are checked before files are read";
   EXPECT_NE(error(project({"--asd", "h.doc"})).find("--asd"), std::string::npos);
   EXPECT_NE(error({"fringes", "--channel", "x.hdf5"}).find("--wavelength"), std::string::npos);
   std::string const of_coupling = error({"project", "c.csv", "--witness", "x.hdf5::x", "-o", "h.png", "--rate", "64"});

@@ -86,7 +86,7 @@ std::vector<Case> const cases = {
     {"design curve", "compare: [adv-lal]", "compare: [adv-lol]", "adv-lol", "'adv-lol' is not a design curve",
      "did you mean 'adv-lal'?"},
     {"stop rule", "until: \"h_total < 3 %\"", "until: \"h_total < 3\"", "\"h_total < 3\"",
-     "'h_total < 3' is not a stop rule", "write for example until:"},
+     "'h_total < 3' is not a stop rule", "write 'h_total < 5 %'"},
     {"version", "straytrace: 1", "straytrace: 2", "2", "format version 2 is newer", "install a newer straytrace"},
 };
 

@@ -42,6 +42,8 @@ TEST(ReadMotion, StillIsAStatement) {
   EXPECT_EQ(r.problems, "");
   EXPECT_TRUE(r.motion.inputs.empty());
   EXPECT_THAT(read("  a: {motion: still}\n", {"a", "b"}).problems, HasSubstr("body 'b' has no motion"));
+  EXPECT_THAT(read("  a: {motion: still}\n", {"a", "b", "c"}).problems,
+              ::testing::AllOf(HasSubstr("bodies 'b', 'c' have no motion"), HasSubstr("1 error.")));
   EXPECT_THAT(read("  a: {pivot: [0 m, 0 m, 0 m]}\n", {"a"}).problems, HasSubstr("body 'a' has no 'motion'"));
 }
 

@@ -217,6 +217,27 @@ TEST(Messages, RemediesKeepTheirLines) {
   EXPECT_THAT(scene.warnings(), HasSubstr("^ write one: 1\n"));
 }
 
+// A misspelt required key is one error. Control: a key that is near no missing one.
+TEST(Messages, AMisspeltRequiredKeyIsOneError) {
+  auto const said = [](std::string const& keys) {
+    Scene const scene = scene_of("trace: {" + keys + "}\n");
+    Node const trace = scene.table("trace");
+    trace.number("width", dim::length);
+    trace.number("height", dim::length, 1);
+    trace.refuse_unknown("'trace'");
+    try {
+      scene.throw_if_problems();
+    } catch (InputError const& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(said("widht: 1 m"), ::testing::AllOf(HasSubstr("unknown key 'widht' in 'trace'"),
+                                                   HasSubstr("did you mean 'width'?"), HasSubstr("1 error.")));
+  EXPECT_THAT(said("heigth: 1 m"), ::testing::AllOf(HasSubstr("key 'width' (a length) is missing"),
+                                                    HasSubstr("did you mean 'height'?"), HasSubstr("2 errors.")));
+}
+
 // A binary file in place of a text file gives one sentence, and none of its bytes. Control: text with one stray
 // byte.
 TEST(Messages, BytesOfABinaryFileAreNotPrinted) {

@@ -44,6 +44,7 @@ TEST(Syntax, InvalidTextsNextToAcceptedOnes) {
       {"trace: {a: nil}\n", "trace: {a: }\n", "2:9", "'a' has no value"},
       {"trace: {a: nil}\n", "trace: {a: null}\n", "2:9", "'a' has no value"},
       {"trace: {a: nil}\n", "trace: {a: ~}\n", "2:9", "'a' has no value"},
+      {"trace: {a: 3.2 mm}\n", "trace: {a: 3,2 mm}\n", "2:12", "'3,2 mm' has a decimal comma"},
       {"trace: {a: [b]}\n", "trace: {a: [b, ~]}\n", "2:16", "an empty element in a list"},
       {"title: \xc3\xa4\n", "title: \xc3\n", "2:8", "this is not UTF-8 text"},
       {"title: \xc3\xa4\n", "title: \xc0\x80\n", "2:8", "this is not UTF-8 text"},

@@ -54,6 +54,15 @@ TEST(ScatterFiles, WrongColumnsAreNamedByTheirContent) {
   EXPECT_THAT(error_text(edited(lab, rows, "95, 12, 2e-3\n")), ::testing::Not(HasSubstr("theta_i [deg]")));
 }
 
+TEST(ScatterFiles, HeaderAndRowsAreCheckedTogether) {
+  std::string const both = error_text(edited(edited(lab, "brdf_cos", "brfd"), "10, 12, 2e-3", "10, twelve, 2e-3"));
+  EXPECT_THAT(both, HasSubstr("6:31: unknown column 'brfd'"));
+  EXPECT_THAT(both, HasSubstr("7:5: 'twelve' is not a number"));
+  EXPECT_THAT(error_text(edited(edited(lab, "10, 12, 2e-3", "95, 12, 2e-3"), "10, 20, 1e-4", "10, 20, x")),
+              ::testing::AllOf(HasSubstr("7:1: incidence of 95 deg"), HasSubstr("8:9: 'x' is not a number")));
+  EXPECT_THAT(error_text(edited(lab, "1064 nm", "1064 kg")), HasSubstr("'wavelength' cannot be '1064 kg'"));
+}
+
 TEST(ScatterFiles, LaboratoryCsv) {
   ScatterFile const f = sound(lab);
   EXPECT_EQ(f.format, "laboratory CSV");

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files that are not what a command wants: one clear sentence, none of their bytes, and before any work.
+#include "scenes/answers.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Commands that read text, with the file in question last.
+std::vector<Words> readers() {
+  Words const taps{"couple",  "taps", "--force", data("taps.csv") + "::HAMMER", "--target", data("taps.csv") + "::H",
+                   "--quiet", "0..8"};
+  Words list = taps;
+  list.emplace_back("--list");
+  return {{"scan", virgo_arm, "--histories", "1e12", "--points"},
+          {"signal", "psd"},
+          {"budget", "aligo", "--compare"},
+          {"scan", virgo_arm, "--histories", "1e12", "--invert", "brdf(baffle)", "--against"},
+          {"inspect"},
+          {"check"},
+          list};
+}
+
+TEST(WrongFiles, BytesOfBinaryFilesAreNotPrinted) {
+  Folder const folder;
+  std::string const binary = folder / "binary.csv", text = folder / "text.csv";
+  write_text(binary, std::string("\x7f"
+                                 "ELF\x02\x01\0\0 SECRET, 12\n13, 14\n",
+                                 27));
+  write_text(text, "SECRET: {, 12\n13, 14, 15\n");
+  for (Words words : readers()) {
+    Words other = words;
+    words.push_back(binary);
+    other.push_back(text);
+    Finished const r = straytrace(words, {".", false, 20}), control = straytrace(other, {".", false, 20});
+    EXPECT_EQ(r.code, 2) << words[0] << r.err;
+    EXPECT_EQ(r.out, "") << words[0];
+    EXPECT_THAT(r.err, AllOf(HasSubstr("binary.csv"), HasSubstr("binary file"), Not(HasSubstr("SECRET"))))
+        << words[0] << " " << words[1];
+    EXPECT_EQ(control.code, 2) << words[0] << control.err;
+    EXPECT_THAT(control.err, Not(HasSubstr("binary file"))) << words[0] << " " << words[1];
+  }
+}
+
+TEST(WrongFiles, DecimalCommasAreNamed) {
+  Folder const folder;
+  write_text(folder / "list.csv", "place;start;duration\ntower;8,5;6\n");
+  Words taps = readers().back();
+  taps.push_back(folder / "list.csv");
+  EXPECT_THAT(straytrace(taps).err, AllOf(HasSubstr("list.csv:1:6: error: columns are separated by ';'"),
+                                          HasSubstr("not semicolons, and write decimal points")));
+  Finished const until = straytrace({"run", virgo_arm, "-o", folder / "out", "--until", "h_total < 0,5 %, 10 min"});
+  EXPECT_EQ(until.code, 2);
+  EXPECT_THAT(until.err, AllOf(HasSubstr("decimal comma"), HasSubstr("write 'h_total < 0.5 %, 10 min'")));
+  Finished const other = straytrace({"run", virgo_arm, "-o", folder / "out", "--until", "h_total < 5,10 min"});
+  EXPECT_THAT(other.err, HasSubstr("decimal comma"));
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+// Names and numbers are checked before anything is read: the run does not exist.
+TEST(WrongFiles, OptionsAreCheckedFirst) {
+  for (auto const& [option, value, says] :
+       {std::array{"--window", "foo", "'foo' is not a window"}, std::array{"--overlap", "150 %", "from 0 to below 100"},
+        std::array{"--segment", "3,5 s", "--segment"}, std::array{"--stride", "2 m", "--stride"}})
+    EXPECT_THAT(straytrace({"project", "none.h5", option, value}).err, HasSubstr(says));
+  EXPECT_THAT(straytrace({"project", "none.h5", "--window", "hann"}).err, HasSubstr("there is no such file"));
+}
+
+// Errors of a table of points are at its lines, not in the command line.
+TEST(WrongFiles, PointsOfAScanAreNamedByLineAndColumn) {
+  Folder const folder;
+  auto const said = [&](std::string const& table) {
+    write_text(folder / "pts.csv", table);
+    Finished const r = straytrace({"scan", written_arm, "--points", folder / "pts.csv", "--histories", "512"});
+    EXPECT_EQ(r.code, 2);
+    return r.err;
+  };
+  EXPECT_THAT(said("rim [cm]\n"), AllOf(HasSubstr("pts.csv: error: the table has no rows"), Not(HasSubstr(":0"))));
+  EXPECT_THAT(said("lambda [nm], rimm [cm]\n1064, 49\n"),
+              AllOf(HasSubstr("pts.csv:2:7: error: 'rimm'"), Not(HasSubstr("command line"))));
+}
+
+}  // namespace
+}  // namespace straytrace::testing
