@@ -437,7 +437,7 @@ class Expander {
   }
 
   Blame blame_at(Node const& entry, std::string name) const {
-    return {builtin_source(root_.place().file), entry.place(), entry.data()->width, std::move(name)};
+    return {builtin_source(root_.place().file), entry.place(), entry.data()->width, std::move(name), entry.data()};
   }
 
   // The document for a face: of a built-in part, one that reports at the entry being unfolded.

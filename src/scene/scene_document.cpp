@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 
 #include "base/files/embedded.hpp"
 #include "base/files/read_write.hpp"
 #include "base/files/text_file.hpp"
 #include "scene/library.hpp"
+#include "scene/parts.hpp"
 #include "scene/scope.hpp"
 
 namespace straytrace::scene {
@@ -39,6 +41,15 @@ void refuse_library_name(Node const& named_by, std::string const& name) {
       near.empty() ? "'straytrace library' lists its files" : fmt::format("did you mean '{}'?", near));
 }
 
+bool contains_word(std::string_view text, std::string_view word) {
+  auto const in_word = [&](std::size_t i) {
+    return i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) || text[i] == '_');
+  };
+  for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1))
+    if (!(at > 0 && in_word(at - 1)) && !in_word(at + word.size())) return true;
+  return false;
+}
+
 }  // namespace
 
 std::string_view Source::line(std::uint32_t number) const {
@@ -58,8 +69,24 @@ SceneDocument::SceneDocument(std::filesystem::path folder, FileTexts const* text
       if (static_cast<unsigned char>(c) < 0x20) c = '?';
 }
 
+// The parameter in the entry that the expression with the problem contains.
+NodeData::Entry const* SceneDocument::blamed_parameter(Problem const& p) const {
+  if (!blame->entry->find("use")) return nullptr;
+  std::string_view const line = sources_[p.place.file].line(p.place.line);
+  std::string_view const expression = line.substr(std::min<std::size_t>(p.place.column - 1, line.size()), p.width);
+  for (NodeData::Entry const& e : blame->entry->entries)
+    if (!is_entry_key(e.key) && e.value->kind == Node::Kind::scalar && contains_word(expression, e.key)) return &e;
+  return nullptr;
+}
+
 Problem SceneDocument::where_the_user_can_act(Problem p) const {
-  if (blame && (p.place.file == blame->hidden || is_library(sources_[p.place.file].name))) {
+  if (!blame || (p.place.file != blame->hidden && !is_library(sources_[p.place.file].name))) return p;
+  if (NodeData::Entry const* parameter = p.place.line > 0 ? blamed_parameter(p) : nullptr) {
+    p.suggestion = fmt::format("change it: {}", p.what);
+    p.what = fmt::format("'{}' does not suit the part '{}'", parameter->key, blame->entry->find("use")->value->text);
+    p.place = parameter->value->place;
+    p.width = parameter->value->width;
+  } else {
     p.what = fmt::format("'{}': {}", blame->name, p.what);
     p.suggestion = fmt::format("change the parameters of the part ({}:{}:{}: {})", sources_[p.place.file].name,
                                p.place.line, p.place.column, p.suggestion);

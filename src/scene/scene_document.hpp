@@ -28,6 +28,7 @@ struct Blame {
   Place place;
   std::uint32_t width = 1;
   std::string name;
+  std::shared_ptr<NodeData const> entry;  // with the parameters of the part
 };
 
 constexpr std::string_view command_line_name = "command line";
@@ -67,6 +68,7 @@ class SceneDocument : public Document {
 
  private:
   Problem where_the_user_can_act(Problem) const;
+  NodeData::Entry const* blamed_parameter(Problem const&) const;
   // Path of a file that a file of the model names.
   std::string name_from(Node const& named_by, std::string const& written) const;
   std::optional<std::uint32_t> open_library(std::string const& name, std::string const& written);

@@ -364,8 +364,8 @@ class TreeBuilder : public YAML::EventHandler {
   static bool follows_decimal_comma(Frame const& top) {
     if (top.node->entries.empty() || top.key.find_first_of("0123456789") != 0) return false;
     NodeData const& before = *top.node->entries.back().value;
-    return before.kind == Node::Kind::scalar && is_number(before.text) && before.place.line == top.key_place.line &&
-           before.place.column + before.width + 1 == top.key_place.column;
+    return before.kind == Node::Kind::scalar && straytrace::is_number(before.text) &&
+           before.place.line == top.key_place.line && before.place.column + before.width + 1 == top.key_place.column;
   }
 
   void refuse_decimal_comma(Frame& top) {

@@ -55,6 +55,16 @@ TEST(PartErrors, UnforeseenErrorsNameTheEntryAndTheFace) {
   EXPECT_THAT(check("use: tube_section, radius: 2000 m"), HasSubstr("a.yaml:5:5: error: 'x/inside': "));
 }
 
+// A size that no face of the part can have is one error, at the value. Control: a size of another part.
+TEST(PartErrors, AnImpossibleSizeIsReportedOnceWhereItIsGiven) {
+  std::string const said = check("use: lens, diameter: -25 mm");
+  EXPECT_THAT(said, HasSubstr("a.yaml:5:58: error: 'diameter' does not suit the part 'lens'"));
+  EXPECT_THAT(said, HasSubstr("change it: 'outer_radius' must be"));
+  EXPECT_THAT(said, HasSubstr("1 error."));
+  EXPECT_THAT(said, Not(HasSubstr("built-in parts")));
+  EXPECT_THAT(check("use: chamber, width: -1 m, height: -1 m"), HasSubstr("2 errors."));
+}
+
 // A part of one's own keeps the place where it is written.
 TEST(PartErrors, ErrorsOfOwnPartsStateTheirPlace) {
   std::string const said =
