@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "base/errors.hpp"
+#include "base/files/read_write.hpp"
 #include "base/files/text_file.hpp"
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
@@ -31,7 +32,8 @@ double length_of(std::string const& text) {
 }
 
 ScatterFile read(ScatterRequest const& r) {
-  std::string const text = read_text(r.file);
+  auto const [text, why] = bytes_of_file(r.file);
+  if (!why.empty()) throw InputError(fmt::format("cannot read '{}': {}", r.file, why), "name a file");
   ScatterDeclared given;
   given.angles = r.angles;
   given.entry = r.entry;

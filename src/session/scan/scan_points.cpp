@@ -246,7 +246,8 @@ ScanList read_points(std::string const& file) {
     complain(problems, {"", table.rows[most_listed_points].line(), 1},
              fmt::format("more than {} points", most_listed_points), "use fewer");
   if (!problems.empty()) throw errors_in(file, problems);
-  ScanList list{.file = file};
+  ScanList list;
+  list.file = file;
   for (CsvTable::Column const& c : table.columns) list.axes.push_back({c.name, {}, {}, c.written_unit, false});
   for (CsvTable::Row const& row : table.rows) {
     std::vector<std::string> point;

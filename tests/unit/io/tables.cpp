@@ -83,7 +83,7 @@ TEST(BinaryFiles, AreToldFromText) {
   EXPECT_FALSE(is_binary(""));
 }
 
-// A label is blamed on decimal commas only in a row without points.
+// Decimal commas are blamed only for numbers without points.
 TEST(NumberTables, SurplusNumbersUnderTheNames) {
   auto const said = [](char const* text) {
     return parse_numbers(text, NonFinite::kept, HeaderRow::allowed).described_error();
