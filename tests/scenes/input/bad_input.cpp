@@ -25,7 +25,7 @@ std::vector<Case> const cases = {
     {"wrong dimension", "half_angle: 35 deg", "half_angle: 35 m", "35 m", "'half_angle' is an angle, got \"35 m\"",
      "write an angle"},
     {"unknown key", "half_angle: 35 deg", "half_angel: 35 deg", "half_angel",
-     "unknown key 'half_angel' in shape 'cone'", "did you mean 'half_angle'?", 2},
+     "unknown key 'half_angel' in shape 'cone'", "did you mean 'half_angle'?"},
     {"unknown table", "noise:", "nose:", "nose", "unknown key 'nose'", "did you mean 'noise'?"},
     {"no interferometer", "interferometer:", "interferometr:", "interferometr", "unknown key 'interferometr'",
      "did you mean 'interferometer'?"},

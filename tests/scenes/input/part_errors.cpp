@@ -52,7 +52,8 @@ TEST(PartErrors, UnforeseenErrorsNameTheEntryAndTheFace) {
   std::string const said = check("use: serrated_baffle, inner_radius: 60 cm");
   EXPECT_THAT(said, HasSubstr("a.yaml:5:5: error: 'x'"));
   EXPECT_THAT(said, HasSubstr("change the parameters of the part (built-in parts:"));
-  EXPECT_THAT(check("use: tube_section, radius: 2000 m"), HasSubstr("a.yaml:5:5: error: 'x/inside': "));
+  EXPECT_THAT(check("use: tube_section, radius: 2000 m"),
+              HasSubstr("error: 'radius' does not suit the part 'tube_section'"));
 }
 
 // A size that no face of the part can have is one error, at the value. Control: a size of another part.
