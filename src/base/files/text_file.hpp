@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Text files of the user, and their problems. Bytes of other files are refused, and never printed.
+// Text files of the user, and their problems. Readers reject binary files without printing their bytes.
 #pragma once
 
 #include <string>
