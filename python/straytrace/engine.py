@@ -111,7 +111,7 @@ class _Listener:
 
 
 def interrupt_all() -> None:
-    """Asks every program that runs for this process to finish what is under way."""
+    """Requests every program run by this process to finish its current work."""
     with _guard:
         for process in _running:
             process.send_signal(signal.SIGINT)
@@ -186,7 +186,7 @@ def _answer(code: int, output: str, listener: _Listener) -> Answer:
     if listener.stop_requested:
         raise KeyboardInterrupt
     how = f"code {code}" if code >= 0 else f"signal {signal.Signals(-code).name}"
-    raise RuntimeError(f"the program ended with {how}: {text.strip() or 'it said nothing; was there enough memory?'}")
+    raise RuntimeError(f"the program ended with {how}: {text.strip() or 'without a message; was there enough memory?'}")
 
 
 def command(arguments: Sequence[str] | None = None) -> None:

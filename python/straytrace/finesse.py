@@ -58,7 +58,7 @@ def _sidebands(model: Any, node: str, fields: Any, main: str, f: npt.NDArray[np.
     light = np.asarray(fields[main]).reshape(-1, fields.fields.shape[-1])       # [carriers, modes]
     carriers = [(float(getattr(value, "f", value)), e) for value, e in zip(fields.frequencies, light) if np.any(e != 0)]
     if not carriers:
-        raise ValueError("there is no light at the node that the stray field is relative to, so it has no response")
+        raise ValueError("the reference node of the stray field has no light, so there is no response")
     inputs = [(node, value + sign * model.fsig.f.ref) for value, _ in carriers for sign in (1, -1)]
     out = model.run(FrequencyResponse2(f, inputs, [readout])).out[:, 0]         # [frequencies, inputs, modes]
     amplitude, phase = np.zeros(len(f), complex), np.zeros(len(f), complex)

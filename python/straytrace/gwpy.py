@@ -31,7 +31,7 @@ def frequency_series(noise: Noise, curve: Curve, interpolate: float | None) -> A
         values = noise.at(f, curve)
         steps = np.full(len(f) - 1, interpolate)
     elif len(f) < 2 or np.ptp(steps) > 1e-9 * steps[0]:
-        raise ValueError(f"a FrequencySeries holds regular axes only, and this one grows from steps of {steps[0]:.3g} Hz to "
+        raise ValueError(f"a FrequencySeries needs a regular axis, but this one grows from steps of {steps[0]:.3g} Hz to "
                          f"{steps[-1]:.3g} Hz; write to_gwpy(interpolate=0.5) for steps of 0.5 Hz, or take table(), which "
                          "holds any axis")
     title = (noise.run.title if noise.run is not None else "") or "stray light"

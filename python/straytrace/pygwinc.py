@@ -39,7 +39,7 @@ Known = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], str]
 def _of_run(path: pathlib.Path) -> Known:
     run = open_run(path)
     if run.noise is None:
-        raise RunError(f"'{path}' holds no noise, only couplings: give a run with ports")
+        raise RunError(f"'{path}' contains no noise, only couplings: give a run with ports")
     hz, strain = with_borders_of_lines(run.noise.edges, run.noise.total.mean)
     return hz, strain, (run.attributes.get("title") or "") + run.noise.bound
 
@@ -50,7 +50,7 @@ def _of_budget(path: pathlib.Path) -> Known:
         parts = file["Total/budget"] if "Total/budget" in file else {}
         psds = [part["PSD"][()] for name, part in parts.items() if name.startswith("StrayLight")]
         if not psds:
-            raise RunError(f"'{path}' holds no noise called StrayLight")
+            raise RunError(f"'{path}' contains no noise called StrayLight")
         return file["Freq"][()], np.sqrt(np.sum(psds, axis=0)), ""
 
 
@@ -121,7 +121,7 @@ class StrayLight(Noise):  # type: ignore[misc]
         `style`."""
         unknown = sorted(set(values) - {"beyond", "quantity", "style"})
         if unknown:
-            raise TypeError(f"StrayLight.of knows beyond, quantity and style, not {', '.join(unknown)}")
+            raise TypeError(f"StrayLight.of takes beyond, quantity and style, not {', '.join(unknown)}")
         if isinstance(file, Run):
             values["run"], file = file, file.path        # whose file may go with it
         if values.get("beyond", cls.beyond) not in BEYOND:

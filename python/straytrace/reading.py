@@ -61,10 +61,10 @@ def check_intact(path: pathlib.Path) -> None:
             found.update(block)
             size += len(block)
     if size != int(words[4]):
-        raise RunError(f"'{path}' is damaged: it holds {size} bytes of {int(words[4])}\n"
+        raise RunError(f"'{path}' is damaged: it contains {size} bytes of {int(words[4])}\n"
                        "  copy it again from where it was made, or make it again with: straytrace run")
     if found.hexdigest().encode() != words[2]:
-        raise RunError(f"'{path}' is damaged: its content is not what was written\n"
+        raise RunError(f"'{path}' is damaged: its content does not match its checksum\n"
                        "  copy it again from where it was made, or make it again with: straytrace run")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Routes of light and what they meet, as numpy arrays and tables."""
+"""Routes of light and the objects they meet, as numpy arrays and tables."""
 
 from __future__ import annotations
 

@@ -147,7 +147,7 @@ class Run:
         from .plots.style import save
 
         if receiver not in self.maps:
-            raise RunError(f"'{self.path}' holds no map of '{receiver}'; it has maps of: {', '.join(self.maps) or 'nothing'}")
+            raise RunError(f"'{self.path}' has no map of '{receiver}'; it has maps of: {', '.join(self.maps) or 'nothing'}")
         with plt.rc_context(STYLE):
             figure: Figure = draw(self, self.maps[receiver])
             plt.close(figure)

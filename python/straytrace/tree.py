@@ -29,7 +29,7 @@ def _scalar(value: Any, where: str) -> Any:
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, float) and not math.isfinite(value):
-        raise ValueError(f"{where}: {value} is not a number a model can hold; leave the key out, or write what is meant")
+        raise ValueError(f"{where}: {value} is not a valid number of a model; remove the key, or write a finite value")
     if isinstance(value, SCALARS):
         return value
     if isinstance(value, os.PathLike):

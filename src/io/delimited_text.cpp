@@ -112,12 +112,12 @@ void complain(std::vector<Problem>& problems, TextCell const& where, std::string
 
 void complain_of_number(std::vector<Problem>& problems, TextCell const& where, std::string const& what) {
   if (where.line == 0)
-    return complain(problems, where, fmt::format("the file ends where {} should stand", what),
-                    "it is cut off: copy it again");
+    return complain(problems, where, fmt::format("the file ends where {} is expected", what),
+                    "it is truncated: copy it again");
   std::string pointed(where.text);
   std::replace(pointed.begin(), pointed.end(), ',', '.');
   bool const comma = pointed != where.text && is_number(pointed);
-  complain(problems, where, fmt::format("'{}' is not a number; {} should stand here", shortened(where.text), what),
+  complain(problems, where, fmt::format("'{}' is not a number; {} is expected here", shortened(where.text), what),
            comma ? point_remedy : "write a finite number without unit");
 }
 

@@ -51,7 +51,7 @@ std::optional<double> number_in(std::string_view text, Quantity const& unit = {1
 void complain(std::vector<Problem>&, TextCell const&, std::string what, std::string suggestion);
 // Of a row with more values than columns.
 std::string surplus_remedy(std::span<TextCell const>);
-// "'ten' is not a number; the angle should stand here", with the remedy.
+// "'ten' is not a number; the angle is expected here", with the remedy.
 void complain_of_number(std::vector<Problem>&, TextCell const&, std::string const& what);
 
 // --- tables with a header
@@ -94,7 +94,7 @@ struct NumberTable {
   std::vector<std::vector<double>> column;
   std::vector<std::uint32_t> line;      // of each row, from 1
   std::vector<std::string> name, unit;  // of each column; empty without a title
-  // What is wrong and where, line 0 for the text as a whole. There are no columns then.
+  // The problem and its line, 0 for the text as a whole. Then there are no columns.
   std::string error;
   std::uint32_t error_line = 0, error_column = 0;
 

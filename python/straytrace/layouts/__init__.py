@@ -18,7 +18,7 @@ from .theia import read_theia
 
 
 def read_layout(path) -> Layout:
-    """The layout in a file; LayoutError holds all that is wrong with it."""
+    """The layout in a file; LayoutError lists all its problems."""
     try:
         text = pathlib.Path(path).read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A specular layout, whoever wrote it, and the scene it becomes. Lengths in m, angles in rad, powers in W."""
+"""A specular layout, from any program, and the resulting scene. Lengths in m, angles in rad, powers in W."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def sag(curvature: float, radius: float) -> float:
 
 
 def problems_of(optic: Optic) -> list[str]:
-    """Why an optic cannot be, one line each, and what to do."""
+    """Problems of an optic, one line each, with the remedy."""
     found = []
     for face, side in ((optic.front, "front (HR)"), (optic.back, "back (AR)")):
         if min(face.reflect, face.transmit) < 0 or face.reflect + face.transmit > 1 + 1e-12:

@@ -213,7 +213,7 @@ def parse(arguments):
     parser.add_argument("-o", "--out", type=pathlib.Path, required=True, help="PSD file for the law psd")
     parser.add_argument("--aperture", type=length, required=True, help="diameter of the disc that counts: '30 cm'")
     parser.add_argument("--remove", choices=REMOVED, required=True,
-                        help="figure to take out, each with those before it: what the beam does not scatter by")
+                        help="figure to remove, each with those before it: errors that do not scatter the beam")
     parser.add_argument("--pixel", type=length, help="of maps that do not state it: '0.4 mm'")
     parser.add_argument("--centre", type=length, nargs=2, default=(0.0, 0.0), metavar=("X", "Y"),
                         help="of the disc, from the middle of the map: '1 mm' '-2 mm'")

@@ -7,7 +7,7 @@ SPECKLE, INPUT = "#56B4E9", "#E69F00"     # Okabe and Ito
 
 
 def draw_bands(axes, noise):
-    """What static phases and inputs leave open: the wide pale band is speckle, the hatched one the inputs."""
+    """Uncertainty by static phases and inputs: the wide pale band is speckle, the hatched one the inputs."""
     bands, f = noise.bands, noise.frequency
     if bands is None:
         return

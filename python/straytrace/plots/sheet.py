@@ -27,7 +27,7 @@ def frame(figure, axes, title, width, notes):
 
 
 def draw_json(prog, about, picture, arguments=None):
-    """Command line `JSON -o FILE`: draws picture(contents). Exit code 2 where the file is not what it should be."""
+    """Command line `JSON -o FILE`: draws picture(contents). Exit code 2 for an invalid file."""
     parser = argparse.ArgumentParser(prog=prog, description=about)
     parser.add_argument("json", type=pathlib.Path)
     parser.add_argument("-o", "--out", type=pathlib.Path, required=True)

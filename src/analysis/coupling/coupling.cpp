@@ -305,7 +305,7 @@ std::string number_text(double value) { return std::isnan(value) ? "" : fmt::for
 void settle(Reader const& reader, std::string& found, std::string const& said, char const* what, char const* option) {
   if (found.empty()) found = said;
   if (found.empty())
-    reader.refuse(fmt::format("the file does not say the unit of its {}", what), fmt::format("add {}", option));
+    reader.refuse(fmt::format("the file does not state the unit of its {}", what), fmt::format("add {}", option));
   if (!parse_unit(found)) reader.refuse(fmt::format("'{}' is not a unit", found), "write for example m, m/s^2, 1/m");
   if (!said.empty() && said != found)
     reader.refuse(fmt::format("its {} are in {}, not in {}", what, found, said), "leave the unit to the file");

@@ -73,7 +73,7 @@ std::string all_of(OpenFile& file, std::size_t limit) {
 
 [[noreturn]] void refuse_to_write(std::string const& file, std::string const& why) {
   throw InputError(fmt::format("cannot write '{}': {}", file, why),
-                   "choose another place, or make room or rights there");
+                   "choose another place, free disk space, or check permissions");
 }
 [[noreturn]] void refuse_to_write(std::string const& file) { refuse_to_write(file, std::strerror(errno)); }
 

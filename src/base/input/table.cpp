@@ -277,8 +277,8 @@ double read_factor(Node const& value, std::string_view text, double fallback) {
   }
   double const factor = std::stod(std::string(text));
   if (factor >= 1 && factor <= largest_factor) return factor;
-  value.problem(factor < 1 ? "a factor of uncertainty is at least 1"
-                           : fmt::format("a factor of uncertainty is at most {:g}", largest_factor),
+  value.problem(factor < 1 ? "a factor of uncertainty must be at least 1"
+                           : fmt::format("a factor of uncertainty must be at most {:g}", largest_factor),
                 factor_example);
   return fallback;
 }
@@ -365,7 +365,7 @@ double Node::as_number(Dimension d, double low, double high) const {
   if (!q) return not_a_number;
   if (q->amplitude != Amplitude::none) {
     problem(fmt::format("'{}' is {}, not an amplitude, got \"{}\"", data_->label, described(d), shortened(text())),
-            "leave out the word peak, pp or rms");
+            "remove the word peak, pp or rms");
     return not_a_number;
   }
   return within(q->si, d, low, high) ? q->si : not_a_number;

@@ -60,7 +60,7 @@ TEST(Losses, AFullDiskLosesNothing) {
         Words{"scan", et_hf, "rings=40", "--histories", "4096", "-o", folder / "scan"}}) {
     Finished const r = straytrace(words);
     EXPECT_EQ(r.code, 2) << words.front();
-    EXPECT_THAT(r.err, HasSubstr("File too large\n  choose another place, or make room")) << words.front();
+    EXPECT_THAT(r.err, HasSubstr("File too large\n  choose another place, free disk space")) << words.front();
   }
   EXPECT_EQ(text_of(folder / "a/run.h5"), before);
   EXPECT_EQ(names_in(folder.path()), names);

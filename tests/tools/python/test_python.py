@@ -238,7 +238,7 @@ class Runs(unittest.TestCase):
         whole = self.run_.path.read_bytes()
         bad = self.place / "bad.h5"
         bad.write_bytes(whole[:-1000])
-        self.rejected(bad, "damaged: it holds")
+        self.rejected(bad, "damaged: it contains")
         bad.write_bytes(whole[:-1000] + bytes([whole[-1000] ^ 1]) + whole[-999:])
         self.rejected(bad, "not what was written")
         bad.write_bytes(b"no run at all")

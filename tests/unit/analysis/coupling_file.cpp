@@ -132,7 +132,7 @@ TEST(CouplingFile, ErrorsStatePlaceAndRemedy) {
   EXPECT_THAT(rejected("frequency,factor,flag\n2,-2,Real\n"), HasSubstr("c.csv:2: error: the factor is not positive"));
   EXPECT_THAT(rejected("frequency,factor,flag\n2,x,Real\n"), HasSubstr("'x' is not a number"));
   EXPECT_THAT(rejected("frequency,flag,factor\n2,Real,1,5\n"), HasSubstr("c.csv:2: error: more values than the 3"));
-  EXPECT_THAT(rejected(theirs, ""), HasSubstr("c.csv: error: the file does not say the unit of its factors"));
+  EXPECT_THAT(rejected(theirs, ""), HasSubstr("c.csv: error: the file does not state the unit of its factors"));
   EXPECT_THAT(rejected(""), HasSubstr("no couplings in it"));
 }
 

@@ -143,7 +143,7 @@ TEST(Expression, ErrorsStateARemedy) {
       {".nan", "cannot understand '.nan' here", "write a number"},
       {"0x10", "'x10' is not a unit", "known units"},
       {"2*3 dB", "dB must follow a single number", "write for example '37 dB'"},
-      {"L rms", "is a length, not an amplitude", "leave out the word"},
+      {"L rms", "is a length, not an amplitude", "remove the word"},
   };
   for (Case const& c : cases) {
     std::string const said = error_text_of(c.text, dim::length, "L: 3 m, aperture: 1 m");
