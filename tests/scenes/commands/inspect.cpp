@@ -115,7 +115,7 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
            Bad{"  m: {preset: oxidised_steel, bracket: [1e-2 /sr, 3e-3 /sr, 1e-3 /sr]}\n", "in this order"},
            Bad{"  m: {preset: oxidised_steel, uncertainty: 30}\n", "did you mean '30 %' or 'factor 30'?"},
            Bad{"  m: {scatter: {model: lambertian, tis: 1 %, uncertainty: 130 %}}\n", "write 'factor 2.3'"},
-           Bad{"  m: {scatter: {model: lambertian, tis: 1 %}, uncertainty: factor 0.5}\n", "is at least 1"},
+           Bad{"  m: {scatter: {model: lambertian, tis: 1 %}, uncertainty: factor 0.5}\n", "must be at least 1"},
        }) {
     write_text(folder / "a.yaml", scene_with(bad.materials));
     Finished const r = straytrace({"inspect", "m", folder / "a.yaml"});

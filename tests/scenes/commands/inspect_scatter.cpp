@@ -142,7 +142,7 @@ TEST(InspectScatter, MistakesInScenes) {
   write_text(folder / "bare.csv", bright.substr(bright.find("theta_i")));
   Finished const bare = scene_with(folder, "file: bare.csv");
   EXPECT_EQ(bare.code, 2);
-  EXPECT_THAT(bare.err, HasSubstr("bare.csv: error: nothing declares wavelength and angles"));
+  EXPECT_THAT(bare.err, HasSubstr("bare.csv: error: the file does not declare wavelength and angles"));
   write_text(
       folder / "through.ssdd",
       "VERSION 0.2\nDATA_TYPE btdf\nCOLOR_MODEL spectrum\nWAVELENGTH_LIST 1064\nPARAM_TYPE "

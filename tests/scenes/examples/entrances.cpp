@@ -97,7 +97,7 @@ TEST(Entrances, FilesCoverTheRequestedBand) {
   write_text(folder / "arm.yaml", edited(text_of(folder / "arm.yaml"), "[10 Hz, 100 Hz]", "[10 Hz, 1 kHz]"));
   Finished const checked = straytrace({"check", folder / "arm.yaml"});
   EXPECT_EQ(checked.code, 2);
-  EXPECT_THAT(checked.err, HasSubstr("arm.yaml:21:28: error: 'phase.txt' holds"));
+  EXPECT_THAT(checked.err, HasSubstr("arm.yaml:21:28: error: 'phase.txt' covers"));
 }
 
 // A mistake in an entry does not make its name unknown elsewhere.

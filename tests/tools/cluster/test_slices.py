@@ -79,7 +79,7 @@ class Slices(unittest.TestCase):
         twice = self.folder / "twice.h5"
         shutil.copy(self.parts[7], twice)
         said = self.merge([*self.parts, twice], code=2, name="no.h5")
-        self.assertIn("both hold blocks 46 to 52", said)
+        self.assertIn("both contain blocks 46 to 52", said)
         self.assertIn("part08.h5", said)
         self.assertIn("twice.h5", said)
         other = self.folder / "other.h5"

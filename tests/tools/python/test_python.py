@@ -240,7 +240,7 @@ class Runs(unittest.TestCase):
         bad.write_bytes(whole[:-1000])
         self.rejected(bad, "damaged: it contains")
         bad.write_bytes(whole[:-1000] + bytes([whole[-1000] ^ 1]) + whole[-999:])
-        self.rejected(bad, "not what was written")
+        self.rejected(bad, "does not match its checksum")
         bad.write_bytes(b"no run at all")
         self.rejected(bad, "cannot read")
         bad.write_bytes(whole[512:])
