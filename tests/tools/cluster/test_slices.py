@@ -110,8 +110,8 @@ class Slices(unittest.TestCase):
         self.assertIn("--histories", said)
         for wrong in ("0/3", "4/3", "1", "a/b", "-1/3"):
             self.assertIn("7/200", trace(out, f"--slice={wrong}", code=2))
-        self.assertIn("holds slice 1/12", trace(self.parts[0], "--slice", "2/12", "--histories", MANY, code=2))
-        self.assertIn("holds slice 1/12", trace(self.parts[0], "--slice", "1/12", "--histories", 20 * BLOCK, code=2))
+        self.assertIn("contains slice 1/12", trace(self.parts[0], "--slice", "2/12", "--histories", MANY, code=2))
+        self.assertIn("contains slice 1/12", trace(self.parts[0], "--slice", "1/12", "--histories", 20 * BLOCK, code=2))
         self.assertIn("straytrace merge", ask("run", self.parts[0], "-o", self.folder / "r.h5", code=2))
         self.assertFalse(out.exists())
 

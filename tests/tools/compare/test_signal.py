@@ -284,7 +284,7 @@ class Files(unittest.TestCase):
         self.rejected("0 1\n", "one row", more=("--unit", "m"))
         self.rejected("f [Hz],x [m]\n1,2\n2,3\n", "Hz, not time", name="bad.csv")
         self.rejected("t,a [m],b [m]\n0,2,1\n1,3,2\n", "2 channels", "::a", "a, b", name="bad.csv")
-        self.rejected(good, "holds GPS", "..", more=("--gps", "1..2"))
+        self.rejected(good, "covers GPS", "..", more=("--gps", "1..2"))
         self.rejected(good, "neither a GPS time nor UTC", more=("--gps", "soon"))
 
     def test_outputs_are_refused_before_work(self):

@@ -140,7 +140,8 @@ TEST(MotionMessages, OfMatricesAndChains) {
            Mistake{asd + ", through: {file: half.txt" + columns, "{file", "the chain covers 1 Hz to 50 Hz",
                    "beyond: hold"},
            Mistake{"from: m, through: {file: commas.txt" + columns, "commas.txt:1:1", "has decimal commas", "Hz"},
-           Mistake{"from: m, through: {file: zero.txt" + columns, "zero.txt:2:1", "zero has no logarithm", "leave"},
+           Mistake{"from: m, through: {file: zero.txt" + columns, "zero.txt:2:1", "zero has no logarithm",
+                   "remove the line"},
            Mistake{"from: m, through: {file: none.txt" + columns, "none.txt", "cannot read file", "relative"},
            Mistake{"from: m, through: {zeros: [1 Hz]}", "{zeros", "'gain'", "gain: 1"},
        })
