@@ -4,7 +4,7 @@
 Usage: make_messages.py [--output FILE] [ROOT]
 
 A message is a problem or warning about a place in a file (what, remedy) or an InputError(what, remedy).
-Without --output it only checks, and fails for a message without a remedy.
+Without --output it only checks, and fails for a message without a remedy that reads.
 """
 import json
 import pathlib
@@ -12,6 +12,8 @@ import re
 import sys
 
 CALL = re.compile(r"(?<![\w:])(?:(?:[\w\]\[\"\.\(\)]+(?:\.|->))?(problem|file_problem|warning|refuse)|(InputError))(\(|\{)")
+FORMAT = "fmt::format("
+WORD = re.compile(r"[A-Za-z]{2}")
 LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
 ABOUT = {"scene": "the scene file: docs/reference/scene.md", "world": "what stands in the scene: docs/reference/scene.md",
          "motion": "motion: docs/reference/scene.md#bodies", "ifo": "the detector: docs/reference/interferometer.md",
@@ -38,17 +40,30 @@ def closing(text, at):
     return len(text), commas
 
 
+def without_values(argument):
+    """The argument with the texts of `fmt::format` alone: what is inserted into them is left out."""
+    at = 0
+    while (at := argument.find(FORMAT, at)) >= 0:
+        at += len(FORMAT)
+        end, commas = closing(argument, at - 1)
+        argument = argument[:commas[0] if commas else end] + argument[end:]
+    return argument
+
+
 def said(argument):
-    """The text of an argument; inserted values become `...`, alternative texts follow ` | `."""
+    """The text of an argument; inserted values become `...`, alternative texts follow `; or: `."""
+    formatted, argument = FORMAT in argument, without_values(argument)
     together = re.compile(LITERAL.pattern + r'\s*(?=")')    # adjacent literals are one
     while hit := together.search(argument):
         argument = argument[:hit.end(1)] + argument[hit.end() + 1:]
+    argument = re.sub(r'"\s*\+[^"?:]+\+\s*"', "...", argument)    # "known: " + names + "; write one"
     parts = [t for t in LITERAL.findall(argument) if len(t) > 2 and not re.fullmatch(r"[a-z_]+", t)]
-    if "fmt::format(" in argument:
+    if formatted:
         parts = [re.sub(r"\{[^{}]*\}", "...", t.replace("{{", "\0").replace("}}", "\1")) for t in parts]
         parts = [t.replace("\0", "{").replace("\1", "}") for t in parts]
-    texts = [t for t in parts if not re.fullmatch(r"\W*", t) or t == "..."]
-    return " | ".join(t.replace('\\"', '"').replace("\\n", "\n") for t in texts)
+    texts = [re.sub(r"(\.\.\.){2,}", "...", t).strip() for t in parts if WORD.search(t)]
+    texts = [re.sub(r"^\.\.\.(?=\w)", "", t) + (" ..." if t.endswith(":") else "") for t in texts]
+    return "; or: ".join(texts).replace("?; ", "? ").replace('\\"', '"').replace("\\n", "\n")
 
 
 def messages_of(file, room):
@@ -60,8 +75,8 @@ def messages_of(file, room):
         ends = [*commas, end]
         arguments = [text[a:b] for a, b in zip([open_at + 1, *(c + 1 for c in commas)], ends)]
         if call.group(2):
-            if call.group(3) == "(" and len(arguments) == 2:
-                yield from thrown(*arguments, room)
+            if call.group(3) == "(" and len(arguments) <= 2:
+                yield from thrown(arguments[0], arguments[1] if len(arguments) == 2 else "", room)
             continue
         kind = call.group(1)
         if kind in ("problem", "warning") and len(arguments) == 2 or kind == "file_problem" and len(arguments) == 5:
@@ -98,6 +113,8 @@ def main(root, output):
         pathlib.Path(output).write_text(json.dumps(told, indent=0, ensure_ascii=False) + "\n", encoding="utf-8")
         return 0
     wrong = [f"{m['file']}: '{m['what']}' has no remedy" for m in found if not m["remedy"]]
+    wrong += [f"{m['file']}: the remedy of '{m['what']}' does not read: {m['remedy']}" for m in found
+              if m["remedy"] and (not WORD.search(m["remedy"]) or "{}" in m["remedy"])]
     wrong += [f"{m['file']}: '{m['what']}' ends with a full stop" for m in found if m["what"].endswith(".")
               and not m["what"].endswith("...")]
     if len(found) < 300:
