@@ -20,7 +20,7 @@ function budgetSeries(b) {
                      {colour: "#6b6b6b", width: 1.4, dash: "2 3"}));
   });
   if (b.coherent.length > 0) series.push(line("all routes in phase: upper bound", b.coherent, {colour: "#999", width: 1, dash: "1 3", off: true, aside: true}));
-  series.push(line("stray light, total" + (b.bound ? " (upper bound)" : "") + (b.unresolved.length > 0 ? b.bound ? ", routes unresolved" : " (lower bound)" : ""), b.total.asd, {colour: "#000", width: 2.6}));
+  series.push(line("stray light, total" + boundText(b), b.total.asd, {colour: "#000", width: 2.6}));
   return series;
 }
 
@@ -49,6 +49,12 @@ function budgetWithout(b, shares, off) {
 }
 
 // Returns what redraws the curves when rows of the table are switched off or on.
+function boundText(b) {
+  const missing = b.unresolved.length;
+  if (missing === 0) return b.bound ? " (upper bound)" : "";
+  return b.bound ? " (contains upper bounds; " + missing + (missing === 1 ? " route" : " routes") + " unresolved)" : " (lower bound)";
+}
+
 function addBudget(b) {
   const part = section("Noise budget", "budget"), box = el("figure");
   part.append(box);
@@ -57,7 +63,7 @@ function addBudget(b) {
   box.append(el("figcaption", {}, p.program + " " + p.version + " (" + p.commit + "), model " + p.model.slice(0, 12) + ", seed " + p.seed + ", " +
       p.histories.toLocaleString("en") + " histories, " + p.created + ". Mean over static phases. Drag to zoom, double click to see all, click a name to hide it."));
   if (b.unresolved.length > 0)
-    part.append(el("p", {}, el("span", {class: "mark"}, b.bound ? "Unresolved" : "Lower bound"), " of these unresolved routes the total holds what was seen, with an error as large:"), el("ul", {}, b.unresolved.map(u => el("li", {}, u))));
+    part.append(el("p", {}, el("span", {class: "mark"}, b.bound ? "No bound, since it contains upper bounds:" : "Lower bound:"), " of these unresolved routes the total holds what was seen, with an error as large:"), el("ul", {}, b.unresolved.map(u => el("li", {}, u))));
   const rows = () => ["frequency [Hz]", ...["mean", "sigma", "input_low", "input_high", "speckle_05", "speckle_50", "speckle_95"], ...b.design.map(d => d.name)];
   part.append(el("div", {class: "bar"}, el("button", {on: {click: () => {
     const columns = [b.frequency, b.total.asd, b.total.sigma, b.input_low, b.input_high, b.speckle_05, b.speckle_50, b.speckle_95, ...b.design.map(d => d.asd)];

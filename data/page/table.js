@@ -163,7 +163,7 @@ class PathTable {
   }
   // Rims are computed as the most there can be.
   isBound(key, i) {
-    return this.columns.get("kind")[i] === "edge" && this.columns.get(key)[i] > 0 && (key === "coupling" || isStrain({key}));
+    return this.columns.get("kind")[i] === "edge" && this.columns.get(key)[i] > 0 && (key === "coupling" || key === "share" || isStrain({key}));
   }
   draw() {
     const rows = this.printed, first = Math.max(0, Math.floor(this.box.scrollTop / rowHeight) - spareRows);

@@ -81,10 +81,20 @@ class Noise:
 
     @property
     def bound(self) -> str:
-        """Kind of the total, for titles: "", " (lower bound)", " (at most)" and so on."""
+        """Kind of the total, for titles: "", " (lower bound)", " (at most)", or, where upper bounds make a part of it and
+        routes are unresolved, " (contains upper bounds; 2 routes unresolved)": then it is no bound."""
+        missing = len(self.unresolved)
         if self.total.at_most.any():
-            return " (at most, routes unresolved)" if self.unresolved else " (at most)"
-        return " (lower bound)" if self.unresolved else ""
+            routes = f"{missing} route{'' if missing == 1 else 's'} unresolved"
+            return f" (contains upper bounds; {routes})" if missing else " (at most)"
+        return " (lower bound)" if missing else ""
+
+    @property
+    def bounds(self) -> npt.NDArray[np.str_]:
+        """[n] The total at each frequency is a "lower" bound (routes are unresolved), an "upper" one (upper bounds make
+        a part of it), "neither" (both), or "" (a value with its error)."""
+        upper: npt.NDArray[np.bool_] = self.total.at_most
+        return np.where(upper, "neither", "lower") if self.unresolved else np.where(upper, "upper", "")
 
     def __call__(self, motion: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
                  response: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None) -> "Noise":
@@ -121,7 +131,7 @@ class Noise:
         return between_bins(hz, self.edges, (curve or self.total).mean)
 
     def table(self) -> pandas.DataFrame:
-        """One row per frequency: total, its errors and bands, design curves [1/sqrt(Hz)]; index: Hz."""
+        """One row per frequency: total, its errors and bands, design curves [1/sqrt(Hz)], `bounds`; index: Hz."""
         import pandas
 
         columns = {"h": self.total.mean, "sigma": self.total.sigma, "phase": self.total.phase,
@@ -131,8 +141,7 @@ class Noise:
                 columns[name] = getattr(self.bands, name)
         columns |= self.design
         table = pandas.DataFrame(columns, index=pandas.Index(self.frequency, name="frequency_Hz"))
-        table["lower_bound"] = bool(self.unresolved)
-        table["upper_bound"] = self.total.at_most
+        table["bound"] = self.bounds
         return table
 
     def to_gwpy(self, curve: Curve | None = None, *, interpolate: float | None = None) -> Any:

@@ -67,7 +67,7 @@ class Receiver:
 
     @property
     def areas(self) -> Any:
-        """Area of each pixel or cell of `image` [m^2]."""
+        """Area of each pixel or cell of `image` [m^2], as a whole, also where the rim of the surface cuts it."""
         if self.cells is None:
             return 4 * self.half[0] * self.half[1] / self.image.size if self.image is not None else None
         low, high, first, last = self.cells.T

@@ -59,8 +59,8 @@ class Scan:
 
     def table(self, frequencies: Sequence[float] = (10.0, 30.0, 100.0)) -> pandas.DataFrame:
         """One row per point: parameters, h at `frequencies` [Hz] with one standard error [1/sqrt(Hz)], the largest
-        ratio to
-        the margin line with its error and frequency, and whether h is a lower bound."""
+        ratio to the margin line with its error and frequency, and which bound h is: "lower", "upper", "neither" or ""
+        (`Noise.bounds`)."""
         import pandas
 
         rows = []
@@ -73,8 +73,8 @@ class Scan:
                 row[f"sigma({f:g} Hz)"] = float(np.interp(np.log(f), np.log(noise.frequency), noise.total.sigma,
                                                          left=np.nan, right=np.nan))
             row["worst_ratio"], row["worst_sigma"], row["worst_Hz"] = point.worst()
-            row["lower_bound"] = bool(noise is not None and noise.unresolved)
-            row["upper_bound"] = bool(noise is not None and noise.total.at_most.any())
+            bounds = set() if noise is None else set(noise.bounds) - {""}
+            row["bound"] = "neither" if "neither" in bounds else "".join(bounds)
             rows.append(row)
         return pandas.DataFrame(rows)
 

@@ -99,7 +99,9 @@ int answer(int argc, char** argv) {
     print_error(e, json);
     return input_error;
   } catch (std::filesystem::filesystem_error const& e) {
-    print_error(InputError(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message())), json);
+    print_error(InputError(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message()),
+                           "check the name, its folder and their permissions"),
+                json);
     return input_error;
   } catch (std::bad_alloc const&) {
     print_error(
@@ -107,11 +109,14 @@ int answer(int argc, char** argv) {
         json);
     return numerical_failure;
   } catch (std::exception const& e) {
-    print_error(InputError(e.what()), json);
+    print_error(InputError(e.what(), "if this is no fault of the disk, report it with the scene and the command"),
+                json);
     return numerical_failure;
   }
   if (!std::cout.flush()) {
-    print_error(InputError("cannot write the results to the standard output"), false);
+    print_error(
+        InputError("cannot write the results to the standard output", "check the disk or the program that reads them"),
+        false);
     return input_error;
   }
   return exit_code;

@@ -14,6 +14,7 @@
 #include "results/text/picture.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
+#include "world/model/map_areas.hpp"
 
 namespace straytrace::cli {
 namespace {
@@ -29,7 +30,11 @@ int maps(MapsOptions const& options) {
     throw InputError(fmt::format("'{}' has no receivers", options.input),
                      "add 'receivers: {PD: {on: SURFACE, map: {...}}}' to the scene and repeat the trace");
   OutputFolder const folder(options.out);
-  std::vector<std::string> files = write_maps(options.out, content);
+  Model const model = model_of(file);
+  std::vector<std::vector<double>> areas;
+  for (std::size_t i = 0; i < content.receivers.size(); ++i)
+    areas.push_back(map_areas(model.world.view(), model.world.receivers().at(i).surface, content.receivers[i]));
+  std::vector<std::string> files = write_maps(options.out, content, areas);
   if (files.empty())
     throw InputError(fmt::format("no receiver of '{}' has a map", options.input),
                      "give it 'map', 'angles' or 'quadrants'");

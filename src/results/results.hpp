@@ -98,8 +98,9 @@ std::string read_file(std::string const& file);
 
 struct WithError {
   double value = 0, sigma = 0;  // one standard error
-  bool at_most = false;         // an upper bound: it may be less by more than that
-  WithError over(double x) const { return {value / x, sigma / x, at_most}; }
+  bool at_most = false;         // upper bounds make a part of it: it may be less by more than that
+  bool incomplete = false;      // unresolved routes may add to it; with `at_most` it is no bound at all
+  WithError over(double x) const { return {value / x, sigma / x, at_most, incomplete}; }
 };
 
 // A line in one bin of a curve: its total, since its mean over the bin depends on the width of the bin.
@@ -165,12 +166,20 @@ struct PathTable {
   double low = 0, high = 0;         // Hz
   double wavelength = 0;            // m
   bool has_noise = false, reverse_routes = true;
-  std::vector<WithError> total_strain;    // 1/sqrt(Hz); a lower bound when a row is unresolved
+  std::vector<WithError> total_strain;    // 1/sqrt(Hz); a lower bound when a row is unresolved, unless `at_most`
   std::vector<BinLine> lines;             // of it, one per frequency
   WithError total_coupling;               // resolved rows
   std::size_t unresolved = 0, faint = 0;  // rows; `faint` of them cannot move the total
-  bool lower_bound() const { return unresolved > faint; }
+  std::size_t missing() const { return unresolved - faint; }
+  bool incomplete() const;        // the total lacks routes, also those that a part of a table does not list
+  bool has_upper_bounds() const;  // that show in the total, at any of the frequencies
 };
+
+// What a total is: "lower" bound where routes are missing, "upper" where upper bounds make a part of it, "neither"
+// where both hold, or "".
+std::string bound_name(bool has_upper_bounds, bool incomplete);
+// The same in words: "lower bound: 2 routes unresolved", "upper bound", "contains upper bounds; 2 routes unresolved".
+std::string bound_text(bool has_upper_bounds, std::size_t missing);
 
 // `budget` and `motion` may be null; columns that need them are then absent.
 PathTable path_table(CouplingTable const&, NoiseBudget const* budget, MotionSet const* motion, TableSettings const&);
@@ -205,11 +214,12 @@ double design_at(DesignCurve const&, FrequencyGrid const&, double hz);
 // "1.23e-24 ± 0.04e-24": one digit of the error, two when it begins with 1. "unresolved" when not finite; "1.23e-24
 // (computed)" without an error, as of routes that are not sampled.
 std::string with_error(double value, double sigma);
-std::string with_error(WithError const&);  // "at most 1.3e-24" for an upper bound: two digits, rounded up
+// "at most 1.3e-24" for an upper bound: two digits, rounded up; "about 1.3e-24" where it is incomplete as well.
+std::string with_error(WithError const&);
 // "1.23(4)e-24": the error in units of the last digit, for tables; "1.23e-24 computed" without one.
 std::string with_brackets(double value, double sigma);
 std::string with_brackets(WithError const&);
-std::string two_digits(double value, bool up);         // of a positive number, rounded up or down
-std::string percent_text(double share, double sigma);  // a share of 1 in per cent; all of it has no error: "100"
+std::string two_digits(double value, bool up);     // of a positive number, rounded up or down
+std::string percent_text(WithError const& share);  // of 1 in per cent; all of it has no error: "100"
 
 }  // namespace straytrace::results

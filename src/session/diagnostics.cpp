@@ -21,10 +21,14 @@ void print_warnings(Scene const& scene, PrintOptions const& options) {
 
 void print_warning(std::string const& sentence, PrintOptions const& options) {
   if (options.quiet) return;
-  if (options.json())
-    std::cerr << problems_as_json(InputError({{{}, sentence, "", Severity::warning}}, ""));
-  else
+  if (!options.json()) {
     std::cerr << "warning: " << printable(sentence) << '\n';
+    return;
+  }
+  constexpr std::string_view between = "\n  ";
+  std::size_t const at = sentence.find(between);
+  std::string const remedy = at == sentence.npos ? "" : sentence.substr(at + between.size());
+  std::cerr << problems_as_json(InputError({{{}, sentence.substr(0, at), remedy, Severity::warning}}, ""));
 }
 
 namespace {

@@ -13,7 +13,8 @@ namespace straytrace::session {
 
 void print_warnings(ProjectionModel const&, PrintOptions const&);
 void print_warnings(Scene const&, PrintOptions const&);
-void print_warning(std::string const& sentence, PrintOptions const&);  // without a place in a file
+// Without a place in a file; a remedy follows in a line of its own, after two spaces.
+void print_warning(std::string const& sentence, PrintOptions const&);
 
 // Lines of JSON on stderr for a program that runs this one (straytrace --events): progress of a trace, and problems of
 // the input. Each is an object with the key `event`; all other lines are plain text.

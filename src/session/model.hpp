@@ -44,8 +44,8 @@ StopRule parse_stop_rule(std::string const&);
 // "50min", "1 h", "90 s" or bare seconds, in s. Throws InputError.
 double parse_duration(std::string const&);
 
-inline constexpr std::uint64_t no_limit = 1ull << 36;    // histories
-inline constexpr std::uint64_t fewest_histories = 1000;  // for numbers with errors
+inline constexpr std::uint64_t no_limit = 1ull << 36;   // histories
+inline constexpr std::uint64_t fewest_histories = 256;  // for errors: 32 blocks of 8
 
 // Inputs of the projection of a coupling table to strain noise: motion, interferometer, band and design curves, without
 // surfaces and search structure, so that a run file is opened without them.

@@ -199,7 +199,7 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
     j["scene"] =
         scene_part(model, paths_of_rows(run.trace->coupling, table, world, ghosts, wanted.rows, wanted.paths), ghosts);
   if (wanted.has("maps")) j["maps"] = maps_part(world, run, table);
-  j["receivers"] = receivers_json(run);
+  j["receivers"] = receivers_json(run, world);
   if (wanted.has("ghosts")) j["ghosts"] = ghosts_json(ghosts);
   FirstOrderSettings settings;
   settings.seed = run.trace->coupling.seed;

@@ -344,7 +344,6 @@ static std::string silence(NoiseBudget const& budget) {
 
 std::string headline(NoiseBudget const& budget, PathTable const& paths) {
   std::string values, at, ratios, lines;
-  bool bound = false;
   auto const outside = [&](double f) {
     return budget.grid.size() > 0 && !(f >= budget.grid.edges.front() && f < budget.grid.edges.back());
   };
@@ -355,7 +354,6 @@ std::string headline(NoiseBudget const& budget, PathTable const& paths) {
     char const* const comma = values.empty() ? "" : ", ";
     at += fmt::format("{}{:g}", comma, f);
     values += comma + with_error(paths.total_strain[i]);
-    bound = bound || paths.total_strain[i].at_most;
     if (!std::isnan(paths.lines[i].rms.value))
       lines += fmt::format("; at {:g} Hz a line of {} rms", f, with_error(paths.lines[i].rms));
     if (budget.design.empty()) continue;
@@ -368,9 +366,8 @@ std::string headline(NoiseBudget const& budget, PathTable const& paths) {
   std::string line = fmt::format("stray light h = {} /sqrt(Hz) at {} Hz", values, at);
   if (!ratios.empty()) line += fmt::format("; over {}: {}", budget.design.front().name, ratios);
   line += lines;
-  if (!paths.lower_bound()) return line;
-  return line + fmt::format("  ({}: {} unresolved)", bound ? "not of all light" : "lower bound",
-                            counted(paths.unresolved - paths.faint, "route"));
+  if (paths.missing() == 0) return line;
+  return line + fmt::format("  ({})", bound_text(paths.has_upper_bounds(), paths.missing()));
 }
 
 namespace {

@@ -68,7 +68,7 @@ def draw(scan):
     axes.grid(True, which="major", color=LIGHT, lw=0.7)
     title = f"{scan['model']}: total strain noise, bars: one standard error (Monte Carlo)"
     if any(p["unresolved"] for p in scan["points"]):
-        title += "\nopen triangles: lower bounds, routes are unresolved"
+        title += "\nopen triangles: routes are unresolved; lower bounds unless upper bounds are in them"
     axes.set_title(title, fontsize=10)
     if others:
         axes.legend()

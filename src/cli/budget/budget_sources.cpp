@@ -186,13 +186,16 @@ NoiseSource stray_light(std::string const& file) {
                  run.trace.total.histories};
   std::string const title = about.title.empty() ? about.file : about.title;
   BudgetEntry entry{about.entry, title, BudgetEntry::Kind::stray_light, {}, {}, "", {}};
-  if (!b.unresolved.empty())
-    entry.note = fmt::format("a lower bound, {} route{} not resolved", b.unresolved.size(),
-                             b.unresolved.size() == 1 ? " is" : "s are");
+  entry.incomplete = !b.unresolved.empty();
   std::vector<bool> bound;
   for (std::size_t i = 0; i < b.grid.size(); ++i) bound.push_back(at_most(b.total, i));
-  if (std::count(bound.begin(), bound.end(), true) > 0)
-    entry.note += fmt::format("{}an upper bound where routes of kind edge contribute", entry.note.empty() ? "" : "; ");
+  bool const upper = std::count(bound.begin(), bound.end(), true) > 0;
+  if (entry.incomplete)
+    entry.note = fmt::format("{}, {} route{} not resolved",
+                             upper ? "no bound: it contains upper bounds (kind edge)" : "a lower bound",
+                             b.unresolved.size(), b.unresolved.size() == 1 ? " is" : "s are");
+  else if (upper)
+    entry.note = "an upper bound where routes of kind edge contribute";
   std::vector<std::string> models{about.model_hash};
   double const low = b.grid.edges.front(), high = b.grid.edges.back();
   NoiseSource s{std::move(entry), {hz, b.total.asd, b.total.sigma, low, high, b.grid}, {}, file, std::move(about),

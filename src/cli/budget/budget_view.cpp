@@ -40,7 +40,7 @@ std::vector<double> const* reference(BudgetOn const& b) { return b.curves.empty(
 std::string cell(BudgetView const& v, BudgetEntry const& e, std::size_t i) {
   double const h = e.asd[i], sigma = e.sigma.empty() ? 0 : e.sigma[i];
   bool const most = i < e.at_most.size() && e.at_most[i] && h > 0;
-  std::string text = most                            ? with_brackets({h, sigma, true})
+  std::string text = most                            ? with_brackets({h, sigma, true, e.incomplete})
                      : std::isfinite(h) && sigma > 0 ? with_brackets(h, sigma)
                                                      : number(h);
   if (!std::isfinite(h) && !e.note.empty()) text = "unknown";
@@ -99,7 +99,7 @@ std::vector<std::string> total_cells(NoiseTable const& t) {
   for (BudgetEntry const& e : t.entries)
     for (std::size_t i = 0; i < e.at_most.size(); ++i)
       if (e.at_most[i] && at_most(h[i], sigma.empty() ? 0 : sigma[i], std::pow(e.asd[i] / h[i], 2)))
-        cells[i] = with_brackets({h[i], 0, true});
+        cells[i] = with_brackets({h[i], 0, true, e.incomplete});
   return cells;
 }
 
@@ -198,7 +198,8 @@ Json json_of(BudgetView const& v, BudgetOn const& b) {
     Json j{{"name", e.name}, {"what", e.words}, {"kind", kind_of(e)}, {"strain", json_numbers(e.asd)}};
     add_errors(j, e);
     if (!e.note.empty()) j["note"] = e.note;
-    if (std::count(e.at_most.begin(), e.at_most.end(), true) > 0) j["at_most"] = e.at_most;
+    if (std::count(e.at_most.begin(), e.at_most.end(), true) > 0)
+      j[e.incomplete ? "contains_upper_bounds" : "at_most"] = e.at_most;
     if (design) {
       Json over = Json::array(), above = Json::array();
       for (std::size_t i = 0; i < e.asd.size(); ++i) {

@@ -156,6 +156,15 @@ std::optional<Scene> scene_asked(InspectOptions const& i, FileTexts& texts) {
   refuse_name(name);
 }
 
+// A model, not a list of materials: what `check` finds wrong with it is an error here as well.
+void check_model(Scene const& scene, InspectOptions const& i) {
+  for (char const* const table : {"scene", "beams", "ports", "receivers", "interferometer"})
+    if (scene.root().has(table)) {
+      read_model(i.scene.empty() ? i.file : i.scene, i.overrides);
+      return;
+    }
+}
+
 // Whether an HDF5 file is marked as a run, unlike records of sensors.
 bool is_run(std::string const& file) {
   try {
@@ -185,6 +194,7 @@ int inspect(InspectOptions const& i) {
   Scene const& scene = *asked;
   bool const own = !i.scene.empty();
   if (is_scene(i.file) && shows_motion(scene)) return inspect_motion(scene, i.plot, i);
+  check_model(scene, i);
   World world;
   Registry names;
   read_media(scene, world, names);

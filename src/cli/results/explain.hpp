@@ -25,6 +25,8 @@ std::optional<Explanation> explain_library(std::string const& what);
 std::string parts_like(std::string const& what);
 // A column of the path table, "coupling".
 std::optional<Explanation> explain_column(std::string const& what);
+// A word that stands in tables in place of an error or a number, "at most".
+std::optional<Explanation> explain_mark(std::string const& what);
 Explanation explain_unit(std::string const& unit);
 // A printed message or a part of it; empty without a similar one.
 std::optional<Explanation> explain_message(std::string const& text);

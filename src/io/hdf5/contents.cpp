@@ -23,11 +23,11 @@ std::string apart(Work const& work, std::size_t memory, std::size_t image_size) 
     }
   };
   SandboxResult done = run_sandboxed(told, {memory, 10 + image_size / 500000});
-  if (!done.why.empty()) throw InputError("the HDF5 library cannot read the file: " + done.why);
+  if (!done.why.empty()) throw InputError("the HDF5 library cannot read the file: " + done.why, copy_again);
   if (done.bytes.empty()) broken_file("nothing could be read");
   char const how = done.bytes.back();
   done.bytes.pop_back();
-  if (how != '\0') throw InputError(done.bytes);
+  if (how != '\0') throw InputError(done.bytes, copy_again);
   return std::move(done.bytes);
 }
 
@@ -69,7 +69,7 @@ void add(Packer& out, Values const& v) {
 
 std::uint8_t below(Unpacker& in, unsigned limit) {
   auto const code = in.value<std::uint8_t>();
-  if (code >= limit) throw InputError("what HDF5 has read has no meaning");
+  if (code >= limit) throw InputError("what HDF5 has read has no meaning", copy_again);
   return code;
 }
 
@@ -87,7 +87,7 @@ Values values_of(Unpacker& in) {
   Values v;
   v.kind = Kind(below(in, 4)), v.state = State(below(in, 5)), v.is_signed = below(in, 2) != 0;
   v.size = in.count(), v.shape = in.values<std::uint64_t>(), v.bytes = in.text();
-  if (!is_sound(v)) throw InputError("what HDF5 has read has no meaning");
+  if (!is_sound(v)) throw InputError("what HDF5 has read has no meaning", copy_again);
   return v;
 }
 

@@ -48,6 +48,8 @@ struct Wanted {
   std::uint64_t largest = ~std::uint64_t{0};  // bytes; of larger datasets only shape and attributes are read
 };
 
+inline constexpr char const* copy_again = "copy the file again, or make it again";
+
 // Of the bytes of a file. Throws InputError for other files, and when the library fails or crashes.
 Contents contents_of(std::string const& image, Wanted const& wanted = {});
 // The same in this process, which the library can end: for bytes that this program has just written, and for run files

@@ -207,7 +207,7 @@ class Walk {
 
 }  // namespace
 
-void broken_file(std::string const& how) { throw InputError("the HDF5 file is damaged: " + how); }
+void broken_file(std::string const& how) { throw InputError("the HDF5 file is damaged: " + how, copy_again); }
 
 Contents load_contents(std::string const& image, Wanted const& wanted) {
   try {

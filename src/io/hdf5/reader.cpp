@@ -14,7 +14,7 @@ namespace straytrace::io::hdf5 {
 namespace {
 
 [[noreturn]] void damaged(std::string const& path, std::string const& how) {
-  throw InputError(fmt::format("the HDF5 file is damaged: '{}' {}", path, how));
+  throw InputError(fmt::format("the HDF5 file is damaged: '{}' {}", path, how), copy_again);
 }
 
 std::string from_root(std::string const& path) { return path.starts_with('/') ? path : "/" + path; }

@@ -37,6 +37,7 @@ struct BudgetEntry {
   std::vector<BudgetEntry> parts;
   BudgetBands bands{};
   std::vector<bool> at_most{};  // where the ASD is an upper bound; empty: nowhere
+  bool incomplete = false;      // routes are unresolved: where `at_most`, the ASD is no bound at all
   bool inputs_stated = false;   // an input states its uncertainty: the input band is wider than the mean
 };
 

@@ -14,6 +14,7 @@
 #include "results/route_table/route_filter.hpp"
 #include "results/route_table/route_sums.hpp"
 #include "results/text/columns.hpp"
+#include "world/model/map_areas.hpp"
 
 namespace straytrace::report {
 
@@ -342,10 +343,10 @@ PageJson objects_json(BlockSums const& total, std::vector<std::string> const& gr
 }
 
 PageJson map_json(std::string const& name, std::string const& what, Receiver const& r, CellEstimates const& cells,
-                  double watts, std::string const& unit) {
+                  std::vector<double> const& areas, double watts, std::string const& unit) {
   std::vector<double> mean = cells.mean, error = cells.error;
   for (auto* list : {&mean, &error})
-    for (std::size_t i = 0; i < list->size(); ++i) (*list)[i] *= watts / r.area(i);
+    for (std::size_t i = 0; i < list->size(); ++i) (*list)[i] *= watts / areas[i];
   PageJson map = {
       {"name", name}, {"what", what}, {"unit", unit}, {"values", numbers(mean)}, {"errors", numbers(error)}};
   if (r.by_light) {
@@ -443,7 +444,7 @@ PageJson inputs_json(RunContent const& run) {
   return {{"sources", sources}, {"exact", run.noise->bands.taken_as_exact}};
 }
 
-PageJson receivers_json(RunContent const& run) {
+PageJson receivers_json(RunContent const& run, World const& world) {
   PageJson all = PageJson::array(), maps = PageJson::array();
   if (run.receivers.empty()) return {{"list", all}, {"maps", maps}};
   ReceiverTable const table = receiver_table(run);
@@ -473,7 +474,8 @@ PageJson receivers_json(RunContent const& run) {
     Receiver const& r = run.receivers[i];
     if (r.map_size() == 0) continue;
     maps.push_back(map_json(e.name, "irradiance", r,
-                            cell_estimates(total.receivers[i].image, total.histories, total.blocks), watts,
+                            cell_estimates(total.receivers[i].image, total.histories, total.blocks),
+                            map_areas(world.view(), world.receivers().at(i).surface, r), watts,
                             unit == "W" ? "W/m²" : "1/m² (per W of the main mode)"));
   }
   return {{"list", all}, {"maps", maps}};

@@ -31,7 +31,7 @@ PageJson energy_balance_json(RunContent const&);  // terms of the energy balance
 PageJson convergence_json(RunContent const&,
                           PathTable const&);  // error against histories, from the replicas; figures of merit
 PageJson inputs_json(RunContent const&);      // uncertain inputs, and their share of the noise
-PageJson receivers_json(RunContent const&);   // routes and maps of receivers
+PageJson receivers_json(RunContent const&, World const&);  // routes and maps of receivers
 PageJson maps_json(std::vector<SurfaceMap> const&, double beam_power);
 
 PageJson scene_json(SceneDrawing const&);

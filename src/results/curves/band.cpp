@@ -66,9 +66,16 @@ bool at_most(NoiseTrace const& trace, std::size_t bin) {
          (bin < trace.bound_share.size() && at_most(trace.asd.at(bin), trace.sigma.at(bin), trace.bound_share[bin]));
 }
 
+std::size_t bound_bins(NoiseBudget const& b) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < b.grid.size(); ++i) count += at_most(b.total, i);
+  return count;
+}
+
 WithError strain_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
   WithError h = curve_at(trace.asd, trace.sigma, grid, hz);
   h.at_most = !std::isnan(h.value) && at_most(trace, bin_of(grid, hz));
+  h.incomplete = !trace.resolved;
   return h;
 }
 
@@ -76,7 +83,9 @@ BinLine line_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
   std::size_t const i = bin_of(grid, hz);
   if (i == grid.size() || !is_line(trace.asd, i)) return {};
   double const width = std::sqrt(grid.width(i));
-  return {{trace.asd[i] * width, trace.sigma.at(i) * width, at_most(trace, i)}, grid.edges[i], grid.edges[i + 1]};
+  return {{trace.asd[i] * width, trace.sigma.at(i) * width, at_most(trace, i), !trace.resolved},
+          grid.edges[i],
+          grid.edges[i + 1]};
 }
 
 double band_at(Values const& curve, FrequencyGrid const& grid, double hz) {

@@ -27,6 +27,7 @@ std::string lines_text(PathTable const&);
 // this share of its square.
 bool at_most(double value, double sigma, double bound_share);
 bool at_most(NoiseTrace const&, std::size_t bin);
+std::size_t bound_bins(NoiseBudget const&);  // of the total, where it is that
 // Of a band or other curve on the bins, as strain_at().
 double band_at(std::vector<double> const& curve, FrequencyGrid const&, double hz);
 // Input and speckle bands at some frequencies, and where they come from; empty where they were not made.

@@ -32,7 +32,7 @@ std::string npy(std::vector<T> const& values, std::size_t rows, std::size_t colu
 struct Grid {
   std::size_t rows = 0, columns = 0;
   double half_x = 0, half_y = 0;
-  std::string x, y;  // titles with units
+  std::string x, y, area;  // titles with units
   std::string words() const {
     return fmt::format("{} columns x {} rows, from the lower left row by row", columns, rows);
   }
@@ -54,21 +54,23 @@ class MapWriter {
  public:
   MapWriter(std::string folder, RunContent const& run) : folder_(std::move(folder)), run_(run) {}
 
-  void receiver(std::string const& name, Receiver const& r, ReceiverSums const& sums) {
+  void receiver(std::string const& name, Receiver const& r, ReceiverSums const& sums,
+                std::vector<double> const& areas) {
     name_ = name;
     std::string file = name;
     std::replace(file.begin(), file.end(), '/', '_');
-    Grid const image{r.rows, r.columns, r.half_width, r.half_height, "x_m", "y_m"};
-    Grid const angles{r.angle_bins, r.angle_bins, r.half_angle_sine, r.half_angle_sine, "cosine_x", "cosine_y"};
-    if (r.by_light) cells(file + "_image", r, sums);
+    Grid const image{r.rows, r.columns, r.half_width, r.half_height, "x_m", "y_m", "area_m2"};
+    Grid const angles{r.angle_bins, r.angle_bins, r.half_angle_sine, r.half_angle_sine,
+                      "cosine_x",   "cosine_y",   "area_cosine2"};
+    if (r.by_light) cells(file + "_image", r, sums, areas);
     if (r.columns > 0) {
-      watts(file + "_image", r, image, sums.image, watt() / r.area(0), watt_words("m^2"), "irradiance");
+      watts(file + "_image", r, image, sums.image, areas, irradiance_words(), "irradiance");
       field(file + "_field", r, image, field_map(r, sums, run_.trace->total.histories));
     }
     if (r.angle_bins > 0) {
       double const side = 2 * r.half_angle_sine / r.angle_bins;
-      watts(file + "_angles", r, angles, sums.angles, watt() / (side * side), watt_words("direction cosine^2"),
-            "power");
+      watts(file + "_angles", r, angles, sums.angles, std::vector(sums.angles.sum.size(), side * side),
+            watt_words("direction cosine^2"), "power");
     }
     if (r.quadrants) {
       Receiver own = r;
@@ -81,30 +83,32 @@ class MapWriter {
  private:
   double watt() const { return run_.beam_power > 0 ? run_.beam_power : 1; }
   std::string watt_words(std::string const& per) const { return (run_.beam_power > 0 ? "W/" : "(W/W)/") + per; }
+  std::string irradiance_words() const { return watt_words("m^2") + " of the area within the rim of the surface"; }
   void save(std::string const& name, std::string const& bytes) {
     write_file(folder_ + "/" + name, bytes);
     files.push_back(name);
   }
 
-  void watts(std::string const& name, Receiver const& r, Grid const& g, MapSums const& map, double scale,
-             std::string const& unit, std::string const& what) {
+  // `areas`: of the pixels in m^2, or in direction cosines squared.
+  void watts(std::string const& name, Receiver const& r, Grid const& g, MapSums const& map,
+             std::vector<double> const& areas, std::string const& unit, std::string const& what) {
     CellEstimates cells = cell_estimates(map, run_.trace->total.histories, run_.trace->total.blocks);
     for (auto* list : {&cells.mean, &cells.error})
-      for (double& x : *list) x *= scale;
+      for (std::size_t i = 0; i < list->size(); ++i) (*list)[i] *= watt() / areas.at(i);
     std::string text = map_header(run_, name_, r, g.words());
     text += fmt::format(
         "# {0} and sigma (one standard error) in {1}; nan: no light seen there, or sigma not resolved\n", what, unit);
-    text += fmt::format("column,row,{},{},{},sigma\n", g.x, g.y, what);
+    text += fmt::format("column,row,{},{},{},sigma,{}\n", g.x, g.y, what, g.area);
     for (std::size_t i = 0; i < cells.mean.size(); ++i)
-      text += fmt::format("{},{},{},{},{},{}\n", i % g.columns, i / g.columns, g.centre_x(i), g.centre_y(i),
-                          csv_number(true, cells.mean[i]), csv_number(true, cells.error[i]));
+      text += fmt::format("{},{},{},{},{},{},{}\n", i % g.columns, i / g.columns, g.centre_x(i), g.centre_y(i),
+                          csv_number(true, cells.mean[i]), csv_number(true, cells.error[i]), areas[i]);
     save(name + ".csv", text);
     save(name + ".npy", npy(cells.mean, g.rows, g.columns));
     save(name + "_sigma.npy", npy(cells.error, g.rows, g.columns));
   }
 
   // A row per cell. The field is that of the same cells.
-  void cells(std::string const& name, Receiver const& r, ReceiverSums const& sums) {
+  void cells(std::string const& name, Receiver const& r, ReceiverSums const& sums, std::vector<double> const& areas) {
     char const* const sides[] = {"x_low_m,x_high_m,y_low_m,y_high_m",
                                  "radius_low_m,radius_high_m,angle_low_rad,angle_high_rad",
                                  "along_low_m,along_high_m,arc_low_m,arc_high_m"};
@@ -116,7 +120,7 @@ class MapWriter {
                                               chart_names[std::size_t(r.chart)]));
     text += fmt::format(
         "# irradiance and sigma (one standard error) in {}; nan: no light seen there, or sigma not resolved\n",
-        watt_words("m^2"));
+        irradiance_words());
     if (coherent)
       text += fmt::format("# real, imaginary: coherent field in {}; coherence as of pixels\n",
                           run_.beam_power > 0 ? "sqrt(W)/m" : "sqrt(W/W)/m");
@@ -124,8 +128,8 @@ class MapWriter {
                         coherent ? ",real,imaginary,coherence" : "");
     for (std::size_t i = 0; i < r.cells.size; ++i) {
       auto const& [u_low, u_high, v_low, v_high] = r.cells[i];
-      double const scale = watt() / r.area(i);
-      text += fmt::format("{},{},{},{},{},{},{},{}", i, u_low, u_high, v_low, v_high, r.area(i),
+      double const scale = watt() / areas.at(i);
+      text += fmt::format("{},{},{},{},{},{},{},{}", i, u_low, u_high, v_low, v_high, areas[i],
                           csv_number(true, scale * all.mean[i]), csv_number(true, scale * all.error[i]));
       if (coherent) {
         bool const seen = !std::isnan(wave.coherence[i]);
@@ -161,7 +165,7 @@ class MapWriter {
 
   void quadrants(std::string const& name, Receiver const& r, MapSums const& map) {
     CellEstimates const cells = cell_estimates(map, run_.trace->total.histories, run_.trace->total.blocks);
-    std::string text = map_header(run_, name_, r, Grid{2, 2, 0, 0, "", ""}.words());
+    std::string text = map_header(run_, name_, r, Grid{2, 2, 0, 0, "", "", ""}.words());
     text += fmt::format(
         "# gap {} m; power and sigma in {}; nan: no light seen there, or sigma not resolved\n"
         "quadrant,power,sigma\n",
@@ -179,11 +183,12 @@ class MapWriter {
 
 }  // namespace
 
-std::vector<std::string> write_maps(std::string const& folder, RunContent const& run) {
+std::vector<std::string> write_maps(std::string const& folder, RunContent const& run,
+                                    std::vector<std::vector<double>> const& areas) {
   MapWriter writer(folder, run);
   std::vector<std::string> const& names = run.trace->coupling.receivers;
   for (std::size_t i = 0; i < names.size(); ++i)
-    writer.receiver(names[i], run.receivers.at(i), run.trace->total.receivers.at(i));
+    writer.receiver(names[i], run.receivers.at(i), run.trace->total.receivers.at(i), areas.at(i));
   return writer.files;
 }
 

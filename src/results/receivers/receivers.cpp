@@ -163,7 +163,7 @@ Json folded_routes(std::vector<FoldedRow> const& folded) {
 }
 
 std::string share_text(ReceivedRow const& r) {
-  return r.power().trusted && r.route ? percent_text(r.route->share.value, r.route->share.sigma) : "-";
+  return r.power().trusted && r.route ? percent_text(r.route->share) : "-";
 }
 
 std::string status_text(Estimate const& e) {

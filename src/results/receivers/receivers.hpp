@@ -71,6 +71,8 @@ std::string census_csv(ReceiverTable const&, RunContent const&);
 std::string receiver_json(ReceiverTable const&, RunContent const&);
 
 // Maps of all receivers as NAME_image.csv, .npy and so on in a folder that exists; returns the names of the files.
-std::vector<std::string> write_maps(std::string const& folder, RunContent const&);
+// `areas`: of the pixels or cells of each receiver within the rim of its surface, m^2 (world/model/map_areas.hpp).
+std::vector<std::string> write_maps(std::string const& folder, RunContent const&,
+                                    std::vector<std::vector<double>> const& areas);
 
 }  // namespace straytrace::results

@@ -93,7 +93,10 @@ void find_shares(std::vector<PathRow>& rows) {
   for (PathRow const& row : rows)
     if (row.resolved) total.add({row.power, row.replicas});
   for (PathRow& row : rows)
-    if (row.resolved) row.share = ReplicaSum(row.power, row.replicas).share_of(total);
+    if (row.resolved) {
+      row.share = ReplicaSum(row.power, row.replicas).share_of(total);
+      row.share.at_most = row.upper_bound();
+    }
 }
 
 // Columns derived from the steps of a route.
@@ -160,6 +163,16 @@ bool ranks_before(PathRow const& a, PathRow const& b) {
 }
 
 }  // namespace
+
+bool PathTable::incomplete() const {
+  return missing() > 0 ||
+         std::any_of(total_strain.begin(), total_strain.end(), [](WithError const& h) { return h.incomplete; });
+}
+
+bool PathTable::has_upper_bounds() const {
+  auto const bounded = [](WithError const& h) { return h.at_most; };
+  return has_noise ? std::any_of(total_strain.begin(), total_strain.end(), bounded) : total_coupling.at_most;
+}
 
 void rank_and_sum(PathTable& table, bool shares) {
   if (shares) find_shares(table.rows);

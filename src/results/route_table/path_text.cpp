@@ -22,9 +22,9 @@ bool is_upper_bound(PathRow const& row) { return row.upper_bound(); }
 // Sum of resolved rows from `first` on: shares, of `whole`, and couplings add, strains add in power.
 Line rest_of(PathTable const& table, std::size_t first, PathTable const& whole, std::string const& title) {
   ReplicaSum power, all_power, coupling;
+  double bound_power = 0, bound_coupling = 0;
   std::vector<ReplicaSum> strain(table.frequencies.size());  // h^2, with half its deviations: h dh
   std::vector<double> bound(table.frequencies.size());       // h^2 of upper bounds
-  double bound_coupling = 0;
   std::size_t count = 0;
   for (PathRow const& row : whole.rows)
     if (row.resolved) all_power.add({row.power, row.replicas});
@@ -33,8 +33,8 @@ Line rest_of(PathTable const& table, std::size_t first, PathTable const& whole, 
     if (!row.resolved) continue;
     ++count;
     coupling.add({{row.coupling.mean, row.coupling.std_error}, row.replicas});
-    if (row.upper_bound()) bound_coupling += row.coupling.mean;
     power.add({row.power, row.replicas});
+    if (row.upper_bound()) bound_coupling += row.coupling.mean, bound_power += row.power.value;
     for (std::size_t k = 0; k < row.strain.size(); ++k) {
       double const h = row.strain[k].value;
       strain[k].add({{h * h, h * row.strain[k].sigma}, row.replicas});
@@ -43,11 +43,11 @@ Line rest_of(PathTable const& table, std::size_t first, PathTable const& whole, 
   }
   if (count == 0) return {};
   bool const moves = power.value() > 0;
-  WithError const share = power.share_of(all_power);
-  WithError sum = coupling.result();
+  WithError share = power.share_of(all_power), sum = coupling.result();
+  share.at_most = bound_power > std::max(power.result().sigma, 1e-3 * power.value());
   sum.at_most = bound_coupling > std::max(sum.sigma, 1e-3 * sum.value);
   Line line{{"sequence", counted(count, title + " route")},
-            {"share", moves ? percent_text(share.value, share.sigma) : "still"},
+            {"share", moves ? percent_text(share) : "still"},
             {"coupling", with_brackets(sum)}};
   for (std::size_t k = 0; k < strain.size(); ++k) {
     double const h = std::sqrt(strain[k].value()), sigma = h > 0 ? strain[k].result().sigma / h : 0;
@@ -97,18 +97,20 @@ void add_total_strain(Line& line, PathTable const& table) {
 std::vector<Line> sums_of(PathTable const& table) {
   bool const nothing = table.unresolved == table.rows.size();
   Line const hints = hints_of(table);
+  bool const bound = table.has_upper_bounds();
+  std::string const what = table.missing() == 0 ? ""
+                           : bound              ? " (" + bound_text(bound, table.missing()) + ")"
+                                                : " (lower bound)";
   Line sum;
   if (hints.empty())
     add_total_strain(sum, table);
   else
     sum = rest_of(table, 0, table, "");
-  sum["sequence"] = !hints.empty()        ? "sum of resolved routes"
-                    : table.lower_bound() ? "sum of resolved routes (lower bound)"
-                                          : "sum";
+  sum["sequence"] = !hints.empty() ? "sum of resolved routes" : what.empty() ? "sum" : "sum of resolved routes" + what;
   sum["share"] = nothing ? "unresolved" : "100";
   sum["coupling"] = nothing ? "unresolved" : with_brackets(table.total_coupling);
   if (hints.empty()) return {sum};
-  Line total{{"sequence", table.lower_bound() ? "total (lower bound)" : "total"}};
+  Line total{{"sequence", "total" + what}};
   add_total_strain(total, table);
   return {sum, hints, total};
 }
@@ -129,7 +131,12 @@ std::string explanation(PathTable const& table) {
     text +=
         "Kinds ghost and edge are computed, not sampled, without a Monte-Carlo error; their limits are listed below.\n";
   if (std::any_of(table.rows.begin(), table.rows.end(), is_upper_bound))
-    text += "Kind edge is an upper bound, in h, in the sum and in the shares: 'at most'.\n";
+    text +=
+        "Kind edge is an upper bound: 'at most'. Shares are those with all bounds reached; without, those of other "
+        "kinds "
+        "are larger.\n";
+  if (table.missing() > 0 && table.has_upper_bounds())
+    text += "The total is no bound, 'about': it contains upper bounds, and routes are unresolved.\n";
   return text + "\n";
 }
 

@@ -27,8 +27,7 @@ bool moves(PathRow const& row) { return !row.resolved || row.rms_phase > 0; }
 std::string share_text(PathRow const& row) {
   if (!row.resolved) return unresolved;
   if (!moves(row)) return still;
-  return row.upper_bound() ? cell_text(100 * row.share.value, "{:.3g}")
-                           : percent_text(row.share.value, row.share.sigma);
+  return percent_text(row.share);
 }
 
 std::string strain_text(PathRow const& row, WithError const& h) {

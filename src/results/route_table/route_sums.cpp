@@ -82,7 +82,8 @@ Without without_rows(PathTable const& table, std::vector<std::size_t> const& lef
   keep_rows(w.rest, kept);
   rank_and_sum(w.rest, w.rest.has_noise);
   if (!budget || !table.has_noise) return w;
-  Curves const c = curves_without(hashes, coupling, *budget);
+  Curves c = curves_without(hashes, coupling, *budget);
+  c.after.resolved = w.rest.missing() == 0;
   for (std::size_t k = 0; k < table.frequencies.size(); ++k) {
     double const hz = table.frequencies[k];
     w.strain.push_back(

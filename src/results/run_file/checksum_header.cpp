@@ -29,7 +29,8 @@ std::string unsealed(std::string bytes, std::string const& name) {
     char const* what = bytes.empty()                  ? "the file is empty"
                        : bytes.starts_with(hdf5_mark) ? "it is an HDF5 file of another program"
                                                       : "its first bytes are not those of a run file";
-    throw InputError(fmt::format("'{}' is not a straytrace run file: {}", name, what));
+    throw InputError(fmt::format("'{}' is not a straytrace run file: {}", name, what),
+                     "name the run.h5 that straytrace run wrote, or a file of straytrace trace");
   }
   std::string const line = bytes.substr(0, bytes.find('\n'));
   if (bytes.size() > block) {
@@ -37,9 +38,10 @@ std::string unsealed(std::string bytes, std::string const& name) {
     if (line == fmt::format("{}{} bytes {}", mark, sha256(bytes), bytes.size())) return bytes;
   }
   throw InputError(
-      fmt::format("'{}' is damaged: its content does not match its checksum. It was cut short in a copy, "
-                  "or changed by another program; copy it again, or make the run again",
-                  name));
+      fmt::format("'{}' is damaged: its content does not match its checksum; it was cut short, or changed by another "
+                  "program",
+                  name),
+      make_again);
 }
 
 namespace {
@@ -48,7 +50,7 @@ namespace {
 int class_of(hdf5::Kind kind) { return kind == hdf5::Kind::text ? 3 : kind == hdf5::Kind::real ? 1 : 0; }
 
 void add_values(Sha256& sum, std::string const& name, hdf5::Values const& v) {
-  if (v.state != hdf5::State::whole) throw InputError(fmt::format("'{}' cannot be read", name));
+  if (v.state != hdf5::State::whole) throw InputError(fmt::format("'{}' cannot be read", name), make_again);
   sum.add_counted(fmt::format("{} type {} of {} [{}]", name, class_of(v.kind), v.size, fmt::join(v.shape, ",")));
   sum.add_counted(v.bytes);
 }
@@ -87,7 +89,7 @@ std::string data_hash(std::string const& run_file) {
     add_group(sum, hdf5::Reader(hdf5::own_contents(image)), "/");
     return sum.hex();
   } catch (InputError const& e) {
-    throw InputError(fmt::format("'{}' cannot be compared: {}", run_file, e.reason()));
+    throw InputError(fmt::format("'{}' cannot be compared: {}", run_file, e.reason()), make_again);
   }
 }
 

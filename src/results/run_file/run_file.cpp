@@ -15,14 +15,14 @@ namespace {
 void check_kind(hdf5::Reader const& in, std::string const& file) {
   std::string const kind = in.attribute_text("/", "file_type");
   if (kind != "straytrace-run")
-    throw InputError(fmt::format("'{}' is not a straytrace run file: its type is '{}'", file, kind));
+    throw InputError(fmt::format("'{}' is not a straytrace run file: its type is '{}'", file, kind),
+                     "name the run.h5 that straytrace run wrote, or a file of straytrace trace");
   std::vector<std::uint64_t> const schema = in.attribute_counts("/", "schema");
   if (schema.front() == std::uint64_t(run_schema_major) || schema.front() == 1) return;
-  throw InputError(
-      fmt::format("'{}' has format {} and was written by {} {}; this program reads formats 1 and {}. Use that "
-                  "version, or make the run again with this one",
-                  file, fmt::join(schema, "."), in.attribute_text("/", "program"), in.attribute_text("/", "version"),
-                  run_schema_major));
+  throw InputError(fmt::format("'{}' has format {} and was written by {} {}; this program reads formats 1 and {}", file,
+                               fmt::join(schema, "."), in.attribute_text("/", "program"),
+                               in.attribute_text("/", "version"), run_schema_major),
+                   "use that version, or make the run again with this one");
 }
 
 // Schema 1 differs from schema 2 in the names of some groups and attributes only.
@@ -121,7 +121,9 @@ void read_timing(hdf5::Reader const& in, RunFile& run) {
 
 }  // namespace
 
-[[noreturn]] void damaged_run(std::string const& what) { throw InputError("the run file is damaged: " + what); }
+[[noreturn]] void damaged_run(std::string const& what) {
+  throw InputError("the run file is damaged: " + what, make_again);
+}
 
 std::vector<std::uint64_t> read_offsets(hdf5::Reader const& in, std::string const& path, std::size_t lists,
                                         std::size_t total) {
@@ -147,7 +149,7 @@ hdf5::Contents verified_contents(std::string const& file, hdf5::Wanted const& wa
   try {
     return hdf5::own_contents(image, wanted);
   } catch (InputError const& e) {
-    throw InputError(fmt::format("'{}': {}", file, e.reason()));
+    throw InputError(fmt::format("'{}': {}", file, e.reason()), make_again);
   }
 }
 
@@ -160,9 +162,9 @@ Result read_from(hdf5::Contents contents, std::string const& file, Read const& r
   try {
     read(in, result);
   } catch (InputError const& e) {
-    throw InputError(fmt::format("'{}': {}", file, e.reason()));
+    throw InputError(fmt::format("'{}': {}", file, e.reason()), make_again);
   } catch (std::logic_error const& e) {
-    throw InputError(fmt::format("'{}' is damaged: {}", file, e.what()));
+    throw InputError(fmt::format("'{}' is damaged: {}", file, e.what()), make_again);
   }
   return result;
 }

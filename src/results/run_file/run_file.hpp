@@ -41,6 +41,7 @@ std::vector<std::uint64_t> read_offsets(hdf5::Reader const&, std::string const& 
                                         std::size_t total);
 // What the HDF5 file behind the checksum holds; `file` names it in messages.
 RunFile run_of(hdf5::Contents, std::string const& file);
+inline constexpr char const* make_again = "copy it again from where it was made, or make the run again";
 [[noreturn]] void damaged_run(std::string const& what);
 
 // The first 512 bytes of a run file: a readable line with the sha256 of all that follows (an HDF5 user block). Damaged

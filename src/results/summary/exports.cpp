@@ -150,7 +150,8 @@ std::string path_json(PathTable const& table, RunContent const& run) {
   Json j;
   j["run"] = origin(run);
   j["band_Hz"] = {table.low, table.high};
-  j["lower_bound"] = table.lower_bound();
+  j["bound"] = bound_name(table.has_upper_bounds(), table.incomplete());
+  j["lower_bound"] = j["bound"] == "lower";
   j["total_strain"] = total_strain(table);
   j["routes"] = routes_json(table);
   j["columns"] = TableWriter<RouteRow>(route_columns(table)).json_columns();
@@ -165,7 +166,8 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
   j["run"] = origin(run);
   j["complete"] = !run.trace->checkpointed();
   if (run.noise) j["verdict"] = verdict_sentence(*run.noise, table.low, table.high);
-  j["lower_bound"] = table.lower_bound();
+  j["bound"] = bound_name(table.has_upper_bounds(), table.incomplete());
+  j["lower_bound"] = j["bound"] == "lower";
   j["total_strain"] = total_strain(table);
   if (run.noise && run.noise->bands.made()) add_bands(j, *run.noise, table.frequencies);
   j["unresolved"] = Json::array();
@@ -184,8 +186,22 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
 
 // h_asd.txt: the total over frequency, for other programs.
 
+// Which bounds the total is.
+static std::string bound_lines(NoiseBudget const& b) {
+  std::size_t const bounds = bound_bins(b);
+  bool const missing = !b.unresolved.empty(), neither = missing && bounds > 0;
+  std::string text = missing ? "" : "# unresolved: none\n";
+  if (missing)
+    text += fmt::format("# {}: of these unresolved routes h holds what was seen, with an error as large:\n",
+                        neither ? "NO BOUND" : "LOWER BOUND");
+  for (std::string const& name : b.unresolved) text += "#   " + name + "\n";
+  if (bounds == 0) return text;
+  return text + fmt::format("# {}: in {} of {} bins {}\n", neither ? "CONTAINS UPPER BOUNDS" : "AT MOST", bounds,
+                            b.grid.size(), neither ? "they make a part of h" : "h is an upper bound");
+}
+
 std::string asd_text(RunContent const& run) {
-  if (!run.noise) throw InputError("this run has no noise yet; write: straytrace noise RUN_FILE");
+  if (!run.noise) throw InputError("this run has no noise yet", "write straytrace noise RUN_FILE -o FOLDER");
   NoiseBudget const& b = *run.noise;
   std::string text = file_header(run) + "# one-sided strain ASD, mean over static phases\n# " +
                      reverse_words(run.trace->coupling.reverse_routes) + "\n";
@@ -193,16 +209,10 @@ std::string asd_text(RunContent const& run) {
   text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open\n";
   text += "# speckle_05, _50, _95: percentiles of one realisation of the static phases\n";
   text += "# coherent: linear sum of the ASDs of all routes, as if all were in phase: upper bound\n";
-  text += "# resolved: 1, or 0 where the values are lower bounds\n";
+  text += "# resolved: 1, or 0 where routes are unresolved\n";
   text += "# bound_share: part of h_mean^2 that is an upper bound (routes of kind edge)\n";
   text += "# design: " + (b.design.empty() ? "none" : b.design.front().name) + "; ratio = h_mean/design\n";
-  text += b.unresolved.empty()
-              ? "# unresolved: none\n"
-              : "# LOWER BOUND: of these unresolved routes h holds what was seen, with an error as large:\n";
-  for (std::string const& name : b.unresolved) text += "#   " + name + "\n";
-  std::size_t bounds = 0;
-  for (std::size_t i = 0; i < b.grid.size(); ++i) bounds += at_most(b.total, i);
-  if (bounds > 0) text += fmt::format("# AT MOST: in {} of {} bins h is an upper bound\n", bounds, b.grid.size());
+  text += bound_lines(b);
   text += "# units: frequency Hz, ratio 1, all others 1/sqrt(Hz)\n";
   text +=
       "# frequency_Hz h_mean h_low h_high input_low input_high speckle_05 speckle_50 speckle_95 resolved sigma "
@@ -239,7 +249,8 @@ void write_files(std::vector<std::pair<std::string, std::string>> const& files) 
 
 std::string read_file(std::string const& file) {
   FileBytes read = bytes_of_file(file);
-  if (!read.why.empty()) throw InputError(fmt::format("cannot read '{}': {}", file, read.why));
+  if (!read.why.empty())
+    throw InputError(fmt::format("cannot read '{}': {}", file, read.why), "check the name and the folder");
   return std::move(read.bytes);
 }
 

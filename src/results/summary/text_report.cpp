@@ -21,7 +21,7 @@ struct Comparison {
   std::size_t bins = 0, worst = 0;
   double low = 0, high = 0;                      // Hz, edges of what was compared
   double ratio = 0, sigma = 0;                   // h over margin line at the worst bin
-  bool at_most = false;                          // that is an upper bound
+  bool at_most = false;                          // that is an upper bound, or would be if no route were unresolved
   std::vector<std::pair<double, double>> above;  // Hz, bands where h exceeds the line
 };
 
@@ -71,11 +71,13 @@ std::string compared(NoiseBudget const& b, double low, double high) {
                        hertz(c.low), hertz(c.high));
   std::string text;
   if (c.at_most && c.ratio <= 1)
-    text = fmt::format("{} stays at least a factor {} below {} between {} and {} Hz; closest at {} Hz.", subject,
-                       two_digits(1 / c.ratio, false), line, hertz(c.low), hertz(c.high), hertz(f));
+    text = fmt::format("{} stays {} a factor {} below {} between {} and {} Hz; closest at {} Hz.", subject,
+                       b.unresolved.empty() ? "at least" : "about", two_digits(1 / c.ratio, false), line, hertz(c.low),
+                       hertz(c.high), hertz(f));
   else if (c.at_most)
     text = fmt::format("{} may exceed {} at {} (compared: {} to {} Hz), by a factor of {} at {} Hz.", subject, line,
-                       bands(c.above), hertz(c.low), hertz(c.high), with_error({c.ratio, c.sigma, true}), hertz(f));
+                       bands(c.above), hertz(c.low), hertz(c.high),
+                       with_error({c.ratio, c.sigma, true, !b.unresolved.empty()}), hertz(f));
   else if (c.ratio <= 1)
     text = fmt::format("{} stays a factor {} below {} between {} and {} Hz; closest at {} Hz.", subject,
                        with_error(1 / c.ratio, c.sigma / (c.ratio * c.ratio)), line, hertz(c.low), hertz(c.high),
@@ -116,22 +118,30 @@ std::string strain_table(RunContent const& run, PathTable const& table) {
           "Monte Carlo only.\n";
   text += error_table(b, table.frequencies);
   text += lines_text(table);
-  if (!b.unresolved.empty())
-    text +=
-        "The values are LOWER BOUNDS: of unresolved routes they hold what was seen, with an error as large as that.\n";
-  if (std::any_of(table.total_strain.begin(), table.total_strain.end(), [](WithError const& h) { return h.at_most; }))
-    text += "'at most': upper bounds (routes of kind edge) make a part of it; speckle lowers them.\n";
+  bool const bound = table.has_upper_bounds(), missing = !b.unresolved.empty();
+  if (missing)
+    text += fmt::format(
+        "The values are {}: of unresolved routes they hold what was seen, with an error as large as that.\n",
+        bound ? "NO BOUNDS" : "LOWER BOUNDS");
+  if (bound)
+    text += fmt::format("'{}': upper bounds (routes of kind edge) make a part of it; speckle lowers them.\n",
+                        missing ? "about" : "at most");
   return text;
 }
 
 constexpr double closed = 1e-12;  // relative; rounding of long sums stays below
 
+constexpr std::uint64_t fewest_blocks = 32;  // for an error (docs/theory/errors.md)
+
 // Over the main mode, and in watts where its power is known.
 std::vector<std::string> power_cells(RunContent const& run, std::string const& name, Estimate const& e,
                                      std::string const& nothing) {
-  std::vector<std::string> row = {name, e.scored == 0 ? nothing : with_error(e.mean, e.std_error)};
-  if (run.beam_power > 0)
-    row.push_back(e.scored == 0 ? "" : with_error(run.beam_power * e.mean, run.beam_power * e.std_error));
+  auto const cell = [&](double unit) {
+    return run.trace->total.blocks < fewest_blocks ? fmt::format("about {:.2g}", unit * e.mean)
+                                                   : with_error(unit * e.mean, unit * e.std_error);
+  };
+  std::vector<std::string> row = {name, e.scored == 0 ? nothing : cell(1)};
+  if (run.beam_power > 0) row.push_back(e.scored == 0 ? "" : cell(run.beam_power));
   return row;
 }
 
@@ -251,7 +261,9 @@ std::string verdict_sentence(NoiseBudget const& b, double low_hz, double high_hz
                         b.faint_share > 0 ? fmt::format("seen: {:.1g} of the noise power at most", b.faint_share)
                                           : std::string("nothing on them moves"));
   if (b.unresolved.empty()) return text + (b.faint.empty() ? " Unresolved: none." : " Otherwise unresolved: none.");
-  text += fmt::format(" This is a lower bound; unresolved ({}):", b.unresolved.size());
+  text += fmt::format(
+      " This is {}; unresolved ({}):", bound_bins(b) > 0 ? "no bound, since it contains upper bounds" : "a lower bound",
+      b.unresolved.size());
   std::size_t const named = std::min<std::size_t>(b.unresolved.size(), 5);
   for (std::size_t i = 0; i < named; ++i) text += (i > 0 ? "; " : " ") + b.unresolved[i];
   return text + (named < b.unresolved.size() ? "; and more in the path table." : ".");

@@ -88,7 +88,10 @@ std::string cell_csv(TableCell const& cell, double scale) {
 
 nlohmann::ordered_json error_json(WithError const& x) {
   nlohmann::ordered_json j{{"value", x.value}, {"sigma", x.sigma}};
-  if (x.at_most) j["at_most"] = true;
+  if (x.at_most && x.incomplete)
+    j["bound"] = bound_name(true, true);
+  else if (x.at_most)
+    j["at_most"] = true;
   return j;
 }
 
@@ -97,7 +100,7 @@ nlohmann::ordered_json cell_json(TableCell const& cell, double scale) {
   if (auto const* const yes = std::get_if<bool>(&cell)) return *yes;
   if (auto const* const count = std::get_if<std::uint64_t>(&cell)) return *count;
   if (auto const* const x = std::get_if<WithError>(&cell))
-    return error_json({scale * x->value, scale * x->sigma, x->at_most});
+    return error_json({scale * x->value, scale * x->sigma, x->at_most, x->incomplete});
   return scale * std::get<double>(cell);
 }
 
@@ -140,8 +143,9 @@ Rounded rounded(double value, double sigma) {
 
 std::string power(int exponent) { return exponent == 0 ? "" : fmt::format("e{:+03d}", exponent); }
 
-std::string at_most(double value) {
-  return value > 0 && std::isfinite(value) ? "at most " + two_digits(value, true) : with_error(value, 0);
+std::string bounded(WithError const& x) {
+  if (!(x.value > 0 && std::isfinite(x.value))) return with_error(x.value, 0);
+  return x.incomplete ? fmt::format("about {:.2g}", x.value) : "at most " + two_digits(x.value, true);
 }
 
 // Computed light with a negligible part of sampled light: the error is below the last printed digit.
@@ -175,13 +179,24 @@ std::string two_digits(double value, bool up) {
   return rounded < 1e-3 || rounded >= 1e5 ? fmt::format("{:.1e}", rounded) : fmt::format("{:g}", rounded);
 }
 
-std::string with_error(WithError const& x) { return x.at_most ? at_most(x.value) : with_error(x.value, x.sigma); }
+std::string with_error(WithError const& x) { return x.at_most ? bounded(x) : with_error(x.value, x.sigma); }
 
-std::string with_brackets(WithError const& x) { return x.at_most ? at_most(x.value) : with_brackets(x.value, x.sigma); }
+std::string with_brackets(WithError const& x) { return x.at_most ? bounded(x) : with_brackets(x.value, x.sigma); }
 
-std::string percent_text(double share, double sigma) {
-  return sigma == 0 && std::isfinite(share) ? fmt::format("{:.3g}", 100 * share)
-                                            : with_brackets(100 * share, 100 * sigma);
+std::string percent_text(WithError const& share) {
+  bool const exact = share.sigma == 0 && std::isfinite(share.value) && !share.at_most;
+  return exact ? fmt::format("{:.3g}", 100 * share.value)
+               : with_brackets({100 * share.value, 100 * share.sigma, share.at_most});
+}
+
+std::string bound_name(bool has_upper_bounds, bool incomplete) {
+  return has_upper_bounds && incomplete ? "neither" : has_upper_bounds ? "upper" : incomplete ? "lower" : "";
+}
+
+std::string bound_text(bool has_upper_bounds, std::size_t missing) {
+  std::string const routes = counted(missing, "route") + " unresolved";
+  if (missing == 0) return has_upper_bounds ? "upper bound" : "";
+  return (has_upper_bounds ? "contains upper bounds; " : "lower bound: ") + routes;
 }
 
 }  // namespace straytrace::results

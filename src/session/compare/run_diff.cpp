@@ -11,6 +11,7 @@
 #include "base/errors.hpp"
 #include "noise/interpolate/spectrum_interpolator.hpp"
 #include "results/curves/band.hpp"
+#include "results/text/table.hpp"
 
 namespace straytrace::session {
 namespace {
@@ -31,7 +32,7 @@ WithError band_rms(NoiseTrace const& t, FrequencyGrid const& grid, double low, d
     error += t.psd_sigma(i) * width;
   }
   double const h = std::sqrt(power), sigma = h > 0 ? error / (2 * h) : 0;
-  return {h, sigma, h > 0 && at_most(h, sigma, bound / power)};
+  return {h, sigma, h > 0 && at_most(h, sigma, bound / power), !t.resolved};
 }
 
 bool same_histories(RunFile const& before, RunFile const& after) {
@@ -105,7 +106,7 @@ struct Together {
   }
   WithError rms() const {
     double const h = std::sqrt(power);
-    return {h, h > 0 ? std::sqrt(2 * variance) / (2 * h) : 0, at_most};
+    return {h, h > 0 ? std::sqrt(2 * variance) / (2 * h) : 0, at_most, open};
   }
 };
 
@@ -206,7 +207,8 @@ std::string line(Change const& c, std::size_t width) {
                                                       c.after.value - c.before.value, c.held)
       : std::isfinite(s) ? fmt::format("{} sigma{}", std::fabs(s) < 0.05 ? "0.0" : fmt::format("{:+.1f}", s),
                                        std::fabs(s) < significant ? "" : ", significant")
-      : c.before.at_most || c.after.at_most ? "an upper bound: speckle may hide the change"
+      : c.before.at_most || c.after.at_most ? (c.bound ? "contains upper bounds: speckle may hide the change"
+                                                       : "an upper bound: speckle may hide the change")
                                             : "changed, without an error";
   auto const value = [&](WithError const& w) {
     return w.value > 0 ? with_error(w) : c.within.empty() ? std::string("none") : "in '" + c.within + "'";
@@ -226,16 +228,11 @@ std::string lines(std::vector<Change> const& all, std::size_t most) {
 
 nlohmann::ordered_json as_json(std::vector<Change> const& all) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
-  auto const value = [](WithError const& w) {
-    nlohmann::ordered_json j{{"value", w.value}, {"sigma", w.sigma}};
-    if (w.at_most) j["at_most"] = true;
-    return j;
-  };
   for (Change const& c : all) {
     nlohmann::ordered_json one{{"what", c.what}};
     if (!c.id.empty()) one["id"] = c.id;
-    one["before"] = value(c.before);
-    one["after"] = value(c.after);
+    one["before"] = error_json(c.before);
+    one["after"] = error_json(c.after);
     if (!c.within.empty()) one["within"] = c.within;
     one["sigmas"] = std::isfinite(c.sigmas()) ? nlohmann::ordered_json(c.sigmas()) : nlohmann::ordered_json();
     if (c.held > 0) one["spectra_error"] = c.held;

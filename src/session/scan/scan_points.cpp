@@ -26,6 +26,7 @@
 #include "results/curves/band.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
+#include "results/text/table.hpp"
 #include "scene/scene_document.hpp"
 #include "session/compare/model_diff.hpp"
 #include "session/diagnostics.hpp"
@@ -89,7 +90,7 @@ void judge(ScanPoint& point, NoiseBudget const& b, std::vector<double> const& li
   for (std::size_t i = 0; i < line.size(); ++i) {
     double const ratio = b.total.asd[i] / line[i];
     if (!(line[i] > 0) || std::isnan(ratio) || !(std::isnan(point.ratio.value) || ratio > point.ratio.value)) continue;
-    point.ratio = {ratio, b.total.sigma[i] / line[i], at_most(b.total, i)};
+    point.ratio = {ratio, b.total.sigma[i] / line[i], at_most(b.total, i), !b.unresolved.empty()};
     point.worst_hz = b.grid.centre(i);
   }
 }
@@ -295,9 +296,13 @@ std::string value_of(std::string const& setting) { return setting.substr(setting
 
 std::string short_hertz(double hz) { return fmt::format("{:.3g}", hz); }
 
-bool bound(ScanPoint const& p) { return !p.unresolved.empty(); }
+bool incomplete(ScanPoint const& p) { return !p.unresolved.empty(); }
 
-std::string above(ScanPoint const& p, WithError const& x) { return bound(p) && !x.at_most ? "> " : ""; }
+bool has_upper_bounds(ScanPoint const& p) {
+  return p.ratio.at_most || std::any_of(p.strain.begin(), p.strain.end(), [](WithError const& h) { return h.at_most; });
+}
+
+std::string above(ScanPoint const& p, WithError const& x) { return incomplete(p) && !x.at_most ? "> " : ""; }
 
 std::vector<std::string> row_of(ScanPoint const& p, bool compared) {
   std::vector<std::string> row;
@@ -308,16 +313,10 @@ std::vector<std::string> row_of(ScanPoint const& p, bool compared) {
     row.push_back(known ? above(p, p.ratio) + with_brackets(p.ratio) : "-");
     row.push_back(known ? short_hertz(p.worst_hz) : "-");
   }
-  row.push_back(bound(p) ? fmt::format("{}", p.unresolved.size()) : "none");
+  row.push_back(incomplete(p) ? fmt::format("{}", p.unresolved.size()) : "none");
   row.push_back(fmt::format("{:.3g}", double(p.histories)));
   row.push_back(p.complete ? word_of(p.from) : "not finished");
   return row;
-}
-
-Json numbers(WithError const& x) {
-  Json j{{"value", x.value}, {"sigma", x.sigma}};
-  if (x.at_most) j["at_most"] = true;
-  return j;
 }
 
 }  // namespace
@@ -333,28 +332,31 @@ std::string scan_text(ScanTable const& t) {
   std::string text = aligned(c);
   if (compared) text += fmt::format("\nline: {}; above 1 the total exceeds it.", t.line);
   text += "\nh: one-sided strain ASD in 1/sqrt(Hz), mean over static phases; (n): one standard error, last digits.\n";
-  for (ScanPoint const& p : t.points)
-    if (bound(p))
-      return text +
-             "'>': a lower bound, 'no answer': no route is resolved; give more --histories, or --until \"h_total < 5 "
-             "%\".\n";
+  if (std::any_of(t.points.begin(), t.points.end(), has_upper_bounds))
+    text +=
+        "'at most': an upper bound, since routes of kind edge make a part of it; 'about': no bound, since others are "
+        "unresolved as well.\n";
+  if (std::any_of(t.points.begin(), t.points.end(), incomplete))
+    text +=
+        "'>': a lower bound, 'no answer': no route is resolved; give more --histories, or --until \"h_total < 5 %\".\n";
   return text;
 }
 
 std::string scan_csv(ScanTable const& t) {
   std::string text = fmt::format("# straytrace scan of {}\n# line: {}\n", t.model, t.line.empty() ? "none" : t.line);
   text +=
-      "# h: one-sided strain ASD [1/sqrt(Hz)]; sigma: one standard error, Monte Carlo; with unresolved routes h and "
-      "ratio are lower bounds\n";
+      "# h: one-sided strain ASD [1/sqrt(Hz)]; sigma: one standard error, Monte Carlo; bound: what h and ratio are: "
+      "lower, upper or neither bound, or empty\n";
   for (ScanAxis const& axis : t.axes) text += csv_text(axis.name) + ",";
   for (double const f : Scanner::frequencies) text += fmt::format("h_{0:g}Hz,h_{0:g}Hz_sigma,", f);
-  text += "worst_ratio,worst_ratio_sigma,worst_Hz,unresolved,histories,from,complete,model_hash\n";
+  text += "worst_ratio,worst_ratio_sigma,worst_Hz,unresolved,bound,histories,from,complete,model_hash\n";
   for (ScanPoint const& p : t.points) {
     for (std::string const& s : p.settings) text += csv_text(value_of(s)) + ",";
     for (WithError const& h : p.strain) text += csv_number(true, h.value) + "," + csv_number(true, h.sigma) + ",";
-    text += fmt::format("{},{},{},{},{},{},{},{}\n", csv_number(true, p.ratio.value), csv_number(true, p.ratio.sigma),
-                        csv_number(true, p.worst_hz), p.unresolved.size(), p.histories, word_of(p.from),
-                        int(p.complete), p.model_hash);
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_number(true, p.ratio.value), csv_number(true, p.ratio.sigma),
+                    csv_number(true, p.worst_hz), p.unresolved.size(), bound_name(has_upper_bounds(p), incomplete(p)),
+                    p.histories, word_of(p.from), int(p.complete), p.model_hash);
   }
   return text;
 }
@@ -374,11 +376,11 @@ std::string scan_json(ScanTable const& t) {
     point["settings"] = settings;
     point["strain"] = Json::array();
     for (std::size_t i = 0; i < p.strain.size(); ++i) {
-      Json h = numbers(p.strain[i]);
+      Json h = error_json(p.strain[i]);
       h["frequency_Hz"] = Scanner::frequencies[i];
       point["strain"].push_back(h);
     }
-    point["worst_ratio"] = numbers(p.ratio);
+    point["worst_ratio"] = error_json(p.ratio);
     point["worst_Hz"] = p.worst_hz;
     point["unresolved"] = p.unresolved;
     point["warnings"] = p.warnings;

@@ -6,6 +6,7 @@
 #include <queue>
 #include <type_traits>
 
+#include "world/model/map_areas.hpp"
 #include "world/model/view.hpp"
 
 namespace straytrace::world {
@@ -147,12 +148,18 @@ bool is_filled(Chart chart, MapPlace p, double far, Meets const& meets) {
 }  // namespace
 
 double filled_share(WorldView const& view, SurfaceId id, Chart chart, MapCell const& c) {
+  return filled_share(view, id, chart, c, view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) {
+    return facing_along(s.reference(), s.axis);
+  }));
+}
+
+double filled_share(WorldView const& view, SurfaceId id, Chart chart, MapCell const& c, Pose const& frame) {
   Reach const reach = reach_of(view, id);
-  double const far = 2 * (std::fabs(reach.low) + std::fabs(reach.high) + reach.r_max) + 1e-3;
-  auto const [origin, frame] = view.shapes.visit(
-      view.surfaces[id.value].shape, [](auto const& s) { return std::pair(s.reference(), Frame::around(s.axis)); });
-  auto const meets = [&, at = origin, f = frame](Vec3 from, Vec3 dir, double end) {
-    return view.cross(id.value, {at + f.to_world(from), f.to_world(dir), end}, {}).distance;
+  Vec3 const reference = view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) { return s.reference(); });
+  double const far =
+      2 * (std::fabs(reach.low) + std::fabs(reach.high) + reach.r_max + length(frame.origin - reference)) + 1e-3;
+  auto const meets = [&](Vec3 from, Vec3 dir, double end) {
+    return view.cross(id.value, {frame.point(from), frame.direction(dir), end}, {}).distance;
   };
   auto const filled = [&](int lines) {  // of lines x lines places, spread evenly over the area of the cell
     int count = 0;
@@ -170,6 +177,22 @@ double filled_share(WorldView const& view, SurfaceId id, Chart chart, MapCell co
   int const first = filled(coarse);
   if (first == 0) return 0;
   return first == coarse * coarse ? 1 : double(filled(fine)) / (fine * fine);
+}
+
+static MapCell pixel(Receiver const& r, std::size_t i) {
+  double const width = 2 * r.half_width / r.columns, height = 2 * r.half_height / r.rows;
+  double const x = double(i % r.columns) * width - r.half_width, y = double(i / r.columns) * height - r.half_height;
+  return {x, x + width, y, y + height};
+}
+
+std::vector<double> map_areas(WorldView const& view, SurfaceId surface, Receiver const& r) {
+  std::vector<double> areas(r.map_size());
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    double const share = filled_share(view, surface, r.by_light ? r.chart : Chart::plane,
+                                      r.by_light ? r.cells[i] : pixel(r, i), r.frame);
+    areas[i] = r.area(i) * (share > 0 ? share : 1);
+  }
+  return areas;
 }
 
 }  // namespace straytrace::world

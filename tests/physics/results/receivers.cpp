@@ -9,6 +9,7 @@
 #include "physics/results/receiver_support.hpp"
 #include "support/statistics.hpp"
 #include "unit/results/synthetic.hpp"
+#include "world/model/map_areas.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -127,16 +128,57 @@ TEST(Receivers, TheSameBitsInAnyOrder) {
   EXPECT_NE(hash_of(traced(scene, 14)), one);  // negative control
 }
 
+std::vector<std::vector<double>> areas_of(Traced const& t) {
+  std::vector<std::vector<double>> all;
+  for (Receiver const& r : t.content().receivers) all.push_back(map_areas(t.world.view(), r.surface, r));
+  return all;
+}
+
+// Uniform light on a disc, 1/(pi R^2) per watt, whichever part of a pixel or cell the rim leaves. Control: over the
+// whole area.
+TEST(Receivers, CellsCutByTheRimHaveTheIrradianceOfTheOthers) {
+  Traced const t = traced(
+      "scene:\n  - {name: det, shape: {disk: {outer_radius: 5 cm}}, at: [0 m, 0 m, 1 m], facing: [0, 0, -1], body: b, "
+      "material: black}\n"
+      "beams: {light: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], profile: even, radius: 6 cm}}\n"
+      "receivers: {pixels: {on: det, map: {pixels: [9, 9], width: 10.2 cm}}, cells: {on: det, map: {width: 10.2 "
+      "cm}}}\n",
+      64);
+  double const uniform = 1 / (pi * 0.06 * 0.06), rim = 0.01;  // filled_share is good to 0.5 %
+  std::vector<std::vector<double>> const areas = areas_of(t);
+  for (std::size_t i = 0; i < 2; ++i) {
+    Receiver const r = t.content().receivers[i];
+    CellEstimates const light =
+        cell_estimates(t.result.total.receivers[i].image, t.result.total.histories, t.result.total.blocks);
+    double power = 0, within = 0;
+    int cut = 0, rejected = 0;
+    for (std::size_t k = 0; k < r.map_size(); ++k) {
+      if (!std::isfinite(light.mean[k]) || !std::isfinite(light.error[k])) continue;
+      power += light.mean[k];
+      within += areas[i][k];
+      double const share = areas[i][k] / r.area(k), allowed = 5 * light.error[k] + rim * r.area(k) * uniform;
+      if (share < 0.1 || share > 0.8) continue;
+      ++cut;
+      EXPECT_NEAR(light.mean[k], uniform * areas[i][k], allowed);
+      rejected += std::fabs(light.mean[k] - uniform * r.area(k)) > allowed;
+    }
+    EXPECT_GT(cut, 10);
+    EXPECT_GT(rejected, cut / 2);
+    EXPECT_NEAR(power / t.power(i).mean, 1, 1e-9);
+    EXPECT_NEAR(within / (pi * 0.05 * 0.05), 1, 0.01);
+  }
+}
+
 // Exports agree with the sums: rows from the lower left, watts per area, followed by the error.
 TEST(Receivers, ExportedMaps) {
   test::Folder const folder;
   Traced const t = traced(two_mirrors("rough"), 32);
-  std::vector<std::string> const files = write_maps(folder / ".", t.content());
+  std::vector<std::string> const files = write_maps(folder / ".", t.content(), areas_of(t));
   EXPECT_THAT(files, ::testing::IsSupersetOf({"PD_image.csv", "PD_image.npy", "PD_image_sigma.npy", "PD_field.csv",
                                               "PD_field.npy", "PD_angles.csv", "PD_quadrants.csv", "plane_image.csv"}));
   std::string const csv = read_file(folder / "PD_image.csv");
   EXPECT_THAT(csv, ::testing::HasSubstr("from the lower left row by row"));
-  EXPECT_THAT(csv, ::testing::HasSubstr("W/m^2"));
+  EXPECT_THAT(csv, ::testing::HasSubstr("W/m^2 of the area within the rim"));
   EXPECT_THAT(csv, ::testing::HasSubstr("\n0,0,-0.0175,-0.0175,"));
   std::string const npy = read_file(folder / "PD_image.npy");
   EXPECT_EQ(npy.substr(1, 5), "NUMPY");

@@ -129,6 +129,21 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
               HasSubstr("neither a file nor in the library"));
 }
 
+// What check finds wrong with a model; control: a list of materials is none.
+TEST(Inspect, ModelsAreCheckedWhole) {
+  Folder const folder;
+  std::string const material = "straytrace: 1\nmaterials: {m: {scatter: {model: lambertian, tis: 1 %}}}\n";
+  for (std::string const wrong :
+       {"scene: []\n", "interferometer: {preset: fabry-perot-michelson, arm_length: 3 kg}\n"}) {
+    write_text(folder / "a.yaml", material + wrong);
+    Finished const shown = straytrace({"inspect", "m", folder / "a.yaml"});
+    EXPECT_EQ(shown.code, 2) << wrong;
+    EXPECT_EQ(shown.out + shown.err, straytrace({"check", folder / "a.yaml"}).err);
+  }
+  write_text(folder / "a.yaml", material);
+  EXPECT_EQ(straytrace({"inspect", "m", folder / "a.yaml"}).code, 0);
+}
+
 // Clear grains on a perfect mirror scatter all light at grazing: the error of their quadrature must not create light.
 TEST(Inspect, DustOnAPerfectMirrorCreatesNoLight) {
   Folder const folder;

@@ -47,6 +47,19 @@ TEST(ReceiversCommand, TraceNeedsNoInterferometer) {
   EXPECT_THAT(noise.err, HasSubstr("without an interferometer"));
 }
 
+// The warning before the trace and the status after it agree on what so few histories are worth; control: twice as many.
+TEST(ReceiversCommand, TooFewHistoriesGiveNoError) {
+  for (auto const& [histories, few] : {std::pair{"200", true}, {"500", false}}) {
+    Folder const folder;
+    Finished const run = straytrace({"run", two_mirrors, "-o", folder / "out", "--histories", histories});
+    auto const says = [](std::string const& text, char const* words) { return text.find(words) != text.npos; };
+    EXPECT_EQ(says(run.err, "are too few for an error"), few) << run.err;
+    EXPECT_EQ(says(text_of(folder / "out/receivers.csv"), "(32 are needed)"), few);
+    std::string const report = text_of(folder / "out/report.txt");
+    EXPECT_EQ(says(report.substr(report.find("Where the light went")), "about "), few) << report;
+  }
+}
+
 TEST(ReceiversCommand, RunReportsTheEnergyBalance) {
   Folder const folder;
   Finished const run = straytrace({"run", two_mirrors, "-o", folder / "out", "--histories", "2e5"});

@@ -93,6 +93,21 @@ TEST(RunDiff, ARouteOutOfOtherIsNoChange) {
   EXPECT_GT(std::fabs(5e-23 - 4e-23) / std::hypot(0.02 * 5e-23, 0.02 * 4e-23), 7) << "negative control";
 }
 
+// A group with an upper bound and an unresolved member is no bound; controls: either alone.
+TEST(RunDiff, AGroupOfBothBoundsIsNeither) {
+  auto const group = [](bool bound, bool unresolved) {
+    RunFile after = run_of(2, groups, {{{0, 1, 0}, 1e-22}, {{0, 2, 0}, 3e-23}, {{}, 4e-23}});
+    after.noise->routes[1].upper_bound = bound;
+    after.noise->routes[2].resolved = !unresolved;
+    Change const c = row(run_differences(before, after), "other > ITM");
+    EXPECT_EQ(c.bound, unresolved);
+    return with_error(c.after);
+  };
+  EXPECT_EQ(group(true, true), "about 5e-23");
+  EXPECT_EQ(group(true, false), "at most 5.0e-23");
+  EXPECT_THAT(group(false, true), HasSubstr("±"));
+}
+
 // The light in `other` rises, with and without a route that got its own row. Control: it rises by less than its
 // error.
 TEST(RunDiff, AChangeInsideOtherIsAChange) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The command line: help that is true, and one clear sentence when it is wrong (docs/reference/commands.md).
+#include <nlohmann/json.hpp>
+
 #include <sstream>
 
 #include "scenes/program.hpp"
@@ -78,6 +80,9 @@ TEST(CommandLine, MistakesAreExplained) {
   Folder const folder;
   std::string const out = folder / "out";
   write_text(folder / "file", "");
+  write_text(folder / "text.h5", "no run");
+  ASSERT_EQ(straytrace({"trace", virgo_arm, "-o", folder / "run.h5", "--histories", "300"}).code, 0);
+  write_text(folder / "cut.h5", text_of(folder / "run.h5").substr(0, 2000));
   Wrong const all[] = {
       {{}, "a command is missing", "straytrace --help"},
       {{"chek", virgo_arm}, "'chek' is not a command", "did you mean 'check'?"},
@@ -101,7 +106,9 @@ TEST(CommandLine, MistakesAreExplained) {
       {{"run", virgo_arm, "-o", folder / "file"}, "cannot make the folder", "choose another one"},
       {{"trace", virgo_arm, "-o", folder / "none/a.h5"}, "there is no folder", "create it first"},
       {{"trace", virgo_arm, "-o", folder.path()}, "is a folder", "name a file with -o"},
-      {{"noise", folder / "none.h5"}, "there is no such file", ""},
+      {{"noise", folder / "none.h5"}, "there is no such file", "\n  check the name and the folder"},
+      {{"noise", folder / "text.h5"}, "is not a straytrace run file", "\n  name the run.h5"},
+      {{"paths", folder / "cut.h5"}, "is damaged: its content does not match its checksum", "\n  copy it again"},
       {{"paths", virgo_arm}, "is a scene, not a run", "trace it first"},
   };
   for (Wrong const& w : all) {
@@ -109,6 +116,10 @@ TEST(CommandLine, MistakesAreExplained) {
     EXPECT_EQ(fault(r, w), "") << ::testing::PrintToString(w.words) << "\n" << r.err;
     EXPECT_LE(std::count(r.err.begin(), r.err.end(), '\n'), 5) << r.err;
     EXPECT_FALSE(fs::exists(out));
+  }
+  for (char const* file : {"none.h5", "text.h5", "cut.h5"}) {
+    Finished const r = straytrace({"noise", folder / file, "--format", "json"});
+    EXPECT_NE(nlohmann::json::parse(r.err).at(0).at("suggestion"), "") << r.err;
   }
   EXPECT_EQ(fault(straytrace({"check", virgo_arm}), all[0]), "exit code 0");
   EXPECT_EQ(fault(straytrace({"run"}), all[3]), "wrong reason");

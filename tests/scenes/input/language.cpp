@@ -96,6 +96,15 @@ TEST(Explain, UnitsAndMessages) {
   EXPECT_THAT(error_text({"explain", "xyzzy plugh"}), HasSubstr("is unknown in the language"));
 }
 
+// What tables print beside numbers, and remedies without what is put into them.
+TEST(Explain, MarksAndRemediesRead) {
+  EXPECT_THAT(straytrace({"explain", "at most"}).out, HasSubstr("an upper bound"));
+  EXPECT_EQ(answer({"explain", "at most"})["page"], "docs/theory/errors.md");
+  std::string const said = straytrace({"explain", "'metre' is not a unit"}).out;
+  EXPECT_THAT(said, HasSubstr("remedy   known units: ..."));
+  for (char const* raw : {"{}", "......", " | "}) EXPECT_THAT(said, Not(HasSubstr(raw)));
+}
+
 // S = 1/2 kappa^2 S_x where motion is small (docs/theory/spectra.md, eq. 7.2): here S_x = (1e-12 (f/10 Hz)^-1)^2
 // m^2/Hz, of the one body that moves, and the paths of a flat baffle 100 m away have kappa within 1e-3 of their rms.
 // Their product is h.

@@ -12,6 +12,7 @@
 namespace straytrace::test {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -20,6 +21,21 @@ struct ReportReading : ::testing::Test {
   TraceResult trace = trace_result();
   NoiseBudget noise = noise_budget(trace.coupling);
   MotionSet shake = test::motion();
+
+  void leave_unresolved(std::size_t route) {
+    trace.coupling.classes[route].coupling.trusted = noise.routes[route].resolved = noise.total.resolved = false;
+    noise.unresolved = {noise.routes[route].name};
+  }
+  // The strongest route is a bound; all are resolved.
+  void edge_among_resolved() {
+    for (std::size_t c = 0; c < route_count; ++c) trace.coupling.classes[c].coupling.trusted = true;
+    for (NoiseTrace& t : noise.routes) t.resolved = true;
+    noise.total.resolved = true;
+    noise.unresolved.clear();
+    trace.coupling.classes[0].kind = ClassKind::edge;
+    find_bounds(noise, trace.coupling);
+    EXPECT_GT(noise.total.bound_share[0], 0.1);
+  }
 };
 
 // Band power of h = a constant: a^2 times the width of the bins inside.
@@ -92,9 +108,7 @@ TEST_F(ReportReading, UpperBoundsPrintAtMost) {
   EXPECT_EQ(two_digits(198.7, false) + ", " + two_digits(198.7, true), "190, 200");
   std::string const all[] = {path_text(table(), 12), text_report(content(trace, &noise), table(), 12)};
   for (std::string const& text : all) EXPECT_THAT(text, Not(HasSubstr("at most")));  // control: none is
-  trace.coupling.classes[0].kind = ClassKind::edge;
-  find_bounds(noise, trace.coupling);
-  EXPECT_GT(noise.total.bound_share[0], 0.1);
+  edge_among_resolved();
   std::string const text = path_text(table(), 12), report = text_report(content(trace, &noise), table(), 12);
   EXPECT_THAT(text, HasSubstr("at most"));
   EXPECT_THAT(report.substr(0, report.find("Routes\n=")), HasSubstr("at most"));
@@ -102,7 +116,46 @@ TEST_F(ReportReading, UpperBoundsPrintAtMost) {
   EXPECT_TRUE(j["total_strain"][0]["at_most"]);
   EXPECT_TRUE(j["routes"][0]["coupling"]["at_most"]);
   EXPECT_FALSE(j["routes"][1]["coupling"].contains("at_most"));
+  EXPECT_TRUE(j["routes"][0]["share"]["at_most"]);
+  EXPECT_EQ(j["bound"], "upper");
   EXPECT_THAT(asd_text(content(trace, &noise)), HasSubstr("# AT MOST"));
+}
+
+// A share of a bound is no plain number.
+TEST_F(ReportReading, SharesOfUpperBoundsPrintAtMost) {
+  edge_among_resolved();
+  PathTable const t = table();
+  WithError const& share = t.rows[0].share;
+  EXPECT_TRUE(share.at_most && !t.rows[1].share.at_most);
+  EXPECT_THAT(path_text(t, 12), HasSubstr("  " + percent_text(share) + "  "));
+  EXPECT_THAT(percent_text(share), ::testing::StartsWith("at most "));
+  EXPECT_THAT(percent_text(t.rows[1].share), HasSubstr("("));  // control: with its error
+}
+
+// Upper bounds in it and routes missing from it: no bound, and every output says so; controls: each of both alone.
+TEST_F(ReportReading, ATotalThatMixesBothBoundsIsNeither) {
+  edge_among_resolved();
+  auto const said = [&] {
+    RunContent const run = content(trace, &noise);
+    std::string const line = path_text(table(), 12), report = text_report(run, table(), 12), asd = asd_text(run);
+    auto const j = nlohmann::json::parse(summary_json(run, table()));
+    return std::vector<std::string>{line, report.substr(0, report.find("Routes\n=")), asd, j["bound"],
+                                    j["total_strain"][0].dump()};
+  };
+  using ::testing::AllOf;
+  using ::testing::ElementsAre;
+  EXPECT_THAT(said(), ElementsAre(Not(AnyOf(HasSubstr("lower bound"), HasSubstr("contains"))), HasSubstr("at most"),
+                                  HasSubstr("# AT MOST"), "upper", HasSubstr("\"at_most\":true")));
+  leave_unresolved(4);
+  EXPECT_THAT(said(),
+              ElementsAre(AllOf(HasSubstr("total (contains upper bounds; 1 route unresolved)"), HasSubstr("about ")),
+                          AllOf(HasSubstr("NO BOUNDS"), HasSubstr("no bound, since"), Not(HasSubstr("at most"))),
+                          AllOf(HasSubstr("# NO BOUND:"), HasSubstr("# CONTAINS UPPER BOUNDS: in ")), "neither",
+                          AllOf(HasSubstr("\"bound\":\"neither\""), Not(HasSubstr("at_most")))));
+  trace.coupling.classes[0].kind = ClassKind::scattered;
+  find_bounds(noise, trace.coupling);
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("total (lower bound)"), HasSubstr("LOWER BOUNDS"),
+                                  HasSubstr("# LOWER BOUND:"), "lower", Not(HasSubstr("bound"))));
 }
 
 }  // namespace

@@ -167,6 +167,7 @@ inline NoiseBudget noise_budget(CouplingTable const& table, double size = 6e-24)
     }
     b.routes.push_back(t);
   }
+  b.total.resolved = false;
   b.unresolved = {b.routes[4].name + ": " + b.routes[4].why_not};
   b.unresolved_hint = 0.013;
   DesignCurve design{"adv-lal", {}};
