@@ -71,10 +71,11 @@ def check_intact(path: pathlib.Path) -> None:
 def check_format(about: dict[str, Any], path: pathlib.Path) -> None:
     """RunError for a file that is not a run file, or has an unknown schema."""
     if about.get("file_type") != "straytrace-run":
-        raise RunError(f"'{path}' is not a straytrace run file")
+        raise RunError(f"'{path}' is not a straytrace run file\n  name the run.h5 that straytrace run wrote")
     if int(about["schema"][0]) not in SCHEMA_MAJORS:
         version = ".".join(str(n) for n in about["schema"])
-        raise RunError(f"'{path}' has format {version}; this program reads formats {SCHEMA_MAJORS[0]} and {SCHEMA_MAJORS[1]}")
+        raise RunError(f"'{path}' has format {version}; this program reads formats {SCHEMA_MAJORS[0]} and {SCHEMA_MAJORS[1]}\n"
+                       "  use the version of straytrace that wrote it, or make the run again")
 
 
 def routes_of(file: Any, ports: list[str]) -> Routes:

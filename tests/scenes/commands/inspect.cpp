@@ -129,7 +129,7 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
               HasSubstr("neither a file nor in the library"));
 }
 
-// What check finds wrong with a model; control: a list of materials is none.
+// What check finds wrong with a model; control: a list of materials alone.
 TEST(Inspect, ModelsAreCheckedWhole) {
   Folder const folder;
   std::string const material = "straytrace: 1\nmaterials: {m: {scatter: {model: lambertian, tis: 1 %}}}\n";

@@ -47,7 +47,7 @@ TEST(ReceiversCommand, TraceNeedsNoInterferometer) {
   EXPECT_THAT(noise.err, HasSubstr("without an interferometer"));
 }
 
-// The warning before the trace and the status after it agree on what so few histories are worth; control: twice as many.
+// The warning before the trace and the status after it agree on too few histories; control: twice as many.
 TEST(ReceiversCommand, TooFewHistoriesGiveNoError) {
   for (auto const& [histories, few] : {std::pair{"200", true}, {"500", false}}) {
     Folder const folder;

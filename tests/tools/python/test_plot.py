@@ -146,6 +146,20 @@ def check_numbers():
     assert words.shortened("abcdefghij", 5) == "ab…ij"
 
 
+def check_bounds():
+    """Which bound a total is, from what makes it one."""
+    def total(bound_share, unresolved):
+        mean = np.ones(3)
+        curve = straytrace.Curve("total", mean, 0.01 * mean, mean, mean, bound_share=np.array(bound_share))
+        noise = straytrace.Noise(mean, np.ones(4), curve, [], unresolved, [], {}, 0.1)
+        return noise.bound, list(noise.bounds)
+
+    assert total([0, 0, 0], []) == ("", ["", "", ""])
+    assert total([0, 0, 0], ["a"]) == (" (lower bound)", ["lower"] * 3)
+    assert total([0, 0.5, 1], []) == (" (at most)", ["", "upper", "upper"])
+    assert total([0, 0.5, 0], ["a", "b"]) == (" (contains upper bounds; 2 routes unresolved)", ["lower", "neither", "lower"])
+
+
 def check_limits():
     design = np.array([1e-20, 1e-23])
     low, high = overview.limits([np.array([1e-30, 1e-32]), design])   # far below the design curve, and still seen
@@ -205,6 +219,7 @@ with tempfile.TemporaryDirectory() as name:
     given = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else here / "run.h5"
     check_numbers()
     check_limits()
+    check_bounds()
     check_map_errors()
     check_receivers(here)
     check_refusals(here)
