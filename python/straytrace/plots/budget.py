@@ -44,7 +44,7 @@ def draw_stray_light(axes, f, noises):
         asd = values(noise["strain"])
         note = noise.get("note", "")
         bound = (" (contains upper bounds; routes unresolved)" if note.startswith("no bound") else
-                 " (at most)" if "at most" in note else " (lower bound)" if note else "")
+                 " (at most)" if "upper bound" in note else " (lower bound)" if note else "")
         axes.plot(f, asd, color=colour, lw=2.2, label=shortened(noise["name"], 26) + bound, zorder=6)
         if "speckle_05" in noise:
             fill(axes, f, noise, "speckle_05", "speckle_95", color=colour, alpha=0.12, lw=0, zorder=1)
