@@ -42,11 +42,12 @@ class Curve:
 
     @property
     def at_most(self) -> npt.NDArray[np.bool_]:
-        """[n] True where `mean` is an upper bound: the true value may be lower by more than its error and 0.05 %."""
+        """[n] True where upper bounds make a part of `mean`: the true value may be lower by more than 0.05 % and its
+        error, which does not count while routes are unresolved."""
         if self.bound_share is None:
             return np.zeros(len(self.mean), dtype=bool)
         less = self.mean * (1 - np.sqrt(np.clip(1 - self.bound_share, 0, None)))
-        bound: npt.NDArray[np.bool_] = less > np.maximum(self.sigma, 5e-4 * self.mean)
+        bound: npt.NDArray[np.bool_] = less > np.maximum(self.sigma if self.resolved else 0, 5e-4 * self.mean)
         return bound
 
 

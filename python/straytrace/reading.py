@@ -119,11 +119,11 @@ def noise_of(file: Any) -> Noise | None:
     names, why = texts(routes["name"]), texts(routes["why_not"])
     resolved, phase = routes["resolved"][()], routes["mean_square_phase"][()]
     later: dict[str, Any] = {name: routes[name][()] for name in ("linear_share", "input_low", "input_high") if name in routes}
-    design = group["design"]
+    design, unresolved = group["design"], texts(group["unresolved"])
     return Noise(
         frequency=group["frequency"][()],
         edges=group["frequency_edges"][()],
-        total=Curve("total", **{name: total[name][()] for name in columns},
+        total=Curve("total", **{name: total[name][()] for name in columns}, resolved=not unresolved,
                     linear_share=total["linear_share"][()] if "linear_share" in total else None,
                     bound_share=total["bound_share"][()] if "bound_share" in total else None),
         routes=[
@@ -132,7 +132,7 @@ def noise_of(file: Any) -> Noise | None:
                   **{key: rows[i] for key, rows in later.items()})
             for i in range(len(names))
         ],
-        unresolved=texts(group["unresolved"]),
+        unresolved=unresolved,
         faint=texts(group["faint"]),
         design=dict(zip(texts(design["name"]), design["asd"][()])),
         margin=float(group.attrs["margin"]),

@@ -62,8 +62,9 @@ bool at_most(double value, double sigma, double bound_share) {
 }
 
 bool at_most(NoiseTrace const& trace, std::size_t bin) {
+  double const sigma = trace.resolved ? trace.sigma.at(bin) : 0;  // the error of what was seen hides no bound
   return trace.upper_bound ||
-         (bin < trace.bound_share.size() && at_most(trace.asd.at(bin), trace.sigma.at(bin), trace.bound_share[bin]));
+         (bin < trace.bound_share.size() && at_most(trace.asd.at(bin), sigma, trace.bound_share[bin]));
 }
 
 std::size_t bound_bins(NoiseBudget const& b) {

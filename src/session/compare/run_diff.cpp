@@ -32,7 +32,7 @@ WithError band_rms(NoiseTrace const& t, FrequencyGrid const& grid, double low, d
     error += t.psd_sigma(i) * width;
   }
   double const h = std::sqrt(power), sigma = h > 0 ? error / (2 * h) : 0;
-  return {h, sigma, h > 0 && at_most(h, sigma, bound / power), !t.resolved};
+  return {h, sigma, h > 0 && at_most(h, t.resolved ? sigma : 0, bound / power), !t.resolved};
 }
 
 bool same_histories(RunFile const& before, RunFile const& after) {

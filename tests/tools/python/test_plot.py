@@ -150,13 +150,14 @@ def check_bounds():
     """Which bound a total is, from what makes it one."""
     def total(bound_share, unresolved):
         mean = np.ones(3)
-        curve = straytrace.Curve("total", mean, 0.01 * mean, mean, mean, bound_share=np.array(bound_share))
+        curve = straytrace.Curve("total", mean, 0.4 * mean, mean, mean, resolved=not unresolved,
+                                 bound_share=np.array(bound_share))
         noise = straytrace.Noise(mean, np.ones(4), curve, [], unresolved, [], {}, 0.1)
         return noise.bound, list(noise.bounds)
 
     assert total([0, 0, 0], []) == ("", ["", "", ""])
     assert total([0, 0, 0], ["a"]) == (" (lower bound)", ["lower"] * 3)
-    assert total([0, 0.5, 1], []) == (" (at most)", ["", "upper", "upper"])
+    assert total([0, 0.5, 1], []) == (" (at most)", ["", "", "upper"])      # half is within the error
     assert total([0, 0.5, 0], ["a", "b"]) == (" (contains upper bounds; 2 routes unresolved)", ["lower", "neither", "lower"])
 
 
