@@ -110,6 +110,10 @@ double option_quantity(std::string const& text, Dimension dimension, std::string
   throw InputError(fmt::format("{}: {}", option, why), fmt::format("write {} \"{}\"", option, example));
 }
 
+CLI::Validator is_quantity(Dimension dimension, std::string const& option, std::string const& example) {
+  return readable([=](std::string const& text) { option_quantity(text, dimension, option, example); });
+}
+
 FrequencyBand option_band(std::string const& text, std::string const& option) {
   auto const mark = text.find("..");
   std::string const example = "20 Hz..80 Hz";

@@ -198,7 +198,8 @@ void add_fringes(CLI::App& app, int& exit_code) {
   add_motion_options(*command, o.time);
   add_stretch_options(*command, o.time);
   add_route_options(*command, o.time);
-  command->add_option("--stride", o.stride, "interval of the table of percentiles: 60s");
+  command->add_option("--stride", o.stride, "interval of the table of percentiles: 60s")
+      ->check(is_quantity(dim::time, "--stride", "60 s"));
   command->add_option("--above", o.above, "list times when the fringe frequency exceeds this: 10Hz");
   command->add_option("--overlay", o.overlay, "FILE::CHANNEL whose spectrogram is drawn behind the curves");
   command->add_option("--show", o.show, "number of routes, by coupling")->check(whole_between(1, 1000, "6"));
