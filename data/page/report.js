@@ -63,7 +63,7 @@ function addBudget(b) {
   box.append(el("figcaption", {}, p.program + " " + p.version + " (" + p.commit + "), model " + p.model.slice(0, 12) + ", seed " + p.seed + ", " +
       p.histories.toLocaleString("en") + " histories, " + p.created + ". Mean over static phases. Drag to zoom, double click to see all, click a name to hide it."));
   if (b.unresolved.length > 0)
-    part.append(el("p", {}, el("span", {class: "mark"}, b.bound ? "No bound, since it contains upper bounds:" : "Lower bound:"), " of these unresolved routes the total holds what was seen, with an error as large:"), el("ul", {}, b.unresolved.map(u => el("li", {}, u))));
+    part.append(el("p", {}, el("span", {class: "mark"}, b.bound ? "No bound, since it contains upper bounds:" : "Lower bound:"), " the total contains the observed part of these unresolved routes, with an equal error:"), el("ul", {}, b.unresolved.map(u => el("li", {}, u))));
   const rows = () => ["frequency [Hz]", ...["mean", "sigma", "input_low", "input_high", "speckle_05", "speckle_50", "speckle_95"], ...b.design.map(d => d.name)];
   part.append(el("div", {class: "bar"}, el("button", {on: {click: () => {
     const columns = [b.frequency, b.total.asd, b.total.sigma, b.input_low, b.input_high, b.speckle_05, b.speckle_50, b.speckle_95, ...b.design.map(d => d.asd)];

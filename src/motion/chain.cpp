@@ -89,7 +89,7 @@ bool covers(Transfer const& t, double low, double high, Node const& where) {
   if (low >= known.low * (1 - edge) && high <= known.high * (1 + edge)) return true;
   where.problem(fmt::format("the chain covers {:g} Hz to {:g} Hz, but the motion {:g} Hz to {:g} Hz", known.low,
                             known.high, low, high),
-                "give a file that covers it, end the motion there, or write 'beyond: hold' beside the file");
+                "give a file that covers it, end the motion there, or write 'beyond: hold' with the file");
   return false;
 }
 

@@ -107,7 +107,7 @@ void MotionReader::read_body(std::string const& name, Body& body) {
   body.axes = std::move(draft.axes);
   if (motion.has("through") && !follows)
     motion["through"].problem("'through' is the chain between a body and the one it follows",
-                              "write 'follows: BODY' beside it, or 'through' in the motion of a coordinate");
+                              "write 'follows: BODY' next to it, or 'through' in the motion of a coordinate");
   if (follows) carry_along(name, motion["follows"], read_chain(motion["through"]), body);
   if (motion.has("relative_to")) carry_along(name, motion["relative_to"], {}, body);
   note_files(draft, body.axes, false);

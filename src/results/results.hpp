@@ -144,7 +144,7 @@ struct PathRow {
   std::string why_not;
   std::vector<WithError> strain;              // 1/sqrt(Hz), one per frequency; NaN outside the grid
   std::vector<double> hint;                   // 1/sqrt(Hz), of unresolved routes: the observed part
-  std::vector<double> input_low, input_high;  // of it: what stated inputs leave open; NaN where it was not made
+  std::vector<double> input_low, input_high;  // of it: range due to stated input uncertainties; NaN where not computed
   WithError power;                            // of its strain noise in the band, strain^2
   WithError share;               // of the resolved strain noise power in the band [1]; NaN without a budget
   std::string body;              // whose motion contributes most; without motion, of the largest phase sensitivity

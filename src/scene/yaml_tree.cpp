@@ -187,7 +187,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnDocumentStart(YAML::Mark const& mark) override {
     if (++documents_ == 1) return;
-    problem(place(mark), "a second document begins here", "one file holds one model: remove the line '---' above");
+    problem(place(mark), "a second document begins here", "a file contains one model: remove the line '---' above");
     throw StopReading{};
   }
 

@@ -181,7 +181,7 @@ def notes(run, width=62):
         routes = run.noise.unresolved
     receivers = [f"{r.name}: {r.why_not}" for r in run.receivers if not r.trusted]
     unresolved = routes + receivers
-    lines = listed("unresolved, in the total as far as seen", routes, width) + listed("unresolved receivers", receivers, width)
+    lines = listed("unresolved, in the total as observed", routes, width) + listed("unresolved receivers", receivers, width)
     if not unresolved:
         faint = len(run.noise.faint) if run.noise is not None else 0
         lines.append(f"unresolved: {faint}, too faint to matter" if faint else "unresolved: none")

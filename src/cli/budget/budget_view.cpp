@@ -74,7 +74,7 @@ std::vector<std::string> ranges(std::vector<double> const& low, std::vector<doub
 std::string band_rows(BudgetEntry const& e) {
   std::string text;
   BudgetBands const& b = e.bands;
-  if (e.inputs_stated) text += row("  inputs leave open", ranges(b.input_low, b.input_high));
+  if (e.inputs_stated) text += row("  input uncertainty", ranges(b.input_low, b.input_high));
   if (b.speckle_50.empty()) return text;
   std::vector<std::string> medians = numbers(b.speckle_50, "{:.1e}");
   for (std::size_t i = 0; i < medians.size(); ++i)
@@ -169,7 +169,7 @@ std::string budget_text(BudgetView const& v) {
   }
   text += row("total", total_cells(v.at.table));
   if (auto const low = v.at.table.total_at(&BudgetBands::input_low); !low.empty())
-    text += row("  inputs leave open", ranges(low, v.at.table.total_at(&BudgetBands::input_high)));
+    text += row("  input uncertainty", ranges(low, v.at.table.total_at(&BudgetBands::input_high)));
   for (DesignCurve const& c : v.at.curves) text += row(c.name, numbers(c.asd));
   for (DesignCurve const& c : v.at.lines) text += row(c.name, numbers(c.asd));
   text += ratios(v) + flagged(v) + bound(v);
@@ -325,7 +325,8 @@ std::string budget_columns(BudgetView const& v) {
       "# {}\n# straytrace {} ({})\n# ASD, one-sided: _strain [1/sqrt(Hz)], _displacement of the difference of the arms "
       "[m/sqrt(Hz)]; nan: not known\n# of stray light [1/sqrt(Hz)]: _sigma one standard error (Monte Carlo), "
       "_input_low, "
-      "_input_high what stated inputs leave open,\n# _speckle_05, _50, _95 percentiles of one realisation\n# Hz",
+      "_input_high range due to stated input uncertainties,\n# _speckle_05, _50, _95 percentiles of one realisation\n# "
+      "Hz",
       v.title, build_info::version, build_info::commit);
   std::vector<Column> const columns = columns_of(v.grid);
   for (Column const& c : columns) text += " " + c.name;

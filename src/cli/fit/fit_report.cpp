@@ -122,8 +122,8 @@ std::string test_text(FringeFit const& fit, double false_alarm) {
   return fmt::format(
       "out of sample, {:.4g} s: chi^2 {:.1f} -> {:.1f} ({:.0f} expected); with the fit and its errors it is {} times "
       "as "
-      "likely as without (found: {:g}, which noise alone reaches with a chance below {:g}); the model stands in it {} "
-      "times (1: it generalises, 0: it was noise); power in the band falls by {} %\n",
+      "likely as without (found: {:g}, which noise alone reaches with a chance below {:g}); factor on the model {} "
+      "(1: it generalises, 0: it was noise); power in the band falls by {} %\n",
       t.seconds, t.without, t.with, t.degrees, chance_text(t.ln_odds), 1 / false_alarm, false_alarm,
       with_error(t.scale.value, t.scale.sigma), with_error(100 * t.reduction.value, 100 * t.reduction.sigma));
 }

@@ -125,7 +125,7 @@ int print_list(std::string const& file, bool json) {
   if (!problems.empty()) throw errors_in(name, std::move(problems));
   if (!json) {
     std::cout << fmt::format(
-                     "straytrace: 1\n# of {}: save this as materials.yaml beside a scene and write there\n"
+                     "straytrace: 1\n# of {}: save this as materials.yaml next to a scene and write there\n"
                      "#   include: [materials.yaml]\n",
                      name)
               << materials_table(list);
@@ -239,7 +239,7 @@ void add_inspect(CLI::App& app, int& exit_code) {
           "material of a scene, preset, CAD or mesh file, file of measured scatter, list of materials (newmtl, .mtl), "
           "scene, or motion file")
       ->required();
-  command->add_option("scene", o.scene, "scene that holds the material");
+  command->add_option("scene", o.scene, "scene that contains the material");
   command->add_option("-p,--param", o.overrides, "set a parameter, for example -p rim=48cm")->allow_extra_args(false);
   command->add_option(
       "--plot", o.plot,

@@ -145,7 +145,7 @@ MapSheet overlay_of(FringesOptions const& o, FringePrediction const& p) {
   double const from = std::max(all.start, p.times.start), to = std::min(all.end(), p.times.start + p.times.duration());
   if (!(from < to))
     throw InputError(fmt::format("--overlay: '{}' has no time in common with the prediction", all.name),
-                     fmt::format("it holds GPS {} to {}", gps_text(all.start), gps_text(all.end())));
+                     fmt::format("it covers GPS {} to {}", gps_text(all.start), gps_text(all.end())));
   double const top = *std::max_element(p.largest.begin(), p.largest.end());
   MapSheet map = spectrogram_of(cut(all, {from, to}), std::min(0.5, (to - from) / 8), 0, std::max(2 * top, 20.0));
   auto const step = std::max<std::size_t>(1, p.times.samples / 4000);

@@ -161,7 +161,7 @@ std::string band_summary(NoiseBudget const& b, std::vector<double> const& freque
   NoiseBands const& d = b.bands;
   bool const answer = std::any_of(b.total.asd.begin(), b.total.asd.end(), [](double h) { return h > 0; });
   if (!answer && !b.unresolved.empty())
-    return "one realisation and what inputs leave open: not known, no route that makes noise is resolved\n";
+    return "one realisation and input uncertainty: unknown, no route that causes noise is resolved\n";
   bool const bound = std::any_of(frequencies.begin(), frequencies.end(),
                                  [&](double hz) { return strain_at(b.total, b.grid, hz).at_most; });
   std::string text = fmt::format("one realisation (5 to 95 %){} at {:g} Hz: {}\n", bound ? " of the upper bound" : "",
@@ -170,7 +170,7 @@ std::string band_summary(NoiseBudget const& b, std::vector<double> const& freque
     return text + fmt::format("inputs{} are taken as exact: no bracket or uncertainty is stated{}\n",
                               b.unresolved.empty() ? "" : " of the resolved routes",
                               b.unresolved.empty() ? "" : " for them");
-  return text + fmt::format("what inputs leave open: {}\n", ranges(b, frequencies, d.input_low, d.input_high));
+  return text + fmt::format("input uncertainty: {}\n", ranges(b, frequencies, d.input_low, d.input_high));
 }
 
 std::string band_text(NoiseBudget const& b, std::vector<double> const& frequencies) {

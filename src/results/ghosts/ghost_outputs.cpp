@@ -227,10 +227,9 @@ std::string energy_balance_text(GhostReport const& report) {
   }
   auto const part = [&](double share) { return watts(std::fabs(share) < 1e-15 ? 0 : share, report.power); };
   return fmt::format(
-      "Energy balance of {}: {} absorbed or scattered on objects, {} beside their rims, {} absorbed in media, {} left "
-      "the "
-      "scene, {} back in the cavity or its mode; not followed: {} below the floor, {} beyond the order, {} beyond {} "
-      "surfaces{}. Sum less 1: {:.1e}.\n",
+      "Energy balance of {}: {} absorbed or scattered on objects, {} outside their edges, {} absorbed in media, {} "
+      "left the scene, {} back in the cavity or its mode; not followed: {} below the floor, {} beyond the order, {} "
+      "beyond {} surfaces{}. Sum less 1: {:.1e}.\n",
       part(1), part(landed), part(beside), part(l.media), part(l.escaped), part(l.rejoined),
       watts(l.floor, report.power), watts(l.order, report.power), watts(l.longest, report.power), report.limits.longest,
       (l.wide > 0 ? fmt::format(", {} of beams far wider than what they met", part(l.wide)) : "") +
@@ -271,7 +270,7 @@ std::string objects_text(GhostReport const& report, std::size_t show) {
 
 std::string sums_text(GhostReport const& report) {
   std::string text = fmt::format(
-      "Recoupled, each ghost once where it comes into line: {:.3g} with the main beam, {:.3g} against it, back to the "
+      "Recoupled, each ghost once where it aligns: {:.3g} with the main beam, {:.3g} against it, back to the "
       "launch.\n",
       report.recoupled_with, report.recoupled_against);
   if (report.has_port && report.families == 0) return text + fmt::format("No ghost reaches port {}.\n", report.port);

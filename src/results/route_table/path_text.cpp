@@ -73,7 +73,7 @@ Line hints_of(PathTable const& table) {
   }
   bool const seen = std::any_of(square.begin(), square.end(), [](double h2) { return h2 > 0; });
   if (!seen || table.unresolved == table.rows.size()) return {};
-  Line line{{"sequence", counted(table.unresolved, "unresolved route") + ", what was seen"},
+  Line line{{"sequence", counted(table.unresolved, "unresolved route") + ", observed part"},
             {"share", "-"},
             {"coupling", with_brackets(coupling, std::sqrt(coupling_variance))}};
   for (std::size_t k = 0; k < square.size(); ++k) {

@@ -192,12 +192,12 @@ static std::string bound_lines(NoiseBudget const& b) {
   bool const missing = !b.unresolved.empty(), neither = missing && bounds > 0;
   std::string text = missing ? "" : "# unresolved: none\n";
   if (missing)
-    text += fmt::format("# {}: of these unresolved routes h holds what was seen, with an error as large:\n",
+    text += fmt::format("# {}: h contains the observed part of these unresolved routes, with an equal error:\n",
                         neither ? "NO BOUND" : "LOWER BOUND");
   for (std::string const& name : b.unresolved) text += "#   " + name + "\n";
   if (bounds == 0) return text;
   return text + fmt::format("# {}: in {} of {} bins {}\n", neither ? "CONTAINS UPPER BOUNDS" : "AT MOST", bounds,
-                            b.grid.size(), neither ? "they make a part of h" : "h is an upper bound");
+                            b.grid.size(), neither ? "they contribute to h" : "h is an upper bound");
 }
 
 std::string asd_text(RunContent const& run) {

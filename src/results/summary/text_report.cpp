@@ -55,7 +55,7 @@ std::string bands(std::vector<std::pair<double, double>> const& all) {
 }
 
 std::string compared(NoiseBudget const& b, double low, double high) {
-  std::string const subject = b.unresolved.empty() ? "Stray light" : "Stray light as far as seen";
+  std::string const subject = b.unresolved.empty() ? "Stray light" : "Stray light observed so far";
   if (b.design.empty()) return subject + " was not compared with a design curve; name one under 'noise: compare'.";
   DesignCurve const& design = b.design.front();
   Comparison const c = compare(b, design, low, high);
@@ -120,11 +120,11 @@ std::string strain_table(RunContent const& run, PathTable const& table) {
   text += lines_text(table);
   bool const bound = table.has_upper_bounds(), missing = !b.unresolved.empty();
   if (missing)
-    text += fmt::format(
-        "The values are {}: of unresolved routes they hold what was seen, with an error as large as that.\n",
-        bound ? "NO BOUNDS" : "LOWER BOUNDS");
+    text +=
+        fmt::format("The values are {}: they contain the observed part of unresolved routes, with an equal error.\n",
+                    bound ? "NO BOUNDS" : "LOWER BOUNDS");
   if (bound)
-    text += fmt::format("'{}': upper bounds (routes of kind edge) make a part of it; speckle lowers them.\n",
+    text += fmt::format("'{}': upper bounds (routes of kind edge) contribute; speckle lowers them.\n",
                         missing ? "about" : "at most");
   return text;
 }

@@ -43,7 +43,7 @@ std::string lit_table(Model const& model) {
                               : fmt::format("{:.4g} deg", row.incidence > 1e-9 ? row.incidence * 180 / pi : 0),
                           row.scatters ? port_of(world, f) : "no scatter"});
   }
-  return "lit surfaces: 1/e^2 intensity radius, power over that of the main mode, share of it beside the surface\n" +
+  return "lit surfaces: 1/e^2 intensity radius, power over that of the main mode, share of it outside the surface\n" +
          aligned(table);
 }
 

@@ -334,7 +334,7 @@ std::string scan_text(ScanTable const& t) {
   text += "\nh: one-sided strain ASD in 1/sqrt(Hz), mean over static phases; (n): one standard error, last digits.\n";
   if (std::any_of(t.points.begin(), t.points.end(), has_upper_bounds))
     text +=
-        "'at most': an upper bound, since routes of kind edge make a part of it; 'about': no bound, since others are "
+        "'at most': an upper bound, since routes of kind edge contribute; 'about': no bound, since others are "
         "unresolved as well.\n";
   if (std::any_of(t.points.begin(), t.points.end(), incomplete))
     text +=

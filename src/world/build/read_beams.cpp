@@ -163,7 +163,7 @@ void read_cavity(Node const& beam, Node const& cavity, Registry const& names, Wo
     if (id != one.id.value && id != two.id.value && !world.surfaces()[id].clear &&
         view.shapes.visit(world.surfaces()[id].shape,
                           [&](auto const& s) { return crossing_of(s, chief, false, 0).distance; }) < infinity) {
-      beam.problem(fmt::format("'{}' stands in the beam '{}'", world.name_of({id}), name), "give it a hole or move it");
+      beam.problem(fmt::format("'{}' obstructs the beam '{}'", world.name_of({id}), name), "give it a hole or move it");
       return;
     }
   if (lit.wanted) light_up(beam, lit, names, world, light);

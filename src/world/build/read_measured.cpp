@@ -64,8 +64,8 @@ class MeasuredReader {
   bool side_fits() const {
     bool const through = law_.has("through") && law_.flag("through", false);
     if (!file.transmitted || through) return true;
-    law_["file"].problem(fmt::format("'{}' holds what is scattered through the surface (BTDF)", name_),
-                         "write 'through: yes' beside it");
+    law_["file"].problem(fmt::format("'{}' contains scatter through the surface (BTDF)", name_),
+                         "write 'through: yes' next to it");
     return false;
   }
 

@@ -114,12 +114,12 @@ TEST(Budget, BandsOfStrayLight) {
     }
   }
   EXPECT_THAT(table, HasSubstr("\n  one realisation, 5..95 %"));
-  EXPECT_THAT(table, HasSubstr("\n  inputs leave open"));
+  EXPECT_THAT(table, HasSubstr("\n  input uncertainty"));
   std::istringstream lines(table);
   std::string heading;
   for (std::string line; std::getline(lines, line);) {  // columns of one width, the widest cells included
     if (heading.empty() && line.find(" Hz") != std::string::npos) heading = line;
-    if (line.starts_with("  inputs leave open")) {
+    if (line.starts_with("  input uncertainty")) {
       EXPECT_EQ(line.size(), heading.size()) << line;
     }
   }

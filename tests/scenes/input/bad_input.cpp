@@ -53,7 +53,7 @@ std::vector<Case> const cases = {
     {"in the beam", "  - {name: link_in,",
      "  - {name: plug, shape: {disk: {outer_radius: 1 cm}}, at: [0 m, 0 m, 100 m], body: tube, material: black}\n"
      "  - {name: link_in,",
-     "{cavity", "'plug' stands in the beam 'arm'", "give it a hole or move it"},
+     "{cavity", "'plug' obstructs the beam 'arm'", "give it a hole or move it"},
     {"more light out than in", "tis: 39.5 %", "tis: 99.9 %", "specular",
      "material 'tube_steel' violates energy conservation", "lower one of them"},
     {"negative scatter", "tis: 39.5 %", "tis: -2 %", "-2 %", "'tis' must be between 0 and 1", "write a value between"},

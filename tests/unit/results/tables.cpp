@@ -117,7 +117,7 @@ TEST_F(ReportTables, TextStatesUnresolvedAndSums) {
   EXPECT_THAT(text, HasSubstr("3 further routes"));
   EXPECT_THAT(text, HasSubstr("total (lower bound)"));
   EXPECT_THAT(text, HasSubstr("unresolved: " + noise.routes[4].name + ": one history carries 31 % of the sum"));
-  EXPECT_THAT(text, HasSubstr("1 unresolved route, what was seen"));
+  EXPECT_THAT(text, HasSubstr("1 unresolved route, observed part"));
   EXPECT_THAT(text, HasSubstr("wrapped"));
   EXPECT_THAT(text, HasSubstr("linear > "));
   noise.routes[4].resolved = trace.coupling.classes[4].coupling.trusted = true;
@@ -242,7 +242,7 @@ TEST(ReportOutcome, StaysBelowOrExceeds) {
 TEST(ReportOutcome, UnresolvedRoutesMakeItALowerBound) {
   NoiseBudget b = simple(0.5);
   b.unresolved = {"ITM·S: too few scores"};
-  EXPECT_THAT(verdict_sentence(b, 0, 0), HasSubstr("Stray light as far as seen stays"));
+  EXPECT_THAT(verdict_sentence(b, 0, 0), HasSubstr("Stray light observed so far stays"));
   EXPECT_THAT(verdict_sentence(b, 0, 0), HasSubstr("lower bound; unresolved (1): ITM·S: too few scores"));
 }
 
