@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/budget/budget_view.hpp"
+#include "results/budget/budget_view.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,9 +10,8 @@
 #include "results/curves/band.hpp"
 #include "results/pygwinc/pygwinc_trace.hpp"
 #include "results/results.hpp"
-#include "session/build_info.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::results {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -241,25 +240,17 @@ Json budget_json(BudgetView const& v) {
                     {"seed", r.seed},
                     {"histories", r.histories},
                     {"created", r.created}});
-  return {{"title", v.title},
-          {"program", "straytrace"},
-          {"version", build_info::version},
-          {"commit", build_info::commit},
-          {"created", utc_now()},
-          {"inputs", v.inputs},
-          {"runs", runs},
-          {"margin", v.margin},
-          {"warnings", v.warnings},
-          {"left_out", v.left_out},
-          {"at", json_of(v, v.at)},
-          {"curves", json_of(v, v.grid)}};
+  return {{"title", v.title},       {"program", "straytrace"}, {"version", v.version},
+          {"commit", v.commit},     {"created", utc_now()},    {"inputs", v.inputs},
+          {"runs", runs},           {"margin", v.margin},      {"warnings", v.warnings},
+          {"left_out", v.left_out}, {"at", json_of(v, v.at)},  {"curves", json_of(v, v.grid)}};
 }
 
 std::string budget_pygwinc(BudgetView const& v) {
   BudgetFile file;
   NoiseTable const& t = v.grid.table;
   file.hz = t.hz;
-  file.ifo = v.ifo_yaml;
+  if (v.ifo) file.ifo = v.ifo->yaml;
   file.models = v.models;
   file.total = {"Total", v.title, {}, {}};
   std::string bounds;
@@ -269,8 +260,7 @@ std::string budget_pygwinc(BudgetView const& v) {
     if (!e.note.empty()) bounds += fmt::format("{}: {}; ", e.name, e.note);
   }
   return budget_file_bytes(
-      file,
-      {{"program", "straytrace"}, {"version", build_info::version}, {"commit", build_info::commit}, {"notes", bounds}});
+      file, {{"program", "straytrace"}, {"version", v.version}, {"commit", v.commit}, {"notes", bounds}});
 }
 
 // budget.txt: a column per curve.
@@ -325,9 +315,8 @@ std::string budget_columns(BudgetView const& v) {
       "# {}\n# straytrace {} ({})\n# ASD, one-sided: _strain [1/sqrt(Hz)], _displacement of the difference of the arms "
       "[m/sqrt(Hz)]; nan: not known\n# of stray light [1/sqrt(Hz)]: _sigma one standard error (Monte Carlo), "
       "_input_low, "
-      "_input_high range due to stated input uncertainties,\n# _speckle_05, _50, _95 percentiles of one realisation\n# "
-      "Hz",
-      v.title, build_info::version, build_info::commit);
+      "_input_high what stated inputs leave open,\n# _speckle_05, _50, _95 percentiles of one realisation\n# Hz",
+      v.title, v.version, v.commit);
   std::vector<Column> const columns = columns_of(v.grid);
   for (Column const& c : columns) text += " " + c.name;
   text += '\n';
@@ -339,4 +328,4 @@ std::string budget_columns(BudgetView const& v) {
   return text;
 }
 
-}  // namespace straytrace::cli
+}  // namespace straytrace::results

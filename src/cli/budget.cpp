@@ -4,16 +4,21 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <optional>
 
 #include "base/errors.hpp"
-#include "cli/budget/budget_view.hpp"
+#include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
+#include "results/budget/budget_view.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"
+#include "session/build_info.hpp"
+#include "session/compare/model_diff.hpp"
+#include "session/open_run.hpp"
 #include "session/session.hpp"
 
 namespace straytrace::cli {
@@ -22,10 +27,84 @@ namespace {
 struct BudgetOptions : PrintOptions {
   std::string out;
   BudgetRequest request;
-  std::string export_as;
+  std::string at = "10 Hz, 100 Hz, 1 kHz", band, margin, export_as;
 };
 
-// On stderr: as text, or as the list of problems for scripts.
+constexpr double lowest_hz = 1e-6, highest_hz = 1e6;  // what --at and --band take
+
+std::string trimmed(std::string text) {
+  text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
+  text.erase(text.find_last_not_of(" \t") + 1);
+  return text;
+}
+
+double parse_margin(std::string const& text) {
+  if (text.empty()) return 0.1;
+  std::size_t const slash = text.find('/');
+  char* end = nullptr;
+  std::string const top = text.substr(0, slash), bottom = slash == text.npos ? "1" : text.substr(slash + 1);
+  double const a = std::strtod(top.c_str(), &end);
+  bool good = !top.empty() && *end == '\0';
+  double const b = std::strtod(bottom.c_str(), &end);
+  good = good && !bottom.empty() && *end == '\0';
+  if (!good || !(a / b > 0 && a / b < 1e6))
+    throw InputError(fmt::format("--margin: '{}' is not a positive ratio", text), "write --margin 1/10");
+  return a / b;
+}
+
+std::vector<double> parse_frequencies(std::string const& list, char const* option) {
+  std::vector<double> all;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    std::size_t const comma = std::min(list.find(',', begin), list.size());
+    std::string const item = trimmed(list.substr(begin, comma - begin));
+    begin = comma + 1;
+    char* end = nullptr;
+    double const value = std::strtod(item.c_str(), &end);
+    auto const unit = parse_unit(trimmed(end));
+    if (end == item.c_str() || !unit || !(unit->dimension == dim::frequency))
+      throw InputError(fmt::format("{}: '{}' is not a frequency", option, item),
+                       fmt::format("write {} \"10 Hz, 1 kHz\"", option));
+    if (double const hz = to_si(value, *unit); !(hz >= lowest_hz && hz <= highest_hz))
+      throw InputError(fmt::format("{}: '{}' is not between 1 uHz and 1 MHz", option, item),
+                       fmt::format("write {} \"10 Hz, 1 kHz\"", option));
+    all.push_back(to_si(value, *unit));
+  }
+  return all;
+}
+
+// The band asked for; empty when none is.
+std::vector<double> parse_band(std::string const& text) {
+  if (text.empty()) return {};
+  std::vector<double> ends = parse_frequencies(text, "--band");
+  if (ends.size() != 2 || !(ends[0] < ends[1]))
+    throw InputError(fmt::format("--band: '{}' is not a band", text), "write --band \"5 Hz, 5 kHz\"");
+  return ends;
+}
+
+// Runs whose light was turned into strain by another interferometer than the detector of the budget.
+void warn_of_other_detectors(BudgetView& view) {
+  if (!view.ifo) return;
+  for (RunAbout const& about : view.runs) {
+    OpenRun const run(about.path);
+    if (!run.model.detector) continue;
+    if (auto const other = other_detector(*view.ifo, view.detector, about.file, *run.model.detector))
+      view.warnings.push_back(other->what + "\n  " + other->suggestion);
+  }
+}
+
+BudgetView view_of(BudgetOptions const& options) {
+  BudgetRequest request = options.request;
+  request.margin = parse_margin(options.margin);
+  request.at = parse_frequencies(options.at, "--at");
+  request.band = parse_band(options.band);
+  BudgetView view = gather_budget(request);
+  view.version = build_info::version;
+  view.commit = build_info::commit;
+  warn_of_other_detectors(view);
+  return view;
+}
+
+// On stderr: for people, or as the list of problems that scripts read.
 void warn(std::vector<std::string> const& warnings, PrintOptions const& options) {
   if (options.json() && !warnings.empty()) {
     std::vector<Problem> all;
@@ -53,7 +132,7 @@ int budget(BudgetOptions const& options) {
   std::optional<OutputFolder> folder;
   if (!options.out.empty())
     folder.emplace(options.out, std::vector<std::string>{"budget.txt", "budget.json", "budget.png", "budget.hdf5"});
-  BudgetView const view = gather_budget(options.request);
+  BudgetView const view = view_of(options);
   std::string const undrawn = folder ? write_budget(view, *folder, pygwinc) : "";
   if (options.json())
     std::cout << budget_json(view).dump(1) << '\n';
@@ -77,8 +156,8 @@ void add_budget(CLI::App& app, int& exit_code) {
       ->add_option("input", r.inputs,
                    "detector (preset or pygwinc ifo.yaml), run files, pygwinc budgets (HDF5), in any order")
       ->required();
-  command->add_option("--at", r.at, "frequencies of the table")->default_str(r.at);
-  command->add_option("--band", r.band, "of curves and picture (default: of the run, or \"5 Hz, 5 kHz\")");
+  command->add_option("--at", o.at, "frequencies of the table")->default_str(o.at);
+  command->add_option("--band", o.band, "of curves and picture (default: of the run, or \"5 Hz, 5 kHz\")");
   command->add_option("--points", r.points, "of the curves (default: the bins of the run, or 300)")
       ->check(CLI::Range(2, 100000));
   command
@@ -87,9 +166,8 @@ void add_budget(CLI::App& app, int& exit_code) {
                    "each --compare")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_option("--margin", r.margin,
-                      "ratio to the first design curve that counts as small enough (default 1/10)");
-  command->add_option("-p,--param", r.overrides, "change a parameter of the detector, in SI: -p Laser.Power=25")
+  command->add_option("--margin", o.margin, "what is small enough beside the first of them (default 1/10)");
+  command->add_option("-p,--param", r.overrides, "change the detector, in SI: -p Laser.Power=25")
       ->allow_extra_args(false);
   command->add_option("--export", o.export_as, "pygwinc: also write budget.hdf5, which pygwinc reads")
       ->check(CLI::IsMember({"pygwinc"}));

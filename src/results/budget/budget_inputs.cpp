@@ -3,62 +3,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 
 #include "base/errors.hpp"
 #include "base/input/table.hpp"
-#include "base/units/quantity.hpp"
-#include "cli/budget/budget_sources.hpp"
-#include "cli/budget/budget_view.hpp"
-#include "cli/options.hpp"
 #include "noise/fundamental/design.hpp"
 #include "noise/fundamental/fundamental.hpp"
 #include "noise/fundamental/quantum.hpp"
+#include "results/budget/budget_sources.hpp"
+#include "results/budget/budget_view.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"
 #include "results/pygwinc/pygwinc_trace.hpp"
 #include "results/results.hpp"
-#include "session/compare/model_diff.hpp"
-#include "session/open_run.hpp"
 #include "spectra/curve.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::results {
 namespace {
 
-constexpr double lowest_hz = 1e-6, highest_hz = 1e6;  // what --at and --band take
-
-std::string trimmed(std::string text) {
-  text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
-  text.erase(text.find_last_not_of(" \t") + 1);
-  return text;
-}
-
-double parse_margin(std::string const& text) {
-  if (text.empty()) return 0.1;
-  std::size_t const slash = text.find('/');
-  char* end = nullptr;
-  std::string const top = text.substr(0, slash), bottom = slash == text.npos ? "1" : text.substr(slash + 1);
-  double const a = std::strtod(top.c_str(), &end);
-  bool good = !top.empty() && *end == '\0';
-  double const b = std::strtod(bottom.c_str(), &end);
-  good = good && !bottom.empty() && *end == '\0';
-  if (!good || !(a / b > 0 && a / b < 1e6))
-    throw InputError(fmt::format("--margin: '{}' is not a positive ratio", text), "write --margin 1/10");
-  return a / b;
-}
-
-// The requested band; empty without one.
-std::vector<double> band_of(BudgetRequest const& r) {
-  if (r.band.empty()) return {};
-  std::vector<double> ends = parse_frequencies(r.band, "--band");
-  if (ends.size() != 2 || !(ends[0] < ends[1]))
-    throw InputError(fmt::format("--band: '{}' is not a band", r.band), "write --band \"5 Hz, 5 kHz\"");
-  return ends;
-}
-
-// Points on either side of the borders of bins that hold a line, so that interpolation does not spread it into other
-// bins.
+// Points on either side of the borders of bins that hold a line, so that no straight line between points carries it
+// into other bins.
 std::vector<double> with_borders_of_lines(std::vector<double> hz, std::vector<NoiseSource> const& sources) {
   constexpr double distance = 1e-5;  // of the frequency
   double const low = hz.front(), high = hz.back();
@@ -239,49 +203,11 @@ BudgetOn put_on(Gathered const& g, std::vector<std::string> const& compare, std:
 
 }  // namespace
 
-std::vector<double> parse_frequencies(std::string const& list, char const* option) {
-  std::vector<double> all;
-  for (std::size_t begin = 0; begin <= list.size();) {
-    std::size_t const comma = std::min(list.find(',', begin), list.size());
-    std::string const item = trimmed(list.substr(begin, comma - begin));
-    begin = comma + 1;
-    char* end = nullptr;
-    double const value = std::strtod(item.c_str(), &end);
-    auto const unit = parse_unit(trimmed(end));
-    if (end == item.c_str() || !unit || !(unit->dimension == dim::frequency))
-      throw InputError(fmt::format("{}: '{}' is not a frequency", option, item),
-                       fmt::format("write {} \"10 Hz, 1 kHz\"", option));
-    if (double const hz = to_si(value, *unit); !(hz >= lowest_hz && hz <= highest_hz))
-      throw InputError(fmt::format("{}: '{}' is not between 1 uHz and 1 MHz", option, item),
-                       fmt::format("write {} \"10 Hz, 1 kHz\"", option));
-    all.push_back(to_si(value, *unit));
-  }
-  return all;
-}
-
-namespace {
-
-// Runs whose strain was computed with another interferometer than the detector of the budget.
-std::vector<std::string> other_detectors(Gathered const& g) {
-  std::vector<std::string> all;
-  for (NoiseSource const& s : g.sources) {
-    if (!g.ifo || s.run.entry.empty()) continue;
-    OpenRun const run(s.file);
-    if (!run.model.detector) continue;
-    if (auto const other = other_detector(*g.ifo, g.detector, s.run.file, *run.model.detector))
-      all.push_back(other->what + "\n  " + other->suggestion);
-  }
-  return all;
-}
-
-}  // namespace
-
 BudgetView gather_budget(BudgetRequest const& r) {
   BudgetView v;
-  v.margin = parse_margin(r.margin);
-  std::vector<double> const at = parse_frequencies(r.at, "--at"), band = band_of(r);
-  Gathered const g = read_inputs(r);
-  std::vector<double> const hz = with_borders_of_lines(grid_of(band, r.points, g.sources), g.sources);
+  v.margin = r.margin;
+  Gathered g = read_inputs(r);
+  std::vector<double> const hz = with_borders_of_lines(grid_of(r.band, r.points, g.sources), g.sources);
   std::vector<std::string> compare = r.compare;
   if (compare.empty() && g.ifo && !g.ifo->compare.empty()) compare = {g.ifo->compare};
   std::vector<std::string> titles;
@@ -297,13 +223,13 @@ BudgetView gather_budget(BudgetRequest const& r) {
     for (std::string const& model : s.models)
       if (std::find(v.models.begin(), v.models.end(), model) == v.models.end()) v.models.push_back(model);
   }
-  for (std::string& warning : other_detectors(g)) v.warnings.push_back(std::move(warning));
   v.grid = put_on(g, compare, hz, nullptr);
-  v.at = put_on(g, compare, at, &v.left_out);
-  if (g.ifo) v.ifo_yaml = g.ifo->yaml;
-  if (g.ifo || std::any_of(g.sources.begin(), g.sources.end(), holds_fundamental)) return v;
-  v.warnings.push_back("without a detector there are no fundamental noises; name one, for example 'aligo'");
+  v.at = put_on(g, compare, r.at, &v.left_out);
+  v.detector = g.detector;
+  v.ifo = std::move(g.ifo);
+  if (v.ifo || std::any_of(g.sources.begin(), g.sources.end(), holds_fundamental)) return v;
+  v.warnings.push_back("no detector is named, so there are no fundamental noises; name one, for example 'aligo'");
   return v;
 }
 
-}  // namespace straytrace::cli
+}  // namespace straytrace::results

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Noises that straytrace budget takes from files: strain ASD on the frequencies of each file.
+// Noises of a budget that come from files: strain ASD on the frequencies of each file.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 #include "noise/fundamental/budget.hpp"
 #include "noise/noise.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::results {
 
 // An ASD curve that is evaluated where needed; `sigma` may be empty. Of a run `hz` are the centres of its bins:
 // the first and the last value hold out to the ends of its band.
@@ -28,6 +28,7 @@ Sampled total_of_budget_file(std::string const& file);  // throws InputError
 
 // Source of the stray light of an entry.
 struct RunAbout {
+  std::string path;                                     // as it was named
   std::string entry, file, title, model_hash, created;  // file: with the folder it stands in
   std::string content;                                  // data_hash: equal for equal results
   std::uint64_t seed = 0, histories = 0;
@@ -63,4 +64,4 @@ std::vector<InputError> repeats(std::vector<NoiseSource> const&, std::vector<std
 // Equal names get the folder or the file behind them, equal titles as well.
 void name_apart(std::vector<NoiseSource>&);
 
-}  // namespace straytrace::cli
+}  // namespace straytrace::results

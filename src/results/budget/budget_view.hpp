@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Data and output of straytrace budget.
+// A noise budget from detectors, run files and budgets of pygwinc, as text, columns, JSON and HDF5.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "cli/budget/budget_sources.hpp"
 #include "noise/fundamental/budget.hpp"
 #include "noise/noise.hpp"
+#include "results/budget/budget_sources.hpp"
+#include "results/pygwinc/pygwinc_ifo.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::results {
 
 // A budget on one set of frequencies.
 struct BudgetOn {
@@ -22,8 +24,10 @@ struct BudgetOn {
 };
 
 struct BudgetView {
-  std::string title, ifo_yaml;
+  std::string title, version, commit;  // of the program
   std::vector<std::string> inputs;
+  std::optional<IfoFile> ifo;
+  std::string detector;  // as it was named
   std::vector<RunAbout> runs;
   std::vector<std::string> models;  // hashes of the scenes whose stray light is in it
   BudgetOn grid, at;                // for curves and pictures; for the table
@@ -36,14 +40,12 @@ std::string budget_columns(BudgetView const&);  // text file with one column per
 nlohmann::ordered_json budget_json(BudgetView const&);
 std::string budget_pygwinc(BudgetView const&);  // bytes of an HDF5 file
 
-// Inputs of straytrace budget.
 struct BudgetRequest {
   std::vector<std::string> inputs, overrides, compare;
-  std::string at = "10 Hz, 100 Hz, 1 kHz", band, margin;
+  std::vector<double> at, band;  // Hz; `band`: its two ends, or empty
+  double margin = 0.1;
   std::size_t points = 0;  // 0: those of the first run or budget, 300 without one
 };
 BudgetView gather_budget(BudgetRequest const&);  // throws InputError
 
-std::vector<double> parse_frequencies(std::string const& list, char const* option);  // "10 Hz, 1 kHz"; InputError
-
-}  // namespace straytrace::cli
+}  // namespace straytrace::results

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/budget/budget_sources.hpp"
+#include "results/budget/budget_sources.hpp"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@
 #include "results/results.hpp"
 #include "spectra/curve.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::results {
 namespace {
 
 namespace fs = std::filesystem;
@@ -176,7 +176,8 @@ NoiseSource stray_light(std::string const& file) {
   std::vector<double> hz;
   for (std::size_t i = 0; i < b.grid.size(); ++i) hz.push_back(b.grid.centre(i));
   fs::path const path(file);
-  RunAbout about{"StrayLight",
+  RunAbout about{file,
+                 "StrayLight",
                  (path.parent_path().filename() / path.filename()).string(),
                  run.about.title,
                  run.about.model_hash,
@@ -276,4 +277,4 @@ void name_apart(std::vector<NoiseSource>& sources) {
   }
 }
 
-}  // namespace straytrace::cli
+}  // namespace straytrace::results
