@@ -15,7 +15,7 @@
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/inspect/inspect.hpp"
-#include "cli/render/render_paint.hpp"
+#include "report/scene_picture.hpp"
 #include "results/text/image.hpp"
 #include "world/build/read_files.hpp"
 #include "world/import/cad_file.hpp"

@@ -9,7 +9,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <memory>
 
 #include "base/errors.hpp"
@@ -18,8 +17,10 @@
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
-#include "cli/render/render_paint.hpp"
+#include "report/scene_picture.hpp"
 #include "results/text/image.hpp"
+#include "session/importance_map.hpp"
+#include "trace/importance/importance.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::cli {
@@ -233,6 +234,13 @@ Scene read_either(SceneOptions const& options, std::optional<RunFile> const& run
   return read_scene(run->about.main_file, all, &run->about.files);
 }
 
+// With the importance map of the run, unless parameters have changed.
+void steer_as_traced(World& world, std::optional<RunFile> const& run, std::vector<std::string> const& overrides) {
+  world.limits.targets = true;
+  bool const kept = run && overrides.empty() && !run->about.importance.strips.empty();
+  if (!kept || !show_importance(world, run->about.importance)) steer(world);
+}
+
 int render(RenderOptions const& w) {
   check_picture_name(w.out);
   std::optional<RunFile> file;
@@ -240,18 +248,17 @@ int render(RenderOptions const& w) {
   Scene const scene = read_either(w, file);
   World world = build_world(scene);
   scene.throw_if_problems();
-  bool const kept = file && w.overrides.empty() && !file->about.importance.strips.empty();
   Framing const view = choose_view(world, w);
   LookSettings settings{view.cuts, looks_of(world.view()), w.threads};
   if (w.whole) std::replace(settings.looks.begin(), settings.looks.end(), Look::open, Look::solid);
   for (std::string const& cut : w.cuts) settings.cuts.push_back(read_cut(cut, view.camera.eye));
-  Drawn const drawn = w.flash              ? draw_flash(world, view.camera, settings, flash_of(w, view.camera))
-                      : w.mode == "id"     ? draw_ids(world, view.camera, settings)
-                      : w.mode == "depth"  ? draw_depths(world, view.camera, settings)
-                      : w.mode == "normal" ? draw_normals(world, view.camera, settings)
-                      : w.mode == "importance"
-                          ? draw_importance(world, view.camera, settings, kept ? &file->about.importance : nullptr)
-                          : draw_shaded(world, view.camera, settings);
+  if (w.mode == "importance" && !w.flash) steer_as_traced(world, file, w.overrides);
+  Drawn const drawn = w.flash                  ? draw_flash(world, view.camera, settings, flash_of(w, view.camera))
+                      : w.mode == "id"         ? draw_ids(world, view.camera, settings)
+                      : w.mode == "depth"      ? draw_depths(world, view.camera, settings)
+                      : w.mode == "normal"     ? draw_normals(world, view.camera, settings)
+                      : w.mode == "importance" ? draw_importance(world, view.camera, settings)
+                                               : draw_shaded(world, view.camera, settings);
   Image image{view.camera.columns, view.camera.rows, drawn.rgb};
   if (drawn.bar) add_colour_bar(image, *drawn.bar);
   write_png(w.out, image);
@@ -291,54 +298,6 @@ void add_render(CLI::App& app, int& exit_code) {
       "  straytrace render examples/virgo_arm.yaml -o flash.png --from ITM --fov 2deg --flash\n"
       "  straytrace render out/run.h5 -o where_not.png --mode importance");
   command->callback([options, &exit_code] { exit_code = render(*options); });
-}
-
-// Picture by the camera's own flash, and the returned light by object.
-
-namespace {
-
-// The film: yellow is the brightest scattered light, black four decades below, white one above, where glints are.
-constexpr double below = 4;
-
-// From black by red and yellow to white, 0 to 1.
-void burn(double x, std::vector<std::uint8_t>& rgb) {
-  for (double const from : {0.0, 0.4, 0.8})
-    rgb.push_back(std::uint8_t(std::lround(255 * std::clamp((x - from) / (from < 0.8 ? 0.4 : 0.2), 0.0, 1.0))));
-}
-
-}  // namespace
-
-Drawn draw_flash(World const& world, Camera const& camera, LookSettings const& settings, Flash const& flash) {
-  std::vector<FlashLight> const picture = flash_picture(world.view(), camera, flash, settings);
-  double brightest = 0, glint = 0;
-  std::map<std::string, Shine> objects;
-  Drawn drawn;
-  for (std::size_t i = 0; i < picture.size(); ++i) {
-    FlashLight const& light = picture[i];
-    brightest = std::max(brightest, light.scattered);
-    glint = std::max(glint, light.glint);
-    if (!light.first.valid()) continue;
-    Shine& object = objects[object_of(world.name_of(light.first))];
-    double const angle = solid_angle(camera, std::uint32_t(i % camera.columns), std::uint32_t(i / camera.columns));
-    object.scattered += light.scattered * angle;
-    object.glint += light.glint * angle;
-  }
-  double const yellow = brightest > 0 ? brightest : glint;
-  for (FlashLight const& light : picture)
-    burn(light.both() > 0 ? 0.8 + 0.8 / below * std::log10(light.both() / yellow) : 0, drawn.rgb);
-  for (auto& [name, object] : objects) {
-    if (!(object.scattered + object.glint > 0)) continue;
-    object.object = name;
-    drawn.shine.push_back(object);
-  }
-  std::stable_sort(drawn.shine.begin(), drawn.shine.end(),
-                   [](Shine const& a, Shine const& b) { return a.scattered + a.glint > b.scattered + b.glint; });
-  drawn.scale = yellow > 0 ? fmt::format(
-                                 "radiance over the intensity of the flash: yellow {:.3g} /m^2, black 1e-{:.0f} of it "
-                                 "or less, logarithmic; white: glints, up to {:.3g} /m^2",
-                                 yellow, below, glint)
-                           : "no light returns";
-  return drawn;
 }
 
 }  // namespace straytrace::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Colours of pictures, and their meaning.
+// Pictures of a scene as a camera sees it: their colours, and what they mean.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 #include "trace/camera/flash_camera.hpp"
 #include "world/model/world.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::report {
 
 struct LegendEntry {
   std::string colour, name, what;  // "#1f77b4", "blue", "tube"
@@ -36,12 +36,11 @@ Drawn draw_shaded(World const&, Camera const&, LookSettings const&);
 Drawn draw_ids(World const&, Camera const&, LookSettings const&);      // one flat colour per group
 Drawn draw_normals(World const&, Camera const&, LookSettings const&);  // in the frame of the camera
 Drawn draw_depths(World const&, Camera const&, LookSettings const&);   // near white, far black, logarithmic
-// Adjoint of the steering tables (docs/theory/sampling.md): surfaces that light must not reach.
-// `kept`: of a run of this scene; null: computed.
-Drawn draw_importance(World&, Camera const&, LookSettings const&, ImportanceMap const* kept);
-// Logarithmic; values above the brightest scattered light are white (cli/render/render.cpp).
+// Adjoint of the steering tables that the world has (docs/theory/sampling.md): where light must not go.
+Drawn draw_importance(World const&, Camera const&, LookSettings const&);
+// By the camera's own flash, logarithmic; what is more than the brightest scattered light is white.
 Drawn draw_flash(World const&, Camera const&, LookSettings const&, Flash const&);
 
 std::string object_of(std::string const& group);
 
-}  // namespace straytrace::cli
+}  // namespace straytrace::report
