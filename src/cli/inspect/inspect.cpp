@@ -25,6 +25,7 @@
 #include "session/open_run.hpp"
 #include "world/build/read_materials.hpp"
 #include "world/build/read_parts.hpp"
+#include "world/import/geometry_file.hpp"
 #include "world/import/newmtl.hpp"
 #include "world/model/material.hpp"
 

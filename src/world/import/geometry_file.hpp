@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A CAD or mesh file as a list of parts, and as a world to draw.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "world/import/mesh_file.hpp"
+#include "world/model/world.hpp"
+
+namespace straytrace::world {
+
+bool is_geometry(std::string const& file);  // by its ending
+
+struct GeometryPart {
+  std::string name, material, colour;        // empty: the file says none
+  std::map<std::string, std::size_t> faces;  // by kind: plane, cylinder ... freeform, triangle
+  double area = 0;                           // m^2
+  std::string closed;                        // of meshes, in words
+};
+
+struct GeometryFile {
+  std::string format, unit;  // in words
+  bool unit_known = false;   // otherwise lengths are in the unit of the file
+  double scale = 1;          // m per unit of the numbers in `box` as read
+  Box box;                   // m
+  std::vector<GeometryPart> parts;
+  std::vector<MeshFault> notes;  // what is suspicious
+  World world;
+};
+
+// `units`: of the numbers in the file, in place of what it says; empty: as it says. Throws InputError.
+GeometryFile read_geometry(std::string const& file, std::string const& units);
+
+}  // namespace straytrace::world
