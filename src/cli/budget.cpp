@@ -72,7 +72,7 @@ std::vector<double> parse_frequencies(std::string const& list, char const* optio
   return all;
 }
 
-// The band asked for; empty when none is.
+// The requested band; empty without one.
 std::vector<double> parse_band(std::string const& text) {
   if (text.empty()) return {};
   std::vector<double> ends = parse_frequencies(text, "--band");

@@ -53,6 +53,9 @@ WelchSettings welch_of(DataOptions const&, TimeSeries const&);
 std::string source_note(TimeSeries const&);
 std::string welch_note(WelchSettings const&, double rate, std::size_t segments, double effective,
                        double noise_bandwidth);
+std::string welch_note(WelchSettings const& settings, double rate, auto const& spectra) {
+  return welch_note(settings, rate, spectra.segments, spectra.effective_averages, spectra.noise_bandwidth);
+}
 
 // Rejects endings before anything is computed. Writes all files of -o or none; prints their names on stderr unless
 // --quiet.

@@ -8,8 +8,10 @@
 #include <cstdlib>
 
 #include "base/input/document.hpp"
+#include "motion/axis_motion.hpp"
 #include "spectra/files/series_file.hpp"
 #include "spectra/fourier.hpp"
+#include "spectra/integration.hpp"
 #include "spectra/welch.hpp"
 
 namespace straytrace::motion {
@@ -196,6 +198,41 @@ std::optional<RecordedMotion> read_recorded(Node const& spec, bool rotation) {
   displacement.unit = rotation ? "rad" : "m";
   return RecordedMotion{std::make_shared<TimeSeries const>(std::move(displacement)),
                         displacement_spectrum(*series, *calibration, highpass, *segment)};
+}
+
+RecordedMotion channel_motion(TimeSeries const& series, bool rotation, double corner) {
+  std::optional<int> const times = integrations_to(rotation ? dim::angle : dim::length, series.unit);
+  if (!times)
+    throw InputError(fmt::format("--channel: '{}' is in '{}', which is no {} over time", series.name, series.unit,
+                                 rotation ? "angle" : "displacement, velocity or acceleration"),
+                     fmt::format("write its unit: --unit {}", rotation ? "urad" : "um/s^2"));
+  Calibration c;
+  c.derivatives = *times;
+  if (c.derivatives > 0 && corner <= 0)
+    throw InputError(fmt::format("--channel: '{}' is in {} and has to be integrated, which makes slow errors large",
+                                 series.name, series.unit),
+                     "write --corner 0.05Hz; slower motion is removed");
+  if (series.samples.size() < 32)
+    throw InputError(fmt::format("--channel: '{}' has fewer than 32 samples", series.name), "choose a longer stretch");
+  c.factor = parse_unit(series.unit)->si;
+  TimeSeries displacement = as_displacement(series, c, corner);
+  if (c.derivatives > 0) displacement = settled(displacement, corner);
+  displacement.unit = rotation ? "rad" : "m";
+  double const segment =
+      std::max(std::min(series.duration() / 8, 128.0), std::min(series.duration(), 8 / std::max(corner, 1e-9)));
+  return {std::make_shared<TimeSeries const>(std::move(displacement)),
+          displacement_spectrum(series, c, corner, corner > 0 ? segment : std::min(series.duration() / 8, 128.0))};
+}
+
+void replace_coordinate(MotionSet& motion, BodyId body, int axis, RecordedMotion const& record) {
+  for (MotionInput& input : motion.inputs)
+    std::erase_if(input.gains, [&](Gain const& g) { return g.body == body && g.axis == axis; });
+  MotionInput input;
+  input.name = fmt::format("{} {}", motion.bodies[body.value], axis_names[axis]);
+  input.recorded = record.displacement;
+  input.spectrum = record.spectrum;
+  input.gains = {{body, axis, 1, {}}};
+  motion.inputs.push_back(std::move(input));
 }
 
 }  // namespace straytrace::motion

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "motion/motion.hpp"
 #include "motion/motion_files.hpp"
 #include "spectra/series.hpp"
 #include "spectra/spectrum.hpp"
@@ -30,5 +31,12 @@ TimeSeries as_displacement(TimeSeries const& readings, Calibration const&, doubl
 // displacement line by line. Each line is a step as wide as the spacing, which conserves power; at high frequencies
 // lines are joined into steps of a thousandth of their frequency.
 Spectrum displacement_spectrum(TimeSeries const& readings, Calibration const&, double highpass_hz, double segment_s);
+
+// Displacement [m] or angle [rad] from a channel of displacement, velocity or acceleration; the last two need a
+// corner [Hz], below which motion is removed. InputError names the option.
+RecordedMotion channel_motion(TimeSeries const&, bool rotation, double corner_hz);
+
+// The recording takes the place of all that moved this coordinate; other bodies keep what they had.
+void replace_coordinate(MotionSet&, BodyId, int axis, RecordedMotion const&);
 
 }  // namespace straytrace::motion

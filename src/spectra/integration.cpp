@@ -9,7 +9,6 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
-#include "base/units/quantity.hpp"
 #include "spectra/filters.hpp"
 #include "spectra/fourier.hpp"
 
@@ -36,10 +35,15 @@ TimeSeries prepared(TimeSeries const& s, int times, double corner) {
 
 }  // namespace
 
+std::optional<int> integrations_to(Dimension to, std::string const& unit) {
+  auto const from = parse_unit(unit);
+  for (int n = 0; from && n <= 2; ++n)
+    if (auto const reached = times(from->dimension, *power_of(dim::time, n)); reached && *reached == to) return n;
+  return {};
+}
+
 int integrations_to_displacement(std::string const& unit) {
-  auto const u = parse_unit(unit);
-  for (int times = 0; u && times <= 2; ++times)
-    if (u->dimension == Dimension{2, 0, static_cast<std::int8_t>(-2 * times)}) return times;
+  if (auto const times = integrations_to(dim::length, unit)) return *times;
   throw InputError(
       fmt::format("'{}' is not a unit of displacement, velocity or acceleration", unit),
       "give the unit with --unit or --witness-unit: m, m/s, m/s^2; calibrate counts or volts with the value of "

@@ -2,11 +2,16 @@
 // Accelerometers and velocity meters to displacement (docs/theory/motion.md, eq. 11.3; R6.05).
 #pragma once
 
-#include "base/namespaces.hpp"
+#include <optional>
+#include <string>
+
+#include "base/units/quantity.hpp"
 #include "spectra/series.hpp"
 
 namespace straytrace::spectra {
 
+// Number of integrations, up to 2, from a unit to a dimension; empty: none of them leads there.
+std::optional<int> integrations_to(Dimension, std::string const& unit);
 // Number of integrations to metres: 2 from m/s^2, 1 from m/s, 0 from m. Throws InputError with a remedy for other
 // units.
 int integrations_to_displacement(std::string const& unit);

@@ -79,6 +79,23 @@ Spectrogram spectrogram(TimeSeries const& s, double stride, WelchSettings const&
   return out;
 }
 
+Spectrogram overlapping_spectrogram(TimeSeries const& series, double stride) {
+  auto const n = std::size_t(std::lround(stride * series.rate)), step = std::max<std::size_t>(1, n / 2);
+  if (n < 8 || n > series.samples.size())
+    throw InputError(fmt::format("--stride: {:g} s hold {} samples of {}", stride, n, series.samples.size()),
+                     fmt::format("choose between {:.3g} s and {:g} s", 8 / series.rate, series.duration()));
+  Spectrogram out;
+  WelchSettings settings;
+  settings.segment = n;
+  for (std::size_t from = 0; from + n <= series.samples.size(); from += step) {
+    WelchSpectrum const w = welch(std::span(series.samples).subspan(from, n), series.rate, settings);
+    out.time.push_back(series.time(from) + stride / 2);
+    if (from == 0) out.hz.assign(w.hz.begin() + 1, w.hz.end());
+    for (std::size_t k = 1; k < w.psd.size(); ++k) out.value.push_back(std::sqrt(w.psd[k]));
+  }
+  return out;
+}
+
 Spectrogram normalised(Spectrogram s) {
   std::size_t const lines = s.hz.size();
   for (std::size_t k = 0; k < lines; ++k) {

@@ -20,6 +20,9 @@ struct Spectrogram {
 // One-sided ASD of each stride by welch() within it; strides do not overlap, and the remainder is dropped.
 // Throws InputError for strides shorter than a segment or longer than the record.
 Spectrogram spectrogram(TimeSeries const&, double stride_s, WelchSettings const&);
+// The same of Hann segments of one stride each, half overlapping, without the line at zero. Throws InputError for
+// strides of fewer than 8 samples or longer than the record.
+Spectrogram overlapping_spectrogram(TimeSeries const&, double stride_s);
 // Each line divided by its median over time: 1 is the usual level.
 Spectrogram normalised(Spectrogram);
 

@@ -413,4 +413,47 @@ ProjectedCoupling project_coupling(CouplingFunction const& c, QuietWitness const
   return out;
 }
 
+QuietWitness level_of(WelchSpectrum const& w, std::string const& unit) {
+  QuietWitness level{unit, {}, {}, {}};
+  for (std::size_t k = 1; k < w.hz.size(); ++k) {
+    level.hz.push_back(w.hz[k]);
+    level.asd.push_back(std::sqrt(w.psd[k]));
+    level.sigma.push_back(w.psd[k] > 0 ? w.sigma[k] / (2 * level.asd.back()) : 0);
+  }
+  return level;
+}
+
+std::string unit_below(std::string const& unit, TimeSeries const& witness) {
+  auto const stroke = unit.find('/');
+  std::string below = stroke == unit.npos ? "1" : unit.substr(stroke + 1);
+  if (below.starts_with('(') && below.ends_with(')')) below = below.substr(1, below.size() - 2);
+  auto const whole = parse_unit(unit), above = parse_unit(unit.substr(0, stroke)), part = parse_unit(below),
+             have = parse_unit(witness.unit);
+  bool const split = whole && above && part && times(above->dimension, part->dimension, -1) == whole->dimension;
+  if (!split || !have || !(part->dimension == have->dimension))
+    throw InputError(
+        fmt::format("--coupling-unit: '{}' is not per {}, the unit of '{}'", unit, witness.unit, witness.name),
+        fmt::format("write for example {}", ratio_unit("1", witness.unit)));
+  return below;
+}
+
+std::string unit_above(CouplingFunction const& c) {
+  for (std::string const& below : {"/" + c.witness_unit, "/(" + c.witness_unit + ")"})
+    if (c.unit.ends_with(below)) return c.unit.substr(0, c.unit.size() - below.size());
+  return c.unit;
+}
+
+void rescale(ProjectedCoupling& p, CouplingFunction const& c, TimeSeries const& target) {
+  std::string const unit = unit_above(c);
+  auto const have = parse_unit(unit), want = parse_unit(target.unit);
+  if (!have || !want || !(have->dimension == want->dimension))
+    throw InputError(fmt::format("--target: '{}' is in {}, and the coupling makes {} of the witness", target.name,
+                                 target.unit, unit),
+                     "choose the target that the coupling was measured with");
+  for (ProjectedPoint& q : p.points) {
+    q.asd *= have->si / want->si;
+    q.sigma *= have->si / want->si;
+  }
+}
+
 }  // namespace straytrace::analysis

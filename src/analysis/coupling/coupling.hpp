@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/math/constants.hpp"
+#include "spectra/series.hpp"
 #include "spectra/welch.hpp"
 
 namespace straytrace::analysis {
@@ -112,11 +113,21 @@ struct QuietWitness {
   std::string unit;  // "m": of the amplitude whose density this is
   std::vector<double> hz, asd, sigma;
 };
+// Without the line at zero; sigma_asd = sigma_psd/(2 asd).
+QuietWitness level_of(WelchSpectrum const&, std::string const& unit);
 
 // At each frequency of the witness: factor times level, errors in quadrature. Between two couplings of one kind the
 // factor is interpolated in log-log; limits stay limits, and a value next to an unknown one is unknown. Frequencies
 // outside the coupling have no data. Throws InputError when the units do not fit, and where the coupling is not linear:
 // fringe wrapping is projected in the time domain.
 ProjectedCoupling project_coupling(CouplingFunction const&, QuietWitness const&);
+
+// What stands below the stroke of a unit of factors, "m" of "1/m", "m/s^2" of "1/(m/s^2)". It must be of the witness,
+// or the projection would be in another unit than it says: InputError.
+std::string unit_below(std::string const& coupling_unit, TimeSeries const& witness);
+// What stands above it.
+std::string unit_above(CouplingFunction const&);
+// From the unit above the stroke of the coupling to that of the target; InputError when they are of different kinds.
+void rescale(ProjectedCoupling&, CouplingFunction const&, TimeSeries const& target);
 
 }  // namespace straytrace::analysis

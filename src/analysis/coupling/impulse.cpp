@@ -162,6 +162,14 @@ std::vector<double> find_taps(TimeSeries const& force, double threshold, double 
   return taps;
 }
 
+std::vector<double> ImpulseResponse::ringing() const {
+  std::vector<double> sum(time.size());
+  for (RingDown const& m : modes)
+    for (std::size_t i = 0; i < sum.size(); ++i)
+      sum[i] += m.amplitude * std::exp(-time[i] / m.tau) * std::cos(2 * pi * m.hz * time[i] + m.phase);
+  return sum;
+}
+
 ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts,
                                  ImpulseSettings const& s) {
   if (force.rate != target.rate || force.samples.size() != target.samples.size())

@@ -46,6 +46,8 @@ struct ImpulseResponse {
   std::vector<double> time, value;             // s after the impulse; target unit per (force unit x s)
   double value_sigma = 0;                      // from the noise of the target
   std::vector<RingDown> modes;                 // the strongest first
+
+  std::vector<double> ringing() const;  // all modes together at `time`, as they were fitted
 };
 
 // Stretches at `starts` (GPS s) without a window, which would distort the ringing. In time the response is damped by

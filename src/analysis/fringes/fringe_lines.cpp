@@ -231,4 +231,52 @@ ScanResult scan_minimum(std::function<double(double)> const& f, double from, dou
   return r;
 }
 
+HarmonicFit fit_harmonics(TimeSeries const& target, std::span<LinePoint const> drive, double window, int orders,
+                          double z_max) {
+  double hz = 0;
+  for (LinePoint const& p : drive) hz += p.hz / double(drive.size());
+  int const most = std::min(orders, int(std::floor(0.49 * target.rate / hz)));
+  if (most < 3)
+    throw InputError(fmt::format("at {:g} Hz the target has no third harmonic of {:.4g} Hz", target.rate, hz),
+                     "give it at a higher rate");
+  std::vector<std::vector<LinePoint>> harmonics;
+  for (int n = 1; n <= most; ++n) harmonics.push_back(follow_line(target, drive, window, n));
+  return fit_harmonics(harmonics, z_max);
+}
+
+LineAmplitude amplitude_of(Harmonic const& h) {
+  if (!h.seen) return {h.limit, not_a_number, true};
+  double const a = std::sqrt(h.power);
+  return {a, h.sigma / (2 * a)};
+}
+
+LineAmplitude over(LineAmplitude const& a, LineAmplitude const& b) {
+  double const ratio = a.value / b.value;
+  return {ratio, a.limit ? not_a_number : ratio * std::hypot(a.sigma / a.value, b.sigma / b.value), a.limit};
+}
+
+LineAmplitude mean_amplitude(std::span<LinePoint const> points) {
+  double const n = double(points.size());
+  double mean = 0, square = 0;
+  for (LinePoint const& p : points) mean += std::abs(p.amplitude) / n;
+  for (LinePoint const& p : points) square += std::pow(std::abs(p.amplitude) - mean, 2) / n;
+  return {mean, std::sqrt(square / std::max(1.0, n - 1))};
+}
+
+CouplingPoint coupling_at(RampFit const& r, double hz) {
+  CouplingPoint p;
+  p.hz = hz;
+  p.significance = r.slope / r.slope_sigma;
+  if (r.verdict == RampFit::Verdict::unseen) {
+    p.flag = CouplingFlag::upper_limit;
+    p.factor = r.limit();
+    return p;
+  }
+  bool const linear = r.verdict == RampFit::Verdict::linear;
+  p.factor = linear ? r.slope : r.small_slope;
+  p.sigma = linear ? r.slope_sigma : not_a_number;
+  p.flag = linear ? CouplingFlag::measured : CouplingFlag::not_linear;
+  return p;
+}
+
 }  // namespace straytrace::analysis

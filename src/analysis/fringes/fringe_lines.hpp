@@ -37,6 +37,20 @@ struct HarmonicFit {
 // z is searched up to z_max.
 HarmonicFit fit_harmonics(std::span<std::vector<LinePoint> const> windows, double z_max = 20);
 
+// The same from the target itself, at up to `orders` harmonics of the drive, as far as its rate reaches; InputError
+// when that is not to the third.
+HarmonicFit fit_harmonics(TimeSeries const& target, std::span<LinePoint const> drive, double window, int orders,
+                          double z_max);
+
+// A peak amplitude with its error, or an upper limit, which has none.
+struct LineAmplitude {
+  double value = 0, sigma = not_a_number;
+  bool limit = false;
+};
+LineAmplitude amplitude_of(Harmonic const&);
+LineAmplitude mean_amplitude(std::span<LinePoint const>);        // over the windows; its error is the spread
+LineAmplitude over(LineAmplitude const&, LineAmplitude const&);  // the ratio
+
 // Effective motion amplitude of a phase amplitude z: A = z lambda/(4 pi N), eq. 7.2 with N equal bounces.
 double motion_of_phase(double z, double wavelength, double multiplicity);
 
@@ -50,6 +64,8 @@ struct RampFit {
   double z_limit = 0;                          // 95 %
   bool open = false;
   double small_slope = 0;  // target per drive of the fringe at small drive: G' z/drive
+
+  double limit() const { return slope + 1.645 * slope_sigma; }  // 95 %, of target per drive
 };
 // The target's line, phase counted from the drive's, against the amplitude of the drive: straight line, or C J_1(z)
 // with z in proportion to the drive, and C complex. `fringe` when that is better by `threshold` standard deviations and
@@ -57,6 +73,9 @@ struct RampFit {
 // no fringe, and the slope is below three standard errors.
 RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> target, double threshold = 3,
                  double z_max = 20);
+
+// The coupling at the line with the outcome as its flag, for the projection.
+CouplingPoint coupling_at(RampFit const&, double hz);
 
 // Least squares in one parameter that may have several minima: by scanning.
 

@@ -13,9 +13,7 @@
 #include "cli/options.hpp"
 #include "results/results.hpp"
 #include "session/build_info.hpp"
-#include "spectra/files/gps.hpp"
 #include "spectra/files/series_file.hpp"
-#include "spectra/integration.hpp"
 
 namespace straytrace::cli {
 
@@ -67,36 +65,6 @@ TimeSeries channel_in(StretchArgument const& stretch, std::string const& channel
   if (file.empty())
     throw InputError(fmt::format("{} is missing", option), fmt::format("write {} FILE::CHANNEL", option));
   return series_argument(stretch.file.empty() || channel.empty() ? file : file + "::" + channel, unit, stretch.span);
-}
-
-void refuse_overlaps(std::vector<FoundStretch> const& all) {
-  constexpr double surely_gps = 1e8;  // s; other files count from 0
-  std::vector<InputError> errors;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) {
-      FoundStretch const &a = all[j], &b = all[i];
-      double const from = std::max(a.from, b.from), to = std::min(a.to, b.to);
-      if (to <= from || (a.file != b.file && from < surely_gps)) continue;
-      errors.emplace_back(
-          fmt::format("{} and {} share the time from {} to {}", a.name, b.name, gps_text(from), gps_text(to)),
-          "name stretches that do not overlap");
-    }
-  throw_all(errors);
-}
-
-ToMetres to_metres(bool displacement, std::string const& unit) {
-  if (!displacement) return {0, 1, unit};
-  auto const known = parse_unit(unit);
-  return {integrations_to_displacement(unit), known ? known->si : 1, "m"};
-}
-
-double factor_at(ToMetres const& m, double hz) { return m.scale / std::pow(2 * pi * hz, m.times); }
-
-void in_metres(ToMetres const& m, std::vector<LinePoint>& points) {
-  for (LinePoint& p : points) {
-    p.amplitude *= factor_at(m, p.hz);
-    p.sigma *= factor_at(m, p.hz);
-  }
 }
 
 void answer_with_result(DataOptions const& o, CurveSheet const& sheet, std::string const& text,
@@ -156,63 +124,6 @@ nlohmann::json number_or_null(double v) { return std::isfinite(v) ? nlohmann::js
 
 std::string plus_minus(double value, double sigma) {
   return std::isfinite(sigma) && sigma > 0 ? with_error(value, sigma) : fmt::format("{:.3g}", value);
-}
-
-void add_line_options(CLI::App& command, LineOptions& o) {
-  add_pair_options(command, o.pair, "FILE::CHANNEL of the drive: motion, force or sound");
-  add_band_option(command, o.data, "LOW..HIGH that contains the driven line: \"18 Hz..22 Hz\"");
-  command.add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all");
-  command.add_option("--window", o.window, "length of the windows")->default_str(o.window);
-  command.add_option("--wavelength", o.wavelength, "of the light")->default_str(o.wavelength);
-  command.add_option("--multiplicity", o.multiplicity, "bounces off the moving surface: phase over 4 pi x/lambda")
-      ->default_str("1")
-      ->check(CLI::Range(1e-3, 1e6));
-  command.add_option("--z-max", o.z_max, "largest phase amplitude searched, rad")
-      ->default_str("20")
-      ->check(CLI::Range(0.1, 1000.0));
-}
-
-Driven follow_drive(LineOptions const& o) {
-  if (o.data.band.empty())
-    throw InputError("--band is missing: it must contain the driven line", "write --band \"18 Hz..22 Hz\"");
-  FrequencyBand const band = option_band(o.data.band, "--band");
-  Driven d;
-  d.window = option_quantity(o.window, dim::time, "--window", "4 s");
-  d.wavelength = option_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
-  d.pair = read_pair(o.pair, span_of(o.data));
-  d.drive = track_line(d.pair.witness, {band.low, band.high, d.window});
-  d.target = follow_line(d.pair.target, d.drive, d.window);
-  ToMetres const metres = to_metres(o.pair.displacement, d.pair.witness.unit);
-  in_metres(metres, d.drive);
-  d.unit = metres.unit;
-  d.coupling_unit = coupling_unit(d.pair.target.unit, d.unit);
-  return d;
-}
-
-double Driven::frequency() const {
-  double sum = 0;
-  for (LinePoint const& p : drive) sum += p.hz / double(drive.size());
-  return sum;
-}
-
-CurveSheet line_sheet(Driven const& d) {
-  CurveSheet sheet;
-  sheet.title = fmt::format("line of {} in {}", d.pair.witness.name, d.pair.target.name);
-  sheet.notes = {source_note(d.pair.witness), source_note(d.pair.target),
-                 fmt::format("Hann windows of {:g} s, half overlap; amplitudes are peak", d.window)};
-  sheet.x = {"time", "s", {}};
-  sheet.log_x = false;
-  CurveColumn hz{"frequency", "Hz", {}, "hidden"}, drive{"drive", d.unit, {}, "hidden"},
-      target{"target", d.pair.target.unit, {}}, sigma{"target_sigma", d.pair.target.unit, {}, "hidden"};
-  for (std::size_t i = 0; i < d.drive.size(); ++i) {
-    sheet.x.values.push_back(d.drive[i].time);
-    hz.values.push_back(d.drive[i].hz);
-    drive.values.push_back(std::abs(d.drive[i].amplitude));
-    target.values.push_back(std::abs(d.target[i].amplitude));
-    sigma.values.push_back(d.target[i].sigma);
-  }
-  sheet.y = {hz, drive, target, sigma};
-  return sheet;
 }
 
 }  // namespace straytrace::cli

@@ -5,13 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
 
 #include "analysis/coupling/taps.hpp"
 #include "base/errors.hpp"
-#include "base/files/text_file.hpp"
-#include "base/math/constants.hpp"
 #include "cli/couple/couple_data.hpp"
 #include "results/text/columns.hpp"
 #include "spectra/files/gps.hpp"
@@ -56,15 +53,6 @@ nlohmann::json json_of(ImpulseResponse const& r) {
   return {{"stretches", r.stretches}, {"modes", modes}, {"response_sigma", r.value_sigma}};
 }
 
-// All modes together, as they were fitted.
-std::vector<double> ringing(ImpulseResponse const& r) {
-  std::vector<double> sum(r.time.size());
-  for (RingDown const& m : r.modes)
-    for (std::size_t i = 0; i < sum.size(); ++i)
-      sum[i] += m.amplitude * std::exp(-r.time[i] / m.tau) * std::cos(2 * pi * m.hz * r.time[i] + m.phase);
-  return sum;
-}
-
 int run_impulse(ImpulseOptions const& o) {
   check_outputs(o.data);
   auto const both = aligned({series_argument(o.force, o.force_unit, span_of(o.data)),
@@ -93,7 +81,7 @@ int run_impulse(ImpulseOptions const& o) {
   sheet.log_x = sheet.log_y = false;
   sheet.y = {{"response", unit + "/s", r.value},
              {"response_sigma", unit + "/s", std::vector<double>(r.value.size(), r.value_sigma), "hidden"}};
-  if (!r.modes.empty()) sheet.y.push_back({"modes", unit + "/s", ringing(r)});
+  if (!r.modes.empty()) sheet.y.push_back({"modes", unit + "/s", r.ringing()});
   answer_with_result(o.data, sheet, text_of(r, o, unit), json_of(r));
   return 0;
 }

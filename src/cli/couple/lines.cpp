@@ -15,44 +15,80 @@
 namespace straytrace::cli {
 namespace {
 
-struct LineAmplitude {
-  double value = 0, sigma = not_a_number;  // an upper limit has no error
-  bool limit = false;
+struct LineOptions {
+  DataOptions data;
+  PairOptions pair;
+  std::string window = "4 s", wavelength = "1064 nm", save;
+  double multiplicity = 1, z_max = 20, significance = 3;
+  int harmonics = 5;
 };
+struct Driven {
+  ChannelPair pair;
+  std::vector<LinePoint> drive, target;  // drive in `unit`
+  double window = 0, wavelength = 0;     // s, m
+  std::string unit, coupling_unit;
+
+  double frequency() const {  // Hz, mean
+    double sum = 0;
+    for (LinePoint const& p : drive) sum += p.hz / double(drive.size());
+    return sum;
+  }
+};
+// All but --harmonics, --save, --significance and outputs.
+void add_line_options(CLI::App& command, LineOptions& o) {
+  add_pair_options(command, o.pair, "FILE::CHANNEL of the drive: motion, force or sound");
+  add_band_option(command, o.data, "LOW..HIGH where the line of the drive is: \"18 Hz..22 Hz\"");
+  command.add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all");
+  command.add_option("--window", o.window, "length of the windows")->default_str(o.window);
+  command.add_option("--wavelength", o.wavelength, "of the light")->default_str(o.wavelength);
+  command.add_option("--multiplicity", o.multiplicity, "bounces off what moves: phase over 4 pi x/lambda")
+      ->default_str("1")
+      ->check(CLI::Range(1e-3, 1e6));
+  command.add_option("--z-max", o.z_max, "largest phase amplitude that is looked for, rad")
+      ->default_str("20")
+      ->check(CLI::Range(0.1, 1000.0));
+}
+
+Driven follow_drive(LineOptions const& o) {
+  if (o.data.band.empty())
+    throw InputError("--band is missing: where the line of the drive is", "write --band \"18 Hz..22 Hz\"");
+  FrequencyBand const band = option_band(o.data.band, "--band");
+  Driven d;
+  d.window = option_quantity(o.window, dim::time, "--window", "4 s");
+  d.wavelength = option_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
+  d.pair = read_pair(o.pair, span_of(o.data));
+  d.drive = track_line(d.pair.witness, {band.low, band.high, d.window});
+  d.target = follow_line(d.pair.target, d.drive, d.window);
+  ToMetres const metres = to_metres(o.pair.displacement, d.pair.witness.unit);
+  in_metres(metres, d.drive);
+  d.unit = metres.unit;
+  d.coupling_unit = coupling_unit(d.pair.target.unit, d.unit);
+  return d;
+}
+
+// Frequency, drive and target against time.
+CurveSheet line_sheet(Driven const& d) {
+  CurveSheet sheet;
+  sheet.title = fmt::format("line of {} in {}", d.pair.witness.name, d.pair.target.name);
+  sheet.notes = {source_note(d.pair.witness), source_note(d.pair.target),
+                 fmt::format("Hann windows of {:g} s, half overlap; amplitudes are peak", d.window)};
+  sheet.x = {"time", "s", {}};
+  sheet.log_x = false;
+  CurveColumn hz{"frequency", "Hz", {}, "hidden"}, drive{"drive", d.unit, {}, "hidden"},
+      target{"target", d.pair.target.unit, {}}, sigma{"target_sigma", d.pair.target.unit, {}, "hidden"};
+  for (std::size_t i = 0; i < d.drive.size(); ++i) {
+    sheet.x.values.push_back(d.drive[i].time);
+    hz.values.push_back(d.drive[i].hz);
+    drive.values.push_back(std::abs(d.drive[i].amplitude));
+    target.values.push_back(std::abs(d.target[i].amplitude));
+    sigma.values.push_back(d.target[i].sigma);
+  }
+  sheet.y = {hz, drive, target, sigma};
+  return sheet;
+}
 
 std::string text(LineAmplitude const& a) {
   return a.limit ? fmt::format("<= {:.3g}", a.value) : plus_minus(a.value, a.sigma);
-}
-
-LineAmplitude amplitude_of(Harmonic const& h) {
-  if (!h.seen) return {h.limit, not_a_number, true};
-  double const a = std::sqrt(h.power);
-  return {a, h.sigma / (2 * a)};
-}
-
-LineAmplitude over(LineAmplitude const& a, LineAmplitude const& b) {
-  double const ratio = a.value / b.value;
-  return {ratio, a.limit ? not_a_number : ratio * std::hypot(a.sigma / a.value, b.sigma / b.value), a.limit};
-}
-
-// Mean over the windows; its error is the spread.
-LineAmplitude mean_drive(std::vector<LinePoint> const& points) {
-  double const n = double(points.size());
-  double mean = 0, square = 0;
-  for (LinePoint const& p : points) mean += std::abs(p.amplitude) / n;
-  for (LinePoint const& p : points) square += std::pow(std::abs(p.amplitude) - mean, 2) / n;
-  return {mean, std::sqrt(square / std::max(1.0, n - 1))};
-}
-
-HarmonicFit fit_of(Driven const& d, LineOptions const& o) {
-  int const orders = std::min(o.harmonics, int(std::floor(0.49 * d.pair.target.rate / d.frequency())));
-  if (orders < 3)
-    throw InputError(
-        fmt::format("at {:g} Hz the target has no third harmonic of {:.4g} Hz", d.pair.target.rate, d.frequency()),
-        "give a higher sample rate");
-  std::vector<std::vector<LinePoint>> harmonics;
-  for (int n = 1; n <= orders; ++n) harmonics.push_back(follow_line(d.pair.target, d.drive, d.window, n));
-  return fit_harmonics(harmonics, o.z_max);
 }
 
 std::string verdict(Driven const& d, LineOptions const& o, HarmonicFit const& f) {
@@ -107,8 +143,9 @@ nlohmann::json json_of(Driven const& d, LineOptions const& o, HarmonicFit const&
 int run_lines(LineOptions const& o) {
   check_outputs(o.data);
   Driven const d = follow_drive(o);
-  HarmonicFit const f = fit_of(d, o);
-  LineAmplitude const first = amplitude_of(f.harmonics[0]), drive = mean_drive(d.drive), coupling = over(first, drive);
+  HarmonicFit const f = fit_harmonics(d.pair.target, d.drive, d.window, o.harmonics, o.z_max);
+  LineAmplitude const first = amplitude_of(f.harmonics[0]), drive = mean_amplitude(d.drive),
+                      coupling = over(first, drive);
   Columns table{{"harmonic", "frequency", "amplitude [" + d.pair.target.unit + "]", "over the first"}, {}, {}};
   for (Harmonic const& h : f.harmonics)
     table.rows.push_back({std::to_string(h.order), fmt::format("{:.4g} Hz", h.order * d.frequency()),
@@ -163,8 +200,6 @@ char const* word(RampOutcome v) {
   return "";
 }
 
-double limit_of(RampFit const& r) { return r.slope + 1.645 * r.slope_sigma; }  // 95 %
-
 std::string text_of(Driven const& d, LineOptions const& o, RampFit const& r) {
   auto const metres = [&](double z) { return motion_of_phase(z, d.wavelength, o.multiplicity); };
   double most = 0;
@@ -173,7 +208,7 @@ std::string text_of(Driven const& d, LineOptions const& o, RampFit const& r) {
                                 d.frequency(), most, d.unit, d.drive.size(), d.window);
   out += fmt::format(
       "straight line: {} {}, chi^2 {:.1f} of {}\nfringe J_1: chi^2 {:.1f} of {}, better by {:.1f} sigma\n",
-      r.verdict == RampOutcome::unseen ? fmt::format("<= {:.3g}", limit_of(r)) : plus_minus(r.slope, r.slope_sigma),
+      r.verdict == RampOutcome::unseen ? fmt::format("<= {:.3g}", r.limit()) : plus_minus(r.slope, r.slope_sigma),
       d.coupling_unit, r.chi_linear, r.degrees_linear, r.chi_fringe, r.degrees_fringe, r.significance);
   if (r.verdict == RampOutcome::unseen)
     return out + "outcome: no line of the target at the drive frequency; the coupling is an upper limit (95 %)\n";
@@ -215,22 +250,6 @@ CurveSheet sheet_of(Driven const& d, RampFit const& r) {
   return sheet;
 }
 
-// The coupling at the line with the outcome as its flag, for the projection.
-CouplingFunction coupling_of(Driven const& d, RampFit const& r) {
-  CouplingPoint p;
-  p.hz = d.frequency();
-  p.significance = r.slope / r.slope_sigma;
-  if (r.verdict == RampOutcome::unseen) {
-    p.flag = CouplingFlag::upper_limit;
-    p.factor = limit_of(r);
-    return {d.pair.witness.name, d.pair.target.name, d.unit, d.coupling_unit, {p}};
-  }
-  p.factor = r.verdict == RampOutcome::linear ? r.slope : r.small_slope;
-  p.sigma = r.verdict == RampOutcome::linear ? r.slope_sigma : not_a_number;
-  p.flag = r.verdict == RampOutcome::linear ? CouplingFlag::measured : CouplingFlag::not_linear;
-  return {d.pair.witness.name, d.pair.target.name, d.unit, d.coupling_unit, {p}};
-}
-
 int run_ramp(LineOptions const& o) {
   check_outputs(o.data);
   Driven const d = follow_drive(o);
@@ -241,7 +260,7 @@ int run_ramp(LineOptions const& o) {
                      {{"verdict", word(r.verdict)},
                       {"significance", r.significance},
                       {"frequency", d.frequency()},
-                      {"slope", unseen ? limit_of(r) : r.slope},
+                      {"slope", unseen ? r.limit() : r.slope},
                       {"slope_sigma", number_or_null(unseen ? not_a_number : r.slope_sigma)},
                       {"upper_limit", unseen},
                       {"unit", d.coupling_unit},
@@ -253,7 +272,9 @@ int run_ramp(LineOptions const& o) {
                       {"z_high", number_or_null(fringe ? r.z_high : not_a_number)},
                       {"z_limit", number_or_null(r.open ? not_a_number : r.z_limit)},
                       {"motion", number_or_null(fringe ? metres(r.z) : not_a_number)}});
-  save_coupling(o.save, coupling_of(d, r), o.data.quiet);
+  save_coupling(o.save,
+                {d.pair.witness.name, d.pair.target.name, d.unit, d.coupling_unit, {coupling_at(r, d.frequency())}},
+                o.data.quiet);
   return 0;
 }
 

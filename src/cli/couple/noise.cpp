@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <optional>
 
 #include "base/errors.hpp"
 #include "cli/couple/couple_data.hpp"
@@ -27,44 +26,13 @@ struct NoiseCoupling {
   std::size_t show = 12;
 };
 
-// One witness over all injections.
-struct Coupled {
-  CouplingFunction coupling;
-  CrossSpectra quiet;                 // witness in the unit of the coupling
-  TransferEstimate linear;            // H1 of all injections
-  std::optional<BandCoupling> whole;  // where single lines are not linear
+struct Coupled : InjectionCoupling {
   std::vector<std::string> notes;
 };
 
-void convert(CrossSpectra& s, ToMetres const& m) {
-  for (std::size_t k = 0; k < s.hz.size(); ++k) {
-    double const f = s.hz[k] > 0 ? factor_at(m, s.hz[k]) : not_a_number;
-    s.input[k] *= f * f;
-    s.cross[k] *= f;  // its phase is not used
-  }
-}
-
-CrossSpectra pooled(std::vector<CrossSpectra> const& all) {
-  CrossSpectra sum = all.front();
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    for (std::size_t k = 0; k < sum.hz.size(); ++k) {
-      double const a = sum.effective_averages, b = all[i].effective_averages;
-      sum.input[k] = (a * sum.input[k] + b * all[i].input[k]) / (a + b);
-      sum.output[k] = (a * sum.output[k] + b * all[i].output[k]) / (a + b);
-      sum.cross[k] = (a * sum.cross[k] + b * all[i].cross[k]) / (a + b);
-    }
-    sum.effective_averages += all[i].effective_averages;
-    sum.segments += all[i].segments;
-  }
-  return sum;
-}
-
-struct Spectra {
-  CrossSpectra cross;
-  std::string witness, target, witness_unit, target_unit;
+struct Spectra : StretchSpectra {
   std::vector<std::string> notes;
   FoundStretch found;
-  WelchSettings welch;
 };
 
 Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::string const& stretch, char const* option) {
@@ -72,13 +40,11 @@ Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::stri
   auto const both = aligned({channel_in(where, witness, o.witness_unit, "--witness"),
                              channel_in(where, o.target, o.target_unit, "--target")});
   WelchSettings const w = welch_of(o.data, both[0]);
-  Spectra s{cross_spectra(both[0], both[1], w), both[0].name, both[1].name, both[0].unit, both[1].unit, {}, {}, w};
+  Spectra s{{cross_spectra(both[0], both[1], w), both[0].name, both[1].name, both[0].unit, both[1].unit, w}, {}, {}};
   s.found = {fmt::format("{} {}", option, stretch),
              where.file.empty() ? witness.substr(0, witness.find("::")) : where.file, both[0].start, both[0].end()};
-  Segments const segments(both[0].samples.size(), both[0].rate, w);
   s.notes = {fmt::format("{}: {}", option + 2, source_note(both[0])),
-             fmt::format("{}: {}", option + 2, source_note(both[1])),
-             welch_note(w, both[0].rate, segments.count(), segments.effective(), segments.noise_bandwidth())};
+             fmt::format("{}: {}", option + 2, source_note(both[1])), welch_note(w, both[0].rate, s.cross)};
   return s;
 }
 
@@ -97,41 +63,17 @@ void settle_segment(NoiseCoupling& o, std::vector<std::string> const& witnesses)
 
 Coupled couple_one(NoiseCoupling const& o, std::string const& witness, FrequencyBand const& band) {
   Spectra const quiet = spectra_of(o, witness, o.quiet, "--quiet");
-  ToMetres const metres = to_metres(o.displacement, quiet.witness_unit);
-  Coupled out;
-  out.quiet = quiet.cross;
-  convert(out.quiet, metres);
-  out.notes = quiet.notes;
-  std::vector<CouplingFunction> each;
-  std::vector<CrossSpectra> loud;
+  std::vector<std::string> notes = quiet.notes;
+  std::vector<StretchSpectra> injections;
   std::vector<FoundStretch> stretches{quiet.found};
   for (std::string const& stretch : o.injection) {
     Spectra s = spectra_of(o, witness, stretch, "--injection");
     stretches.push_back(s.found);
-    convert(s.cross, metres);
-    out.notes.insert(out.notes.end(), s.notes.begin(), s.notes.end());
-    CouplingFunction c{s.witness, s.target, metres.unit, coupling_unit(s.target_unit, metres.unit), {}};
-    for (CouplingPoint const& p : measure_coupling(s.cross, out.quiet, o.thresholds))
-      if (p.hz >= band.low && p.hz <= band.high) c.points.push_back(p);
-    each.push_back(std::move(c));
-    loud.push_back(std::move(s.cross));
+    notes.insert(notes.end(), s.notes.begin(), s.notes.end());
+    injections.push_back(std::move(s));
   }
   refuse_overlaps(stretches);
-  out.coupling = combine(each);
-  CrossSpectra const all = pooled(loud);
-  out.linear = h1(all);
-  auto const is_wrapped = [](CouplingPoint const& p) { return p.flag == CouplingFlag::not_linear; };
-  if (std::any_of(out.coupling.points.begin(), out.coupling.points.end(), is_wrapped))
-    out.whole = band_coupling(all, out.quiet, band.low, band.high, quiet.welch);
-  return out;
-}
-
-std::size_t line_at(CrossSpectra const& s, double hz) { return std::size_t(std::lround(hz / s.hz[1])); }
-
-// Contribution of the quiet witness to the quiet target, as a share of amplitudes.
-double share(Coupled const& c, CouplingPoint const& p) {
-  std::size_t const k = line_at(c.quiet, p.hz);
-  return p.factor * std::sqrt(c.quiet.input[k] / c.quiet.output[k]);
+  return {couple_injections(quiet, injections, o.displacement, o.thresholds, band.low, band.high), std::move(notes)};
 }
 
 struct CouplingRow {
@@ -142,18 +84,14 @@ struct CouplingRow {
 // Strongest results: peaks of the share of the quiet witness in the target.
 std::vector<CouplingRow> peaks(std::vector<Coupled> const& all) {
   std::vector<CouplingRow> rows;
-  for (Coupled const& c : all)
-    for (std::size_t i = 0; i < c.coupling.points.size(); ++i) {
-      auto const height = [&](std::size_t k) {
-        CouplingPoint const& p = c.coupling.points[k];
-        return p.flag == CouplingFlag::measured || p.flag == CouplingFlag::not_linear ? share(c, p) : 0;
-      };
-      double const here = height(i);
-      if (here > 0 && (i == 0 || here >= height(i - 1)) && (i + 1 == c.coupling.points.size() || here > height(i + 1)))
-        rows.push_back({&c, &c.coupling.points[i]});
-    }
+  for (Coupled const& c : all) {
+    std::vector<double> heights;
+    for (CouplingPoint const& p : c.coupling.points)
+      heights.push_back(p.flag == CouplingFlag::measured || p.flag == CouplingFlag::not_linear ? c.share(p) : 0);
+    for (std::size_t const i : peaks_of(heights)) rows.push_back({&c, &c.coupling.points[i]});
+  }
   std::stable_sort(rows.begin(), rows.end(), [](CouplingRow const& a, CouplingRow const& b) {
-    return share(*a.from, *a.point) > share(*b.from, *b.point);
+    return a.from->share(*a.point) > b.from->share(*b.point);
   });
   return rows;
 }
@@ -188,7 +126,7 @@ std::string text_of(NoiseCoupling const& o, std::vector<Coupled> const& all) {
     table.rows.push_back({fmt::format("{:g} Hz", p.hz), rows[i].from->coupling.witness, plus_minus(p.factor, p.sigma),
                           fmt::format("{:.3g}", p.witness_ratio), fmt::format("{:.3g}", p.target_ratio),
                           fmt::format("{:.1f}", p.significance), fmt::format("{:.2f}", p.coherence),
-                          fmt::format("{:.2g} %", 100 * share(*rows[i].from, p)),
+                          fmt::format("{:.2g} %", 100 * rows[i].from->share(p)),
                           p.flag == CouplingFlag::not_linear ? "fringe wrapped" : ""});
   }
   text += aligned(table);
@@ -208,8 +146,8 @@ CurveSheet sheet_of(std::vector<Coupled> const& all) {
     CurveColumn h{prefix + "h1", c.coupling.unit, {}, "hidden"},
         sigma{prefix + "h1_sigma", c.coupling.unit, {}, "hidden"};
     for (CouplingPoint const& p : c.coupling.points) {
-      h.values.push_back(std::abs(c.linear.value[line_at(c.quiet, p.hz)]));
-      sigma.values.push_back(c.linear.modulus_sigma[line_at(c.quiet, p.hz)]);
+      h.values.push_back(std::abs(c.linear.value[c.line_at(p.hz)]));
+      sigma.values.push_back(c.linear.modulus_sigma[c.line_at(p.hz)]);
     }
     sheet.y.push_back(std::move(h));
     sheet.y.push_back(std::move(sigma));

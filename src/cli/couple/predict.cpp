@@ -8,12 +8,13 @@
 #include <cmath>
 #include <memory>
 
+#include "analysis/coupling/overlay.hpp"
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "cli/couple/couple_data.hpp"
-#include "cli/couple/overlay.hpp"
 #include "cli/options.hpp"
 #include "noise/project/predicted_coupling.hpp"
+#include "results/results.hpp"
 #include "results/text/columns.hpp"
 #include "scene/expression.hpp"
 #include "session/open_run.hpp"
@@ -146,6 +147,75 @@ nlohmann::json routes_json(PredictedCoupling const& p) {
   return list;
 }
 
+std::string overlay_text(Overlay const& o, std::size_t show) {
+  Columns table{{"frequency", "measured [" + o.unit + "]", "predicted", "measured/predicted", "significance"}, {}, {}};
+  std::size_t const step = std::max<std::size_t>(1, (o.points.size() + show - 1) / std::max<std::size_t>(1, show));
+  for (std::size_t i = 0; i < o.points.size(); i += step) {
+    OverlayPoint const& p = o.points[i];
+    bool const limit = p.measured.flag == CouplingFlag::upper_limit;
+    table.rows.push_back(
+        {fmt::format("{:g} Hz", p.measured.hz),
+         limit ? fmt::format("<= {:.3g}", p.measured.factor) : plus_minus(p.measured.factor, p.measured.sigma),
+         plus_minus(p.predicted, p.predicted_sigma), fmt::format("{}{:.3g}", limit ? "<= " : "", p.ratio),
+         std::isfinite(p.significance) ? fmt::format("{:.1f}", p.significance) : "unknown"});
+  }
+  std::string text = aligned(table);
+  if (o.measured > 0)
+    text += fmt::format("measured over predicted: {} from {}, chi^2 {:.1f} of {}\n",
+                        plus_minus(std::exp(o.mean_ratio), std::exp(o.mean_ratio) * o.mean_sigma),
+                        counted(o.measured, "point"), o.chi_square, o.measured - 1);
+  if (o.above_limit > 0)
+    text += fmt::format("the prediction exceeds {} by three sigma\n", counted(o.above_limit, "measured limit"));
+  return text;
+}
+
+nlohmann::json overlay_json(Overlay const& o) {
+  nlohmann::json points = nlohmann::json::array();
+  for (OverlayPoint const& p : o.points)
+    points.push_back({{"frequency", p.measured.hz},
+                      {"measured", p.measured.factor},
+                      {"measured_sigma", number_or_null(p.measured.sigma)},
+                      {"flag", name_of(p.measured.flag)},
+                      {"predicted", p.predicted},
+                      {"predicted_sigma", p.predicted_sigma},
+                      {"ratio", p.ratio},
+                      {"significance", number_or_null(p.significance)}});
+  return {{"points", points},
+          {"unit", o.unit},
+          {"mean_ratio", number_or_null(o.measured > 0 ? std::exp(o.mean_ratio) : not_a_number)},
+          {"mean_ratio_sigma", number_or_null(std::exp(o.mean_ratio) * o.mean_sigma)},
+          {"chi_square", o.chi_square},
+          {"measured", o.measured},
+          {"above_limit", o.above_limit}};
+}
+
+// Measured points and limits on the axis of the sheet: each in the bin it lies in, the surest of them.
+void add_overlay(CurveSheet& sheet, Overlay const& o) {
+  std::size_t const n = sheet.x.values.size();
+  CurveColumn value{"measured", o.unit, std::vector<double>(n, not_a_number), "points"}, limit = value, sigma = value;
+  limit.name = "measured_limit";
+  limit.style = "upper-limit";
+  sigma.name = "measured_sigma";
+  sigma.style = "hidden";
+  std::vector<double> sure(n, -1);
+  for (OverlayPoint const& p : o.points) {
+    auto const near = std::min_element(sheet.x.values.begin(), sheet.x.values.end(), [&](double a, double b) {
+      return std::fabs(std::log(a / p.measured.hz)) < std::fabs(std::log(b / p.measured.hz));
+    });
+    auto const i = std::size_t(near - sheet.x.values.begin());
+    double const rank = p.measured.flag == CouplingFlag::measured
+                            ? 1 + (std::isfinite(p.measured.sigma) ? p.measured.factor / p.measured.sigma : 0)
+                            : 0;
+    if (rank <= sure[i]) continue;
+    sure[i] = rank;
+    bool const measured = p.measured.flag == CouplingFlag::measured;
+    value.values[i] = measured ? p.measured.factor : not_a_number;
+    sigma.values[i] = measured ? p.measured.sigma : not_a_number;
+    limit.values[i] = measured ? not_a_number : p.measured.factor;
+  }
+  for (CurveColumn const& c : {value, limit, sigma}) sheet.y.push_back(c);
+}
+
 struct Prediction {
   CurveSheet sheet;
   std::string text;
@@ -205,7 +275,8 @@ int run_predict(PredictOptions const& o) {
                 {"unresolved", p.unresolved}};
   add_motion(out, o, file, model, where, grid);
   if (!o.measured.empty()) {
-    Overlay const overlay = overlay_of(read_coupling(o.measured, o.unit, o.witness_unit), p, unit);
+    Overlay const overlay = overlay_of(parse_coupling(read_file(o.measured), o.measured, o.unit, o.witness_unit),
+                                       {grid.edges, p.factor, p.sigma, unit});
     add_overlay(out.sheet, overlay);
     out.text += overlay_text(overlay, o.show);
     out.result["measured"] = overlay_json(overlay);

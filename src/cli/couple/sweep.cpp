@@ -25,30 +25,16 @@ struct SweepOptions {
   std::size_t show = 12;
 };
 
-void convert(std::vector<RidgePoint>& ridge, ToMetres const& m) {
-  for (RidgePoint& p : ridge) {
-    double const f = factor_at(m, p.coupling.hz);
-    p.witness *= f;
-    p.modulus /= f;
-    p.sigma /= f;
-    p.coupling.factor /= f;
-    p.coupling.sigma /= f;
-  }
-}
-
 std::string text_of(CouplingFunction const& c, std::size_t windows, std::size_t show) {
-  std::vector<CouplingPoint> peaks;
+  std::vector<double> heights;
   std::size_t measured = 0, limits = 0;
-  for (std::size_t i = 0; i < c.points.size(); ++i) {
-    auto const height = [&](std::size_t k) {
-      return c.points[k].flag == CouplingFlag::measured ? c.points[k].factor : 0;
-    };
-    measured += c.points[i].flag == CouplingFlag::measured;
-    limits += c.points[i].flag == CouplingFlag::upper_limit;
-    if (height(i) > 0 && (i == 0 || height(i) >= height(i - 1)) &&
-        (i + 1 == c.points.size() || height(i) > height(i + 1)))
-      peaks.push_back(c.points[i]);
+  for (CouplingPoint const& p : c.points) {
+    heights.push_back(p.flag == CouplingFlag::measured ? p.factor : 0);
+    measured += p.flag == CouplingFlag::measured;
+    limits += p.flag == CouplingFlag::upper_limit;
   }
+  std::vector<CouplingPoint> peaks;
+  for (std::size_t const i : peaks_of(heights)) peaks.push_back(c.points[i]);
   std::string text = fmt::format("{}: {}, {} measured, {}\n", c.witness, counted(windows, "window"),
                                  measured == 1 ? "1 frequency" : fmt::format("{} frequencies", measured),
                                  counted(limits, "upper limit"));
@@ -72,7 +58,7 @@ int run_sweep(SweepOptions o) {
   ChannelPair const pair = read_pair(o.pair, span_of(o.data));
   std::vector<RidgePoint> ridge = ridge_coupling(pair.witness, pair.target, o.ridge);
   ToMetres const metres = to_metres(o.pair.displacement, pair.witness.unit);
-  convert(ridge, metres);
+  in_metres(metres, ridge);
   double const resolution =
       o.resolution.empty() ? 2 / o.ridge.window : option_quantity(o.resolution, dim::frequency, "--resolution", "1 Hz");
   TimeSeries witness = pair.witness;

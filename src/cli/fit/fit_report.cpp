@@ -257,8 +257,7 @@ CurveSheet fit_curves(FitAnswer const& a, FringeModel const& model) {
     sheet.notes.push_back(text.substr(at, end - at));
     at = end + 1;
   }
-  sheet.notes.push_back(
-      welch_note(welch_settings, h.rate, before.segments, before.effective_averages, before.noise_bandwidth));
+  sheet.notes.push_back(welch_note(welch_settings, h.rate, before));
   sheet.x = {"frequency", "Hz", {}, "line"};
   std::vector<std::size_t> lines;
   for (std::size_t k = 1; k < before.hz.size(); ++k)

@@ -18,10 +18,10 @@
 #include "base/input/table.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
-#include "cli/library.hpp"
 #include "cli/options.hpp"
 #include "results/route_table/route_columns.hpp"
 #include "session/language.hpp"
+#include "session/library_entries.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 

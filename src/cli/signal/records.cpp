@@ -78,15 +78,13 @@ CurveSheet displacement_asd(RecordOptions const& o, TimeSeries const& s, int tim
   Interval const interval = confidence(spectrum);
   double const factor = parse_unit(s.unit)->si;
   std::string const unit = asd_unit(o.to == "velocity" ? "m/s" : "m");
-  CurveSheet sheet{
-      fmt::format("{} of {}", o.to, o.files[0]),
-      {source_note(s),
-       welch_note(settings, s.rate, spectrum.segments, spectrum.effective_averages, spectrum.noise_bandwidth),
-       fmt::format("ASD/(2 pi f)^{}; low, high: 95 % confidence for Gaussian noise", times)},
-      {"frequency", "Hz", {}},
-      true,
-      true,
-      {{"asd", unit, {}}, {"asd low", unit, {}, "band-low"}, {"asd high", unit, {}, "band-high"}}};
+  CurveSheet sheet{fmt::format("{} of {}", o.to, o.files[0]),
+                   {source_note(s), welch_note(settings, s.rate, spectrum),
+                    fmt::format("ASD/(2 pi f)^{}; low, high: 95 % confidence for Gaussian noise", times)},
+                   {"frequency", "Hz", {}},
+                   true,
+                   true,
+                   {{"asd", unit, {}}, {"asd low", unit, {}, "band-low"}, {"asd high", unit, {}, "band-high"}}};
   for (std::size_t k = 1; k < spectrum.hz.size(); ++k) {
     sheet.x.values.push_back(spectrum.hz[k]);
     for (auto const& [column, psd] : {std::pair{0, spectrum.psd[k]}, {1, interval.low[k]}, {2, interval.high[k]}})

@@ -104,8 +104,7 @@ CurveSheet rms_sheet(RmsOptions const& o, TimeSeries const& s, WelchSpectrum con
                      WelchSettings const& settings, FrequencyBand band, double filtered) {
   constexpr std::size_t most = 200;
   CurveSheet sheet{fmt::format("rms of {} from a frequency to {:g} Hz", o.file, band.high),
-                   {source_note(s), welch_note(settings, s.rate, spectrum.segments, spectrum.effective_averages,
-                                               spectrum.noise_bandwidth)},
+                   {source_note(s), welch_note(settings, s.rate, spectrum)},
                    {"frequency", "Hz", {}},
                    true,
                    true,

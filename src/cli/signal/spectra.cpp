@@ -63,8 +63,7 @@ int psd(SpectrumOptions const& o) {
                        "give both the same --segment and rate, or write two files");
     add_density(o, s, spectrum, sheet);
     sheet.notes.push_back(source_note(s));
-    sheet.notes.push_back(
-        welch_note(settings, s.rate, spectrum.segments, spectrum.effective_averages, spectrum.noise_bandwidth));
+    sheet.notes.push_back(welch_note(settings, s.rate, spectrum));
     nyquist = s.rate / 2;
   }
   sheet.notes.push_back(fmt::format("low, high: {:g} % confidence for Gaussian noise", 100 * o.confidence));
@@ -87,8 +86,7 @@ Pair read_pair(SpectrumOptions const& o) {
   Pair p{both[0], both[1], welch_of(o, both[0]), {}, {}};
   p.spectra = cross_spectra(p.input.samples, p.output.samples, p.input.rate, p.settings);
   p.notes = {"input " + source_note(p.input), "output " + source_note(p.output),
-             welch_note(p.settings, p.input.rate, p.spectra.segments, p.spectra.effective_averages,
-                        p.spectra.noise_bandwidth)};
+             welch_note(p.settings, p.input.rate, p.spectra)};
   if (p.spectra.effective_averages < 2)
     throw InputError("a coherence needs at least two segments; with one it is 1 everywhere",
                      "choose a shorter --segment");

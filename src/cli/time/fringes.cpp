@@ -9,8 +9,9 @@
 #include "cli/commands.hpp"
 #include "cli/data_options.hpp"
 #include "cli/options.hpp"
-#include "cli/time/time_results.hpp"
-#include "noise/time_domain/phase_sum.hpp"
+#include "cli/time/time_options.hpp"
+#include "motion/series_motion.hpp"
+#include "noise/time_domain/time_domain.hpp"
 #include "results/text/columns.hpp"
 #include "spectra/files/gps.hpp"
 
@@ -53,7 +54,7 @@ MotionSeries motion_of(TimeOptions const& o, TimeInputs& in) {
 }
 
 FringePrediction from_run(FringesOptions const& o) {
-  TimeInputs in(o.time);
+  TimeInputs in(request_of(o.time));
   MotionSeries const motion = motion_of(o.time, in);
   FringePrediction p{motion.times, in.coupling().wavelength, {}, std::vector<double>(motion.times.samples)};
   std::vector<std::pair<double, std::uint32_t>> order;  // by coupling
@@ -84,10 +85,8 @@ FringePrediction from_channel(FringesOptions const& o) {
   if (o.wavelength.empty() || o.time.channel.size() != 1)
     throw InputError("without a run, --wavelength and one --channel are needed",
                      "write --wavelength 1064nm --channel FILE::CHANNEL, and --bounces N");
-  double const corner =
-      o.time.corner.empty() ? 0 : option_quantity(o.time.corner, dim::frequency, "--corner", "0.05 Hz");
-  GpsSpan const span = o.time.gps.empty() ? GpsSpan{} : parse_gps(o.time.gps);
-  RecordedMotion const x = as_motion(series_argument(o.time.channel[0], o.time.unit, span), false, corner);
+  TimeRequest const r = request_of(o.time);
+  RecordedMotion const x = channel_motion(series_argument(r.channel[0], r.unit, r.span), false, r.corner.value_or(0));
   MotionSet set;
   set.bodies = {"surface"};
   replace_coordinate(set, BodyId{0}, 2, x);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rows of `paths`: --where, --without, --sort.
+// Rows of the path table by filter and order, and the sums without objects: --where, --sort, --without of `paths`.
 #pragma once
 
 #include <string>
@@ -7,13 +7,12 @@
 
 #include "results/route_table/route_sums.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::results {
 
 struct PathsChoice {
   std::string where, sort;
-  std::string band;                  // of shares and ranks: "10 Hz..100 Hz"; empty: all frequencies
   std::vector<std::string> without;  // patterns of objects
-  bool any() const { return !where.empty() || !sort.empty() || !without.empty() || !band.empty(); }
+  bool any() const { return !where.empty() || !sort.empty() || !without.empty(); }
 };
 
 struct ChosenPaths {
@@ -32,4 +31,4 @@ std::string choice_text(PathsChoice const&, ChosenPaths const&);
 // The same as members "where", "sort", "without" of the JSON text of a table.
 std::string with_choice(std::string const& json, PathsChoice const&, ChosenPaths const&);
 
-}  // namespace straytrace::cli
+}  // namespace straytrace::results

@@ -8,7 +8,7 @@
 
 #include "base/namespaces.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::session {
 
 struct LibraryEntry {
   std::string kind;  // material, medium, part, detector, arm
@@ -22,4 +22,4 @@ struct LibraryEntry {
 
 std::vector<LibraryEntry> library_entries();  // by kind, then as the files have them
 
-}  // namespace straytrace::cli
+}  // namespace straytrace::session

@@ -2,16 +2,12 @@
 // A measured coupling over a predicted one.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include <string>
 #include <vector>
 
 #include "analysis/coupling/coupling.hpp"
-#include "noise/project/predicted_coupling.hpp"
-#include "results/curves/curve_file.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::analysis {
 
 struct OverlayPoint {
   CouplingPoint measured;  // factor and error in the unit of the prediction
@@ -27,12 +23,12 @@ struct Overlay {
   std::size_t measured = 0, above_limit = 0;              // limits that the prediction exceeds by 3 standard deviations
 };
 
-CouplingFunction read_coupling(std::string const& file, std::string const& unit, std::string const& witness_unit);
+// The coupling predicted in bins: value and one standard error; zero where nothing couples.
+struct PredictedCurve {
+  std::vector<double> const &edges, &factor, &sigma;  // Hz; of each bin
+  std::string unit;
+};
 // Throws InputError for another dimension or a coupling that is fringe wrapped all over the band.
-Overlay overlay_of(CouplingFunction const&, PredictedCoupling const&, std::string const& unit);
-std::string overlay_text(Overlay const&, std::size_t show);
-nlohmann::json overlay_json(Overlay const&);
-// Measured points and limits on the axis of the sheet: each in its bin, the most significant one.
-void add_overlay(CurveSheet&, Overlay const&);
+Overlay overlay_of(CouplingFunction const&, PredictedCurve const&);
 
-}  // namespace straytrace::cli
+}  // namespace straytrace::analysis

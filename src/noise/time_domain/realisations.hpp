@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Output of `project`.
+// What realisations of stray light in time amount to: levels of h with their errors beside the mean by spectra, and
+// what the projection leaves out.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "cli/data_options.hpp"
-#include "cli/time/time_inputs.hpp"
-#include "results/curves/curve_file.hpp"
+#include "noise/noise.hpp"
+#include "noise/time_domain/time_domain.hpp"
 #include "spectra/welch.hpp"
 
-namespace straytrace::cli {
-
-struct TimeFiles {
-  std::string strain, asd, spectrogram, motion, stride;
-};
-void check_time_files(TimeFiles const&);  // endings, before anything is computed
+namespace straytrace::noise {
 
 // Welch spectra of one realisation after the other.
 class Realisations {
@@ -40,7 +35,8 @@ struct BandLevel {
   double exact = 0;                         // mean by spectra, NaN outside the band of the run
 };
 
-struct ProjectResult {
+// What a projection in time has made of the chosen routes.
+struct TimeDomainSummary {
   SampleTimes times;
   std::uint64_t seed = 0;
   std::size_t realisations = 0, routes = 0, paths = 0;
@@ -53,29 +49,18 @@ struct ProjectResult {
   double delay_error = 0;              // of h at 100 Hz, relative, at most (eq. 2.6)
   bool retarded = false, recorded = false;
   double band_low = 0, band_high = 0;
-  std::vector<BandLevel> levels;    // at 10, 30, 100 Hz, +- 10 %
-  std::vector<BandLevel> spectrum;  // line by line
-  std::string welch;                // how it was averaged
+  std::vector<BandLevel> levels;            // at 10, 30, 100 Hz, +- 10 %
+  std::vector<BandLevel> spectrum;          // line by line
+  double segment = 0, noise_bandwidth = 0;  // s, Hz: of the Welch spectra
+  std::size_t segments = 0;
 };
 
-TimeSeries strain_series(StrayLight const&);
-ProjectResult project_result(TimeInputs const&, TimeDomainSettings const&, StrayLight const&, Realisations const&);
-std::string project_text(ProjectResult const&);
-std::string project_json(ProjectResult const&);
-// Names of the files.
-std::vector<std::string> write_time_files(TimeFiles const&, TimeInputs const&, StrayLight const&, ProjectResult const&);
+// Of the routes in the settings. `exact`: projected with spectra of the same motion; `light`: the first realisation.
+TimeDomainSummary summarise(CouplingTable const&, MotionSet const&, NoiseBudget const& exact, TimeDomainSettings const&,
+                            StrayLight const& light, Realisations const&);
 
-// Welch spectra stride by stride, half overlapping; ASD of the lines from low to high [Hz].
-MapSheet spectrogram_of(TimeSeries const&, double stride, double low, double high);
+TimeSeries strain_series(StrayLight const&);
 // "tube z": every coordinate that moves.
 std::vector<TimeSeries> motion_channels(MotionSeries const&, MotionSet const&);
 
-// `straytrace project COUPLING.csv`: a measured coupling times a quiet witness.
-struct CouplingProjectionOptions {
-  std::string coupling, coupling_unit, witness, target, asd;
-  DataOptions data;
-};
-
-int project_measured_coupling(CouplingProjectionOptions const&);
-
-}  // namespace straytrace::cli
+}  // namespace straytrace::noise

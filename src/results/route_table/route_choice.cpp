@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "results/route_table/route_choice.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "base/errors.hpp"
+#include "base/text/words.hpp"
+#include "results/route_table/route_filter.hpp"
+
+namespace straytrace::results {
+
+namespace {
+
+// Rows of routes that pass an object; a pattern that no object has is a problem, since nothing would be left out.
+std::vector<std::size_t> passing(std::vector<std::string> const& patterns, PathTable const& table,
+                                 std::vector<InputError>& errors) {
+  std::set<std::size_t> rows;
+  std::set<std::string> names;
+  for (std::string const& pattern : patterns) {
+    bool found = false;
+    for (std::size_t i = 0; i < table.rows.size(); ++i)
+      for (std::string const& object : objects_of(table.rows[i].sequence)) {
+        names.insert(object);
+        if (!matches(pattern, object)) continue;
+        rows.insert(i);
+        found = true;
+      }
+    if (found) continue;
+    std::vector<std::string> const all(names.begin(), names.end());
+    std::string const near = nearest_word(pattern, all);
+    errors.emplace_back(fmt::format("--without: no route passes '{}'", pattern),
+                        near.empty() ? "objects of routes are " + fmt::format("{}", fmt::join(all, ", "))
+                                     : "did you mean '" + near + "'?");
+  }
+  return {rows.begin(), rows.end()};
+}
+
+void collect(std::string const& option, std::string const& text, FilterAnswer const& answer,
+             std::vector<InputError>& errors) {
+  for (FilterProblem const& p : answer.problems) errors.push_back(error_in_filter(option, text, p));
+}
+
+nlohmann::ordered_json json_of(WithError const& x) {
+  if (std::isnan(x.value)) return nullptr;
+  nlohmann::ordered_json j{{"value", x.value}, {"sigma", x.sigma}};
+  if (x.at_most) j["at_most"] = true;
+  return j;
+}
+
+std::string number_of(WithError const& x) { return std::isnan(x.value) ? "unresolved" : with_brackets(x); }
+
+std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
+  std::string text = fmt::format("Without {} ({} route{} left out):\n", fmt::join(choice.without, " and "),
+                                 chosen.left_out, chosen.left_out == 1 ? "" : "s");
+  for (StrainWithout const& s : chosen.strain) {
+    text += fmt::format("  h({:g} Hz) ", s.hz);
+    text += std::isnan(s.after.value) ? "not resolved: no resolved route that is left makes noise there"
+                                      : fmt::format("{}, factor {}", number_of(s.after), number_of(s.factor));
+    text += fmt::format("; before {} 1/sqrt(Hz)\n", number_of(s.before));
+  }
+  if (chosen.strain.empty())
+    text += fmt::format("  sum of couplings {}, before {}\n", number_of(chosen.all.total_coupling),
+                        number_of(chosen.coupling_before));
+  bool const others =
+      std::any_of(chosen.all.rows.begin(), chosen.all.rows.end(), [](PathRow const& row) { return row.vertices == 0; });
+  if (others) text += "  Rows 'other' stay in the sums: some of the routes they hold may pass there as well.\n";
+  if (chosen.all.lower_bound())
+    text += "  lower bounds: of unresolved routes the sums hold what was seen, with an error as large\n";
+  return text + "  What their light would do instead is not traced: for that take the object out of the scene.\n";
+}
+
+}  // namespace
+
+ChosenPaths choose_paths(PathsChoice const& choice, PathTable const& table, CouplingTable const& coupling,
+                         NoiseBudget const* budget) {
+  std::vector<InputError> errors;
+  ChosenPaths chosen{table, {}, {}, 0, table.total_coupling, {}};
+  std::vector<std::size_t> const out = passing(choice.without, table, errors);
+  if (!out.empty()) {
+    Without without = without_rows(table, out, coupling, budget);
+    chosen.all = std::move(without.rest);
+    chosen.strain = std::move(without.strain);
+    chosen.left_out = out.size();
+  }
+  RouteColumns columns(chosen.all, budget);
+  FilterAnswer answer = filtered(choice.where, columns);
+  collect("--where", choice.where, answer, errors);
+  chosen.notes = answer.notes;
+  if (!choice.sort.empty()) {
+    answer = sorted_by(choice.sort, answer.rows, columns);
+    collect("--sort", choice.sort, answer, errors);
+  }
+  throw_all(errors);
+  chosen.shown = part_of(chosen.all, answer.rows);
+  return chosen;
+}
+
+std::string choice_text(PathsChoice const& choice, ChosenPaths const& chosen) {
+  std::string text = choice.without.empty() ? "" : without_text(choice, chosen);
+  if (!choice.where.empty())
+    text += fmt::format("{} of {} routes: {}\n", chosen.shown.rows.size(), chosen.all.rows.size(), choice.where);
+  if (!choice.sort.empty()) text += "Sorted by " + choice.sort + "\n";
+  for (std::string const& note : chosen.notes) text += "note: " + note + "\n";
+  return text;
+}
+
+std::string with_choice(std::string const& json, PathsChoice const& choice, ChosenPaths const& chosen) {
+  auto j = nlohmann::ordered_json::parse(json);
+  if (!choice.where.empty()) j["where"] = choice.where;
+  if (!choice.sort.empty()) j["sort"] = choice.sort;
+  j["notes"] = chosen.notes;
+  if (!choice.without.empty()) {
+    auto strain = nlohmann::ordered_json::array();
+    for (StrainWithout const& s : chosen.strain)
+      strain.push_back({{"frequency_Hz", s.hz},
+                        {"before", json_of(s.before)},
+                        {"after", json_of(s.after)},
+                        {"factor", json_of(s.factor)}});
+    j["without"] = {{"objects", choice.without}, {"routes", chosen.left_out}, {"strain", strain}};
+  }
+  return j.dump(2) + "\n";
+}
+
+}  // namespace straytrace::results
