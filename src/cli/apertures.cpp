@@ -132,29 +132,9 @@ double checked_distance(Named const& n, AperturesOptions const& wanted) {
   return z;
 }
 
-// Where the phase error of the paraxial wave from the rim, k r^4/(8 z^3), is 1 rad.
-double paraxial_beyond(BeamAperture const& a) {
-  return std::cbrt(2 * pi / a.at.wavelength * std::pow(a.opening.radius, 4) / 8);
-}
-
-// Intensity across the beam behind the rim, and the same without it, over that on the axis in the plane of the rim.
 void print_profile(Named const& n, AperturesOptions const& wanted, bool json) {
   double const z = checked_distance(n, wanted);
-  BeamInPlane const& beam = n.aperture.at;
-  double const size = 1 / std::abs(free_field(beam, z, 0, 0));  // w there over w at the rim
-  double const reach = 2 * beam.w * size;
-  std::vector<double> x, with, without;
-  for (std::size_t i = 0; i < wanted.points; ++i) {
-    x.push_back(reach * (2 * double(i) / double(wanted.points - 1) - 1));
-    try {
-      with.push_back(std::norm(field_behind(beam, n.aperture.opening, z, x.back(), 0)));
-    } catch (NumericalError const&) {
-      throw NumericalError(fmt::format(
-          "the field {:g} m behind '{}' at x = {:g} m cannot be integrated to 1e-3\n  choose a larger distance", z,
-          n.name, x.back()));
-    }
-    without.push_back(std::norm(free_field(beam, z, x.back(), 0)));
-  }
+  auto const [x, with, without] = profile_behind(n.aperture, n.name, z, wanted.points);
   if (json) {
     nlohmann::ordered_json out = json_of(n);
     out["distance_m"] = z;

@@ -7,65 +7,12 @@
 #include <cmath>
 
 #include "base/errors.hpp"
-#include "spectra/integration.hpp"
+#include "results/results.hpp"
 
 namespace straytrace::cli {
 namespace {
 
 constexpr double clock_range = 0.25;  // s, to either side: unsynchronised clocks
-
-TimeSeries as_strain(TimeSeries x) {
-  auto const unit = parse_unit(x.unit);
-  if (!unit || unit->dimension != dim::plain)
-    throw InputError(fmt::format("--target: '{}' is in '{}', not a plain number", x.name, x.unit),
-                     "give the unit with --target-unit");
-  for (double& v : x.samples) v = to_si(v, *unit);
-  x.unit = "1";
-  return x;
-}
-
-struct MotionKind {
-  bool rotation = false;
-  int integrations = 0;  // to m or rad
-};
-
-MotionKind kind_of(TimeSeries const& x, std::string const& option) {
-  auto const unit = parse_unit(x.unit);
-  for (bool const rotation : {false, true})
-    for (int times = 0; unit && times <= 2; ++times) {
-      auto const reached = straytrace::times(unit->dimension, *power_of(dim::time, times));
-      if (reached && *reached == (rotation ? dim::angle : dim::length)) return {rotation, times};
-    }
-  throw InputError(
-      fmt::format("{}: '{}' is in '{}', which is not a unit of motion", option, x.name, x.unit),
-      fmt::format("give m or rad, or one of them per s or s^2; set the unit with {}-unit, of counts the calibration: "
-                  "what one is: \"2e-6 m/s^2\"",
-                  option));
-}
-
-// Adds displacement [m] or angle [rad].
-void add_motion(FringeRecords& records, TimeSeries x, FitOptions const& o, std::string const& option) {
-  double unseen = 0;
-  MotionKind const kind = kind_of(x, option);
-  if (kind.integrations == 0) {
-    if (!o.corner.empty())
-      throw InputError(fmt::format("--corner: '{}' is in {} and is not integrated", x.name, x.unit),
-                       "remove the option");
-    auto const unit = parse_unit(x.unit);
-    for (double& v : x.samples) v = to_si(v, *unit);
-  } else {
-    if (o.corner.empty())
-      throw InputError(
-          fmt::format("{}: '{}' is in {} and needs a high pass for its integration", option, x.name, x.unit),
-          "write --corner \"0.05 Hz\", below all motion that causes fringes");
-    double const corner = option_quantity(o.corner, dim::frequency, "--corner", "0.05 Hz");
-    unseen = rms_below(x, kind.integrations, corner);
-    x = settled(integrated(x, kind.integrations, corner), corner);
-  }
-  x.unit = kind.rotation ? "rad" : "m";
-  records.witnesses.push_back(std::move(x));
-  records.unseen.push_back(unseen);
-}
 
 bool is_free(FitOptions const& o, char const* name) {
   return std::find(o.free.begin(), o.free.end(), name) != o.free.end();
@@ -76,13 +23,6 @@ SearchRange range_or(FitOptions const& o, std::string const& text, Dimension dim
                      std::string const& example, SearchRange when_free, double fixed) {
   if (!text.empty()) return option_range(text, dimension, fmt::format("--{}", name), example);
   return is_free(o, name) ? when_free : SearchRange{fixed, fixed};
-}
-
-// 0.5 to 6, as far as the sample rate holds the fringes (eq. 7.13); the result states the upper end.
-SearchRange default_multiplicity(FringeRecords const& r, FringeFitSettings const& s) {
-  double const single = 2 * fastest_motion(r, std::max(std::fabs(s.ratio.low), std::fabs(s.ratio.high))) / s.wavelength;
-  double const most = 0.99 * r.target.rate / (2.2 * single);
-  return {0.5, most > 1 ? std::min(6.0, most) : 6.0};
 }
 
 SearchRange multiplicity_of(FitOptions const& o, RoutePrediction const* route, FringeRecords const& records,
@@ -97,7 +37,7 @@ SearchRange multiplicity_of(FitOptions const& o, RoutePrediction const* route, F
   if (is_rotation(records))
     throw InputError("--multiplicity is missing: for an angle it is a lever arm, which has no default range",
                      "write --multiplicity \"1 mm..5 cm\", or give the run and --path");
-  return default_multiplicity(records, s);
+  return usual_multiplicity(records, s);
 }
 
 double option_share(std::string const& text, std::string const& option, std::string const& example) {
@@ -105,6 +45,17 @@ double option_share(std::string const& text, std::string const& option, std::str
   if (share > 0 && share <= 1) return share;
   throw InputError(fmt::format("{}: '{}' is not between 0 and 1", option, text),
                    fmt::format("write {} \"{}\"", option, example));
+}
+
+// m: of the run, of --wavelength, or 1064 nm.
+double wavelength_of(FitOptions const& o) {
+  double const run = o.prediction.run.empty() ? 0 : read_run(o.prediction.run).trace.coupling.wavelength;
+  if (o.wavelength.empty()) return run > 0 ? run : 1064e-9;
+  double const said = option_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
+  if (!(said > 0)) throw InputError("--wavelength: it is positive", "write --wavelength \"1064 nm\"");
+  if (run > 0 && std::fabs(said / run - 1) > 1e-9)
+    throw InputError(fmt::format("--wavelength: the run has {:g} nm", run * 1e9), "leave the option out");
+  return said;
 }
 
 }  // namespace
@@ -123,16 +74,6 @@ SearchRange option_range(std::string const& text, Dimension dimension, std::stri
                    fmt::format("write {} \"{}\"", option, example));
 }
 
-double wavelength_of(FitOptions const& o) {
-  double const run = o.run.empty() ? 0 : wavelength_of_run(o);
-  if (o.wavelength.empty()) return run > 0 ? run : 1064e-9;
-  double const said = option_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
-  if (!(said > 0)) throw InputError("--wavelength must be positive", "write --wavelength \"1064 nm\"");
-  if (run > 0 && std::fabs(said / run - 1) > 1e-9)
-    throw InputError(fmt::format("--wavelength: the run has {:g} nm", run * 1e9), "remove the option");
-  return said;
-}
-
 FringeRecords records_of(FitOptions const& o) {
   if (o.target.empty() || o.witness.empty())
     throw InputError("a fit needs --target, the record with the noise, and --witness, the motion",
@@ -140,20 +81,19 @@ FringeRecords records_of(FitOptions const& o) {
   GpsSpan const span = span_of(o.data);
   FringeRecords records;
   records.target = series_argument(o.target, o.target_unit, span);
-  if (!o.run.empty() || !o.gain.empty()) records.target = as_strain(std::move(records.target));
-  // Witnesses may extend beyond the span of the target, for delays.
-  add_motion(records, series_argument(o.witness, o.witness_unit, span), o, "--witness");
-  if (!o.witness2.empty()) add_motion(records, series_argument(o.witness2, o.witness2_unit, span), o, "--witness2");
+  if (!o.prediction.run.empty() || !o.gain.empty()) records.target = as_strain(std::move(records.target));
+  std::optional<double> corner;
+  if (!o.corner.empty()) corner = option_quantity(o.corner, dim::frequency, "--corner", "0.05 Hz");
+  // Beyond the span of the target witnesses are welcome: delays reach there.
+  add_witness(records, series_argument(o.witness, o.witness_unit, span), corner, "--witness");
+  if (!o.witness2.empty())
+    add_witness(records, series_argument(o.witness2, o.witness2_unit, span), corner, "--witness2");
   if (records.witnesses.front().unit != records.witnesses.back().unit)
     throw InputError("--witness2: one witness is an angle and the other a displacement", "give two of one kind");
   if (o.witness2.empty() && (!o.ratio.empty() || is_free(o, "ratio")))
     throw InputError("--ratio: there is no second witness", "give it with --witness2");
   return records;
 }
-
-bool is_rotation(FringeRecords const& r) { return r.witnesses.front().unit == "rad"; }
-Dimension multiplicity_dimension(FringeRecords const& r) { return is_rotation(r) ? dim::length : dim::plain; }
-std::string multiplicity_unit(FringeRecords const& r) { return is_rotation(r) ? "m" : ""; }
 
 FitGround ground_of(FitOptions const& o, FringeRecords const& records) {
   if (o.data.band.empty()) throw InputError("--band is missing", "write --band \"20 Hz..80 Hz\"");

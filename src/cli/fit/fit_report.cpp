@@ -8,12 +8,9 @@
 #include <cmath>
 
 #include "base/errors.hpp"
-#include "base/math/constants.hpp"
-#include "noise/bands/speckle_band.hpp"
 #include "results/results.hpp"
 #include "spectra/files/gps.hpp"
 #include "spectra/files/unit_text.hpp"
-#include "spectra/series.hpp"
 
 namespace straytrace::cli {
 namespace {
@@ -75,7 +72,7 @@ std::string path_text(FitAnswer const& a, std::size_t i) {
   out += line("static phase", value_text(p.phase, "rad"));
   SearchRange const& searched = a.settings.paths[i].multiplicity;
   std::string const w_unit = multiplicity_unit(a.records);
-  Fitted const peak = effective_peak(a, i);
+  Fitted const peak = effective_peak(a.records, a.fit, i);
   out +=
       line("multiplicity W",
            value_text(p.multiplicity, w_unit.c_str()) +
@@ -84,36 +81,13 @@ std::string path_text(FitAnswer const& a, std::size_t i) {
                                               peak.sigma > 0 ? with_error(1e6 * peak.value, 1e6 * peak.sigma)
                                                              : fmt::format("{:.4g}", 1e6 * peak.value),
                                               2e6 * peak.value));
-  out += unseen_text(unseen_phase(a, i));
+  out += unseen_text(unseen_phase(a.records, a.fit, a.settings.wavelength, i));
   if (p.delay.sigma > 0) out += line("delay", value_text(scaled(p.delay, 1e3), "ms"));
   if (p.drift.sigma > 0) out += line("drift of the phase", value_text(p.drift, "rad/s"));
   out += line("chi^2 gained",
               fmt::format("{:.1f}; probability in noise alone: {}", p.gain, chance_text(p.ln_false_alarm)));
   if (!a.routes.empty()) out += prediction_text(p, a.routes[i]);
   return out;
-}
-
-// Half the range of x_1 - ratio x_2.
-double half_range(FringeRecords const& r, double ratio) {
-  double low = infinity, high = -infinity;
-  TimeSeries const& x = r.witnesses[0];
-  bool const two = r.witnesses.size() > 1;
-  std::vector<double> second;
-  if (two) second = interpolated(r.witnesses[1], x.start, x.rate, x.samples.size());
-  for (std::size_t i = 0; i < x.samples.size(); ++i) {
-    double const u = x.samples[i] - (two ? ratio * second[i] : 0);
-    low = std::min(low, u);
-    high = std::max(high, u);
-  }
-  return (high - low) / 2;
-}
-
-double correlation_of(FringeFit const& fit, std::string const& a, std::string const& b) {
-  auto const at = [&](std::string const& name) {
-    return std::size_t(std::find(fit.names.begin(), fit.names.end(), name) - fit.names.begin());
-  };
-  std::size_t const n = fit.names.size();
-  return at(a) < n && at(b) < n ? fit.correlation[at(a) * n + at(b)] : 0;
 }
 
 std::string test_text(FringeFit const& fit, double false_alarm) {
@@ -180,32 +154,6 @@ std::string verdict_text(FitOutcome v) {
   return {};
 }
 
-AgainstPrediction against(FittedPath const& p, RoutePrediction const& r) {
-  double const f = p.amplitude.value;
-  AgainstPrediction a;
-  a.fraction = {f * f, 2 * f * p.amplitude.sigma};
-  a.ratio.value = a.fraction.value / r.coupling;
-  a.ratio.sigma = a.ratio.value * std::hypot(a.fraction.sigma / a.fraction.value, r.sigma / r.coupling);
-  if (!r.speckle) return a;
-  a.low = speckle_percentile(0.05);
-  a.high = speckle_percentile(0.95);
-  a.within = a.ratio.value + 2 * a.ratio.sigma > a.low && a.ratio.value - 2 * a.ratio.sigma < a.high;
-  return a;
-}
-
-Fitted effective_peak(FitAnswer const& a, std::size_t path) {
-  Fitted const w = a.fit.paths[path].multiplicity, ratio = a.fit.ratio;
-  double const half = half_range(a.records, ratio.value);
-  double const step = 1e-3 * std::max(1.0, std::fabs(ratio.value));
-  double const of_ratio =
-      (half_range(a.records, ratio.value + step) - half_range(a.records, ratio.value - step)) / (2 * step);
-  double const from_w = half * w.sigma * (w.value < 0 ? -1 : 1),
-               from_ratio = std::fabs(w.value) * of_ratio * ratio.sigma;
-  double const both =
-      2 * correlation_of(a.fit, fmt::format("multiplicity {}", path + 1), "ratio") * from_w * from_ratio;
-  return {std::fabs(w.value) * half, std::sqrt(std::max(0.0, from_w * from_w + from_ratio * from_ratio + both))};
-}
-
 std::string fit_text(FitAnswer const& a) {
   FringeFit const& fit = a.fit;
   std::string witness = a.records.witnesses[0].name;
@@ -221,12 +169,6 @@ std::string fit_text(FitAnswer const& a) {
   out += fmt::format("fringes up to {:.1f} Hz\n", fit.highest_fringe);
   out += fmt::format("fitted: chi^2 {:.1f} -> {:.1f} ({:.0f} expected)\n", fit.without, fit.with, fit.degrees);
   return out + clock_text(a) + test_text(fit, a.settings.false_alarm) + correlations_text(fit);
-}
-
-double unseen_phase(FitAnswer const& a, std::size_t path) {
-  double const first = a.records.unseen[0],
-               second = a.records.unseen.size() > 1 ? a.fit.ratio.value * a.records.unseen[1] : 0;
-  return 4 * pi / a.settings.wavelength * std::fabs(a.fit.paths[path].multiplicity.value) * std::hypot(first, second);
 }
 
 TimeSeries subtracted(FitAnswer const& a, FringeModel const& model) {
@@ -314,7 +256,7 @@ nlohmann::json prediction_json(FittedPath const& p, RoutePrediction const& r) {
 
 nlohmann::json path_json(FitAnswer const& a, std::size_t i) {
   FittedPath const& p = a.fit.paths[i];
-  Fitted const peak = effective_peak(a, i);
+  Fitted const peak = effective_peak(a.records, a.fit, i);
   nlohmann::json j{{"name", p.name},
                    {"static_phase_rad", number(p.phase)},
                    {"multiplicity", number(p.multiplicity)},
@@ -322,7 +264,7 @@ nlohmann::json path_json(FitAnswer const& a, std::size_t i) {
                    {"drift_rad_per_s", number(p.drift)},
                    {"effective_motion_peak_m", peak.value},
                    {"effective_motion_peak_sigma_m", peak.sigma},
-                   {"unseen_phase_rad", unseen_phase(a, i)},
+                   {"unseen_phase_rad", unseen_phase(a.records, a.fit, a.settings.wavelength, i)},
                    {"chi2_gained", p.gain},
                    {"ln_false_alarm", p.ln_false_alarm}};
   if (a.field) {

@@ -19,21 +19,7 @@ struct FitAnswer {
   bool field = false;  // amplitudes are relative fields, sqrt(f_r); otherwise in units of the target
 };
 
-// Measured recoupled fraction over the predicted mean, and whether one speckle explains it.
-struct AgainstPrediction {
-  Fitted fraction, ratio;
-  double low = 0, high = 0;  // of the ratio, 5 and 95 % of one speckle (eq. 10.2); 0, 0: no speckle
-  bool within = false;       // with two standard errors of the ratio
-};
-AgainstPrediction against(FittedPath const&, RoutePrediction const&);
-
 std::string verdict_text(FitOutcome);  // "fringe noise found: it predicts the rest of the record"
-// Largest excursion of W (x_1 - ratio x_2) of a path from the middle of its range, m: a peak amplitude. Its error is
-// that of W and ratio together.
-Fitted effective_peak(FitAnswer const&, std::size_t path);
-// rad rms of the phase of a path right below --corner, which the integrated witnesses lack but the light senses:
-// amplitudes come out low by exp(-phase^2/2). NaN where the record is too short to tell.
-double unseen_phase(FitAnswer const&, std::size_t path);
 std::string fit_text(FitAnswer const&);
 nlohmann::json fit_json(FitAnswer const&);
 // ASD of the target, of the fitted noise and, where the outcome allows, of the residual.

@@ -20,6 +20,7 @@
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/route_table/route_columns.hpp"
+#include "results/route_table/route_sums.hpp"
 #include "session/language.hpp"
 #include "session/library_entries.hpp"
 #include "session/open_run.hpp"
@@ -389,13 +390,6 @@ std::size_t bin_at(FrequencyGrid const& grid, double hz) {
   return std::size_t(above - grid.edges.begin()) - 1;
 }
 
-CouplingClass const& class_of(CouplingTable const& table, PathRow const& row, std::size_t& index) {
-  for (index = 0; index < table.classes.size(); ++index)
-    if (table.classes[index].hash == row.hash && table.ports[table.classes[index].port.value] == row.port)
-      return table.classes[index];
-  throw InputError("the run has no class of this path", "trace it again");
-}
-
 std::vector<Factor> chain(CouplingClass const& c, NoiseTrace const& trace, PathRow const& row,
                           Interferometer const& ifo, double centre, std::size_t bin) {
   double const phase = std::abs(ifo.strain_per_phase(c.port, centre)),
@@ -428,8 +422,8 @@ Explanation explain_strain(std::string const& run_file, std::size_t path, double
     throw InputError(fmt::format("the run has no path {}; it has {}", path, paths.rows.size()),
                      fmt::format("see straytrace paths {}", run_file));
   PathRow const& row = paths.rows[path - 1];
-  std::size_t index = 0, bin = bin_at(budget.grid, hz);
-  CouplingClass const& c = class_of(table, row, index);
+  std::size_t const index = class_of(table, row), bin = bin_at(budget.grid, hz);
+  CouplingClass const& c = table.classes[index];
   NoiseTrace const& trace = budget.routes[index];
   double const centre = budget.grid.centre(bin);
   Explanation a;

@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "motion/axis_motion.hpp"
 #include "spectra/shapes.hpp"
 
 namespace straytrace::noise {
@@ -205,6 +206,50 @@ std::vector<std::complex<double>> MotionDirections::to_inputs(FrequencyGrid cons
     out.push_back(factor);
   }
   return out;
+}
+
+namespace {
+
+CoordinateMotion coordinate_motion(MotionSet const& motion, std::vector<MotionClass> const& classes, std::uint32_t body,
+                                   int axis, std::span<double const> from) {
+  PhaseSensitivity phase_sensitivity{BodyId{body}, {}};
+  phase_sensitivity.d[axis] = 1;
+  bool const mode = motion.bodies[body].find('/') != std::string::npos;
+  CoordinateMotion row{motion.bodies[body], mode ? "q" : std::string(axis_names[axis]), axis < 3 ? "m" : "rad"};
+  row.kappa = kappa_of(motion, classes, {&phase_sensitivity, 1});
+  double total = 0, rate = 0;
+  row.above.resize(from.size());
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    MotionClass const& of = classes[c];
+    double const k = row.kappa[c], tone = of.tone_frequency;
+    if (of.drift) row.drift = std::sqrt(k);
+    total += k * of.variance();
+    rate += tone > 0 ? k / 2 * std::pow(2 * pi * tone, 2) : k * of.reference.rate_power(infinity);
+    for (std::size_t b = 0; b < from.size(); ++b)
+      row.above[b] += tone > 0 ? (tone >= from[b] ? k / 2 : 0) : k * of.reference.power(from[b], infinity);
+  }
+  row.rms = std::sqrt(std::max(0.0, total));
+  row.rate = std::sqrt(std::max(0.0, rate));
+  for (double& power : row.above) power = std::sqrt(std::max(0.0, power));
+  return row;
+}
+
+}  // namespace
+
+double CoordinateMotion::asd(std::vector<MotionClass> const& classes, double hz) const {
+  double psd = 0;
+  for (std::size_t c = 0; c < classes.size(); ++c) psd += kappa[c] * classes[c].reference.at(hz);
+  return std::sqrt(std::max(0.0, psd));
+}
+
+std::vector<CoordinateMotion> coordinate_motions(MotionSet const& motion, std::vector<MotionClass> const& classes,
+                                                 std::span<double const> above) {
+  std::vector<CoordinateMotion> all;
+  for (std::uint32_t body = 0; body < motion.bodies.size(); ++body)
+    for (int axis = 0; axis < 6; ++axis)
+      if (CoordinateMotion row = coordinate_motion(motion, classes, body, axis, above); row.moves())
+        all.push_back(std::move(row));
+  return all;
 }
 
 }  // namespace straytrace::noise

@@ -6,6 +6,7 @@
 #include <complex>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -94,5 +95,19 @@ class MotionDirections {
   std::vector<Column> columns_;
   std::vector<std::vector<Entry>> of_body_;
 };
+
+// What one coordinate of one body does: as the phase of a phase sensitivity of 1 on it alone.
+struct CoordinateMotion {
+  std::string body, axis, unit;         // unit: m or rad
+  double rms = 0, rate = 0, drift = 0;  // m, m/s, m/s (rad); random motion and tones
+  std::vector<double> above = {};       // rms above each of the frequencies
+  std::vector<double> kappa = {};       // of each class
+
+  bool moves() const { return rms > 0 || drift != 0; }
+  double asd(std::vector<MotionClass> const&, double hz) const;  // without tones and drifts
+};
+// Of all coordinates that move. `above`: frequencies [Hz].
+std::vector<CoordinateMotion> coordinate_motions(MotionSet const&, std::vector<MotionClass> const&,
+                                                 std::span<double const> above);
 
 }  // namespace straytrace::noise

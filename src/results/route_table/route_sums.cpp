@@ -8,6 +8,7 @@
 #include <numeric>
 #include <set>
 
+#include "base/errors.hpp"
 #include "results/curves/band.hpp"
 
 namespace straytrace::results {
@@ -199,6 +200,12 @@ std::string merit_text(std::vector<Merit> const& all, std::size_t routes) {
     text += fmt::format("figure of merit  {:8.2g} /s  {}\n", m.value, m.what);
   }
   return text;
+}
+
+std::size_t class_of(CouplingTable const& table, PathRow const& row) {
+  for (std::size_t i = 0; i < table.classes.size(); ++i)
+    if (table.classes[i].hash == row.hash && table.ports[table.classes[i].port.value] == row.port) return i;
+  throw InputError("the run file does not hold the route that its path table names", "make the run again");
 }
 
 }  // namespace straytrace::results

@@ -32,6 +32,9 @@ struct Without {
 Without without_rows(PathTable const&, std::vector<std::size_t> const& left_out, CouplingTable const&,
                      NoiseBudget const*);
 
+// Position of the route of a row among the classes; InputError when the table does not have it.
+std::size_t class_of(CouplingTable const&, PathRow const&);
+
 // Sum line and lines `further routes` are about the rows of `part`, shares are of `all`.
 std::string path_text(PathTable const& part, std::size_t show, PathTable const& all);
 

@@ -2,11 +2,13 @@
 #include "world/ghosts/apertures.hpp"
 
 #include <boost/math/quadrature/gauss.hpp>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/errors.hpp"
 #include "beams/aperture.hpp"
 #include "world/ghosts/beam_tree.hpp"
 #include "world/ghosts/obstacle.hpp"
@@ -282,6 +284,28 @@ std::vector<BeamAperture> apertures_of(World const& world) {
   }
   std::stable_sort(all.begin(), all.end(), [](auto const& a, auto const& b) { return a.beam < b.beam; });
   return all;
+}
+
+double paraxial_beyond(BeamAperture const& a) {
+  return std::cbrt(2 * pi / a.at.wavelength * std::pow(a.opening.radius, 4) / 8);
+}
+
+ApertureProfile profile_behind(BeamAperture const& a, std::string const& name, double z, std::size_t points) {
+  double const size = 1 / std::abs(free_field(a.at, z, 0, 0));  // w there over w at the rim
+  double const reach = 2 * a.at.w * size;
+  ApertureProfile out;
+  for (std::size_t i = 0; i < points; ++i) {
+    double const x = reach * (2 * double(i) / double(points - 1) - 1);
+    out.x.push_back(x);
+    try {
+      out.with.push_back(std::norm(field_behind(a.at, a.opening, z, x, 0)));
+    } catch (NumericalError const&) {
+      throw NumericalError(fmt::format(
+          "the field {:g} m behind '{}' at x = {:g} m cannot be integrated to 1e-3\n  go farther away", z, name, x));
+    }
+    out.without.push_back(std::norm(free_field(a.at, z, x, 0)));
+  }
+  return out;
 }
 
 std::vector<MainLoss> main_losses(World const& world, double least) {

@@ -32,6 +32,16 @@ struct BeamAperture {
 // Beam by beam, in the order along each.
 std::vector<BeamAperture> apertures_of(World const&);
 
+// Where the phase that the paraxial approximation leaves out of the wave from the rim, k r^4/(8 z^3), is 1 rad; m.
+double paraxial_beyond(BeamAperture const&);
+
+// Intensity across the beam at a distance [m] behind a rim that is `across`, with and without it, over that on the axis
+// in the plane of the rim. Out to twice the radius of the beam; `name` of the rim, for errors.
+struct ApertureProfile {
+  std::vector<double> x, with, without;  // m
+};
+ApertureProfile profile_behind(BeamAperture const&, std::string const& name, double distance, std::size_t points);
+
 // Where the main beam loses more than the share `least` of its remaining power, down to a tenth of the launched power,
 // or of the power that the mirror of a cavity transmits.
 struct MainLoss {

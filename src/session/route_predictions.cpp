@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Predictions of a run for the routes of its path table: coupling, fringes per metre of a body, response of the port.
+#include "session/route_predictions.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "base/errors.hpp"
-#include "cli/fit/fit_options.hpp"
+#include "motion/axis_motion.hpp"
+#include "noise/bands/speckle_band.hpp"
+#include "results/route_table/route_sums.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::session {
 namespace {
 
-constexpr std::array<char const*, 6> axis_names{"x", "y", "z", "rx", "ry", "rz"};
-
-// Weighted sums over the paths of a route: phase per metre of a body along each axis, and per radian about it.
+// Weighted sums over the paths of a route: how the phase turns per metre of a body along each axis, and per
+// radian about it.
 struct PhaseSensitivities {
   double weight = 0;
   std::array<double, 6> sum{}, square{};
@@ -49,7 +52,7 @@ std::size_t axis_of(std::string const& asked, PhaseSensitivities const& phase_se
   std::size_t const first = rotation ? 3 : 0;
   auto const from = phase_sensitivities.square.begin() + std::ptrdiff_t(first);
   if (asked.empty()) return first + std::size_t(std::max_element(from, from + 3) - from);
-  auto const a = std::size_t(std::find(axis_names.begin(), axis_names.end(), asked) - axis_names.begin());
+  auto const a = std::size_t(std::find(std::begin(axis_names), std::end(axis_names), asked) - std::begin(axis_names));
   if ((a > 2) == rotation) return a;
   throw InputError(fmt::format("--axis: {} is {}, and the witness measures {}", asked,
                                rotation ? "a direction" : "a rotation", rotation ? "an angle" : "a displacement"),
@@ -72,18 +75,9 @@ void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingC
   p.spread = std::sqrt(std::max(0.0, rms * rms - mean * mean)) / two_k;
 }
 
-CouplingClass const& class_of(CouplingTable const& table, std::uint64_t hash, std::string const& port) {
-  for (CouplingClass const& c : table.classes)
-    if (c.hash == hash && table.ports[c.port.value] == port) return c;
-  throw InputError("the run file lacks a route of its path table", "repeat the run");
-}
-
 }  // namespace
 
-double wavelength_of_run(FitOptions const& o) { return read_run(o.run).trace.coupling.wavelength; }
-
-std::vector<RoutePrediction> predictions(FitOptions const& o, bool rotation) {
-  if (o.run.empty()) return {};
+std::vector<RoutePrediction> route_predictions(PredictedRoutes const& o, bool rotation) {
   auto const run = std::make_shared<OpenRun const>(o.run);
   RunFile const& file = run->file;
   if (!run->model.detector)
@@ -96,7 +90,7 @@ std::vector<RoutePrediction> predictions(FitOptions const& o, bool rotation) {
       throw InputError(fmt::format("--path: the run has rows 1 to {}, not {}", rows.rows.size(), rank),
                        fmt::format("see straytrace paths {}", o.run));
     PathRow const& row = rows.rows[rank - 1];
-    CouplingClass const& c = class_of(table, row.hash, row.port);
+    CouplingClass const& c = table.classes[class_of(table, row)];
     RoutePrediction p;
     p.rank = rank;
     p.route = row.sequence;
@@ -113,4 +107,17 @@ std::vector<RoutePrediction> predictions(FitOptions const& o, bool rotation) {
   return out;
 }
 
-}  // namespace straytrace::cli
+AgainstPrediction against(FittedPath const& p, RoutePrediction const& r) {
+  double const f = p.amplitude.value;
+  AgainstPrediction a;
+  a.fraction = {f * f, 2 * f * p.amplitude.sigma};
+  a.ratio.value = a.fraction.value / r.coupling;
+  a.ratio.sigma = a.ratio.value * std::hypot(a.fraction.sigma / a.fraction.value, r.sigma / r.coupling);
+  if (!r.speckle) return a;
+  a.low = speckle_percentile(0.05);
+  a.high = speckle_percentile(0.95);
+  a.within = a.ratio.value + 2 * a.ratio.sigma > a.low && a.ratio.value - 2 * a.ratio.sigma < a.high;
+  return a;
+}
+
+}  // namespace straytrace::session

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a run predicts for the routes of its path table: coupling, fringes per metre of a body, response of the port.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/fringes/fringe_fit.hpp"
+
+namespace straytrace::session {
+
+// What a run says of a route, for the witness of one body along one axis.
+struct RoutePrediction {
+  std::size_t rank = 0;
+  std::string route, port, body, axis;
+  double coupling = 0, sigma = 0;       // f_r, mean over the speckle, of one copy of the port; Monte-Carlo error
+  bool speckle = true;                  // scattered light: one realisation varies; a ghost does not
+  double multiplicity = 0, spread = 0;  // rms over the paths in units of 2k, m for a rotation; their standard deviation
+  StrainResponse phase, amplitude;      // of its port; keep the model alive
+};
+// Rows of the path table of a run, 1 without any, and the body and axis of the witness: those of most phase where
+// empty.
+struct PredictedRoutes {
+  std::string run, body, axis;
+  std::vector<std::size_t> rows;
+};
+// Throws InputError when the run has no such row, detector or motion of that body, and for an axis that a witness of
+// this kind, of an angle with `rotation`, does not measure.
+std::vector<RoutePrediction> route_predictions(PredictedRoutes const&, bool rotation);
+
+// Measured recoupled fraction over the predicted mean, and whether one speckle does that.
+struct AgainstPrediction {
+  Fitted fraction, ratio;
+  double low = 0, high = 0;  // of the ratio, 5 and 95 % of one speckle (eq. 10.2); 0, 0: no speckle
+  bool within = false;       // with two standard errors of the ratio
+};
+AgainstPrediction against(FittedPath const&, RoutePrediction const&);
+
+}  // namespace straytrace::session
