@@ -8,7 +8,7 @@
 #include <string>
 
 #include "results/curves/curve_file.hpp"
-#include "session/time_inputs.hpp"
+#include "session/records/time_inputs.hpp"
 
 namespace straytrace::cli {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "session/time_inputs.hpp"
+#include "session/records/time_inputs.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "session/route_predictions.hpp"
+#include "session/records/route_predictions.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
