@@ -86,12 +86,12 @@ void add_welch_options(CLI::App& command, DataOptions& o) {
       ->default_str(o.detrend);
 }
 
-void add_output_options(CLI::App& command, DataOptions& o) {
+void add_output_options(CLI::App& command, DataOptions& o, char const* quiet) {
   command
       .add_option("-o,--out", o.out, "file to write, by its ending: .txt .csv .hdf5 .json .png .html; may be repeated")
       ->allow_extra_args(false);
   command.add_option("--format", o.format, "text or json")->check(CLI::IsMember({"text", "json"}));
-  command.add_flag("--quiet", o.quiet, "results only");
+  command.add_flag(quiet, o.quiet, "results only");
 }
 
 double option_quantity(std::string const& text, Dimension dimension, std::string const& option,

@@ -27,8 +27,9 @@ struct DataOptions {
 
 void add_span_options(CLI::App&, DataOptions&);                             // --unit, --gps
 void add_band_option(CLI::App&, DataOptions&, std::string const& meaning);  // --band
-void add_welch_options(CLI::App&, DataOptions&);   // --segment, --overlap, --window, --average, --detrend
-void add_output_options(CLI::App&, DataOptions&);  // -o (repeatable), --format, --quiet
+void add_welch_options(CLI::App&, DataOptions&);  // --segment, --overlap, --window, --average, --detrend
+// -o (repeatable), --format, and `quiet` for results only.
+void add_output_options(CLI::App&, DataOptions&, char const* quiet = "--quiet");
 
 // A number with a unit of this dimension: "8 s", "20 Hz", "50 %", "sqrt(2)*1 um". InputError names the option.
 double option_quantity(std::string const& text, Dimension, std::string const& option, std::string const& example);

@@ -17,6 +17,7 @@
 #include "results/text/columns.hpp"
 #include "session/diagnostics.hpp"
 #include "session/importance_map.hpp"
+#include "session/open_run.hpp"
 
 namespace straytrace::cli {
 namespace {
@@ -45,16 +46,13 @@ struct ImportanceOptions : SceneOptions {
 
 std::vector<ImportanceRow> find_rows(ImportanceOptions const& options) {
   std::optional<RunFile> file;
-  std::vector<std::string> overrides = options.overrides;
   if (options.input.ends_with(".h5")) {
     file = read_run(options.input);
     bool const kept = !file->about.importance.strips.empty();
-    if (kept && overrides.empty()) return rows_of(file->about.importance, file->trace.coupling.groups);
-    if (!kept && !options.quiet) std::cerr << "the run stores no importance map: computed from its scene\n";
-    overrides.insert(overrides.begin(), file->about.overrides.begin(), file->about.overrides.end());
+    if (kept && options.overrides.empty()) return rows_of(file->about.importance, file->trace.coupling.groups);
+    if (!kept && !options.quiet) std::cerr << "the run keeps no map of importance: made from its scene\n";
   }
-  Scene const scene =
-      file ? read_scene(file->about.main_file, overrides, &file->about.files) : read_scene(options.input, overrides);
+  Scene const scene = file ? scene_of(*file, options.overrides) : read_scene(options.input, options.overrides);
   World world = build_world(scene);
   scene.throw_if_problems();
   if (!file) print_warnings(scene, options);

@@ -20,6 +20,7 @@
 #include "report/scene_picture.hpp"
 #include "results/text/image.hpp"
 #include "session/importance_map.hpp"
+#include "session/open_run.hpp"
 #include "trace/importance/importance.hpp"
 #include "world/model/world.hpp"
 
@@ -226,14 +227,6 @@ Flash flash_of(RenderOptions const& w, Camera const& camera) {
   return flash;
 }
 
-// The scene itself, or that of a run.
-Scene read_either(SceneOptions const& options, std::optional<RunFile> const& run) {
-  if (!run) return read_scene(options.input, options.overrides);
-  std::vector<std::string> all = run->about.overrides;
-  all.insert(all.end(), options.overrides.begin(), options.overrides.end());
-  return read_scene(run->about.main_file, all, &run->about.files);
-}
-
 // With the importance map of the run, unless parameters have changed.
 void steer_as_traced(World& world, std::optional<RunFile> const& run, std::vector<std::string> const& overrides) {
   world.limits.targets = true;
@@ -245,7 +238,7 @@ int render(RenderOptions const& w) {
   check_picture_name(w.out);
   std::optional<RunFile> file;
   if (w.input.ends_with(".h5")) file = read_run(w.input);
-  Scene const scene = read_either(w, file);
+  Scene const scene = file ? scene_of(*file, w.overrides) : read_scene(w.input, w.overrides);
   World world = build_world(scene);
   scene.throw_if_problems();
   Framing const view = choose_view(world, w);

@@ -14,10 +14,14 @@
 namespace straytrace::session {
 namespace {
 
-Model traced_model(RunFile const& file, std::vector<std::string> const& overrides) {
+std::vector<std::string> all_overrides(RunFile const& file, std::vector<std::string> const& more) {
   std::vector<std::string> all = file.about.overrides;
-  all.insert(all.end(), overrides.begin(), overrides.end());
-  return read_model(file.about.main_file, all, &file.about.files);
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+Model traced_model(RunFile const& file, std::vector<std::string> const& overrides) {
+  return read_model(file.about.main_file, all_overrides(file, overrides), &file.about.files);
 }
 
 std::vector<std::string> lines_of(std::string const& text) {
@@ -56,6 +60,10 @@ std::vector<std::string> files_of_responses(RunFile const& file) {
 
 Model model_of(RunFile const& file, std::vector<std::string> const& overrides) {
   return with_motion_of(file, traced_model(file, overrides));
+}
+
+Scene scene_of(RunFile const& file, std::vector<std::string> const& overrides) {
+  return read_scene(file.about.main_file, all_overrides(file, overrides), &file.about.files);
 }
 
 RunFile read_run_file(std::string const& path) {

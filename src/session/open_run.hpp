@@ -17,6 +17,9 @@ namespace straytrace::session {
 // the file.
 Model model_of(RunFile const&, std::vector<std::string> const& overrides = {});
 
+// The scene inside the file with the parameters of the run, then `overrides`. Refers to the texts in the file.
+Scene scene_of(RunFile const&, std::vector<std::string> const& overrides);
+
 // read_run(), which tells the way to a run where this is a scene.
 RunFile read_run_file(std::string const& path);
 

@@ -26,14 +26,6 @@ void add_pair_options(CLI::App& command, PairOptions& o, char const* witness) {
   command.add_flag("--displacement", o.displacement, "convert the witness from m/s^2 or m/s to m");
 }
 
-void add_couple_outputs(CLI::App& command, DataOptions& o) {
-  command
-      .add_option("-o,--out", o.out, "file to write, by its ending: .txt .csv .hdf5 .json .png .html; may be repeated")
-      ->allow_extra_args(false);
-  command.add_option("--format", o.format, "text or json")->check(CLI::IsMember({"text", "json"}));
-  command.add_flag("--silent", o.quiet, "results only");
-}
-
 ChannelPair read_pair(PairOptions const& o, GpsSpan span) {
   auto both =
       aligned({series_argument(o.witness, o.witness_unit, span), series_argument(o.target, o.target_unit, span)});

@@ -28,9 +28,6 @@ void add_couple_impulse(CLI::App& couple, int& exit_code);
 void add_couple_events(CLI::App& couple, int& exit_code);
 void add_couple_predict(CLI::App& couple, int& exit_code);
 
-// -o, --format, and --silent for results only: `--quiet` names the stretch without injection.
-void add_couple_outputs(CLI::App&, DataOptions&);
-
 // A witness and a target with their units, over one stretch.
 struct PairOptions {
   std::string witness, target, witness_unit, target_unit;

@@ -148,14 +148,13 @@ void add_couple_impulse(CLI::App& couple, int& exit_code) {
   command
       ->add_option("--list", o.list, "CSV with start times (place, start, duration) instead of a search for impulses")
       ->check(CLI::ExistingFile);
-  command->add_flag("--sweeps", o.sweeps, "drive and response have ended at the end of each stretch");
-  command->add_option("--length", o.length, "length of the stretch after each start")->default_str(o.length);
-  command->add_option("--before", o.before, "silence before each start")->default_str(o.before);
-  command->add_option("--threshold", o.threshold, "threshold of an impulse, in standard deviations of the force")
-      ->default_str("8");
-  command->add_option("--modes", o.modes, "largest number of modes")->default_str("3")->check(CLI::Range(0, 100));
-  add_band_option(*command, o.data, "LOW..HIGH searched for modes");
-  add_couple_outputs(*command, o.data);
+  command->add_flag("--sweeps", o.sweeps, "the drive is over, and all is silent, at the end of each stretch");
+  command->add_option("--length", o.length, "of the stretch behind each start")->default_str(o.length);
+  command->add_option("--before", o.before, "silence taken in front of it")->default_str(o.before);
+  command->add_option("--threshold", o.threshold, "of an impulse, in usual deviations of the force")->default_str("8");
+  command->add_option("--modes", o.modes, "at most so many")->default_str("3")->check(CLI::Range(0, 100));
+  add_band_option(*command, o.data, "LOW..HIGH where modes are looked for");
+  add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"
       "  straytrace couple impulse --force examples/data/taps.csv::HAMMER --target examples/data/taps.csv::H --gps "
@@ -184,7 +183,7 @@ void add_couple_events(CLI::App& couple, int& exit_code) {
                    "significance of an event, corrected for all bins and stretches")
       ->default_str("3")
       ->check(CLI::Range(0.0, 37.0));
-  add_couple_outputs(*command, o.data);
+  add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"
       "  straytrace couple events examples/data/shaken.csv::H --quiet 0..24 --averages 8\n"

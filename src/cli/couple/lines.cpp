@@ -170,7 +170,7 @@ void add_couple_lines(CLI::App& couple, int& exit_code) {
   command->add_option("--harmonics", o.harmonics, "number of harmonics, including the line itself")
       ->default_str("5")
       ->check(CLI::Range(3, 100));
-  add_couple_outputs(*command, o.data);
+  add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"
       "  straytrace couple lines --witness examples/data/shaker.csv::DRIVE --target examples/data/shaker.csv::H --band "
@@ -290,7 +290,7 @@ void add_couple_ramp(CLI::App& couple, int& exit_code) {
       ->default_str("3")
       ->check(CLI::Range(0.0, 37.0));
   command->add_option("--save", o.save, "CSV of pemcoupling with the outcome as flag, for straytrace project");
-  add_couple_outputs(*command, o.data);
+  add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"
       "  straytrace couple ramp --witness examples/data/shaker.csv::DRIVE --target examples/data/shaker.csv::H --band "

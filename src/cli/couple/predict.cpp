@@ -308,7 +308,7 @@ void add_couple_predict(CLI::App& couple, int& exit_code) {
   command->add_option("--coupling-unit", o.unit, "unit of the measured factor, where the file has none: 1/m");
   command->add_option("--witness-unit", o.witness_unit, "unit of its witness, where the file has none: m");
   command->add_option("--show", o.show, "rows of the tables")->default_str("8")->check(whole_between(1, 1e6, "20"));
-  add_couple_outputs(*command, o.data);
+  add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"
       "  straytrace couple predict demo/run.h5 --body tube --axis z\n"

@@ -93,7 +93,7 @@ void add_couple_sweep(CLI::App& couple, int& exit_code) {
       ->default_str("3");
   command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
   command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project");
-  add_couple_outputs(*command, o.data);
+  add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"
       "  straytrace couple sweep --witness examples/data/sweep.csv::MIC --target examples/data/sweep.csv::H --band "

@@ -179,7 +179,7 @@ void add_couple_taps(CLI::App& couple, int& exit_code) {
   add_band_option(*command, o.data, "LOW..HIGH of the result");
   add_welch_options(*command, o.data);
   command->add_option("--show", o.show, "peaks of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
-  add_couple_outputs(*command, o.data);
+  add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"
       "  straytrace couple taps --force examples/data/taps.csv::HAMMER --target examples/data/taps.csv::H --list "

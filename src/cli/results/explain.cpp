@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace explain: a key, a table, a unit, a message, or the chain of factors of one path. straytrace schema.
-#include "cli/results/explain.hpp"
-
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "base/errors.hpp"
@@ -28,6 +28,313 @@
 
 namespace straytrace::cli {
 namespace {
+
+struct Explanation {
+  std::string text;
+  nlohmann::ordered_json json;
+};
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t shown_whole = 3;  // keys of one name that are printed with everything
+
+std::string full_name(LanguageKey const& k) { return k.table + "." + k.key; }
+
+std::string whole_text(LanguageKey const& k) {
+  std::string out = fmt::format("{}: key of {}\n  {}\n", full_name(k), k.about, k.text());
+  for (char const* fact : {"type", "range", "default", "example"})
+    if (std::string const value = k.fact(fact); !value.empty()) out += fmt::format("  {:<8} {}\n", fact, value);
+  return out + fmt::format("  {:<8} {}\n", "see", k.fact("page"));
+}
+
+Json as_json(LanguageKey const& k) {
+  Json out{{"key", full_name(k)}, {"of", k.about}, {"text", k.text()}};
+  for (auto const& [name, value] : k.schema.at("x-straytrace").items()) out[name] = value;
+  return out;
+}
+
+Explanation answer(std::vector<LanguageKey const*> const& found, bool table) {
+  Explanation a;
+  a.json = Json::array();
+  std::size_t width = 0;
+  for (LanguageKey const* k : found) width = std::max(width, (table ? k->key : full_name(*k)).size());
+  if (table) a.text = fmt::format("{}: {}\n", found.front()->table, found.front()->about);
+  for (LanguageKey const* k : found) {
+    a.json.push_back(as_json(*k));
+    if (!table && found.size() <= shown_whole)
+      a.text += whole_text(*k);
+    else
+      a.text += fmt::format("  {:<{}}  {}\n", table ? k->key : full_name(*k), width, k->text());
+  }
+  if (table) a.text += fmt::format("see {}\n", found.front()->fact("page"));
+  return a;
+}
+
+// "cone.half_angle", "half_angle" in all tables, "cone" with all its keys; nothing when no name is like it.
+std::optional<Explanation> explain_key(std::string const& what) {
+  std::vector<LanguageKey const*> keys, tables;
+  for (LanguageKey const& k : language_keys()) {
+    if (full_name(k) == what || k.key == what) keys.push_back(&k);
+    if (k.table == what) tables.push_back(&k);
+  }
+  if (keys.empty() && tables.empty()) return {};
+  if (keys.empty()) return answer(tables, true);
+  Explanation a = answer(keys, false);
+  if (tables.empty()) return a;
+  Explanation const more = answer(tables, true);
+  a.text += more.text;
+  a.json.insert(a.json.end(), more.json.begin(), more.json.end());
+  return a;
+}
+
+// A column of the path table, "coupling".
+std::optional<Explanation> explain_column(std::string const& what) {
+  PathTable table;  // one empty row has all columns
+  table.has_noise = true;
+  table.rows.emplace_back();
+  RouteColumns const columns(table, nullptr);
+  auto const& all = columns.all();
+  auto const hit =
+      std::find_if(all.begin(), all.end(), [&](RouteColumn const& c) { return c.key == what || c.title == what; });
+  if (hit == all.end()) return {};
+  Explanation a;
+  a.json = {{"column", hit->key}, {"title", hit->title}, {"unit", hit->unit}, {"text", hit->help}};
+  std::string const unit = hit->is_text ? "text" : hit->unit.empty() ? "number" : hit->unit;
+  a.text =
+      fmt::format("{}: column of the path table, {}\n  {}\n  asked by straytrace paths RUN --where, --sort, --csv\n",
+                  hit->key, unit, hit->help);
+  a.text += "see docs/reference/run_file.md\n";
+  return a;
+}
+
+std::string nearest_key(std::string const& what) {
+  std::vector<std::string> names, keys;
+  std::size_t const dot = what.find('.');
+  std::string const table = what.substr(0, dot), key = dot == what.npos ? "" : what.substr(dot + 1);
+  for (LanguageKey const& k : language_keys()) {
+    names.insert(names.end(), {full_name(k), k.key, k.table});
+    if (k.table == table) keys.push_back(k.key);
+  }
+  if (std::string const near = nearest_word(key, keys); !near.empty()) return table + "." + near;
+  return nearest_word(what, names);
+}
+
+Explanation explain_unit(std::string const& unit) {
+  auto const found = parse_unit(unit);
+  if (!found) {
+    std::string const near = likely_unit(unit);
+    throw InputError(fmt::format("'{}' is not a unit", unit),
+                     fmt::format("{}known units: {}", near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
+                                 all_unit_names()));
+  }
+  std::string const accepted = accepted_units(found->dimension), si = with_unit("1", found->dimension);
+  Explanation a;
+  a.json = {{"unit", unit}, {"dimension", name_of(found->dimension)}, {"si", found->si}, {"accepted", accepted}};
+  a.text = fmt::format("{}: {}\n  in SI    {:.10g}{}\n  accepted {}\n", unit, described(found->dimension), found->si,
+                       found->dimension == dim::angle   ? " rad"
+                       : found->dimension == dim::plain ? ""
+                                                        : si.substr(1),
+                       accepted);
+  if (found->dimension == dim::length || found->dimension == dim::angle)
+    a.text += "  amplitudes of motion name their kind: peak, pp (peak to peak) or rms\n";
+  if (found->dimension.second % 2 != 0) a.text += "  amplitude spectral density, one-sided\n";
+  a.text += "see docs/reference/scene.md\n";
+  return a;
+}
+
+std::string fact(char const* name, std::string const& value) {
+  return value.empty() ? "" : fmt::format("  {:<10} {}\n", name, value);
+}
+
+nlohmann::ordered_json about(LibraryEntry const& e) {
+  return {{"of", fmt::format("the {} {} of the library", e.kind, e.name)},
+          {"status", e.status},
+          {"source", e.source},
+          {"note", e.note},
+          {"include", e.file}};
+}
+
+std::string where(LibraryEntry const& e) {
+  return fact("status", e.status) + fact("source", e.source) + fact("note", e.note) +
+         fact("include", e.file.empty() ? "none is needed" : e.file) +
+         fmt::format("straytrace library {} prints it whole; see docs/reference/library.md\n", e.name);
+}
+
+Explanation of_number(LibraryEntry const& e, std::string const& name, std::string const& value) {
+  Explanation a;
+  a.json = about(e);
+  a.json["key"] = e.name + "." + name;
+  a.json["default"] = value;
+  a.text = fmt::format("{}.{}: number of the {} {} of the library\n", e.name, name, e.kind, e.name) +
+           fact("default", value) + where(e);
+  return a;
+}
+
+Explanation of_entry(LibraryEntry const& e) {
+  Explanation a;
+  a.json = about(e);
+  a.json["key"] = e.name;
+  a.json["value"] = e.value;
+  a.text = fmt::format("{}: {} of the library\n", e.name, e.kind);
+  for (auto const& [name, value] : e.numbers) a.text += fmt::format("  {:<18} {}\n", name, value);
+  a.text += (e.numbers.empty() ? fact("value", e.value) : "") + fact("wavelength", e.wavelength) + where(e);
+  return a;
+}
+
+// A thing of the library, "virgo_baffle", or a number of a part or detector, "virgo_baffle.inner_radius".
+std::optional<Explanation> explain_library(std::string const& what) {
+  for (LibraryEntry const& e : library_entries()) {
+    if (e.name == what) return of_entry(e);
+    for (auto const& [name, value] : e.numbers)
+      if (e.name + "." + name == what) return of_number(e, name, value);
+  }
+  return {};
+}
+
+// Parts whose names hold the word before the dot, with their numbers, as a suggestion; empty: none.
+std::string parts_like(std::string const& what) {
+  std::string const word = what.substr(0, what.find('.'));
+  if (word.size() < 3) return "";
+  std::vector<std::string> parts;
+  std::set<std::string> numbers;
+  for (LibraryEntry const& e : library_entries()) {
+    if (e.kind != "part" || e.name.find(word) == e.name.npos) continue;
+    parts.push_back(e.name);
+    for (auto const& [name, value] : e.numbers) numbers.insert(name);
+  }
+  if (parts.empty()) return "";
+  return fmt::format("parts of this name: {}, with numbers {}; ", fmt::join(parts, ", "), fmt::join(numbers, ", "));
+}
+
+constexpr double alike = 0.6;  // share of the words of the message that stand in what was asked
+constexpr std::size_t most = 3, fewest_words = 3;
+constexpr double near_best = 0.15;
+
+// Words of letters, in lower case; names and numbers of the user count for nothing.
+std::set<std::string> words_of(std::string const& text) {
+  std::set<std::string> words;
+  std::string word;
+  bool quoted = false;
+  for (char const c : text + " ") {
+    if (c == '"') quoted = !quoted;
+    if (!quoted && std::isalpha(static_cast<unsigned char>(c))) {
+      word += char(std::tolower(static_cast<unsigned char>(c)));
+      continue;
+    }
+    if (word.size() > 1) words.insert(word);
+    word.clear();
+  }
+  return words;
+}
+
+// How well the words of a message cover what was asked, and the other way round.
+double likeness(std::set<std::string> const& message, std::set<std::string> const& asked) {
+  if (message.size() < fewest_words || asked.empty()) return 0;
+  auto const common = double(std::count_if(message.begin(), message.end(), [&](auto& w) { return asked.contains(w); }));
+  return 0.5 * common / double(message.size()) + 0.5 * common / double(asked.size());
+}
+
+// A message as it was printed, or a part of it; nothing when none is like it.
+std::optional<Explanation> explain_message(std::string const& text) {
+  std::set<std::string> const asked = words_of(text);
+  if (asked.size() < 2) return {};
+  Json const all = Json::parse(embedded_file("schema/messages.json"));
+  std::vector<std::pair<double, Json const*>> found;
+  for (Json const& m : all)
+    if (double const like = likeness(words_of(m.at("what")), asked); like >= alike) found.emplace_back(like, &m);
+  if (found.empty()) return {};
+  std::stable_sort(found.begin(), found.end(), [](auto const& a, auto const& b) { return a.first > b.first; });
+  double const best = found.front().first;
+  std::erase_if(found, [&](auto const& f) { return f.first < best - near_best; });
+  found.resize(std::min(most, found.size()));
+  Explanation a;
+  a.json = Json::array();
+  for (auto const& [like, m] : found) {
+    a.json.push_back(*m);
+    a.text += fmt::format("{}: {}\n", m->at("severity").get<std::string>(), m->at("what").get<std::string>());
+    a.text += fmt::format("  remedy   {}\n  about    {}\n", m->at("remedy").get<std::string>(),
+                          m->at("about").get<std::string>());
+  }
+  return a;
+}
+
+// h^2(f) = C C_rev N (|T_phase|^2 + |T_amplitude|^2) S(f), with S the one-sided PSD of the quadrature of a unit field
+// whose phase moves as the paths of the route do, mean over static phases: 1/2 of the PSD of the phase where motion is
+// small (docs/theory/spectra.md, eq. 7.2, section 9).
+
+struct Factor {
+  char const* name;
+  double value;
+  char const *unit, *what;
+};
+
+std::size_t bin_at(FrequencyGrid const& grid, double hz) {
+  auto const above = std::upper_bound(grid.edges.begin(), grid.edges.end(), hz);
+  if (above == grid.edges.begin() || above == grid.edges.end())
+    throw InputError(fmt::format("{:g} Hz is outside the band of the noise, {:g} Hz to {:g} Hz", hz, grid.edges.front(),
+                                 grid.edges.back()),
+                     "write --at with a frequency inside it");
+  return std::size_t(above - grid.edges.begin()) - 1;
+}
+
+std::vector<Factor> chain(CouplingClass const& c, NoiseTrace const& trace, PathRow const& row,
+                          Interferometer const& ifo, double centre, std::size_t bin) {
+  double const phase = std::abs(ifo.strain_per_phase(c.port, centre)),
+               amplitude = std::abs(ifo.strain_per_amplitude(c.port, centre)), copies = ifo.copies(c.port),
+               both = phase * phase + amplitude * amplitude, h = trace.asd[bin],
+               power = c.coupling.mean * c.reverse * copies;
+  return {
+      {"C", c.coupling.mean, "", "power that rejoins the mode on this route, of ordered paths, relative"},
+      {"C_rev", c.reverse, "", "the reverse route adds in amplitude: 2 where it is another route"},
+      {"N", copies, "", "equal, independent copies of the port in the detector; powers add"},
+      {"kappa", row.phase_sensitivity, "rad/m",
+       "rms phase sensitivity of the body that moves it: single path, all bounces counted"},
+      {"phase", std::sqrt(trace.mean_square_phase), "rad", "rms; above 1 fringes wrap"},
+      {"S", power > 0 && both > 0 ? h * h / (power * both) : not_a_number, "1/Hz",
+       "one-sided PSD of the quadrature of a unit field, mean over static phases (half of the PSD of a small phase)"},
+      {"T_phase", phase, "1", "strain per relative field in quadrature with the main field (Im s)"},
+      {"T_amplitude", amplitude, "1", "strain per relative field in phase (Re s): radiation pressure"},
+      {"h", h, "1/sqrt(Hz)", "sqrt(C C_rev N (T_phase^2 + T_amplitude^2) S): one-sided strain ASD"}};
+}
+
+// `path`: its rank in the path table.
+Explanation explain_strain(std::string const& run_file, std::size_t path, double hz) {
+  OpenRun const run(run_file);
+  ProjectionModel const& model = run.model;
+  NoiseBudget const budget = model.project(run.file.trace.coupling);
+  CouplingTable const& table = run.file.trace.coupling;
+  PathTable const paths = table_for(table, &budget, model);
+  if (path < 1 || path > paths.rows.size())
+    throw InputError(fmt::format("the run has no path {}; it has {}", path, paths.rows.size()),
+                     fmt::format("see straytrace paths {}", run_file));
+  PathRow const& row = paths.rows[path - 1];
+  std::size_t const index = class_of(table, row), bin = bin_at(budget.grid, hz);
+  CouplingClass const& c = table.classes[index];
+  NoiseTrace const& trace = budget.routes[index];
+  double const centre = budget.grid.centre(bin);
+  Explanation a;
+  a.json = {{"path", path},
+            {"route", row.sequence},
+            {"port", row.port},
+            {"hz", centre},
+            {"resolved", trace.resolved},
+            {"sigma", trace.sigma[bin]},
+            {"linear_share", trace.linear_share[bin]}};
+  a.text = fmt::format("path {}: {}, port {}, bin {:.4g} to {:.4g} Hz\n", path, row.sequence, row.port,
+                       budget.grid.edges[bin], budget.grid.edges[bin + 1]);
+  for (Factor const& f : chain(c, trace, row, *model.detector, centre, bin)) {
+    a.json["factors"][f.name] = {{"value", f.value}, {"unit", f.unit}, {"what", f.what}};
+    a.text += fmt::format("  {:<11} {:<10.4g} {:<11} {}\n", f.name, f.value, f.unit, f.what);
+  }
+  a.text += fmt::format(
+      "  h = {} /sqrt(Hz), Monte-Carlo error; moved by {}; {:.0f} % of its power to first order in the motion of the "
+      "bin\n",
+      with_error(trace.asd[bin], trace.sigma[bin]), row.moves.empty() ? "nothing" : row.moves,
+      100 * trace.linear_share[bin]);
+  if (!trace.resolved) a.text += fmt::format("  unresolved, the numbers are hints: {}\n", trace.why_not);
+  a.text += "see docs/theory/spectra.md\n";
+  return a;
+}
 
 struct ExplainOptions : PrintOptions {
   std::vector<std::string> words;
@@ -109,345 +416,6 @@ void add_schema(CLI::App& app, int& exit_code) {
     std::cout << language_schema();
     exit_code = done;
   });
-}
-
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-constexpr std::size_t shown_whole = 3;  // keys of one name that are printed with everything
-
-std::string full_name(LanguageKey const& k) { return k.table + "." + k.key; }
-
-std::string whole_text(LanguageKey const& k) {
-  std::string out = fmt::format("{}: key of {}\n  {}\n", full_name(k), k.about, k.text());
-  for (char const* fact : {"type", "range", "default", "example"})
-    if (std::string const value = k.fact(fact); !value.empty()) out += fmt::format("  {:<8} {}\n", fact, value);
-  return out + fmt::format("  {:<8} {}\n", "see", k.fact("page"));
-}
-
-Json as_json(LanguageKey const& k) {
-  Json out{{"key", full_name(k)}, {"of", k.about}, {"text", k.text()}};
-  for (auto const& [name, value] : k.schema.at("x-straytrace").items()) out[name] = value;
-  return out;
-}
-
-Explanation answer(std::vector<LanguageKey const*> const& found, bool table) {
-  Explanation a;
-  a.json = Json::array();
-  std::size_t width = 0;
-  for (LanguageKey const* k : found) width = std::max(width, (table ? k->key : full_name(*k)).size());
-  if (table) a.text = fmt::format("{}: {}\n", found.front()->table, found.front()->about);
-  for (LanguageKey const* k : found) {
-    a.json.push_back(as_json(*k));
-    if (!table && found.size() <= shown_whole)
-      a.text += whole_text(*k);
-    else
-      a.text += fmt::format("  {:<{}}  {}\n", table ? k->key : full_name(*k), width, k->text());
-  }
-  if (table) a.text += fmt::format("see {}\n", found.front()->fact("page"));
-  return a;
-}
-
-}  // namespace
-
-std::optional<Explanation> explain_key(std::string const& what) {
-  std::vector<LanguageKey const*> keys, tables;
-  for (LanguageKey const& k : language_keys()) {
-    if (full_name(k) == what || k.key == what) keys.push_back(&k);
-    if (k.table == what) tables.push_back(&k);
-  }
-  if (keys.empty() && tables.empty()) return {};
-  if (keys.empty()) return answer(tables, true);
-  Explanation a = answer(keys, false);
-  if (tables.empty()) return a;
-  Explanation const more = answer(tables, true);
-  a.text += more.text;
-  a.json.insert(a.json.end(), more.json.begin(), more.json.end());
-  return a;
-}
-
-std::optional<Explanation> explain_column(std::string const& what) {
-  PathTable table;  // one empty row has all columns
-  table.has_noise = true;
-  table.rows.emplace_back();
-  RouteColumns const columns(table, nullptr);
-  auto const& all = columns.all();
-  auto const hit =
-      std::find_if(all.begin(), all.end(), [&](RouteColumn const& c) { return c.key == what || c.title == what; });
-  if (hit == all.end()) return {};
-  Explanation a;
-  a.json = {{"column", hit->key}, {"title", hit->title}, {"unit", hit->unit}, {"text", hit->help}};
-  std::string const unit = hit->is_text ? "text" : hit->unit.empty() ? "number" : hit->unit;
-  a.text =
-      fmt::format("{}: column of the path table, {}\n  {}\n  used by straytrace paths RUN --where, --sort, --csv\n",
-                  hit->key, unit, hit->help);
-  a.text += "see docs/reference/run_file.md\n";
-  return a;
-}
-
-std::string nearest_key(std::string const& what) {
-  std::vector<std::string> names, keys;
-  std::size_t const dot = what.find('.');
-  std::string const table = what.substr(0, dot), key = dot == what.npos ? "" : what.substr(dot + 1);
-  for (LanguageKey const& k : language_keys()) {
-    names.insert(names.end(), {full_name(k), k.key, k.table});
-    if (k.table == table) keys.push_back(k.key);
-  }
-  if (std::string const near = nearest_word(key, keys); !near.empty()) return table + "." + near;
-  return nearest_word(what, names);
-}
-
-Explanation explain_unit(std::string const& unit) {
-  auto const found = parse_unit(unit);
-  if (!found) {
-    std::string const near = likely_unit(unit);
-    throw InputError(fmt::format("'{}' is not a unit", unit),
-                     fmt::format("{}known units: {}", near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
-                                 all_unit_names()));
-  }
-  std::string const accepted = accepted_units(found->dimension), si = with_unit("1", found->dimension);
-  Explanation a;
-  a.json = {{"unit", unit}, {"dimension", name_of(found->dimension)}, {"si", found->si}, {"accepted", accepted}};
-  a.text = fmt::format("{}: {}\n  in SI    {:.10g}{}\n  accepted {}\n", unit, described(found->dimension), found->si,
-                       found->dimension == dim::angle   ? " rad"
-                       : found->dimension == dim::plain ? ""
-                                                        : si.substr(1),
-                       accepted);
-  if (found->dimension == dim::length || found->dimension == dim::angle)
-    a.text += "  amplitudes of motion name their kind: peak, pp (peak to peak) or rms\n";
-  if (found->dimension.second % 2 != 0) a.text += "  amplitude spectral density, one-sided\n";
-  a.text += "see docs/reference/scene.md\n";
-  return a;
-}
-
-namespace {
-
-std::string fact(char const* name, std::string const& value) {
-  return value.empty() ? "" : fmt::format("  {:<10} {}\n", name, value);
-}
-
-nlohmann::ordered_json about(LibraryEntry const& e) {
-  return {{"of", fmt::format("the {} {} of the library", e.kind, e.name)},
-          {"status", e.status},
-          {"source", e.source},
-          {"note", e.note},
-          {"include", e.file}};
-}
-
-std::string where(LibraryEntry const& e) {
-  return fact("status", e.status) + fact("source", e.source) + fact("note", e.note) +
-         fact("include", e.file.empty() ? "none is needed" : e.file) +
-         fmt::format("straytrace library {} prints all of it; see docs/reference/library.md\n", e.name);
-}
-
-Explanation of_number(LibraryEntry const& e, std::string const& name, std::string const& value) {
-  Explanation a;
-  a.json = about(e);
-  a.json["key"] = e.name + "." + name;
-  a.json["default"] = value;
-  a.text = fmt::format("{}.{}: number of the {} {} of the library\n", e.name, name, e.kind, e.name) +
-           fact("default", value) + where(e);
-  return a;
-}
-
-Explanation of_entry(LibraryEntry const& e) {
-  Explanation a;
-  a.json = about(e);
-  a.json["key"] = e.name;
-  a.json["value"] = e.value;
-  a.text = fmt::format("{}: {} of the library\n", e.name, e.kind);
-  for (auto const& [name, value] : e.numbers) a.text += fmt::format("  {:<18} {}\n", name, value);
-  a.text += (e.numbers.empty() ? fact("value", e.value) : "") + fact("wavelength", e.wavelength) + where(e);
-  return a;
-}
-
-}  // namespace
-
-std::optional<Explanation> explain_library(std::string const& what) {
-  for (LibraryEntry const& e : library_entries()) {
-    if (e.name == what) return of_entry(e);
-    for (auto const& [name, value] : e.numbers)
-      if (e.name + "." + name == what) return of_number(e, name, value);
-  }
-  return {};
-}
-
-std::string parts_like(std::string const& what) {
-  std::string const word = what.substr(0, what.find('.'));
-  if (word.size() < 3) return "";
-  std::vector<std::string> parts;
-  std::set<std::string> numbers;
-  for (LibraryEntry const& e : library_entries()) {
-    if (e.kind != "part" || e.name.find(word) == e.name.npos) continue;
-    parts.push_back(e.name);
-    for (auto const& [name, value] : e.numbers) numbers.insert(name);
-  }
-  if (parts.empty()) return "";
-  return fmt::format("parts of this name: {}, with numbers {}; ", fmt::join(parts, ", "), fmt::join(numbers, ", "));
-}
-
-namespace {
-
-// Words of tables in place of an error, or of a number.
-constexpr std::pair<std::string_view, std::string_view> marks[] = {
-    {"at most", "an upper bound: light at rims, of kind edge, makes a part of the number, and speckle lowers it"},
-    {"about",
-     "a number without an error: of an unresolved route, or a total that contains upper bounds and lacks routes"},
-    {"lower bound", "routes are unresolved: the total contains their observed part, with an equal error"},
-    {"unresolved", "the histories do not suffice for an error; the status says why"},
-    {"computed", "without a Monte-Carlo error, since it is not sampled"},
-    {"still", "nothing on the route moves: it makes exactly no noise"},
-    {"too faint to matter", "unresolved, but the observed part is below 0.1 % of the noise power at any frequency"}};
-
-}  // namespace
-
-std::optional<Explanation> explain_mark(std::string const& what) {
-  for (auto const& [name, text] : marks)
-    if (what == name) {
-      std::string const page = "docs/theory/errors.md";
-      return Explanation{fmt::format("{}: in tables of results\n  {}\nsee {}\n", name, text, page),
-                         {{"mark", name}, {"text", text}, {"page", page}}};
-    }
-  return {};
-}
-
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-constexpr double alike = 0.6;  // share of the words of the message that are in the query
-constexpr std::size_t most = 3, fewest_words = 3;
-constexpr double near_best = 0.15;
-
-// Words of letters, in lower case; names and numbers of the user are ignored.
-std::set<std::string> words_of(std::string const& text) {
-  std::set<std::string> words;
-  std::string word;
-  bool quoted = false;
-  for (char const c : text + " ") {
-    if (c == '"') quoted = !quoted;
-    if (!quoted && std::isalpha(static_cast<unsigned char>(c))) {
-      word += char(std::tolower(static_cast<unsigned char>(c)));
-      continue;
-    }
-    if (word.size() > 1) words.insert(word);
-    word.clear();
-  }
-  return words;
-}
-
-// How well the words of a message cover the query, and vice versa.
-double likeness(std::set<std::string> const& message, std::set<std::string> const& asked) {
-  if (message.size() < fewest_words || asked.empty()) return 0;
-  auto const common = double(std::count_if(message.begin(), message.end(), [&](auto& w) { return asked.contains(w); }));
-  return 0.5 * common / double(message.size()) + 0.5 * common / double(asked.size());
-}
-
-}  // namespace
-
-std::optional<Explanation> explain_message(std::string const& text) {
-  std::set<std::string> const asked = words_of(text);
-  if (asked.size() < 2) return {};
-  Json const all = Json::parse(embedded_file("schema/messages.json"));
-  std::vector<std::pair<double, Json const*>> found;
-  for (Json const& m : all)
-    if (double const like = likeness(words_of(m.at("what")), asked); like >= alike) found.emplace_back(like, &m);
-  if (found.empty()) return {};
-  std::stable_sort(found.begin(), found.end(), [](auto const& a, auto const& b) { return a.first > b.first; });
-  double const best = found.front().first;
-  std::erase_if(found, [&](auto const& f) { return f.first < best - near_best; });
-  found.resize(std::min(most, found.size()));
-  Explanation a;
-  a.json = Json::array();
-  for (auto const& [like, m] : found) {
-    a.json.push_back(*m);
-    a.text += fmt::format("{}: {}\n", m->at("severity").get<std::string>(), m->at("what").get<std::string>());
-    a.text += fmt::format("  remedy   {}\n  about    {}\n", m->at("remedy").get<std::string>(),
-                          m->at("about").get<std::string>());
-  }
-  return a;
-}
-
-// h^2(f) = C C_rev N (|T_phase|^2 + |T_amplitude|^2) S(f), with S the one-sided PSD of the quadrature of a unit field
-// whose phase moves as the paths of the route do, mean over static phases: 1/2 of the PSD of the phase where motion is
-// small (docs/theory/spectra.md, eq. 7.2, section 9).
-
-namespace {
-
-struct Factor {
-  char const* name;
-  double value;
-  char const *unit, *what;
-};
-
-std::size_t bin_at(FrequencyGrid const& grid, double hz) {
-  auto const above = std::upper_bound(grid.edges.begin(), grid.edges.end(), hz);
-  if (above == grid.edges.begin() || above == grid.edges.end())
-    throw InputError(fmt::format("{:g} Hz is outside the band of the noise, {:g} Hz to {:g} Hz", hz, grid.edges.front(),
-                                 grid.edges.back()),
-                     "write --at with a frequency inside it");
-  return std::size_t(above - grid.edges.begin()) - 1;
-}
-
-std::vector<Factor> chain(CouplingClass const& c, NoiseTrace const& trace, PathRow const& row,
-                          Interferometer const& ifo, double centre, std::size_t bin) {
-  double const phase = std::abs(ifo.strain_per_phase(c.port, centre)),
-               amplitude = std::abs(ifo.strain_per_amplitude(c.port, centre)), copies = ifo.copies(c.port),
-               both = phase * phase + amplitude * amplitude, h = trace.asd[bin],
-               power = c.coupling.mean * c.reverse * copies;
-  return {
-      {"C", c.coupling.mean, "", "power that rejoins the mode on this route, of ordered paths, relative"},
-      {"C_rev", c.reverse, "", "the reverse route adds in amplitude: 2 where it is another route"},
-      {"N", copies, "", "equal, independent copies of the port in the detector; powers add"},
-      {"kappa", row.phase_sensitivity, "rad/m",
-       "rms phase sensitivity of the body that moves it: single path, all bounces counted"},
-      {"phase", std::sqrt(trace.mean_square_phase), "rad", "rms; above 1 fringes wrap"},
-      {"S", power > 0 && both > 0 ? h * h / (power * both) : not_a_number, "1/Hz",
-       "one-sided PSD of the quadrature of a unit field, mean over static phases (half of the PSD of a small phase)"},
-      {"T_phase", phase, "1", "strain per relative field in quadrature with the main field (Im s)"},
-      {"T_amplitude", amplitude, "1", "strain per relative field in phase (Re s): radiation pressure"},
-      {"h", h, "1/sqrt(Hz)", "sqrt(C C_rev N (T_phase^2 + T_amplitude^2) S): one-sided strain ASD"}};
-}
-
-}  // namespace
-
-Explanation explain_strain(std::string const& run_file, std::size_t path, double hz) {
-  OpenRun const run(run_file);
-  ProjectionModel const& model = run.model;
-  NoiseBudget const budget = model.project(run.file.trace.coupling);
-  CouplingTable const& table = run.file.trace.coupling;
-  PathTable const paths = table_for(table, &budget, model);
-  if (path < 1 || path > paths.rows.size())
-    throw InputError(fmt::format("the run has no path {}; it has {}", path, paths.rows.size()),
-                     fmt::format("see straytrace paths {}", run_file));
-  PathRow const& row = paths.rows[path - 1];
-  std::size_t const index = class_of(table, row), bin = bin_at(budget.grid, hz);
-  CouplingClass const& c = table.classes[index];
-  NoiseTrace const& trace = budget.routes[index];
-  double const centre = budget.grid.centre(bin);
-  Explanation a;
-  a.json = {{"path", path},
-            {"route", row.sequence},
-            {"port", row.port},
-            {"hz", centre},
-            {"resolved", trace.resolved},
-            {"sigma", trace.sigma[bin]},
-            {"linear_share", trace.linear_share[bin]}};
-  a.text = fmt::format("path {}: {}, port {}, bin {:.4g} to {:.4g} Hz\n", path, row.sequence, row.port,
-                       budget.grid.edges[bin], budget.grid.edges[bin + 1]);
-  for (Factor const& f : chain(c, trace, row, *model.detector, centre, bin)) {
-    a.json["factors"][f.name] = {{"value", f.value}, {"unit", f.unit}, {"what", f.what}};
-    a.text += fmt::format("  {:<11} {:<10.4g} {:<11} {}\n", f.name, f.value, f.unit, f.what);
-  }
-  a.text += fmt::format(
-      "  h = {} /sqrt(Hz), Monte-Carlo error; moved by {}; {:.0f} % of its power to first order in the motion of the "
-      "bin\n",
-      with_error(trace.asd[bin], trace.sigma[bin]), row.moves.empty() ? "nothing" : row.moves,
-      100 * trace.linear_share[bin]);
-  if (!trace.resolved) a.text += fmt::format("  unresolved, the numbers are hints: {}\n", trace.why_not);
-  a.text += "see docs/theory/spectra.md\n";
-  return a;
 }
 
 }  // namespace straytrace::cli
