@@ -349,15 +349,11 @@ void refuse_wrapped(CouplingFunction const& c, double low, double high) {
         "project the motion in the time domain: straytrace project RUN --body BODY --channel FILE::CHANNEL");
 }
 
-bool has_factor(CouplingPoint const& p) {
-  return p.flag == CouplingFlag::measured || p.flag == CouplingFlag::upper_limit;
-}
-
 // The coupling at a frequency between two points.
 CouplingPoint between(CouplingPoint const& a, CouplingPoint const& b, double hz) {
   CouplingPoint p = a;
   p.hz = hz;
-  if (!has_factor(a) || !has_factor(b)) {
+  if (!a.has_factor() || !b.has_factor()) {
     p.factor = p.sigma = not_a_number;
     p.flag = std::max(a.flag, b.flag);
     return p;
@@ -405,7 +401,7 @@ ProjectedCoupling project_coupling(CouplingFunction const& c, QuietWitness const
   for (std::size_t k = 0; k < w.hz.size(); ++k) {
     CouplingPoint const p = w.hz[k] > 0 ? at(c, w.hz[k]) : CouplingPoint{};
     ProjectedPoint q{w.hz[k], not_a_number, not_a_number, p.flag};
-    if (has_factor(p)) q.asd = p.factor * integrated_asd(w.asd[k], w.hz[k], to.integrations) * to.scale;
+    if (p.has_factor()) q.asd = p.factor * integrated_asd(w.asd[k], w.hz[k], to.integrations) * to.scale;
     if (p.flag == CouplingFlag::measured)
       q.sigma = q.asd * std::hypot(p.sigma / p.factor, w.asd[k] > 0 ? w.sigma[k] / w.asd[k] : 0);
     out.points.push_back(q);

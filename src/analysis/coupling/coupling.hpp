@@ -33,6 +33,8 @@ struct CouplingPoint {
   double witness_ratio = not_a_number, target_ratio = not_a_number;  // injection over quiet, of amplitudes (ASD)
   double significance = not_a_number;                                // of the excess of the target
   double coherence = not_a_number;                                   // in the injection
+
+  bool has_factor() const { return flag == CouplingFlag::measured || flag == CouplingFlag::upper_limit; }
 };
 
 struct CouplingFunction {

@@ -26,10 +26,6 @@ double scale_to(CouplingFunction const& c, std::string const& unit) {
   return have->si / want->si;
 }
 
-bool has_factor(CouplingPoint const& p) {
-  return p.flag == CouplingFlag::measured || p.flag == CouplingFlag::upper_limit;
-}
-
 OverlayPoint compared(CouplingPoint const& m, double factor, double sigma) {
   OverlayPoint p{m, factor, sigma, m.factor / factor, 0, 0};
   bool const measured = m.flag == CouplingFlag::measured;
@@ -51,7 +47,7 @@ Overlay overlay_of(CouplingFunction const& c, PredictedCurve const& p) {
   double weight = 0;
   for (CouplingPoint m : c.points) {
     std::size_t const i = bin_of(p.edges, m.hz);
-    if (i == p.factor.size() || !has_factor(m) || !(p.factor[i] > 0)) continue;
+    if (i == p.factor.size() || !m.has_factor() || !(p.factor[i] > 0)) continue;
     m.factor *= scale;
     m.sigma *= scale;
     OverlayPoint const point = compared(m, p.factor[i], p.sigma[i]);

@@ -18,12 +18,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view requirement = "LIGO requirement";
 
-std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.3e}", x) : "-"; }
+std::string asd_cell(double x) { return std::isfinite(x) ? fmt::format("{:.3e}", x) : "-"; }
 
-Json json_number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json number_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 Json json_numbers(std::vector<double> const& all) {
   Json out = Json::array();
-  for (double const x : all) out.push_back(json_number(x));
+  for (double const x : all) out.push_back(number_or_null(x));
   return out;
 }
 
@@ -41,7 +41,7 @@ std::string cell(BudgetView const& v, BudgetEntry const& e, std::size_t i) {
   bool const most = i < e.at_most.size() && e.at_most[i] && h > 0;
   std::string text = most                            ? with_brackets({h, sigma, true, e.incomplete})
                      : std::isfinite(h) && sigma > 0 ? with_brackets(h, sigma)
-                                                     : number(h);
+                                                     : asd_cell(h);
   if (!std::isfinite(h) && !e.note.empty()) text = "unknown";
   std::vector<double> const* const design = reference(v.at);
   text += design && NoiseTable::exceeds(h, (*design)[i], v.margin) ? " !" : "  ";
@@ -202,7 +202,7 @@ Json json_of(BudgetView const& v, BudgetOn const& b) {
     if (design) {
       Json over = Json::array(), above = Json::array();
       for (std::size_t i = 0; i < e.asd.size(); ++i) {
-        over.push_back(json_number(e.asd[i] / (*design)[i]));
+        over.push_back(number_or_null(e.asd[i] / (*design)[i]));
         above.push_back(NoiseTable::exceeds(e.asd[i], (*design)[i], v.margin));
       }
       j["over_reference"] = over;
