@@ -21,7 +21,7 @@ ABOUT = {"scene": "the scene file: docs/reference/scene.md", "world": "what stan
          "io": "values and units: docs/reference/scene.md#quantities", "noise": "noise: docs/reference/scene.md#noise",
          "spectra": "records and spectra: docs/reference/signal.md", "results": "run files: docs/reference/run_file.md",
          "session": "commands: docs/reference/commands.md", "cli": "commands: docs/reference/commands.md",
-         "analysis": "measurements: docs/reference/couple.md"}
+         "analysis": "measurements: docs/reference/couple.md", "results/budget": "commands: docs/reference/commands.md"}
 
 
 def closing(text, at):
@@ -100,7 +100,8 @@ def thrown(what, remedy, room):
 def collected(root):
     found = []
     for file in sorted((root / "src").rglob("*.cpp")):
-        room = file.relative_to(root / "src").parts[0]
+        parts = file.relative_to(root / "src").parts
+        room = "/".join(parts[:2]) if "/".join(parts[:2]) in ABOUT else parts[0]
         if room in ABOUT:
             found += [m | {"file": str(file.relative_to(root))} for m in messages_of(file, room)]
     return sorted(found, key=lambda m: (m["file"], m["what"]))
