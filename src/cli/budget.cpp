@@ -81,7 +81,7 @@ std::vector<double> parse_band(std::string const& text) {
   return ends;
 }
 
-// Runs whose light was turned into strain by another interferometer than the detector of the budget.
+// Runs whose strain was computed with another interferometer than the detector of the budget.
 void warn_of_other_detectors(BudgetView& view) {
   if (!view.ifo) return;
   for (RunAbout const& about : view.runs) {
@@ -104,7 +104,7 @@ BudgetView view_of(BudgetOptions const& options) {
   return view;
 }
 
-// On stderr: for people, or as the list of problems that scripts read.
+// On stderr: as text, or as the list of problems for scripts.
 void warn(std::vector<std::string> const& warnings, PrintOptions const& options) {
   if (options.json() && !warnings.empty()) {
     std::vector<Problem> all;
@@ -166,8 +166,9 @@ void add_budget(CLI::App& app, int& exit_code) {
                    "each --compare")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_option("--margin", o.margin, "what is small enough beside the first of them (default 1/10)");
-  command->add_option("-p,--param", r.overrides, "change the detector, in SI: -p Laser.Power=25")
+  command->add_option("--margin", o.margin,
+                      "ratio to the first design curve that counts as small enough (default 1/10)");
+  command->add_option("-p,--param", r.overrides, "change a parameter of the detector, in SI: -p Laser.Power=25")
       ->allow_extra_args(false);
   command->add_option("--export", o.export_as, "pygwinc: also write budget.hdf5, which pygwinc reads")
       ->check(CLI::IsMember({"pygwinc"}));

@@ -50,7 +50,7 @@ std::vector<ImportanceRow> find_rows(ImportanceOptions const& options) {
     file = read_run(options.input);
     bool const kept = !file->about.importance.strips.empty();
     if (kept && options.overrides.empty()) return rows_of(file->about.importance, file->trace.coupling.groups);
-    if (!kept && !options.quiet) std::cerr << "the run keeps no map of importance: made from its scene\n";
+    if (!kept && !options.quiet) std::cerr << "the run stores no importance map: computed from its scene\n";
   }
   Scene const scene = file ? scene_of(*file, options.overrides) : read_scene(options.input, options.overrides);
   World world = build_world(scene);

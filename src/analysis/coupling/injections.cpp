@@ -23,7 +23,7 @@ void refuse_overlaps(std::vector<FoundStretch> const& all) {
       if (to <= from || (a.file != b.file && from < surely_gps)) continue;
       errors.emplace_back(
           fmt::format("{} and {} share the time from {} to {}", a.name, b.name, gps_text(from), gps_text(to)),
-          "name stretches that lie apart; each is data of its own");
+          "name stretches that do not overlap");
     }
   throw_all(errors);
 }

@@ -22,11 +22,11 @@ struct FoundStretch {
 };
 void refuse_overlaps(std::vector<FoundStretch> const&);
 
-// How a witness becomes metres: divide by (2 pi f)^times.
+// Conversion of a witness to metres: divide by (2 pi f)^times.
 struct ToMetres {
   int times = 0;
   double scale = 1;  // of its unit to SI
-  std::string unit;  // "m", or the unit as it is
+  std::string unit;  // "m", or the original unit
 };
 ToMetres to_metres(bool displacement, std::string const& unit);
 void in_metres(ToMetres const&, std::vector<LinePoint>&);
@@ -47,7 +47,7 @@ struct InjectionCoupling {
   std::optional<BandCoupling> whole;  // where single lines are not linear
 
   std::size_t line_at(double hz) const;
-  // What the quiet witness makes of the quiet target, as a share of amplitudes.
+  // Contribution of the quiet witness to the quiet target, as a share of amplitudes.
   double share(CouplingPoint const&) const;
 };
 // On the lines from low to high, Hz. `displacement`: the witness becomes metres.

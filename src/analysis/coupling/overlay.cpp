@@ -59,7 +59,7 @@ Overlay overlay_of(CouplingFunction const& c, PredictedCurve const& p) {
     ++out.measured;
   }
   if (out.points.empty())
-    throw InputError("--measured: no measured factor or limit lies in the band of the prediction", "choose --band");
+    throw InputError("--measured: no measured factor or limit is inside the band of the prediction", "choose --band");
   if (out.measured > 0) out.mean_ratio /= weight;
   for (OverlayPoint const& q : out.points)
     if (counts(q)) out.chi_square += std::pow((std::log(q.ratio) - out.mean_ratio) / q.error, 2);

@@ -238,7 +238,7 @@ HarmonicFit fit_harmonics(TimeSeries const& target, std::span<LinePoint const> d
   int const most = std::min(orders, int(std::floor(0.49 * target.rate / hz)));
   if (most < 3)
     throw InputError(fmt::format("at {:g} Hz the target has no third harmonic of {:.4g} Hz", target.rate, hz),
-                     "give it at a higher rate");
+                     "give a higher sample rate");
   std::vector<std::vector<LinePoint>> harmonics;
   for (int n = 1; n <= most; ++n) harmonics.push_back(follow_line(target, drive, window, n));
   return fit_harmonics(harmonics, z_max);

@@ -16,7 +16,7 @@ TimeSeries as_strain(TimeSeries x) {
   auto const unit = parse_unit(x.unit);
   if (!unit || unit->dimension != dim::plain)
     throw InputError(fmt::format("--target: '{}' is in '{}', not a plain number", x.name, x.unit),
-                     "say the unit with --target-unit");
+                     "give the unit with --target-unit");
   for (double& v : x.samples) v = to_si(v, *unit);
   x.unit = "1";
   return x;
@@ -31,10 +31,11 @@ int integrations_of(TimeSeries const& x, bool& rotation, std::string const& opti
       rotation = angle;
       return *times;
     }
-  throw InputError(fmt::format("{}: '{}' is in '{}', which is no motion", option, x.name, x.unit),
-                   fmt::format("give m or rad, or one of them per s or s^2; say the unit with {}-unit, of counts with "
-                               "what one is: \"2e-6 m/s^2\"",
-                               option));
+  throw InputError(
+      fmt::format("{}: '{}' is in '{}', which is not a unit of motion", option, x.name, x.unit),
+      fmt::format("give m or rad, or one of them per s or s^2; set the unit with {}-unit, of counts the calibration: "
+                  "what one is: \"2e-6 m/s^2\"",
+                  option));
 }
 
 // Half the range of x_1 - ratio x_2.
@@ -68,14 +69,15 @@ void add_witness(FringeRecords& records, TimeSeries x, std::optional<double> cor
   int const times = integrations_of(x, rotation, option);
   if (times == 0) {
     if (corner)
-      throw InputError(fmt::format("--corner: '{}' is in {}, and is not integrated", x.name, x.unit),
-                       "leave the option out");
+      throw InputError(fmt::format("--corner: '{}' is in {} and is not integrated", x.name, x.unit),
+                       "remove the option");
     auto const unit = parse_unit(x.unit);
     for (double& v : x.samples) v = to_si(v, *unit);
   } else {
     if (!corner)
-      throw InputError(fmt::format("{}: '{}' is in {}, and is integrated behind a high pass", option, x.name, x.unit),
-                       "write --corner \"0.05 Hz\", below all motion that makes fringes");
+      throw InputError(
+          fmt::format("{}: '{}' is in {} and needs a high pass for its integration", option, x.name, x.unit),
+          "write --corner \"0.05 Hz\", below all motion that causes fringes");
     unseen = rms_below(x, times, *corner);
     x = settled(integrated(x, times, *corner), *corner);
   }

@@ -49,7 +49,7 @@ StretchArgument parse_stretch(std::string const& text, std::string const& option
 TimeSeries channel_in(StretchArgument const&, std::string const& channel, std::string const& unit,
                       std::string const& option);
 
-// "3.7e-14 ± 0.2e-14 1/m (C.13; ...)", with what to do where the band is too narrow.
+// "3.7e-14 ± 0.2e-14 1/m (C.13; ...)", with a hint where the band is too narrow.
 std::string band_text(BandCoupling const&, std::string const& unit);
 
 // Results that are not curves: stored with the curves, under "result".

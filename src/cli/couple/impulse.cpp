@@ -148,12 +148,13 @@ void add_couple_impulse(CLI::App& couple, int& exit_code) {
   command
       ->add_option("--list", o.list, "CSV with start times (place, start, duration) instead of a search for impulses")
       ->check(CLI::ExistingFile);
-  command->add_flag("--sweeps", o.sweeps, "the drive is over, and all is silent, at the end of each stretch");
-  command->add_option("--length", o.length, "of the stretch behind each start")->default_str(o.length);
-  command->add_option("--before", o.before, "silence taken in front of it")->default_str(o.before);
-  command->add_option("--threshold", o.threshold, "of an impulse, in usual deviations of the force")->default_str("8");
-  command->add_option("--modes", o.modes, "at most so many")->default_str("3")->check(CLI::Range(0, 100));
-  add_band_option(*command, o.data, "LOW..HIGH where modes are looked for");
+  command->add_flag("--sweeps", o.sweeps, "drive and response have ended at the end of each stretch");
+  command->add_option("--length", o.length, "length of the stretch after each start")->default_str(o.length);
+  command->add_option("--before", o.before, "silence before each start")->default_str(o.before);
+  command->add_option("--threshold", o.threshold, "threshold of an impulse, in standard deviations of the force")
+      ->default_str("8");
+  command->add_option("--modes", o.modes, "largest number of modes")->default_str("3")->check(CLI::Range(0, 100));
+  add_band_option(*command, o.data, "LOW..HIGH searched for modes");
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"

@@ -37,21 +37,21 @@ struct Driven {
 // All but --harmonics, --save, --significance and outputs.
 void add_line_options(CLI::App& command, LineOptions& o) {
   add_pair_options(command, o.pair, "FILE::CHANNEL of the drive: motion, force or sound");
-  add_band_option(command, o.data, "LOW..HIGH where the line of the drive is: \"18 Hz..22 Hz\"");
+  add_band_option(command, o.data, "LOW..HIGH that contains the driven line: \"18 Hz..22 Hz\"");
   command.add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all");
   command.add_option("--window", o.window, "length of the windows")->default_str(o.window);
   command.add_option("--wavelength", o.wavelength, "of the light")->default_str(o.wavelength);
-  command.add_option("--multiplicity", o.multiplicity, "bounces off what moves: phase over 4 pi x/lambda")
+  command.add_option("--multiplicity", o.multiplicity, "bounces off the moving surface: phase over 4 pi x/lambda")
       ->default_str("1")
       ->check(CLI::Range(1e-3, 1e6));
-  command.add_option("--z-max", o.z_max, "largest phase amplitude that is looked for, rad")
+  command.add_option("--z-max", o.z_max, "largest phase amplitude searched, rad")
       ->default_str("20")
       ->check(CLI::Range(0.1, 1000.0));
 }
 
 Driven follow_drive(LineOptions const& o) {
   if (o.data.band.empty())
-    throw InputError("--band is missing: where the line of the drive is", "write --band \"18 Hz..22 Hz\"");
+    throw InputError("--band is missing: it must contain the driven line", "write --band \"18 Hz..22 Hz\"");
   FrequencyBand const band = option_band(o.data.band, "--band");
   Driven d;
   d.window = option_quantity(o.window, dim::time, "--window", "4 s");

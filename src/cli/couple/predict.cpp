@@ -189,7 +189,7 @@ nlohmann::json overlay_json(Overlay const& o) {
           {"above_limit", o.above_limit}};
 }
 
-// Measured points and limits on the axis of the sheet: each in the bin it lies in, the surest of them.
+// Measured points and limits on the axis of the sheet: each in its bin, the most significant one.
 void add_overlay(CurveSheet& sheet, Overlay const& o) {
   std::size_t const n = sheet.x.values.size();
   CurveColumn value{"measured", o.unit, std::vector<double>(n, not_a_number), "points"}, limit = value, sigma = value;

@@ -54,9 +54,9 @@ int fit(FitOptions const& o) {
   check_outputs(o.data);
   if (!o.subtract.empty() && !o.subtract.ends_with(".hdf5") && !o.subtract.ends_with(".h5"))
     throw InputError(fmt::format("--subtract: '{}' does not end in .hdf5", o.subtract),
-                     "the residual is written as gwpy reads it");
+                     "the residual is HDF5 for gwpy");
   if (!o.prediction.run.empty() && !o.gain.empty())
-    throw InputError("--gain-per-field: the run has the responses of its ports", "leave one of the two out");
+    throw InputError("--gain-per-field: the run has the responses of its ports", "remove one of the two");
   FringeRecords const records = records_of(o);
   std::vector<RoutePrediction> routes;
   if (!o.prediction.run.empty()) routes = route_predictions(o.prediction, is_rotation(records));
@@ -86,15 +86,16 @@ void add_fit(CLI::App& app, int& exit_code) {
       "fit", "Fit fringe noise in a measured h(t): recoupled fraction, phase, effective motion and residual.");
   auto const options = std::make_shared<FitOptions>();
   FitOptions& o = *options;
-  command->add_option("run", o.prediction.run, "run file whose routes are fitted and compared; none: the data alone");
+  command->add_option("run", o.prediction.run,
+                      "run file whose routes are fitted and compared; without it, fit only the data");
   add_record_options(*command, o);
-  command->add_option("--path", o.prediction.rows, "rows of the path table of the run, 1 unless given; may be repeated")
+  command->add_option("--path", o.prediction.rows, "row of the path table of the run; default 1; may be repeated")
       ->allow_extra_args(false);
-  command->add_option("--body", o.prediction.body, "that the witness is of; default: the one that moves the path most");
+  command->add_option("--body", o.prediction.body, "body of the witness; default: the one that moves the path most");
   command
       ->add_option(
           "--axis", o.prediction.axis,
-          "of the body that the witness measures: x, y, z, or rx, ry, rz of an angle; default: that of most phase")
+          "coordinate measured by the witness: x, y, z, or rx, ry, rz for an angle; default: the one with most phase")
       ->check(CLI::IsMember({"x", "y", "z", "rx", "ry", "rz"}));
   command->add_option("--paths", o.paths, "number of paths, without a run")->check(whole_between(1, 6, "2"));
   command->add_option("--multiplicity", o.multiplicity,

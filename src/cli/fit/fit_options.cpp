@@ -52,9 +52,9 @@ double wavelength_of(FitOptions const& o) {
   double const run = o.prediction.run.empty() ? 0 : read_run(o.prediction.run).trace.coupling.wavelength;
   if (o.wavelength.empty()) return run > 0 ? run : 1064e-9;
   double const said = option_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
-  if (!(said > 0)) throw InputError("--wavelength: it is positive", "write --wavelength \"1064 nm\"");
+  if (!(said > 0)) throw InputError("--wavelength must be positive", "write --wavelength \"1064 nm\"");
   if (run > 0 && std::fabs(said / run - 1) > 1e-9)
-    throw InputError(fmt::format("--wavelength: the run has {:g} nm", run * 1e9), "leave the option out");
+    throw InputError(fmt::format("--wavelength: the run has {:g} nm", run * 1e9), "remove the option");
   return said;
 }
 
@@ -84,7 +84,7 @@ FringeRecords records_of(FitOptions const& o) {
   if (!o.prediction.run.empty() || !o.gain.empty()) records.target = as_strain(std::move(records.target));
   std::optional<double> corner;
   if (!o.corner.empty()) corner = option_quantity(o.corner, dim::frequency, "--corner", "0.05 Hz");
-  // Beyond the span of the target witnesses are welcome: delays reach there.
+  // Witnesses may extend beyond the span of the target, for delays.
   add_witness(records, series_argument(o.witness, o.witness_unit, span), corner, "--witness");
   if (!o.witness2.empty())
     add_witness(records, series_argument(o.witness2, o.witness2_unit, span), corner, "--witness2");

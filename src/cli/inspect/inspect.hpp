@@ -10,8 +10,8 @@
 
 namespace straytrace::cli {
 
-// Prints parts, colours, faces, areas, size, findings and an entry for a scene. `units`: of the numbers in the file, in
-// place of what it says; empty: as it says. `plot`: a PNG file, none when empty.
+// Prints parts, colours, faces, areas, size, findings and an entry for a scene. `units`: of the numbers in the file,
+// overriding the file; empty: those of the file. `plot`: a PNG file, none when empty.
 int inspect_geometry(std::string const& file, std::string const& units, std::string const& plot, PrintOptions const&);
 
 // Whether a scene moves bodies and has no materials to show.

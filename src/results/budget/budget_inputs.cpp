@@ -21,8 +21,8 @@
 namespace straytrace::results {
 namespace {
 
-// Points on either side of the borders of bins that hold a line, so that no straight line between points carries it
-// into other bins.
+// Points on either side of the borders of bins that hold a line, so that interpolation does not spread it into other
+// bins.
 std::vector<double> with_borders_of_lines(std::vector<double> hz, std::vector<NoiseSource> const& sources) {
   constexpr double distance = 1e-5;  // of the frequency
   double const low = hz.front(), high = hz.back();
@@ -228,7 +228,7 @@ BudgetView gather_budget(BudgetRequest const& r) {
   v.detector = g.detector;
   v.ifo = std::move(g.ifo);
   if (v.ifo || std::any_of(g.sources.begin(), g.sources.end(), holds_fundamental)) return v;
-  v.warnings.push_back("no detector is named, so there are no fundamental noises; name one, for example 'aligo'");
+  v.warnings.push_back("without a detector there are no fundamental noises; name one, for example 'aligo'");
   return v;
 }
 

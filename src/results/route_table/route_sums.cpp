@@ -205,7 +205,7 @@ std::string merit_text(std::vector<Merit> const& all, std::size_t routes) {
 std::size_t class_of(CouplingTable const& table, PathRow const& row) {
   for (std::size_t i = 0; i < table.classes.size(); ++i)
     if (table.classes[i].hash == row.hash && table.ports[table.classes[i].port.value] == row.port) return i;
-  throw InputError("the run file does not hold the route that its path table names", "make the run again");
+  throw InputError("the run file lacks a route of its path table", "repeat the run");
 }
 
 }  // namespace straytrace::results

@@ -138,7 +138,7 @@ std::string totals(ScatterAudit const& audit, std::string const& beyond) {
   }
   return out + fmt::format(
                    "nearest, farthest: |beta-beta0| of the points. TIS: by |beta-beta0| alone, {} beyond the points "
-                   "(extrapolated: the share\nof it there). sampling: how much it moves without every second point.\n",
+                   "(extrapolated: the share\nof it there). sampling: its change without every second point.\n",
                    beyond);
 }
 
@@ -201,7 +201,7 @@ std::string parameter_text(FitParameter const& p) {
   return fmt::format("{} = {:.{}g} +- {:.2g}{}", p.name, p.value, digits, p.error, unit);
 }
 
-// The point that is farthest from a fit, when it is far: a glint, light that missed the sample, a slip of the pen.
+// The worst outlier of a fit, if large: a glint, light that missed the sample, a typing error.
 std::string farthest_text(ScatterFile const& file, ScatterFit const& fit) {
   constexpr double far = 3;  // factor
   double worst = std::log(far);
@@ -222,7 +222,7 @@ std::string farthest_text(ScatterFile const& file, ScatterFit const& fit) {
           : fmt::format("theta_i {:.4g} deg, offset {:.4g}", point->theta_i / degree, point->offset);
   return fmt::format(
       "  look: line {} ({}) is {:.3g} times the best fit: a glint, or a bad point? 'model: table' spreads it over a\n"
-      "  ring about the specular direction; leave it out there, and look at the part where it comes from\n",
+      "  ring about the specular direction; remove it there, and inspect the part that it comes from\n",
       point->line, where, ratio);
 }
 

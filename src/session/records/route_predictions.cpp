@@ -19,8 +19,7 @@
 namespace straytrace::session {
 namespace {
 
-// Weighted sums over the paths of a route: how the phase turns per metre of a body along each axis, and per
-// radian about it.
+// Weighted sums over the paths of a route: phase per metre of a body along each axis, and per radian about it.
 struct PhaseSensitivities {
   double weight = 0;
   std::array<double, 6> sum{}, square{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run predicts for the routes of its path table: coupling, fringes per metre of a body, response of the port.
+// Predictions of a run for the routes of its path table: coupling, fringes per metre of a body, response of the port.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace straytrace::session {
 
-// What a run says of a route, for the witness of one body along one axis.
+// Prediction of a run for a route, for the witness of one body along one axis.
 struct RoutePrediction {
   std::size_t rank = 0;
   std::string route, port, body, axis;
@@ -28,7 +28,7 @@ struct PredictedRoutes {
 // this kind, of an angle with `rotation`, does not measure.
 std::vector<RoutePrediction> route_predictions(PredictedRoutes const&, bool rotation);
 
-// Measured recoupled fraction over the predicted mean, and whether one speckle does that.
+// Measured recoupled fraction over the predicted mean, and whether one speckle explains it.
 struct AgainstPrediction {
   Fitted fraction, ratio;
   double low = 0, high = 0;  // of the ratio, 5 and 95 % of one speckle (eq. 10.2); 0, 0: no speckle

@@ -301,7 +301,8 @@ ApertureProfile profile_behind(BeamAperture const& a, std::string const& name, d
       out.with.push_back(std::norm(field_behind(a.at, a.opening, z, x, 0)));
     } catch (NumericalError const&) {
       throw NumericalError(fmt::format(
-          "the field {:g} m behind '{}' at x = {:g} m cannot be integrated to 1e-3\n  go farther away", z, name, x));
+          "the field {:g} m behind '{}' at x = {:g} m cannot be integrated to 1e-3\n  choose a larger distance", z,
+          name, x));
     }
     out.without.push_back(std::norm(free_field(a.at, z, x, 0)));
   }

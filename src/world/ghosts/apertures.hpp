@@ -32,7 +32,7 @@ struct BeamAperture {
 // Beam by beam, in the order along each.
 std::vector<BeamAperture> apertures_of(World const&);
 
-// Where the phase that the paraxial approximation leaves out of the wave from the rim, k r^4/(8 z^3), is 1 rad; m.
+// Where the phase error of the paraxial wave from the rim, k r^4/(8 z^3), is 1 rad; m.
 double paraxial_beyond(BeamAperture const&);
 
 // Intensity across the beam at a distance [m] behind a rim that is `across`, with and without it, over that on the axis

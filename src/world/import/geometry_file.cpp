@@ -49,7 +49,7 @@ double metres_in(std::string const& units) {
   return unit->si;
 }
 
-// The picture tells objects apart by the first piece of a group's name.
+// The picture distinguishes objects by the first piece of a group's name.
 GroupId group_of(World& world, std::string const& part) { return world.add_group(part.substr(part.rfind('/') + 1)); }
 
 void add_cad_part(CadFilePart const& p, double scale, std::uint32_t optic, BodyId body, GeometryFile& out) {
@@ -93,7 +93,7 @@ void read_cad(std::string const& name, std::string const& bytes, std::string con
   refuse_mesh(name, read_cad_file(text, file));
   out.format = fmt::format("{}, converted by {}", file.schema, file.made_by);
   out.unit = !file.unit_stated ? "not in the file, shown as mm"
-             : file.unit > 0   ? fmt::format("the file says {:g} m", file.unit)
+             : file.unit > 0   ? fmt::format("the file states {:g} m", file.unit)
                                : "the file uses several";
   out.unit_known = file.unit_stated || !units.empty();
   if (!units.empty() && file.unit > 0) {
@@ -112,9 +112,9 @@ void read_cad(std::string const& name, std::string const& bytes, std::string con
   out.box = {out.scale * file.box.lower, out.scale * file.box.upper};
   note(out, scale_advice(file.box, out.scale));
   if (freeform > 0)
-    out.notes.push_back({fmt::format("{} of {} faces are free surfaces: triangles within {:g} m of them stand for them",
+    out.notes.push_back({fmt::format("{} of {} faces are free-form surfaces, represented by triangles within {:g} m",
                                      freeform, faces, file.chord),
-                         "they scatter well; a mirror among them reflects into wrong directions"});
+                         "scatter from them is accurate; specular reflection from them goes in wrong directions"});
 }
 
 void add_mesh_part(MeshPart& p, MeshHealth::Part const& health, std::size_t number, double scale, std::uint32_t optic,

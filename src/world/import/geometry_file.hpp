@@ -14,7 +14,7 @@ namespace straytrace::world {
 bool is_geometry(std::string const& file);  // by its ending
 
 struct GeometryPart {
-  std::string name, material, colour;        // empty: the file says none
+  std::string name, material, colour;        // empty: the file states none
   std::map<std::string, std::size_t> faces;  // by kind: plane, cylinder ... freeform, triangle
   double area = 0;                           // m^2
   std::string closed;                        // of meshes, in words
@@ -26,7 +26,7 @@ struct GeometryFile {
   double scale = 1;          // m per unit of the numbers in `box` as read
   Box box;                   // m
   std::vector<GeometryPart> parts;
-  std::vector<MeshFault> notes;  // what is suspicious
+  std::vector<MeshFault> notes;  // suspicious findings
   World world;
 };
 
