@@ -203,13 +203,13 @@ std::optional<RecordedMotion> read_recorded(Node const& spec, bool rotation) {
 RecordedMotion channel_motion(TimeSeries const& series, bool rotation, double corner) {
   std::optional<int> const times = integrations_to(rotation ? dim::angle : dim::length, series.unit);
   if (!times)
-    throw InputError(fmt::format("--channel: '{}' is in '{}', which is no {} over time", series.name, series.unit,
+    throw InputError(fmt::format("--channel: '{}' is in '{}', which is not a unit of {}", series.name, series.unit,
                                  rotation ? "angle" : "displacement, velocity or acceleration"),
                      fmt::format("write its unit: --unit {}", rotation ? "urad" : "um/s^2"));
   Calibration c;
   c.derivatives = *times;
   if (c.derivatives > 0 && corner <= 0)
-    throw InputError(fmt::format("--channel: '{}' is in {} and has to be integrated, which makes slow errors large",
+    throw InputError(fmt::format("--channel: '{}' is in {} and must be integrated, which amplifies slow errors",
                                  series.name, series.unit),
                      "write --corner 0.05Hz; slower motion is removed");
   if (series.samples.size() < 32)

@@ -36,7 +36,7 @@ Spectrum displacement_spectrum(TimeSeries const& readings, Calibration const&, d
 // corner [Hz], below which motion is removed. InputError names the option.
 RecordedMotion channel_motion(TimeSeries const&, bool rotation, double corner_hz);
 
-// The recording takes the place of all that moved this coordinate; other bodies keep what they had.
+// The recording replaces all motion of this coordinate; other bodies keep theirs.
 void replace_coordinate(MotionSet&, BodyId, int axis, RecordedMotion const&);
 
 }  // namespace straytrace::motion

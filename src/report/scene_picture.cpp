@@ -222,7 +222,7 @@ Drawn draw_flash(World const& world, Camera const& camera, LookSettings const& s
                                  "radiance over the intensity of the flash: yellow {:.3g} /m^2, black 1e-{:.0f} of it "
                                  "or less, logarithmic; white: glints, up to {:.3g} /m^2",
                                  yellow, below, glint)
-                           : "nothing shines back";
+                           : "no light returns";
   return drawn;
 }
 

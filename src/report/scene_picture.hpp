@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pictures of a scene as a camera sees it: their colours, and what they mean.
+// Pictures of a scene as a camera sees it: their colours, and their meaning.
 #pragma once
 
 #include <cstdint>
@@ -36,9 +36,9 @@ Drawn draw_shaded(World const&, Camera const&, LookSettings const&);
 Drawn draw_ids(World const&, Camera const&, LookSettings const&);      // one flat colour per group
 Drawn draw_normals(World const&, Camera const&, LookSettings const&);  // in the frame of the camera
 Drawn draw_depths(World const&, Camera const&, LookSettings const&);   // near white, far black, logarithmic
-// Adjoint of the steering tables that the world has (docs/theory/sampling.md): where light must not go.
+// Adjoint of the steering tables that the world has (docs/theory/sampling.md): surfaces that light must not reach.
 Drawn draw_importance(World const&, Camera const&, LookSettings const&);
-// By the camera's own flash, logarithmic; what is more than the brightest scattered light is white.
+// By the camera's own flash, logarithmic; values above the brightest scattered light are white.
 Drawn draw_flash(World const&, Camera const&, LookSettings const&, Flash const&);
 
 std::string object_of(std::string const& group);

@@ -443,9 +443,8 @@ void rescale(ProjectedCoupling& p, CouplingFunction const& c, TimeSeries const& 
   std::string const unit = unit_above(c);
   auto const have = parse_unit(unit), want = parse_unit(target.unit);
   if (!have || !want || !(have->dimension == want->dimension))
-    throw InputError(fmt::format("--target: '{}' is in {}, and the coupling makes {} of the witness", target.name,
-                                 target.unit, unit),
-                     "choose the target that the coupling was measured with");
+    throw InputError(fmt::format("--target: '{}' is in {}, but the coupling gives {}", target.name, target.unit, unit),
+                     "choose the target of the measured coupling");
   for (ProjectedPoint& q : p.points) {
     q.asd *= have->si / want->si;
     q.sigma *= have->si / want->si;

@@ -129,7 +129,8 @@ ProjectedCoupling project_coupling(CouplingFunction const&, QuietWitness const&)
 std::string unit_below(std::string const& coupling_unit, TimeSeries const& witness);
 // What stands above it.
 std::string unit_above(CouplingFunction const&);
-// From the unit above the stroke of the coupling to that of the target; InputError when they are of different kinds.
+// From the numerator of the unit of the coupling to the unit of the target; InputError when they are of different
+// kinds.
 void rescale(ProjectedCoupling&, CouplingFunction const&, TimeSeries const& target);
 
 }  // namespace straytrace::analysis

@@ -70,7 +70,7 @@ Explanation answer(std::vector<LanguageKey const*> const& found, bool table) {
   return a;
 }
 
-// "cone.half_angle", "half_angle" in all tables, "cone" with all its keys; nothing when no name is like it.
+// "cone.half_angle", "half_angle" in all tables, "cone" with all its keys; empty without a similar name.
 std::optional<Explanation> explain_key(std::string const& what) {
   std::vector<LanguageKey const*> keys, tables;
   for (LanguageKey const& k : language_keys()) {
@@ -101,7 +101,7 @@ std::optional<Explanation> explain_column(std::string const& what) {
   a.json = {{"column", hit->key}, {"title", hit->title}, {"unit", hit->unit}, {"text", hit->help}};
   std::string const unit = hit->is_text ? "text" : hit->unit.empty() ? "number" : hit->unit;
   a.text =
-      fmt::format("{}: column of the path table, {}\n  {}\n  asked by straytrace paths RUN --where, --sort, --csv\n",
+      fmt::format("{}: column of the path table, {}\n  {}\n  used by straytrace paths RUN --where, --sort, --csv\n",
                   hit->key, unit, hit->help);
   a.text += "see docs/reference/run_file.md\n";
   return a;
@@ -157,7 +157,7 @@ nlohmann::ordered_json about(LibraryEntry const& e) {
 std::string where(LibraryEntry const& e) {
   return fact("status", e.status) + fact("source", e.source) + fact("note", e.note) +
          fact("include", e.file.empty() ? "none is needed" : e.file) +
-         fmt::format("straytrace library {} prints it whole; see docs/reference/library.md\n", e.name);
+         fmt::format("straytrace library {} prints all of it; see docs/reference/library.md\n", e.name);
 }
 
 Explanation of_number(LibraryEntry const& e, std::string const& name, std::string const& value) {
@@ -181,7 +181,7 @@ Explanation of_entry(LibraryEntry const& e) {
   return a;
 }
 
-// A thing of the library, "virgo_baffle", or a number of a part or detector, "virgo_baffle.inner_radius".
+// An entry of the library, "virgo_baffle", or a number of a part or detector, "virgo_baffle.inner_radius".
 std::optional<Explanation> explain_library(std::string const& what) {
   for (LibraryEntry const& e : library_entries()) {
     if (e.name == what) return of_entry(e);
@@ -206,11 +206,11 @@ std::string parts_like(std::string const& what) {
   return fmt::format("parts of this name: {}, with numbers {}; ", fmt::join(parts, ", "), fmt::join(numbers, ", "));
 }
 
-constexpr double alike = 0.6;  // share of the words of the message that stand in what was asked
+constexpr double alike = 0.6;  // share of the words of the message that are in the query
 constexpr std::size_t most = 3, fewest_words = 3;
 constexpr double near_best = 0.15;
 
-// Words of letters, in lower case; names and numbers of the user count for nothing.
+// Words of letters, in lower case; names and numbers of the user are ignored.
 std::set<std::string> words_of(std::string const& text) {
   std::set<std::string> words;
   std::string word;
@@ -227,14 +227,14 @@ std::set<std::string> words_of(std::string const& text) {
   return words;
 }
 
-// How well the words of a message cover what was asked, and the other way round.
+// How well the words of a message cover the query, and vice versa.
 double likeness(std::set<std::string> const& message, std::set<std::string> const& asked) {
   if (message.size() < fewest_words || asked.empty()) return 0;
   auto const common = double(std::count_if(message.begin(), message.end(), [&](auto& w) { return asked.contains(w); }));
   return 0.5 * common / double(message.size()) + 0.5 * common / double(asked.size());
 }
 
-// A message as it was printed, or a part of it; nothing when none is like it.
+// A printed message or a part of it; empty without a similar one.
 std::optional<Explanation> explain_message(std::string const& text) {
   std::set<std::string> const asked = words_of(text);
   if (asked.size() < 2) return {};

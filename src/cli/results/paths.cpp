@@ -60,8 +60,8 @@ void print_ports(PathsOptions const& options, RunContent const& content, PathTab
 int paths(PathsOptions const& options) {
   refuse_two_formats(options.csv, options);
   if (options.any() && (options.first_order || options.census || options.by == "receiver" || options.by == "source"))
-    throw InputError("--where, --without, --sort and --band are about routes to ports",
-                     "leave out --by, --census and --first-order, or leave these out");
+    throw InputError("--where, --without, --sort and --band apply to routes to ports",
+                     "remove --by, --census and --first-order, or these");
   if (options.first_order) return print_first_order(options);
   OpenRun const run(options.input);
   RunFile const& file = run.file;
@@ -71,8 +71,8 @@ int paths(PathsOptions const& options) {
   bool const without_ports = file.trace.coupling.ports.empty() && options.by.empty();
   if (options.census || options.by == "receiver" || options.by == "source" || without_ports) {
     if (options.any())
-      throw InputError("this run has no ports, and --where, --without, --sort and --band are about routes to ports",
-                       "leave them out");
+      throw InputError("this run has no ports, but --where, --without, --sort and --band apply to routes to ports",
+                       "remove them");
     print_receivers(options, content, show);
     return done;
   }
@@ -100,13 +100,10 @@ void add_paths(CLI::App& app, int& exit_code) {
   command->add_option("run", o.input, "run file (HDF5); with --first-order also a scene")->required();
   command->add_option("--by", o.by, "port or receiver; source: surfaces that illuminate each receiver")
       ->check(CLI::IsMember({"port", "receiver", "source"}));
-  command->add_option("--where", o.choice.where,
-                      "only routes of which this is true: 'via(\"baffle*\") and scatters == 2'");
-  command->add_option("--band", o.band, "of shares and ranks: \"10 Hz..100 Hz\"; all frequencies unless given");
-  command->add_option("--sort", o.choice.sort, "by this name of --where, largest first: opl, 'h(30 Hz)'");
-  command
-      ->add_option("--without", o.choice.without,
-                   "sums the noise again without routes that pass this object, * for any")
+  command->add_option("--where", o.choice.where, "only routes that satisfy this: 'via(\"baffle*\") and scatters == 2'");
+  command->add_option("--band", o.band, "band of shares and ranks: \"10 Hz..100 Hz\"; default: all frequencies");
+  command->add_option("--sort", o.choice.sort, "sort by this column of --where, largest first: opl, 'h(30 Hz)'");
+  command->add_option("--without", o.choice.without, "sum the noise without routes that pass this object, * for any")
       ->allow_extra_args(false);
   command->add_option("--show", o.show, "rows")->check(whole_between(1, 1e6, "20"));
   command->add_flag("--census", o.census, "objects met by the light of each receiver, by watts");

@@ -33,7 +33,7 @@ struct TimeFiles {
 
 struct ProjectOptions {
   TimeOptions time;
-  std::size_t per_route = 0;  // 0: as many as keep the work small
+  std::size_t per_route = 0;  // 0: a number that limits the work
   std::string backend = "cpu";
   unsigned threads = 0;
   bool retarded = false;
@@ -61,7 +61,7 @@ TimeDomainSettings settings_of(ProjectOptions const& o, TimeInputs const& in) {
   return s;
 }
 
-// Options that say nothing about a coupling function.
+// Options that do not apply to a coupling function.
 void refuse_options_of_runs(ProjectOptions const& o) {
   TimeOptions const& time = o.time;
   TimeFiles const& files = o.files;
@@ -143,7 +143,7 @@ int project_coupling_file(ProjectOptions const& o) {
   refuse_options_of_runs(o);
   std::string const& file = o.time.run;
   if (o.witness.empty())
-    throw InputError(fmt::format("'{}' is a coupling function, and no quiet witness is given", file),
+    throw InputError(fmt::format("'{}' is a coupling function, but no quiet witness is given", file),
                      "write --witness FILE::CHANNEL");
   if (!o.files.asd.empty()) check_curve_ending(o.files.asd, "--asd");
   DataOptions data = o.data;
@@ -207,11 +207,12 @@ std::string project_text(TimeDomainSummary const& r) {
   text += fmt::format("phase: {:.4g} rad rms of {}, the route with the largest moving power\n", r.rms_phase,
                       r.rms_phase_route);
   text += fmt::format("fastest fringe {:.4g} Hz at GPS {:.2f}: {}\n", r.fastest.hz, r.fastest.time, r.fastest_route);
-  text += fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe and a margin of {:.4g} Hz)\n",
-                      r.rule.least(), r.rule.margin);
-  text += fmt::format("left out (eq. 2.6): second order about {:.2g} rad, tilt of the rays, ", r.second_order);
+  text +=
+      fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe frequency plus a margin of {:.4g} Hz)\n",
+                  r.rule.least(), r.rule.margin);
+  text += fmt::format("neglected (eq. 2.6): second order about {:.2g} rad, tilt of the rays, ", r.second_order);
   if (r.retarded)
-    text += fmt::format("of the delays what is not half of a path: up to {:.1g} of h at 100 Hz\n", r.delay_error);
+    text += fmt::format("deviations of the delays from half of a path: up to {:.1g} of h at 100 Hz\n", r.delay_error);
   else
     text += fmt::format("delays up to {:.2g} ms: up to {:.1g} of h at 100 Hz where bodies interfere\n", 1e3 * r.delay,
                         r.delay_error);
@@ -384,27 +385,29 @@ void add_project(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand(
       "project", "Project measured or drawn motion through a run in the time domain: h(t), spectrum, spectrogram.");
   command->add_option("run", o.time.run, "run file (HDF5), or coupling function (CSV) with --witness")->required();
-  command->add_option("--witness", o.witness, "FILE::CHANNEL, quiet, that a measured coupling is taken times");
+  command->add_option("--witness", o.witness, "FILE::CHANNEL of the quiet witness, for a measured coupling");
   command->add_option("--target", o.target, "FILE::CHANNEL to compare that projection with");
-  command->add_option("--coupling-unit", o.coupling_unit, "of the factors, where the CSV does not say it: 1/m");
+  command->add_option("--coupling-unit", o.coupling_unit, "unit of the factors, where the CSV has none: 1/m");
   add_motion_options(*command, o.time);
   add_stretch_options(*command, o.time);
   add_route_options(*command, o.time);
   command
       ->add_option("--paths-per-route", o.per_route,
-                   "fields drawn for each route; default: about 2048 in all, at least 16")
+                   "number of fields drawn for each route; default: about 2048 in total, at least 16")
       ->check(whole_between(1, 1e6, "64"));
   command->add_option("--realisations", o.realisations, "number of independent draws of motion and static phases")
       ->check(whole_between(1, 1e5, "20"));
-  command->add_flag("--retarded", o.retarded, "each path sees the motion as it was half of its length ago");
+  command->add_flag("--retarded", o.retarded, "delay the motion of each path by half of its length");
   command->add_option("--threads", o.threads, "default: all cores; does not change the result")
       ->check(whole_between(1, 1024, "4"));
   command->add_option("--backend", o.backend, "cpu, or cuda: fields are summed on a GPU; the same bits");
-  command->add_option("-o,--out", o.files.strain, "h(t) of the first realisation: .hdf5, .txt, .csv, .png, .html");
-  command->add_option("--asd", o.files.asd, "spectrum of h: .txt .csv .hdf5 .json .png .html");
-  command->add_option("--spectrogram", o.files.spectrogram, "of h, first realisation: .png .html .txt .hdf5");
-  command->add_option("--stride", o.files.stride, "of the spectrogram; default: 0.5 s");
-  command->add_option("--save-motion", o.files.motion, "what the bodies did, first realisation: .hdf5 .txt .csv");
+  command->add_option("-o,--out", o.files.strain, "file of h(t), first realisation: .hdf5, .txt, .csv, .png, .html");
+  command->add_option("--asd", o.files.asd, "file of the spectrum of h: .txt .csv .hdf5 .json .png .html");
+  command->add_option("--spectrogram", o.files.spectrogram,
+                      "file of the spectrogram of h, first realisation: .png .html .txt .hdf5");
+  command->add_option("--stride", o.files.stride, "stride of the spectrogram; default: 0.5 s");
+  command->add_option("--save-motion", o.files.motion,
+                      "file of the motion of the bodies, first realisation: .hdf5 .txt .csv");
   add_welch_options(*command, o.data);
   command->add_option("--format", o.data.format, "text or json")->check(CLI::IsMember({"text", "json"}));
   command->add_flag("--quiet", o.data.quiet, "results only");

@@ -17,28 +17,31 @@ void add_motion_options(CLI::App& command, TimeOptions& o) {
   command.add_option("--motion", o.motion, "YAML file with 'straytrace: 1' and 'bodies' to use instead of the run's");
   command.add_option("--body", o.body, "body whose motion the next --channel replaces; may be repeated")
       ->allow_extra_args(false);
-  command.add_option("--axis", o.axis, "coordinate of it: x, y, z, rx, ry or rz; may be repeated")
+  command.add_option("--axis", o.axis, "coordinate of that body: x, y, z, rx, ry or rz; may be repeated")
       ->allow_extra_args(false);
-  command.add_option("--channel", o.channel, "FILE or FILE::CHANNEL with what that coordinate did; may be repeated")
+  command
+      .add_option("--channel", o.channel, "FILE or FILE::CHANNEL with the motion of that coordinate; may be repeated")
       ->allow_extra_args(false);
-  command.add_option("--unit", o.unit, "of the channels, where the files do not say it: um, m/s^2");
+  command.add_option("--unit", o.unit, "unit of the channels, where the files have none: um, m/s^2");
   command.add_option("--corner", o.corner_text,
                      "high pass of integrated velocities and accelerations, for example 0.05Hz");
-  command.add_option("--seed", o.seed, "of drawn motion and of static phases")->check(whole_between(0, 9e15, "7"));
+  command.add_option("--seed", o.seed, "seed of drawn motion and of static phases")->check(whole_between(0, 9e15, "7"));
 }
 
 void add_stretch_options(CLI::App& command, TimeOptions& o) {
-  command.add_option("--gps", o.gps, "stretch A..B in GPS seconds or UTC; default: all that was recorded");
-  command.add_option("--duration", o.duration_text, "of the record; default: what was recorded, or 64 s");
+  command.add_option("--gps", o.gps, "stretch A..B in GPS seconds or UTC; default: all recorded data");
+  command.add_option("--duration", o.duration_text, "duration of the record; default: all recorded data, or 64 s");
   command.add_option("--rate", o.rate, "samples per second; default: chosen from the largest fringe frequency")
       ->check(CLI::Range(1.0, 1048576.0));
 }
 
 void add_route_options(CLI::App& command, TimeOptions& o) {
-  command.add_option("--route", o.routes, "rank in the path table or part of the name ('tube.S'); may be repeated")
+  command
+      .add_option("--route", o.routes,
+                  "only this route: rank in the path table or part of the name ('tube.S'); may be repeated")
       ->allow_extra_args(false);
   command.add_option("--port", o.ports, "only routes of this port; may be repeated")->allow_extra_args(false);
-  command.add_option("--moved-by", o.moved_by, "only routes that this body moves; may be repeated")
+  command.add_option("--moved-by", o.moved_by, "only routes moved by this body; may be repeated")
       ->allow_extra_args(false);
 }
 

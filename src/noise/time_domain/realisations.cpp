@@ -88,8 +88,8 @@ BandLevel nothing(double hz) {
   return {hz, hz, hz, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number};
 }
 
-// What eq. 2.6 leaves out of this route if the largest translation of a body on each path were transverse to its mean
-// leg; mean over the paths by power.
+// Second-order effects (eq. 2.6) neglected for this route if the largest translation of a body on each path were
+// transverse to its mean leg; mean over the paths by power.
 double second_order_of(CouplingTable const& table, StrayLight const& light) {
   CouplingClass const& c = table.classes[light.moving.route];
   double const legs = c.steps.size() > 2 ? double(c.steps.size() - 1) : 1;
@@ -110,7 +110,7 @@ double second_order_of(CouplingTable const& table, StrayLight const& light) {
   return power > 0 ? phase / power : 0;
 }
 
-// What the delays leave open in h at 100 Hz, relative to the noise of one body. `retarded`: half of the path is the
+// Uncertainty of h at 100 Hz by the delays, relative to the noise of one body. `retarded`: half of the path is the
 // mean delay of a body on a path and its reverse, of others it may be the whole or nothing
 // (docs/theory/time_domain.md).
 double delay_error_of(CouplingTable const& table, std::vector<std::uint32_t> const& routes, bool retarded) {

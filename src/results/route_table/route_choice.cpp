@@ -17,7 +17,7 @@ namespace straytrace::results {
 
 namespace {
 
-// Rows of routes that pass an object; a pattern that no object has is a problem, since nothing would be left out.
+// Rows of routes that pass an object; a pattern without a match is a problem, since it would remove nothing.
 std::vector<std::size_t> passing(std::vector<std::string> const& patterns, PathTable const& table,
                                  std::vector<InputError>& errors) {
   std::set<std::size_t> rows;
@@ -60,7 +60,7 @@ std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
                                  chosen.left_out, chosen.left_out == 1 ? "" : "s");
   for (StrainWithout const& s : chosen.strain) {
     text += fmt::format("  h({:g} Hz) ", s.hz);
-    text += std::isnan(s.after.value) ? "not resolved: no resolved route that is left makes noise there"
+    text += std::isnan(s.after.value) ? "not resolved: no remaining resolved route causes noise there"
                                       : fmt::format("{}, factor {}", number_of(s.after), number_of(s.factor));
     text += fmt::format("; before {} 1/sqrt(Hz)\n", number_of(s.before));
   }
@@ -69,10 +69,10 @@ std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
                         number_of(chosen.coupling_before));
   bool const others =
       std::any_of(chosen.all.rows.begin(), chosen.all.rows.end(), [](PathRow const& row) { return row.vertices == 0; });
-  if (others) text += "  Rows 'other' stay in the sums: some of the routes they hold may pass there as well.\n";
+  if (others) text += "  Rows 'other' stay in the sums: some of their routes may pass there as well.\n";
   if (chosen.all.lower_bound())
-    text += "  lower bounds: of unresolved routes the sums hold what was seen, with an error as large\n";
-  return text + "  What their light would do instead is not traced: for that take the object out of the scene.\n";
+    text += "  lower bounds: the sums contain the observed part of unresolved routes, with an equal error\n";
+  return text + "  The further path of their light is not traced: for that remove the object from the scene.\n";
 }
 
 }  // namespace

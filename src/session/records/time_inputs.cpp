@@ -78,7 +78,7 @@ void choose_times(TimeRequest const& o, TimeInputs& in) {
   bool const recorded = std::isfinite(from);
   double const all = recorded ? to - from : usual_duration;
   in.start = std::max(o.span.from > -1e299 ? o.span.from : recorded ? from : 0, from);
-  double const end = !o.corner ? o.span.to : std::min(o.span.to, to);  // integration loses the ends
+  double const end = !o.corner ? o.span.to : std::min(o.span.to, to);  // integration removes the ends
   double const asked = end < 1e299 ? end - in.start : recorded ? to - in.start : all;
   in.duration = o.duration.value_or(asked);
   if (!(in.duration > 0 && in.duration <= 1e6))
