@@ -9,6 +9,7 @@
 
 #include "analysis/coupling/taps.hpp"
 #include "base/errors.hpp"
+#include "base/files/text_file.hpp"
 #include "cli/couple/couple_data.hpp"
 #include "results/text/columns.hpp"
 #include "spectra/files/gps.hpp"

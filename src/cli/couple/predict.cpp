@@ -10,11 +10,11 @@
 
 #include "analysis/coupling/overlay.hpp"
 #include "base/errors.hpp"
+#include "base/files/text_file.hpp"
 #include "base/text/words.hpp"
 #include "cli/couple/couple_data.hpp"
 #include "cli/options.hpp"
 #include "noise/project/predicted_coupling.hpp"
-#include "results/results.hpp"
 #include "results/text/columns.hpp"
 #include "scene/expression.hpp"
 #include "session/open_run.hpp"
@@ -275,7 +275,7 @@ int run_predict(PredictOptions const& o) {
                 {"unresolved", p.unresolved}};
   add_motion(out, o, file, model, where, grid);
   if (!o.measured.empty()) {
-    Overlay const overlay = overlay_of(parse_coupling(read_file(o.measured), o.measured, o.unit, o.witness_unit),
+    Overlay const overlay = overlay_of(parse_coupling(read_text(o.measured), o.measured, o.unit, o.witness_unit),
                                        {grid.edges, p.factor, p.sigma, unit});
     add_overlay(out.sheet, overlay);
     out.text += overlay_text(overlay, o.show);

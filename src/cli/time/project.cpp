@@ -11,6 +11,7 @@
 
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
+#include "base/files/text_file.hpp"
 #include "base/text/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/data_options.hpp"
@@ -152,7 +153,7 @@ int project_coupling_file(ProjectOptions const& o) {
   TimeSeries const witness = series_of(data, o.witness);
   std::string const& unit_said = o.coupling_unit;
   CouplingFunction coupling =
-      parse_coupling(read_file(file), file, unit_said, unit_said.empty() ? "" : unit_below(unit_said, witness));
+      parse_coupling(read_text(file), file, unit_said, unit_said.empty() ? "" : unit_below(unit_said, witness));
   if (coupling.witness.empty()) coupling.witness = witness.name;
   if (coupling.target.empty()) coupling.target = "target";
   WelchSettings settings = welch_of(data, witness);
@@ -347,6 +348,7 @@ int project(ProjectOptions const& o) {
                      "remove them, or give its CSV and --witness");
   check_time_files(o.files);
   TimeInputs const in(request_of(o.time));
+  segment_of(o.data, "h", in.duration);
   if (!o.data.quiet) std::cerr << (o.data.json() ? in.model.warnings_json : in.model.warnings);
   TimeDomainSettings settings = settings_of(o, in);
   Realisations all;

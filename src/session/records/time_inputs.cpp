@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
@@ -113,7 +114,7 @@ void check_route(std::string const& word, CouplingTable const& table) {
 }
 
 // Refuses all wrong names at once, before anything is computed.
-void check_names(TimeOptions const& o, TimeInputs const& in) {
+void check_names(TimeRequest const& o, TimeInputs const& in) {
   std::vector<InputError> errors;
   auto const each = [&](std::vector<std::string> const& words, auto const& check) {
     for (std::string const& word : words) try {
