@@ -206,6 +206,27 @@ std::string parts_like(std::string const& what) {
   return fmt::format("parts of this name: {}, with numbers {}; ", fmt::join(parts, ", "), fmt::join(numbers, ", "));
 }
 
+// Words of tables in place of an error, or of a number.
+constexpr std::pair<std::string_view, std::string_view> marks[] = {
+    {"at most", "an upper bound: light at rims, of kind edge, makes a part of the number, and speckle lowers it"},
+    {"about",
+     "a number without an error: of an unresolved route, or a total that contains upper bounds and lacks routes"},
+    {"lower bound", "routes are unresolved: the total holds what was seen of them, with an error as large"},
+    {"unresolved", "the histories do not suffice for an error; the status says why"},
+    {"computed", "without a Monte-Carlo error, since it is not sampled"},
+    {"still", "nothing on the route moves: it makes exactly no noise"},
+    {"too faint to matter", "unresolved, but what was seen makes less than 0.1 % of the noise power at any frequency"}};
+
+std::optional<Explanation> explain_mark(std::string const& what) {
+  for (auto const& [name, text] : marks)
+    if (what == name) {
+      std::string const page = "docs/theory/errors.md";
+      return Explanation{fmt::format("{}: in tables of results\n  {}\nsee {}\n", name, text, page),
+                         {{"mark", name}, {"text", text}, {"page", page}}};
+    }
+  return {};
+}
+
 constexpr double alike = 0.6;  // share of the words of the message that are in the query
 constexpr std::size_t most = 3, fewest_words = 3;
 constexpr double near_best = 0.15;

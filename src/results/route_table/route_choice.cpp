@@ -12,6 +12,7 @@
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "results/route_table/route_filter.hpp"
+#include "results/text/table.hpp"
 
 namespace straytrace::results {
 
@@ -47,10 +48,7 @@ void collect(std::string const& option, std::string const& text, FilterAnswer co
 }
 
 nlohmann::ordered_json json_of(WithError const& x) {
-  if (std::isnan(x.value)) return nullptr;
-  nlohmann::ordered_json j{{"value", x.value}, {"sigma", x.sigma}};
-  if (x.at_most) j["at_most"] = true;
-  return j;
+  return std::isnan(x.value) ? nlohmann::ordered_json() : error_json(x);
 }
 
 std::string number_of(WithError const& x) { return std::isnan(x.value) ? "unresolved" : with_brackets(x); }
@@ -70,8 +68,9 @@ std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
   bool const others =
       std::any_of(chosen.all.rows.begin(), chosen.all.rows.end(), [](PathRow const& row) { return row.vertices == 0; });
   if (others) text += "  Rows 'other' stay in the sums: some of their routes may pass there as well.\n";
-  if (chosen.all.lower_bound())
-    text += "  lower bounds: the sums contain the observed part of unresolved routes, with an equal error\n";
+  if (chosen.all.missing() > 0)
+    text += fmt::format("  {}: the sums contain the observed part of unresolved routes, with an equal error\n",
+                        bound_text(chosen.all.has_upper_bounds(), chosen.all.missing()));
   return text + "  The further path of their light is not traced: for that remove the object from the scene.\n";
 }
 
