@@ -407,7 +407,8 @@ void add_project(CLI::App& app, int& exit_code) {
   command->add_option("--asd", o.files.asd, "file of the spectrum of h: .txt .csv .hdf5 .json .png .html");
   command->add_option("--spectrogram", o.files.spectrogram,
                       "file of the spectrogram of h, first realisation: .png .html .txt .hdf5");
-  command->add_option("--stride", o.files.stride, "stride of the spectrogram; default: 0.5 s");
+  command->add_option("--stride", o.files.stride, "stride of the spectrogram; default: 0.5 s")
+      ->check(is_quantity(dim::time, "--stride", "0.5 s"));
   command->add_option("--save-motion", o.files.motion,
                       "file of the motion of the bodies, first realisation: .hdf5 .txt .csv");
   add_welch_options(*command, o.data);
