@@ -211,11 +211,11 @@ constexpr std::pair<std::string_view, std::string_view> marks[] = {
     {"at most", "an upper bound: light at rims, of kind edge, makes a part of the number, and speckle lowers it"},
     {"about",
      "a number without an error: of an unresolved route, or a total that contains upper bounds and lacks routes"},
-    {"lower bound", "routes are unresolved: the total holds what was seen of them, with an error as large"},
+    {"lower bound", "routes are unresolved: the total contains their observed part, with an equal error"},
     {"unresolved", "the histories do not suffice for an error; the status says why"},
     {"computed", "without a Monte-Carlo error, since it is not sampled"},
     {"still", "nothing on the route moves: it makes exactly no noise"},
-    {"too faint to matter", "unresolved, but what was seen makes less than 0.1 % of the noise power at any frequency"}};
+    {"too faint to matter", "unresolved, but the observed part is below 0.1 % of the noise power at any frequency"}};
 
 std::optional<Explanation> explain_mark(std::string const& what) {
   for (auto const& [name, text] : marks)

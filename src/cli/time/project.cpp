@@ -217,7 +217,7 @@ std::string project_text(TimeDomainSummary const& r) {
   else
     text += fmt::format("delays up to {:.2g} ms: up to {:.1g} of h at 100 Hz where bodies interfere\n", 1e3 * r.delay,
                         r.delay_error);
-  text += fmt::format("h(t) holds {:g} to {:g} Hz; {}\n", r.band_low, r.band_high, welch_text(r));
+  text += fmt::format("h(t) covers {:g} to {:g} Hz; {}\n", r.band_low, r.band_high, welch_text(r));
   for (BandLevel const& b : r.levels) text += level_text(b, r.realisations) + "\n";
   if (r.recorded) text += "mean by spectra: as if the recorded motion were stationary and Gaussian\n";
   text.pop_back();

@@ -315,7 +315,8 @@ std::string budget_columns(BudgetView const& v) {
       "# {}\n# straytrace {} ({})\n# ASD, one-sided: _strain [1/sqrt(Hz)], _displacement of the difference of the arms "
       "[m/sqrt(Hz)]; nan: not known\n# of stray light [1/sqrt(Hz)]: _sigma one standard error (Monte Carlo), "
       "_input_low, "
-      "_input_high what stated inputs leave open,\n# _speckle_05, _50, _95 percentiles of one realisation\n# Hz",
+      "_input_high range due to stated input uncertainties,\n# _speckle_05, _50, _95 percentiles of one realisation\n# "
+      "Hz",
       v.title, v.version, v.commit);
   std::vector<Column> const columns = columns_of(v.grid);
   for (Column const& c : columns) text += " " + c.name;
