@@ -85,9 +85,12 @@ function simpleTable(titles, rows, text = []) {
             el("tbody", {}, rows.map(row => el("tr", {}, row.map((c, i) => el("td", side(i), String(c)))))));
 }
 
-// A table as the program lists it: columns {title, text, digits}, rows of texts and numbers.
+// A text, a number, or one with its error.
+function cellText(x, n) { return typeof x === "string" ? x : x !== null && typeof x === "object" ? withError(x.value, x.sigma) : digits(x, n); }
+
+// A table as the program lists it: columns {title, text, digits}, rows of cells.
 function listedTable(table) {
-  const columns = table.columns, cell = (x, i) => typeof x === "string" ? x : digits(x, columns[i].digits);
+  const columns = table.columns, cell = (x, i) => cellText(x, columns[i].digits);
   return simpleTable(columns.map(c => c.title), table.rows.map(row => row.map(cell)),
                      columns.map((c, i) => c.text ? i : -1).filter(i => i >= 0));
 }

@@ -77,18 +77,11 @@ function drawMaterial(parent, m, count) {
                   m.tis.map(t => [t.deg, t.scattered, t.reflect, t.transmit, t.absorbed].map(v => digits(v, 4))))));
 }
 
-function addAssumptions(assumptions, inputs, materials) {
+function addAssumptions(assumptions, inputs) {
   const part = section("Assumptions", "assumptions");
   part.append(el("ul", {}, assumptions.map(line => el("li", {}, line))));
-  const trust = name => {
-    const m = (materials || []).find(x => "material " + x.material === name);
-    return m && m.status ? m.status : "";
-  };
-  if (inputs.sources.length > 0)
-    part.append(el("h3", {}, "Inputs that are not exactly known"),
-                simpleTable(["input", "status", "stated", "least factor on h", "largest factor on h", "noise power on its routes [%]"],
-                            inputs.sources.map(s => [s.name, /assumed/.test(s.statement) ? "assumed" : trust(s.name), s.statement, digits(s.low), digits(s.high),
-                                                     s.share === null ? "–" : digits(s.share)]), [0, 1, 2]));
+  if (inputs.sources.rows.length > 0)
+    part.append(el("h3", {}, "Inputs that are not exactly known"), listedTable(inputs.sources));
   if (inputs.exact.length > 0)
     part.append(el("p", {class: "note"}, "Taken as exact, because nothing is stated: " + inputs.exact.join(", ") + "."));
 }

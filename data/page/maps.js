@@ -68,9 +68,7 @@ function spread(places, axis) {
 function addReceivers(receivers) {
   const part = section("Receivers", "receivers");
   for (const r of receivers.list) {
-    part.append(el("h3", {}, r.name + ": " + (r.power === null ? "unresolved: " + r.why : withError(r.power, r.sigma) + " " + r.unit)),
-                simpleTable(["rank", "route", "power [" + r.unit + "]", "share [%]"], r.routes.slice(0, 12).map(row =>
-                    [row.rank, row.route, row.power === null ? "unresolved: " + row.why : withError(row.power, row.sigma), row.power === null ? "–" : withError(row.share, row.share_sigma)]), [1]));
+    part.append(el("h3", {}, r.name + ": " + cellText(r.light) + (typeof r.light === "string" ? "" : " " + r.unit)), listedTable(r.table));
     const map = receivers.maps.find(m => m.name === r.name);
     if (!map) continue;
     const reading = el("b"), box = el("figure", {style: "max-width: 32rem"});

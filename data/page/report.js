@@ -8,7 +8,7 @@ function budgetSeries(b) {
   if (b.speckle_05.length > 0)
     series.push({name: "speckle, 5 to 95 %", kind: "band", colour: "#56B4E9", opacity: 0.35, x, low: b.speckle_05, high: b.speckle_95});
   if (b.input_low.length > 0)
-    series.push({name: data.inputs.sources.length > 0 ? "inputs" : "inputs: nothing stated", kind: "band", colour: "#E69F00", opacity: 0.4, x, low: b.input_low, high: b.input_high});
+    series.push({name: data.inputs.sources.rows.length > 0 ? "inputs" : "inputs: nothing stated", kind: "band", colour: "#E69F00", opacity: 0.4, x, low: b.input_low, high: b.input_high});
   series.push({name: "Monte Carlo, ± 1σ", kind: "band", colour: "#000", opacity: 0.35, x,
                low: b.total.asd.map((v, i) => v === null ? null : Math.max(v - b.total.sigma[i], 0)),
                high: b.total.asd.map((v, i) => v === null ? null : v + b.total.sigma[i])});
@@ -122,7 +122,7 @@ function build() {
   if (data.ghosts) addGhosts(data.ghosts);
   addFirstOrder(data.first_order);
   if (data.materials) addMaterials(data.materials);
-  addAssumptions(data.assumptions, data.inputs, data.materials);
+  addAssumptions(data.assumptions, data.inputs);
   addEnergyBalance(data.energy_balance);
   if (data.convergence) addConvergence(data.convergence);
   const warnings = section("Warnings", "warnings");

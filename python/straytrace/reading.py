@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import pathlib
+import re
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from .errors import RunError
 from .routes import Receiver, Receivers, Routes
 
 SCHEMA_MAJORS = (1, 2)
-KINDS = ("scattered", "ghost", "edge")
 USER_BLOCK = 512  # bytes
 
 
@@ -78,24 +78,32 @@ def check_format(about: dict[str, Any], path: pathlib.Path) -> None:
                        "  use the version of straytrace that wrote it, or make the run again")
 
 
-def routes_of(file: Any, ports: list[str]) -> Routes:
-    """/classes."""
+def column(file: Any, dataset: Any) -> Any:
+    """Values of a column of a table: flags, names and words in the place of the codes that its unit explains."""
+    unit, values = text(dataset.attrs["unit"]), dataset[()]
+    if unit == "text":
+        return texts(dataset)
+    if unit == "0 or 1":
+        return values.astype(bool)
+    if unit.startswith("row of "):
+        names = texts(file[unit.removeprefix("row of ")])
+        return [names[i] for i in values]
+    if codes := dict(re.findall(r"(\d+) (\w+)(?:, |$)", unit)) if unit.startswith("0 ") else {}:
+        return [codes[str(i)] for i in values]
+    return values
+
+
+def routes_of(file: Any) -> Routes:
+    """/classes: what has one entry for each route. Files of schema 1 may lack the first three columns."""
     group = file["classes"]
     count = len(group["hash"])
-    kinds = group["kind"][()] if "kind" in group else np.zeros(count, int)    # since schema 1.4
-    return Routes(
-        hash=group["hash"][()],
-        name=texts(group["name"]),
-        port=[ports[i] for i in group["port"][()]],
-        coupling=group["mean"][()],
-        sigma=group["std_error"][()],
-        reverse=group["reverse"][()],
-        by_reverse=group["by_reverse"][()].astype(bool) if "by_reverse" in group else np.zeros(count, bool),
-        trusted=group["trusted"][()].astype(bool),
-        why_not=texts(group["why_not"]),
-        kind=[KINDS[k] for k in kinds],
-        statement=texts(group["statement"]) if "statement" in group else [""] * count,
-    )
+    values: dict[str, Any] = {"kind": ["scattered"] * count, "statement": [""] * count, "by_reverse": np.zeros(count, bool)}
+    columns = {name: ("", "") for name in values}
+    for name, dataset in group.items():
+        if dataset.shape == (count,) and not name.startswith(("step_", "replica_")):
+            values[name] = column(file, dataset)
+            columns[name] = text(dataset.attrs["unit"]), text(dataset.attrs.get("meaning", ""))
+    return Routes(values, columns)
 
 
 def _bands(group: Any) -> Bands | None:

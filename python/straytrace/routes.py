@@ -17,19 +17,30 @@ Array = npt.NDArray[np.float64]
 
 @dataclass
 class Routes:
-    """Columns of the table of routes: one entry per ordered route, [c]."""
+    """The routes of light to ports as the run file holds them: one entry per ordered route. Its columns are attributes, among
+    them hash, name, port, kind, mean, std_error, reverse, trusted, why_not and statement; `columns` lists all with unit and
+    meaning."""
 
-    hash: npt.NDArray[np.uint64]
-    name: list[str]
-    port: list[str]
-    coupling: Array                   # recoupled power fraction; not reliable where not `trusted`
-    sigma: Array
-    reverse: Array                    # C_rev, not multiplied into `coupling`
-    by_reverse: npt.NDArray[np.bool_]    # taken from the reversed route (reciprocity)
-    trusted: npt.NDArray[np.bool_]
-    why_not: list[str]
-    kind: list[str]                   # "scattered"; "ghost", "edge": computed, without Monte Carlo error
-    statement: list[str]              # for ghosts and edges: meaning of the number and its validity
+    values: dict[str, Any]                    # by the name of their column
+    columns: dict[str, tuple[str, str]]       # unit and meaning
+
+    def __getattr__(self, key: str) -> Any:
+        if key.startswith("__") or key == "values":
+            raise AttributeError(key)
+        try:
+            return self.values[key]
+        except KeyError:
+            raise AttributeError(f"routes have no column '{key}'; they have: {', '.join(self.values)}") from None
+
+    @property
+    def coupling(self) -> Array:
+        """Recoupled power fraction, the column `mean`; not reliable where not `trusted`."""
+        return np.asarray(self.values["mean"])
+
+    @property
+    def sigma(self) -> Array:
+        """One standard error of it, the column `std_error`."""
+        return np.asarray(self.values["std_error"])
 
     def table(self) -> pandas.DataFrame:
         """One row per route; unresolved couplings are NaN, `hint` has the unreliable estimate."""

@@ -184,7 +184,7 @@ def _read(file: Any, path: pathlib.Path) -> Run:
     run = Run(
         path=path,
         attributes=about,
-        routes=reading.routes_of(file, ports),
+        routes=reading.routes_of(file),
         energy_balance=EnergyBalance(reading.energy_balance_of(file)),
         arrived=pairs(groups, file["arrived"]),
         absorbed=pairs([*groups, "(in media)"], file["absorbed"]) if "absorbed" in file else {},

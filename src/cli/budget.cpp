@@ -123,7 +123,7 @@ std::string write_budget(BudgetView const& view, OutputFolder const& folder, boo
   if (pygwinc) files.emplace_back(folder.path("budget.hdf5"), budget_pygwinc(view));
   write_files(files);
   std::string message;
-  return draw_budget_picture(json, folder.path("budget.png"), message) ? "" : message;
+  return draw_from_json("budget", json, folder.path("budget.png"), message) ? "" : message;
 }
 
 int budget(BudgetOptions const& options) {

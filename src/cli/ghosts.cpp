@@ -139,7 +139,8 @@ class Answers {
       write_file(in_folder("ghosts.txt"), text_);
       write_file(in_folder("ghosts.json"), all_.dump());
       std::string message;
-      if (!draw_ghost_picture(in_folder("ghosts.json"), in_folder("ghosts.png"), message)) std::cerr << message << '\n';
+      if (!draw_from_json("ghosts", in_folder("ghosts.json"), in_folder("ghosts.png"), message))
+        std::cerr << message << '\n';
     }
     if (options_.csv) return;
     if (options_.json())

@@ -46,7 +46,7 @@ void save(ScanTable const& table, ScanCommandOptions const& options, bool last) 
                {json, scan_json(table)},
                {options.out + "/scan.txt", scan_text(table)}});
   std::string message;
-  if (last && !draw_scan_picture(json, options.out + "/scan.png", message))
+  if (last && !draw_from_json("scan", json, options.out + "/scan.png", message))
     std::cerr << "warning: scan.png was not drawn: " << message << '\n';
 }
 

@@ -13,6 +13,7 @@
 
 #include "base/errors.hpp"
 #include "io/markup.hpp"
+#include "results/curves/band.hpp"
 #include "results/text/columns.hpp"
 
 namespace straytrace::report {
@@ -233,8 +234,7 @@ std::string part_text(DrawnPart const& part, DrawnMesh const& mesh, std::int64_t
 }
 
 std::string paths_text(World const& world, std::vector<DrawnPath> const& paths, PathTable const& table) {
-  std::map<std::uint64_t, PathRow const*> rows;
-  for (PathRow const& row : table.rows) rows[row.hash] = &row;
+  auto const rows = by_hash(table.rows);
   std::vector<double> points, power;
   std::vector<std::vector<double>> strain(table.frequencies.size());
   Longs corners, ends, path, route, history, body, event, on, on_body;
@@ -324,13 +324,11 @@ std::string value_at(std::vector<double> const& curve, std::size_t i) {
 
 std::string budget_csv(RunContent const& run) {
   NoiseBudget const& b = *run.noise;
-  NoiseBands const& d = b.bands;
-  std::vector<std::pair<std::string, std::vector<double> const*>> curves = {
-      {"h_mean", &b.total.asd},           {"h_sigma", &b.total.sigma},
-      {"phase_only", &b.total.phase_asd}, {"amplitude_only", &b.total.amplitude_asd},
-      {"input_low", &d.input_low},        {"input_high", &d.input_high},
-      {"speckle_05", &d.speckle_05},      {"speckle_50", &d.speckle_50},
-      {"speckle_95", &d.speckle_95},      {"coherent", &d.coherent}};
+  std::vector<std::pair<std::string, std::vector<double> const*>> curves = {{"h_mean", &b.total.asd},
+                                                                            {"h_sigma", &b.total.sigma},
+                                                                            {"phase_only", &b.total.phase_asd},
+                                                                            {"amplitude_only", &b.total.amplitude_asd}};
+  for (BandCurve const& c : band_curves) curves.emplace_back(c.name, &(b.bands.*c.member));
   for (DesignCurve const& c : b.design) curves.emplace_back(c.name, &c.asd);
   std::string text = file_header(run) + "# one-sided strain ASD, 1/sqrt(Hz)\nfrequency_Hz";
   for (auto const& [name, curve] : curves) text += "," + csv_text(name);
@@ -343,15 +341,14 @@ std::string budget_csv(RunContent const& run) {
 
 std::string routes_csv(RunContent const& run, PathTable const& table) {
   NoiseBudget const& b = *run.noise;
-  std::map<std::uint64_t, NoiseTrace const*> by_hash;
-  for (NoiseTrace const& t : b.routes) by_hash[t.hash] = &t;
+  auto const traces = by_hash(b.routes);
   std::vector<NoiseTrace const*> routes;
   std::string text = file_header(run) +
                      "# one-sided strain ASD of each resolved route and its standard error, 1/sqrt(Hz), by rank\n"
                      "frequency_Hz";
   for (PathRow const& row : table.rows) {
-    auto const found = by_hash.find(row.hash);
-    if (!row.resolved || found == by_hash.end()) continue;
+    auto const found = traces.find(row.hash);
+    if (!row.resolved || found == traces.end()) continue;
     routes.push_back(found->second);
     text += "," + csv_text(row.sequence) + "," + csv_text(row.sequence + " sigma");
   }

@@ -21,8 +21,7 @@
 
 namespace straytrace::results {
 
-// --- run file (layout: schema/run-2.txt)
-// ------------------------------------------------------------------------------
+// Run file; its layout: schema/run-2.txt.
 
 constexpr int run_schema_major = 2, run_schema_minor = 0;
 
@@ -63,6 +62,8 @@ struct RunContent {
   std::map<std::string, double> timing;  // s, by stage, without trace and noise
   TraceResult const* trace = nullptr;
   NoiseBudget const* noise = nullptr;  // may be absent
+
+  std::vector<std::string> all_warnings() const;  // of scene, trace and noise
 };
 
 // A run file in memory: all of RunContent, owning its numbers.
@@ -81,6 +82,26 @@ void write_run(std::string const& file, RunContent const&);
 // Throws InputError: no such file, another kind of file, a newer schema, damaged content.
 RunFile read_run(std::string const& file);
 
+// Light per history: what is emitted and the terms in which it ends; what arrives at each group and what it absorbs.
+struct BalanceRow {
+  std::string name;
+  Estimate power;
+};
+std::vector<BalanceRow> balance_rows(BlockSums const&);
+struct ObjectRow {
+  std::string name;                            // "(in media)", last: absorbed in glass
+  std::optional<Estimate> arriving, absorbed;  // absent where older files lack it
+};
+std::vector<ObjectRow> object_rows(TraceResult const&);
+
+// The classes, or curves, of routes by their hash.
+template <class Route>
+std::map<std::uint64_t, Route const*> by_hash(std::vector<Route> const& routes) {
+  std::map<std::uint64_t, Route const*> all;
+  for (Route const& r : routes) all[r.hash] = &r;
+  return all;
+}
+
 std::string model_hash(std::span<std::string const> texts);  // sha256 over the texts, each with its length in front
 // sha256 over every dataset and attribute in path order, except /timing and the attribute `created`: equal for equal
 // results, independent of machine and time.
@@ -93,8 +114,7 @@ void write_file(std::string const& file, std::string_view bytes);
 void write_files(std::vector<std::pair<std::string, std::string>> const& files);
 std::string read_file(std::string const& file);
 
-// --- path table
-// -------------------------------------------------------------------------------------------------------
+// Path table.
 
 struct WithError {
   double value = 0, sigma = 0;  // one standard error
@@ -192,8 +212,7 @@ std::string path_text(PathTable const&, std::size_t show);  // aligned, UTF-8, f
 std::string path_csv(PathTable const&, RunContent const&);  // all digits
 std::string path_json(PathTable const&, RunContent const&);
 
-// --- curves, summary, report
-// ------------------------------------------------------------------------------------------
+// Curves, summary, report.
 
 // Columns frequency, mean, sigma, low, high, phase, amplitude, design, ratio. Needs content.noise.
 std::string asd_text(RunContent const&);

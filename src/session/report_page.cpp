@@ -29,16 +29,10 @@ namespace {
 constexpr std::size_t routes_in_budget = 8, maps_shown = 8;
 constexpr std::uint64_t light_histories = 1 << 14;  // traced again for irradiance and first-order lists
 
-std::map<std::uint64_t, CouplingClass const*> by_hash(CouplingTable const& coupling) {
-  std::map<std::uint64_t, CouplingClass const*> all;
-  for (CouplingClass const& c : coupling.classes) all[c.hash] = &c;
-  return all;
-}
-
 // Paths with their part of the noise of the band, of the rows that cause 99 % of it.
 std::vector<NoisyPath> noisy_paths(CouplingTable const& coupling, PathTable const& table, SteeredWorld const& world) {
   constexpr std::size_t most_rows = 24, most_paths = 4096;
-  auto const classes = by_hash(coupling);
+  auto const classes = by_hash(coupling.classes);
   std::vector<NoisyPath> all;
   double before = 0;
   for (PathRow const& row : table.rows) {
@@ -98,13 +92,6 @@ PageJson scripts_json() {
           {"scene", "three.js r111 (three.js authors), MIT, https://threejs.org"}};
 }
 
-void add_warnings(PageJson& j, RunContent const& run) {
-  j["warnings"] = run.warnings;
-  for (std::string const& w : run.trace->warnings) j["warnings"].push_back(w);
-  if (run.noise)
-    for (std::string const& w : run.noise->warnings) j["warnings"].push_back(w);
-}
-
 PageJson scene_part(Model const& model, std::vector<DrawnPath> const& paths, std::vector<GhostReport> const& ghosts) {
   PageJson j = scene_json(scene_drawing(model.world));
   j["paths"] = paths_json(model.world, paths);
@@ -148,7 +135,7 @@ bool ReportWanted::has(std::string const& picture) const {
 
 std::vector<DrawnPath> paths_of_rows(CouplingTable const& coupling, PathTable const& table, SteeredWorld const& world,
                                      std::vector<GhostReport> const& ghosts, std::size_t rows, std::size_t paths) {
-  auto const classes = by_hash(coupling);
+  auto const classes = by_hash(coupling.classes);
   std::vector<DrawnPath> all;
   auto const add = [&](CouplingClass const& c) {
     std::vector<DrawnPath> const some =
@@ -210,7 +197,7 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   j["inputs"] = inputs_json(run);
   j["energy_balance"] = energy_balance_json(run);
   if (wanted.has("convergence")) j["convergence"] = convergence_json(run, table);
-  add_warnings(j, run);
+  j["warnings"] = run.all_warnings();
   j["libraries"] = scripts_json();
   page.plots = page.scene = true;
   page.scripts = {"base.js",  "plot.js",  "heat.js", "filter.js", "table.js", "scene.js",

@@ -109,7 +109,7 @@ void print(WorldView const& world, MaterialInfo const& info, std::vector<std::st
 
 void plot(nlohmann::json const& data, std::string const& png) {
   std::string message;
-  std::string const picture = picture_of(data.dump(), draw_law_picture, message);
+  std::string const picture = picture_of(data.dump(), "law", message);
   if (picture.empty()) throw InputError(message, "or remove --plot");
   write_file(png, picture);
   std::cout << "\npicture: " << png << '\n';

@@ -45,7 +45,7 @@ ScatterFile read(ScatterRequest const& r) {
 
 void draw(nlohmann::json const& data, std::string const& png) {
   std::string message;
-  std::string const picture = picture_of(data.dump(), draw_scatter_picture, message);
+  std::string const picture = picture_of(data.dump(), "scatter", message);
   if (picture.empty()) throw InputError(message, "or remove --plot");
   write_file(png, picture);
 }

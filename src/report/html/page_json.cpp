@@ -9,6 +9,7 @@
 
 #include "io/markup.hpp"
 #include "results/curves/band.hpp"
+#include "results/curves/input_sources.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/route_table/route_columns.hpp"
 #include "results/route_table/route_filter.hpp"
@@ -267,25 +268,17 @@ PageJson budget_json(NoiseBudget const& b, PathTable const& table, std::size_t r
     if (at_most(b.total, i)) j["bound"] = true;
   j["phase"] = numbers(b.total.phase_asd);
   j["amplitude"] = numbers(b.total.amplitude_asd);
-  NoiseBands const& d = b.bands;
-  for (auto const& [name, curve] : {std::pair{"input_low", &d.input_low},
-                                    {"input_high", &d.input_high},
-                                    {"speckle_05", &d.speckle_05},
-                                    {"speckle_50", &d.speckle_50},
-                                    {"speckle_95", &d.speckle_95},
-                                    {"coherent", &d.coherent}})
-    j[name] = numbers(*curve);
+  for (BandCurve const& curve : band_curves) j[curve.name] = numbers(b.bands.*curve.member);
   j["design"] = PageJson::array();
   for (DesignCurve const& c : b.design) j["design"].push_back({{"name", c.name}, {"asd", numbers(c.asd)}});
   j["margin"] = b.margin;
   j["unresolved"] = b.unresolved;
   j["routes"] = PageJson::array();
-  std::map<std::uint64_t, NoiseTrace const*> by_hash;
-  for (NoiseTrace const& t : b.routes) by_hash[t.hash] = &t;
+  auto const traces = by_hash(b.routes);
   std::vector<NoiseTrace const*> resolved;
   for (PathRow const& row : table.rows) {
-    auto const found = by_hash.find(row.hash);
-    if (found == by_hash.end() || !found->second->resolved) continue;
+    auto const found = traces.find(row.hash);
+    if (found == traces.end() || !found->second->resolved) continue;
     resolved.push_back(found->second);
     if (j["routes"].size() >= routes || !(row.share.value > 0)) continue;
     j["routes"].push_back({{"id", hash_text(row.hash)}, {"name", row.sequence}, {"asd", numbers(found->second->asd)}});
@@ -327,19 +320,6 @@ Convergence converging(std::array<double, replica_count> const& sums, CouplingTa
 
 PageJson curve(std::string const& name, Convergence const& c) {
   return {{"name", name}, {"histories", numbers(c.histories)}, {"error", numbers(c.error)}};
-}
-
-PageJson objects_json(BlockSums const& total, std::vector<std::string> const& groups) {
-  PageJson all = PageJson::array();
-  for (std::size_t i = 0; i < std::max(groups.size(), total.absorbed.size()); ++i) {
-    PageJson row = {{"name", i < groups.size() ? groups[i] : "(in media)"}};
-    if (i < total.arrived.size())
-      row["arriving"] = with_error(estimate(total.arrived[i], total.histories, total.blocks));
-    if (i < total.absorbed.size())
-      row["absorbed"] = with_error(estimate(total.absorbed[i], total.histories, total.blocks));
-    all.push_back(row);
-  }
-  return all;
 }
 
 PageJson map_json(std::string const& name, std::string const& what, Receiver const& r, CellEstimates const& cells,
@@ -397,27 +377,29 @@ PageJson provenance_json(RunContent const& run) {
 }
 
 PageJson energy_balance_json(RunContent const& run) {
-  BlockSums const& total = run.trace->total;
-  PageJson balance_terms = PageJson::array();
-  for (int i = 0; i < balance_term_count; ++i)
-    balance_terms.push_back(
-        {{"name", name_of(BalanceTerm(i))},
-         {"power", with_error(estimate(total.energy_balance[std::size_t(i)], total.histories, total.blocks))}});
-  return {{"emitted", with_error(estimate(total.emitted, total.histories, total.blocks))},
-          {"terms", balance_terms},
+  std::vector<BalanceRow> const rows = balance_rows(run.trace->total);
+  PageJson terms = PageJson::array(), objects = PageJson::array();
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    terms.push_back({{"name", rows[i].name}, {"power", with_error(rows[i].power)}});
+  for (ObjectRow const& row : object_rows(*run.trace)) {
+    objects.push_back({{"name", row.name}});
+    if (row.arriving) objects.back()["arriving"] = with_error(*row.arriving);
+    if (row.absorbed) objects.back()["absorbed"] = with_error(*row.absorbed);
+  }
+  return {{"emitted", with_error(rows.front().power)},
+          {"terms", terms},
           {"closure", energy_balance_text(run)},
-          {"objects", objects_json(total, run.trace->coupling.groups)}};
+          {"objects", objects}};
 }
 
 PageJson convergence_json(RunContent const& run, PathTable const& table) {
   CouplingTable const& coupling = run.trace->coupling;
-  std::map<std::uint64_t, CouplingClass const*> by_hash;
-  for (CouplingClass const& c : coupling.classes) by_hash[c.hash] = &c;
+  auto const classes = by_hash(coupling.classes);
   std::array<double, replica_count> noise = {};
   PageJson curves = PageJson::array(), merit = PageJson::array();
   constexpr std::size_t shown = 6;
   for (PathRow const& row : table.rows) {
-    CouplingClass const& c = *by_hash.at(row.hash);
+    CouplingClass const& c = *classes.at(row.hash);
     if (!row.resolved || c.deterministic()) continue;
     if (curves.size() < shown) curves.push_back(curve(row.sequence, converging(c.replica_sum, coupling)));
     if (!(row.share.value > 0) || !(c.coupling.mean > 0)) continue;
@@ -433,52 +415,25 @@ PageJson convergence_json(RunContent const& run, PathTable const& table) {
 }
 
 PageJson inputs_json(RunContent const& run) {
-  PageJson sources = PageJson::array();
-  if (!run.noise) return {{"sources", sources}, {"exact", PageJson::array()}};
-  for (InputSource const& s : run.noise->bands.sources)
-    sources.push_back({{"name", s.name},
-                       {"statement", s.statement},
-                       {"low", number(s.low)},
-                       {"high", number(s.high)},
-                       {"share", s.share > 0 ? number(100 * s.share) : PageJson()}});
-  return {{"sources", sources}, {"exact", run.noise->bands.taken_as_exact}};
+  NoiseBands const bands = run.noise ? run.noise->bands : NoiseBands{};
+  auto const rows = source_rows(bands, run.projection ? &*run.projection : nullptr);
+  return {{"sources", source_table().page_table(rows)}, {"exact", bands.taken_as_exact}};
 }
 
 PageJson receivers_json(RunContent const& run, World const& world) {
-  PageJson all = PageJson::array(), maps = PageJson::array();
-  if (run.receivers.empty()) return {{"list", all}, {"maps", maps}};
-  ReceiverTable const table = receiver_table(run);
+  PageJson maps = PageJson::array();
+  if (run.receivers.empty()) return {{"list", PageJson::array()}, {"maps", maps}};
   BlockSums const& total = run.trace->total;
-  double const watts = run.beam_power > 0 ? run.beam_power : 1;
-  std::string const unit = run.beam_power > 0 ? "W" : "W per W of the main mode";
-  for (std::size_t i = 0; i < table.receivers.size(); ++i) {
-    ReceiverEntry const& e = table.receivers[i];
-    PageJson routes = PageJson::array();
-    for (ReceivedRoute const& r : e.routes) {
-      if (routes.size() >= 50) break;
-      routes.push_back({{"rank", r.rank},
-                        {"route", r.sequence},
-                        {"power", r.power.trusted ? number(watts * r.power.mean) : PageJson()},
-                        {"sigma", r.power.trusted ? number(watts * r.power.std_error) : PageJson()},
-                        {"share", number(100 * r.share.value)},
-                        {"share_sigma", number(100 * r.share.sigma)},
-                        {"why", r.power.why_not},
-                        {"id", hash_text(r.hash)}});
-    }
-    all.push_back({{"name", e.name},
-                   {"power", e.power.trusted ? number(watts * e.power.mean) : PageJson()},
-                   {"sigma", e.power.trusted ? number(watts * e.power.std_error) : PageJson()},
-                   {"why", e.power.why_not},
-                   {"unit", unit},
-                   {"routes", routes}});
+  bool const in_watts = run.beam_power > 0;
+  for (std::size_t i = 0; i < run.receivers.size(); ++i) {
     Receiver const& r = run.receivers[i];
     if (r.map_size() == 0) continue;
-    maps.push_back(map_json(e.name, "irradiance", r,
+    maps.push_back(map_json(run.trace->coupling.receivers[i], "irradiance", r,
                             cell_estimates(total.receivers[i].image, total.histories, total.blocks),
-                            map_areas(world.view(), world.receivers().at(i).surface, r), watts,
-                            unit == "W" ? "W/m²" : "1/m² (per W of the main mode)"));
+                            map_areas(world.view(), world.receivers().at(i).surface, r), in_watts ? run.beam_power : 1,
+                            in_watts ? "W/m²" : "1/m² (per W of the main mode)"));
   }
-  return {{"list", all}, {"maps", maps}};
+  return {{"list", receiver_page_list(receiver_table(run))}, {"maps", maps}};
 }
 
 }  // namespace straytrace::report

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "results/curves/input_sources.hpp"
 #include "results/text/columns.hpp"
 #include "spectra/curve.hpp"
 
@@ -111,6 +112,58 @@ WithError band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double 
 
 namespace {
 
+// clang-format off
+
+std::vector<TableColumn<SourceRow>> source_columns() {
+  using Json = nlohmann::ordered_json;
+  std::vector<TableColumn<SourceRow>> all;
+  all.push_back({.key = "name", .kind = ColumnKind::text, .help = "material or motion",
+    .value = [](SourceRow const& r) { return r.source.name; },
+    .text = {10, "input"}, .json = {10}, .page = {10, "input"}, .left = true});
+  all.push_back({.key = "status", .kind = ColumnKind::text, .help = "how well it is known",
+    .value = [](SourceRow const& r) { return r.status; }, .page = {20}});
+  all.push_back({.key = "statement", .kind = ColumnKind::text, .help = "what is stated",
+    .value = [](SourceRow const& r) { return r.source.statement; },
+    .text = {20, "stated"}, .json = {20}, .page = {30, "stated"}, .left = true});
+  all.push_back({.key = "factor_on_total", .kind = ColumnKind::list, .unit = "1",
+    .help = "least and largest factor on h of the total, over the band", .text = {30, "h(total) x"}, .json = {30},
+    .as_text = [](SourceRow const& r) { return fmt::format("{:.3g} to {:.3g}", r.source.low, r.source.high); },
+    .as_json = [](SourceRow const& r) { return Json{r.source.low, r.source.high}; }});
+  all.push_back({.key = "low", .unit = "1", .help = "least factor on h of the total",
+    .value = [](SourceRow const& r) { return r.source.low; }, .page = {40, "least factor on h"}});
+  all.push_back({.key = "high", .unit = "1", .help = "largest factor on h of the total",
+    .value = [](SourceRow const& r) { return r.source.high; }, .page = {50, "largest factor on h"}});
+  all.push_back({.key = "share", .unit = "1", .help = "of the noise power on routes that it affects",
+    .value = [](SourceRow const& r) { return r.source.share > 0 ? r.source.share : not_a_number; },
+    .text = {40, "share of noise/%"}, .json = {40}, .page = {60, "noise power on its routes [%]", 100},
+    .as_text = [](SourceRow const& r) {
+      return r.source.share > 0 ? fmt::format("{:.3g}", 100 * r.source.share) : "-"; },
+    .as_json = [](SourceRow const& r) { return r.source.share > 0 ? Json(r.source.share) : Json(nullptr); }});
+  return all;
+}
+
+// clang-format on
+
+}  // namespace
+
+TableWriter<SourceRow> const& source_table() {
+  static TableWriter<SourceRow> const table(source_columns());
+  return table;
+}
+
+std::vector<SourceRow> source_rows(NoiseBands const& bands, ProjectionInputs const* traced) {
+  std::vector<SourceRow> rows;
+  for (InputSource const& s : bands.sources) {
+    rows.push_back({s, s.statement.find("assumed") == std::string::npos ? "" : "assumed"});
+    if (!traced || !rows.back().status.empty()) continue;
+    for (MaterialSpread const& m : traced->materials)
+      if (s.name == "material " + m.name) rows.back().status = m.status;
+  }
+  return rows;
+}
+
+namespace {
+
 // h = 0 is never printed: it means that no route makes noise there, or that no route is resolved.
 std::string strain_number(NoiseBudget const& b, double h) {
   if (h == 0) return b.unresolved.empty() ? "none" : "not resolved";
@@ -118,12 +171,8 @@ std::string strain_number(NoiseBudget const& b, double h) {
 }
 
 std::string sources(NoiseBands const& bands) {
-  Columns c;
-  c.titles = {"input", "stated", "h(total) x", "share of noise/%"};
-  c.left = {true, true};
-  for (InputSource const& s : bands.sources)
-    c.rows.push_back({s.name, s.statement, fmt::format("{:.3g} to {:.3g}", s.low, s.high),
-                      s.share > 0 ? fmt::format("{:.3g}", 100 * s.share) : "-"});
+  Columns c = source_table().text_head();
+  for (SourceRow const& row : source_rows(bands)) c.rows.push_back(source_table().text_row(row));
   std::string text = bands.sources.empty() ? "" : aligned(c) + "\n";
   if (!bands.taken_as_exact.empty())
     text += fmt::format("No bracket or uncertainty is stated for: {}. They are taken as exact.\n",

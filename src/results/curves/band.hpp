@@ -35,6 +35,15 @@ std::string band_text(NoiseBudget const&, std::vector<double> const& frequencies
 // Sources of the Monte-Carlo error, in per cent of h; empty where they are unknown.
 std::string error_table(NoiseBudget const&, std::vector<double> const& frequencies);
 std::string band_summary(NoiseBudget const&, std::vector<double> const& frequencies);  // two lines of it
+// The curves of bands by the names that run files, CSV and pages give them.
+struct BandCurve {
+  char const* name;
+  std::vector<double> NoiseBands::*member;
+};
+inline constexpr BandCurve band_curves[] = {
+    {"input_low", &NoiseBands::input_low},   {"input_high", &NoiseBands::input_high},
+    {"speckle_05", &NoiseBands::speckle_05}, {"speckle_50", &NoiseBands::speckle_50},
+    {"speckle_95", &NoiseBands::speckle_95}, {"coherent", &NoiseBands::coherent}};
 // Integral of the PSD over the bins whose centres lie in the band, strain^2; errors of bins add (they are correlated).
 WithError band_power(NoiseTrace const&, FrequencyGrid const&, double low, double high);
 

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 std::string drawn(std::string const& json) {
   std::string message;
-  std::string png = picture_of(json, draw_curves_picture, message);
+  std::string png = picture_of(json, "curves", message);
   if (png.empty()) throw InputError(message, "or write .txt, .csv or .hdf5");
   return png;
 }

@@ -166,6 +166,14 @@ std::string share_text(ReceivedRow const& r) {
   return r.power().trusted && r.route ? percent_text(r.route->share) : "-";
 }
 
+// On pages: why it is not known.
+Json power_on_page(ReceivedRow const& r, double factor) {
+  return r.power().trusted ? error_json(scaled(known_power(r.power()), factor))
+                           : Json("unresolved: " + r.power().why_not);
+}
+
+char const* unit_on_pages(double beam_power) { return beam_power > 0 ? "W" : "W per W of the main mode"; }
+
 std::string status_text(Estimate const& e) {
   return e.trusted ? "resolved" : fmt::format("unresolved: {} (hint: about {:.1g})", e.why_not, e.mean);
 }
@@ -176,6 +184,10 @@ void add_power_columns(ReceivedList& all, double beam_power) {
   all.push_back({.key = "power", .kind = ColumnKind::estimate, .unit = "1", .help = "over that of the main mode",
     .value = [](ReceivedRow const& r) { return known_power(r.power()); },
     .text = {50, "power/(W/W)"}, .csv = {50}, .json = {40}});
+  all.push_back({.key = "light", .kind = ColumnKind::estimate, .help = "power, or why it is not known",
+    .page = {50, fmt::format("power [{}]", unit_on_pages(beam_power))},
+    .as_page = [](ReceivedRow const& r) {
+      return power_on_page(r, r.table.beam_power > 0 ? r.table.beam_power : 1); }});
   all.push_back({.key = "watts", .kind = ColumnKind::estimate, .unit = "W", .help = "power",
     .value = [](ReceivedRow const& r) { return scaled(known_power(r.power()), r.table.beam_power); },
     .text = {beam_power > 0 ? 60 : 0, "power/W"}});
@@ -197,13 +209,13 @@ ReceivedList received_columns(double beam_power, bool totals) {
     .text = {10 * of_totals}, .csv = {10}, .json = {10 * of_totals, "name"}, .left = true});
   all.push_back({.key = "rank", .kind = ColumnKind::count, .help = "of a route by power; 0: all light of the receiver",
     .value = [](ReceivedRow const& r) { return std::uint64_t{r.route ? r.route->rank : 0}; },
-    .text = {20 * of_routes, "#"}, .csv = {20}, .json = {10 * of_routes}});
+    .text = {20 * of_routes, "#"}, .csv = {20}, .json = {10 * of_routes}, .page = {20}});
   all.push_back({.key = "id", .kind = ColumnKind::text, .help = "stable name of the route between runs of one model",
     .value = [](ReceivedRow const& r) { return r.route ? hash_text(r.route->hash) : ""; },
     .csv = {30}, .json = {20 * of_routes}});
   all.push_back({.key = "sequence", .kind = ColumnKind::text, .help = "the route",
     .value = [](ReceivedRow const& r) { return r.route ? r.route->sequence : "all"; },
-    .text = {40 * of_routes, "route"}, .csv = {40}, .json = {30 * of_routes}, .left = true});
+    .text = {40 * of_routes, "route"}, .csv = {40}, .json = {30 * of_routes}, .page = {40, "route"}, .left = true});
   add_power_columns(all, beam_power);
   all.push_back({.key = "histories", .kind = ColumnKind::count, .help = "that have scored",
     .value = [](ReceivedRow const& r) { return r.power().scored; },
@@ -211,8 +223,10 @@ ReceivedList received_columns(double beam_power, bool totals) {
   all.push_back({.key = "share", .unit = "1", .help = "of the light of the receiver",
     .value = [](ReceivedRow const& r) { return r.power().trusted ? r.share() : not_a_number; },
     .text = {80 * of_routes, "share/%"}, .csv = {70, "share_percent", 100}, .json = {50 * of_routes},
-    .as_text = share_text,
-    .as_json = [](ReceivedRow const& r) { return json_number(r.share()); }});
+    .page = {80, "share [%]"}, .as_text = share_text,
+    .as_json = [](ReceivedRow const& r) { return json_number(r.share()); },
+    .as_page = [](ReceivedRow const& r) {
+      return r.power().trusted && r.route ? error_json(scaled(r.route->share, 100)) : Json(nullptr); }});
   all.push_back({.key = "share_sigma", .unit = "1", .help = "one standard error", .json = {60 * of_routes},
     .as_json = [](ReceivedRow const& r) { return json_number(r.route->share.sigma); }});
   all.push_back({.key = "status", .kind = ColumnKind::text, .help = "resolved, or why not",
@@ -231,7 +245,7 @@ ReceivedList received_columns(double beam_power, bool totals) {
 
 // clang-format on
 
-struct ObjectRow {
+struct MetRow {
   ReceiverTable const& table;
   ReceiverEntry const& receiver;
   CensusRow const& row;
@@ -240,19 +254,19 @@ struct ObjectRow {
   WithError power() const { return known() ? row.power : WithError{not_a_number, not_a_number}; }
 };
 
-std::string object_share(ObjectRow const& r) {
+std::string object_share(MetRow const& r) {
   double const scale = 100 / r.receiver.power.mean;
   return r.known() ? with_brackets(scale * r.row.power.value, scale * r.row.power.sigma) : "-";
 }
 
-std::string object_routes(ObjectRow const& r) {
+std::string object_routes(MetRow const& r) {
   std::string text;
   for (std::size_t const rank : r.row.routes) text += fmt::format("{}{}", text.empty() ? "" : " ", rank);
   return text;
 }
 
 // The first of them, for people.
-std::string short_object_routes(ObjectRow const& r) {
+std::string short_object_routes(MetRow const& r) {
   constexpr std::size_t most = 8;
   std::size_t const count = r.row.routes.size();
   std::string text;
@@ -261,7 +275,7 @@ std::string short_object_routes(ObjectRow const& r) {
   return count > most ? text + fmt::format(" and {} more", count - most) : text;
 }
 
-Json object_power(ObjectRow const& r) {
+Json object_power(MetRow const& r) {
   return {{"value", r.receiver.power.trusted ? Json(r.row.power.value) : Json(nullptr)},
           {"sigma", json_number(r.row.power.sigma)},
           {"hint", r.row.power.value}};
@@ -269,26 +283,26 @@ Json object_power(ObjectRow const& r) {
 
 // clang-format off
 
-std::vector<TableColumn<ObjectRow>> object_columns(double beam_power) {
-  std::vector<TableColumn<ObjectRow>> all;
+std::vector<TableColumn<MetRow>> object_columns(double beam_power) {
+  std::vector<TableColumn<MetRow>> all;
   all.push_back({.key = "receiver", .kind = ColumnKind::text, .help = "name of the receiver",
-    .value = [](ObjectRow const& r) { return r.receiver.name; }, .csv = {10}});
+    .value = [](MetRow const& r) { return r.receiver.name; }, .csv = {10}});
   all.push_back({.key = "object", .kind = ColumnKind::text, .help = "that the light has met",
-    .value = [](ObjectRow const& r) { return r.row.object.empty() ? "(routes not named)" : r.row.object; },
+    .value = [](MetRow const& r) { return r.row.object.empty() ? "(routes not named)" : r.row.object; },
     .text = {10}, .csv = {20}, .json = {10}, .left = true,
-    .as_json = [](ObjectRow const& r) { return Json(r.row.object); }});
+    .as_json = [](MetRow const& r) { return Json(r.row.object); }});
   all.push_back({.key = "power", .kind = ColumnKind::estimate, .unit = "1", .help = "over that of the main mode",
-    .value = [](ObjectRow const& r) { return r.power(); },
+    .value = [](MetRow const& r) { return r.power(); },
     .text = {20, "power/(W/W)"}, .csv = {30}, .json = {20}, .as_json = object_power});
   all.push_back({.key = "watts", .kind = ColumnKind::estimate, .unit = "W", .help = "power",
-    .value = [](ObjectRow const& r) { return scaled(r.power(), r.table.beam_power); },
+    .value = [](MetRow const& r) { return scaled(r.power(), r.table.beam_power); },
     .text = {beam_power > 0 ? 30 : 0, "power/W"}});
   all.push_back({.key = "share_percent", .unit = "%", .help = "of the light of the receiver",
-    .value = [](ObjectRow const& r) { return 100 * r.power().value / r.receiver.power.mean; },
+    .value = [](MetRow const& r) { return 100 * r.power().value / r.receiver.power.mean; },
     .text = {40, "share/%"}, .csv = {40}, .as_text = object_share});
   all.push_back({.key = "routes", .kind = ColumnKind::text, .help = "ranks of its routes", .value = object_routes,
     .text = {50, "by path"}, .csv = {50}, .json = {30}, .left = true, .as_text = short_object_routes,
-    .as_json = [](ObjectRow const& r) { return Json(r.row.routes); }});
+    .as_json = [](MetRow const& r) { return Json(r.row.routes); }});
   return all;
 }
 
@@ -353,7 +367,7 @@ std::string units_text(ReceiverTable const& table) {
 
 std::string census(ReceiverTable const& table, ReceiverEntry const& r, std::size_t show) {
   if (r.census.empty()) return "No light has arrived.\n";
-  TableWriter<ObjectRow> const list(object_columns(table.beam_power));
+  TableWriter<MetRow> const list(object_columns(table.beam_power));
   Columns c = list.text_head();
   for (std::size_t i = 0; i < std::min(show, r.census.size()); ++i)
     c.rows.push_back(list.text_row({table, r, r.census[i]}));
@@ -397,7 +411,7 @@ std::string units(ReceiverTable const& table) {
 Json json_of(ReceiverTable const& table, ReceiverEntry const& r) {
   TableWriter<ReceivedRow> const totals(received_columns(table.beam_power, true)),
       routes(received_columns(table.beam_power, false));
-  TableWriter<ObjectRow> const objects(object_columns(table.beam_power));
+  TableWriter<MetRow> const objects(object_columns(table.beam_power));
   Json j = totals.json_row({table, r});
   j["quadrants"] = Json::array();
   for (std::size_t i = 0; i < r.quadrants.mean.size(); ++i)
@@ -424,7 +438,7 @@ std::string receiver_csv(ReceiverTable const& table, RunContent const& run) {
 }
 
 std::string census_csv(ReceiverTable const& table, RunContent const& run) {
-  TableWriter<ObjectRow> const list(object_columns(table.beam_power));
+  TableWriter<MetRow> const list(object_columns(table.beam_power));
   std::string text = file_header(run) +
                      "# the objects that the light of each receiver has met; routes: ranks in its table\n" +
                      units(table) + list.csv_head();
@@ -444,11 +458,26 @@ std::string receiver_json(ReceiverTable const& table, RunContent const& run) {
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+Json receiver_page_list(ReceiverTable const& table) {
+  constexpr std::size_t most_routes = 12;
+  TableWriter<ReceivedRow> const list(received_columns(table.beam_power, false));
+  Json all = Json::array();
+  for (ReceiverEntry const& r : table.receivers) {
+    std::vector<ReceivedRow> rows;
+    for (std::size_t i = 0; i < std::min(most_routes, r.routes.size()); ++i) rows.push_back({table, r, &r.routes[i]});
+    all.push_back({{"name", r.name},
+                   {"light", power_on_page({table, r}, table.beam_power > 0 ? table.beam_power : 1)},
+                   {"unit", unit_on_pages(table.beam_power)},
+                   {"table", list.page_table(rows)}});
+  }
+  return all;
+}
+
 // Sources by receiver: the resolved routes, summed by the object where they start.
 
 namespace {
 
-struct SourceRow {
+struct LightSource {
   std::string source;
   std::vector<WithError> power;  // by receiver; 0 without an error: nothing resolved
   double all() const {
@@ -458,20 +487,21 @@ struct SourceRow {
   }
 };
 
-std::vector<SourceRow> rows_of(ReceiverTable const& table) {
-  std::map<std::string, SourceRow> found;
+std::vector<LightSource> rows_of(ReceiverTable const& table) {
+  std::map<std::string, LightSource> found;
   for (std::size_t i = 0; i < table.receivers.size(); ++i)
     for (ReceivedRoute const& route : table.receivers[i].routes) {
       if (route.objects.empty() || !route.power.trusted) continue;
-      SourceRow& row = found[route.objects.front()];
+      LightSource& row = found[route.objects.front()];
       row.source = route.objects.front();
       row.power.resize(table.receivers.size());
       row.power[i].value += route.power.mean;
       row.power[i].sigma = std::hypot(row.power[i].sigma, route.power.std_error);
     }
-  std::vector<SourceRow> rows;
+  std::vector<LightSource> rows;
   for (auto& [name, row] : found) rows.push_back(std::move(row));
-  std::stable_sort(rows.begin(), rows.end(), [](SourceRow const& a, SourceRow const& b) { return a.all() > b.all(); });
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](LightSource const& a, LightSource const& b) { return a.all() > b.all(); });
   return rows;
 }
 
@@ -482,7 +512,7 @@ std::string source_text(ReceiverTable const& table) {
   c.titles = {"source"};
   for (ReceiverEntry const& r : table.receivers) c.titles.push_back(r.name);
   c.left = {true};
-  for (SourceRow const& row : rows_of(table)) {
+  for (LightSource const& row : rows_of(table)) {
     std::vector<std::string> cells = {row.source};
     for (WithError const& p : row.power) cells.push_back(p.value > 0 ? with_brackets(p.value, p.sigma) : "-");
     c.rows.push_back(std::move(cells));
@@ -503,7 +533,7 @@ std::string source_text(ReceiverTable const& table) {
 
 std::string source_csv(ReceiverTable const& table) {
   std::string text = "source,receiver,power,power_sigma\n";
-  for (SourceRow const& row : rows_of(table))
+  for (LightSource const& row : rows_of(table))
     for (std::size_t i = 0; i < row.power.size(); ++i)
       if (row.power[i].value > 0)
         text +=

@@ -2,6 +2,8 @@
 // Light in watts: tables of receivers, their routes, the census of objects met by the light, and their maps.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <complex>
 #include <string_view>
 
@@ -69,6 +71,7 @@ std::string source_csv(ReceiverTable const&);   // one row per source and receiv
 std::string receiver_csv(ReceiverTable const&, RunContent const&);
 std::string census_csv(ReceiverTable const&, RunContent const&);
 std::string receiver_json(ReceiverTable const&, RunContent const&);
+nlohmann::ordered_json receiver_page_list(ReceiverTable const&);  // of each its light and the table of its routes
 
 // Maps of all receivers as NAME_image.csv, .npy and so on in a folder that exists; returns the names of the files.
 // `areas`: of the pixels or cells of each receiver within the rim of its surface, m^2 (world/model/map_areas.hpp).

@@ -9,6 +9,7 @@
 
 #include "noise/classes/motion_classes.hpp"
 #include "results/curves/band.hpp"
+#include "results/route_table/route_columns.hpp"
 #include "results/route_table/route_sums.hpp"
 
 namespace straytrace::results {
@@ -199,6 +200,13 @@ std::vector<FoldedRow> folded_rows(CouplingTable const& table, CouplingClass con
   for (FoldedRoute const& f : c.folded)
     rows.push_back({f.hash, folded_name(table, f), {f.mean, f.std_error}, f.trusted, f.why});
   return rows;
+}
+
+PathTable unranked_routes(CouplingTable const& coupling) {
+  PathTable table;
+  table.frequencies.clear();
+  for (CouplingClass const& c : coupling.classes) table.rows.push_back(row_of(coupling, c));
+  return table;
 }
 
 PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, MotionSet const* motion,

@@ -77,7 +77,8 @@ void add_names(RouteList& all) {
   all.push_back({.key = "sequence", .kind = ColumnKind::text, .title = "route",
     .help = "R reflect, T transmit, S scatter, E edge",
     .value = [](RouteRow const& r) { return r.row.sequence; },
-    .text = {20, "route"}, .csv = {40}, .json = {40}, .page = {20}, .left = true, .shown_first = true});
+    .text = {20, "route"}, .csv = {40}, .json = {40}, .page = {20}, .file = {10, "name"}, .left = true,
+    .shown_first = true});
   all.push_back({.key = "port", .kind = ColumnKind::text, .title = "port", .help = "where the light rejoins the mode",
     .value = [](RouteRow const& r) { return r.row.port; },
     .text = {30}, .csv = {30}, .json = {30}, .page = {30}, .left = true, .shown_first = true});
@@ -381,8 +382,7 @@ RouteColumn const& RouteColumns::strain(double hz) {
   FrequencyGrid const& grid = budget_->grid;
   if (!(hz >= grid.edges.front() && hz < grid.edges.back()))
     throw std::out_of_range(fmt::format("h is known from {:g} Hz to {:g} Hz", grid.edges.front(), grid.edges.back()));
-  std::map<std::uint64_t, NoiseTrace const*> curves;
-  for (NoiseTrace const& t : budget_->routes) curves[t.hash] = &t;
+  auto const curves = by_hash(budget_->routes);
   RouteColumn column{strain_key(hz), strain_title(hz), strain_unit, "", false, false, false, {}, {}, {}, false};
   for (std::size_t i = 0; i < rows(); ++i) {
     auto const curve = curves.find(hashes_[i]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The columns of the path table: the one list behind text, CSV, JSON, pages, filters and Python, and its values by
-// column, which pages draw and filters compare.
+// The columns of the path table: the one list behind text, CSV, JSON, pages, filters, run file and Python, and its
+// values by column, which pages draw and filters compare.
 #pragma once
 
 #include <algorithm>
@@ -20,6 +20,8 @@ struct RouteRow {
   PathRow const& row;
 };
 
+// Routes in the order of the coupling table, without ranks and noise: what the run file holds of the table.
+PathTable unranked_routes(CouplingTable const&);
 // The columns of a table with these frequencies and kinds of routes.
 std::vector<TableColumn<RouteRow>> route_columns(PathTable const&);
 bool has_kinds(PathTable const&);   // more than scattered light

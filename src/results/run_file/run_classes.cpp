@@ -3,16 +3,11 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
+#include "results/route_table/route_columns.hpp"
 #include "results/run_file/columns.hpp"
-#include "results/run_file/run_nodes.hpp"
 
 namespace straytrace::results {
 namespace {
-
-using Doubles = std::vector<double>;
-using Counts = std::vector<std::uint64_t>;
-using Small = std::vector<std::uint32_t>;
-using Bytes = std::vector<std::uint8_t>;
 
 void check_ids(Small const& ids, std::size_t names, char const* what) {
   for (std::uint32_t const id : ids)
@@ -29,169 +24,160 @@ Section const to_ports{"/classes", "/records", "/folded", "port", &CouplingTable
 Section const to_receivers{"/received", "/received_records",      "/received_folded",
                            "receiver",  &CouplingTable::received, &CouplingTable::receivers};
 
-template <class Row>
-void write_steps(hdf5::Writer& out, std::string const& place, std::vector<Row> const& rows) {
-  Counts offset = {0};
-  Small group;
-  Bytes event;
-  for (Row const& c : rows) {
-    for (PathStep const& s : c.steps) {
-      group.push_back(s.group.value);
-      event.push_back(std::uint8_t(s.event));
-    }
-    offset.push_back(group.size());
-  }
-  out.array(place + "/step_offset", offset, "1");
-  out.array(place + "/step_group", group, "row of /names/groups");
-  out.array(place + "/step_event", event,
-            "0 emit, 1 scatter, 2 reflect, 3 couple, 4 transmit, 5 receive, 6 start of a free beam, 7 diffract");
+template <class Column>
+void step_columns(Column&& column) {
+  column("group", "row of /names/groups", through(&PathStep::group, &GroupId::value));
+  column("event", "0 emit, 1 scatter, 2 reflect, 3 couple, 4 transmit, 5 receive, 6 start of a free beam, 7 diffract",
+         &PathStep::event);
 }
 
-constexpr char const* yes_or_no = "0 or 1";
-
 template <class Column>
-void class_columns(Column const& column) {
-  column(
-      "hash", "1", [](auto& c) -> auto& { return c.hash; });
-  column(
-      "kind", "0 scattered, 1 ghost, 2 edge", [](auto& c) -> auto& { return c.kind; }, ClassKind::scattered);
-  column(
-      "statement", "", [](auto& c) -> auto& { return c.statement; }, "");
-  column(
-      "reverse", "1", [](auto& c) -> auto& { return c.reverse; });
-  column(
-      "by_reverse", yes_or_no, [](auto& c) -> auto& { return c.by_reverse; }, false);
-  column(
-      "mean", "1", [](auto& c) -> auto& { return c.coupling.mean; });
-  column(
-      "std_error", "1", [](auto& c) -> auto& { return c.coupling.std_error; });
-  column(
-      "variance_of_variance", "1", [](auto& c) -> auto& { return c.coupling.variance_of_variance; });
-  column(
-      "largest_share", "1", [](auto& c) -> auto& { return c.coupling.largest_share; });
-  column(
-      "effective_scores", "1", [](auto& c) -> auto& { return c.coupling.effective_scores; });
-  column(
-      "tail_slope", "1", [](auto& c) -> auto& { return c.coupling.tail_slope; }, not_a_number);
-  column(
-      "halves", "1", [](auto& c) -> auto& { return c.coupling.halves; }, not_a_number);
-  column(
-      "scored", "1", [](auto& c) -> auto& { return c.coupling.scored; });
-  column(
-      "trusted", yes_or_no, [](auto& c) -> auto& { return c.coupling.trusted; });
-  column(
-      "why_not", "", [](auto& c) -> auto& { return c.coupling.why_not; });
-  column(
-      "folded_routes", "1", [](auto& c) -> auto& { return c.folded_routes; }, std::size_t{0});
+void class_columns(Column&& column) {
+  auto const of = [](auto member) { return through(&CouplingClass::coupling, member); };
+  column("hash", {"1", "stable name of the route"}, &CouplingClass::hash);
+  column("kind", {"0 scattered, 1 ghost, 2 edge", "the last two are computed, without Monte-Carlo error"},
+         &CouplingClass::kind, ClassKind::scattered);
+  column("statement", {"", "of computed routes: meaning of the number and its validity"}, &CouplingClass::statement,
+         "");
+  column("reverse", {"1", "factor C_rev of the reversed route, not in the mean"}, &CouplingClass::reverse);
+  column("by_reverse", {yes_or_no, "taken from the reversed route (reciprocity)"}, &CouplingClass::by_reverse, false);
+  column("mean", {"1", "power fraction; not reliable unless trusted"}, of(&Estimate::mean));
+  column("std_error", {"1", "of the mean"}, of(&Estimate::std_error));
+  column("variance_of_variance", {"1", "relative, of the square of the error"}, of(&Estimate::variance_of_variance));
+  column("largest_share", {"1", "of the largest single history"}, of(&Estimate::largest_share));
+  column("effective_scores", {"1", "effective sample size"}, of(&Estimate::effective_scores));
+  column("tail_slope", {"1", "p of x^-p that the largest histories follow"}, of(&Estimate::tail_slope), not_a_number);
+  column("halves", {"1", "first blocks less the rest, in standard errors"}, of(&Estimate::halves), not_a_number);
+  column("scored", {"1", "histories that have scored"}, of(&Estimate::scored));
+  column("trusted", {yes_or_no, "whether the mean is reliable"}, of(&Estimate::trusted));
+  column("why_not", {"", "why it is not"}, of(&Estimate::why_not));
+  column("folded_routes", {"1", "of a row that sums routes: how many"}, &CouplingClass::folded_routes, 0u);
 }
 
 // Rows of the lists inside classes, laid end to end, and the class of each.
 template <class Row>
 struct Owned {
   Small owner;
-  std::vector<Row> rows;
+  std::vector<Row const*> rows;
 
   Owned(std::vector<CouplingClass> const& classes, std::vector<Row> CouplingClass::*list) {
     for (std::size_t i = 0; i < classes.size(); ++i)
       for (Row const& row : classes[i].*list) {
         owner.push_back(std::uint32_t(i));
-        rows.push_back(row);
+        rows.push_back(&row);
       }
   }
 };
 
 template <class Column>
-void folded_columns(Column const& column) {
-  column(
-      "hash", "1", [](auto& f) -> auto& { return f.hash; });
-  column(
-      "mean", "1", [](auto& f) -> auto& { return f.mean; });
-  column(
-      "std_error", "1", [](auto& f) -> auto& { return f.std_error; });
-  column(
-      "trusted", yes_or_no, [](auto& f) -> auto& { return f.trusted; });
-  column(
-      "why", "", [](auto& f) -> auto& { return f.why; });
+void folded_columns(Column&& column) {
+  column("hash", "1", &FoldedRoute::hash);
+  column("mean", "1", &FoldedRoute::mean);
+  column("std_error", "1", &FoldedRoute::std_error);
+  column("trusted", yes_or_no, &FoldedRoute::trusted);
+  column("why", "", &FoldedRoute::why);
 }
 
 template <class Column>
-void record_columns(Column const& column) {
-  column(
-      "history", "1", [](auto& r) -> auto& { return r.history; });
-  column(
-      "event", "1", [](auto& r) -> auto& { return r.event; });
-  column(
-      "connection", "1", [](auto& r) -> auto& { return r.connection; });
-  column(
-      "coupling", "1", [](auto& r) -> auto& { return r.coupling; });
-  column(
-      "weight", "1", [](auto& r) -> auto& { return r.weight; });
-  column(
-      "path_length", "m", [](auto& r) -> auto& { return r.path_length; });
+void record_columns(Column&& column) {
+  column("history", "1", &PathRecord::history);
+  column("event", "1", &PathRecord::event);
+  column("connection", "1", &PathRecord::connection);
+  column("coupling", "1", &PathRecord::coupling);
+  column("weight", "1", &PathRecord::weight);
+  column("path_length", "m", &PathRecord::path_length);
+}
+
+template <class Column>
+void phase_sensitivity_columns(Column&& column) {
+  column("_body", "row of /names/bodies", through(&PhaseSensitivity::body, &BodyId::value));
+  column("", "3 x rad/m, 3 x rad/rad", &PhaseSensitivity::d);
+}
+
+// Real and imaginary part of both states.
+Converted const field_column{[](auto const& r) {
+                               auto const& [a, b] = r.field;
+                               return std::array{a.real(), a.imag(), b.real(), b.imag()};
+                             },
+                             [](auto& r, std::array<double, 4> const& f) {
+                               r.field = {{{f[0], f[1]}, {f[2], f[3]}}};
+                             }};
+
+template <class Row>
+void write_steps(hdf5::Writer& out, std::string const& place, std::vector<Row> const& rows) {
+  write_lists(
+      out, place + "/step_offset", place + "/step_", rows, [](auto& c) -> auto& { return c.steps; },
+      [](auto&& column) { step_columns(column); });
+}
+
+// What the route table holds beside the columns above, which it is made of.
+void write_route_table(hdf5::Writer& out, std::string const& group, CouplingTable const& table) {
+  PathTable const routes = unranked_routes(table);
+  std::vector<RouteRow> rows;
+  for (PathRow const& row : routes.rows) rows.push_back({routes, row});
+  TableWriter<RouteRow> const list(route_columns(routes));
+  ColumnWriter const column(out, group + "/", rows);
+  for (TableColumn<RouteRow> const* c : list.of(&TableColumn<RouteRow>::file)) {
+    std::string const& name = c->name_in(&TableColumn<RouteRow>::file);
+    auto const write = [&](std::string const& end, auto of_cell) {
+      column(name + end, {c->unit, c->help}, [&](RouteRow const& r) { return of_cell(c->value(r)); });
+    };
+    using Cell = TableCell const&;
+    if (c->kind == ColumnKind::text) write("", [](Cell cell) { return std::get<std::string>(cell); });
+    if (c->kind == ColumnKind::flag) write("", [](Cell cell) { return std::get<bool>(cell); });
+    if (c->kind == ColumnKind::number) write("", [](Cell cell) { return std::get<double>(cell); });
+    if (c->kind == ColumnKind::count)  // 0 where it is not known
+      write("", [](Cell cell) { return cell.index() == 2 ? std::get<std::uint64_t>(cell) : 0; });
+    if (c->kind != ColumnKind::estimate) continue;
+    write("", [](Cell cell) { return std::get<WithError>(cell).value; });
+    write("_sigma", [](Cell cell) { return std::get<WithError>(cell).sigma; });
+  }
 }
 
 void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
   std::vector<CouplingClass> const& rows = table.*at.list;
-  ColumnWriter const column(out, at.classes, rows);
+  ColumnWriter column(out, at.classes + "/", rows);
   class_columns(column);
-  auto const name = at.list == to_ports.list ? route_name : received_name;
-  column("name", "", [&](auto& c) { return name(table, c); });
-  column(
-      at.end.c_str(), ("row of /names/" + at.end + "s").c_str(), [](auto& c) -> auto& { return c.port.value; });
+  if (at.list == to_ports.list)
+    write_route_table(out, at.classes, table);
+  else
+    column("name", {"", "of the route, for people"}, [&](auto& c) { return received_name(table, c); });
+  column(at.end, {"row of /names/" + at.end + "s", "where the light ends"},
+         through(&CouplingClass::port, &PortId::value));
   write_steps(out, at.classes, rows);
-  Doubles replicas;
-  for (CouplingClass const& c : rows) replicas.insert(replicas.end(), c.replica_sum.begin(), c.replica_sum.end());
-  out.array(at.classes + "/replica_sum", replicas, "1", {rows.size(), replica_count});
+  column("replica_sum", "1", &CouplingClass::replica_sum);
 }
 
 void write_folded(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
   Owned<FoldedRoute> const folded(table.*at.list, &CouplingClass::folded);
   out.group(at.folded, "the largest routes in rows 'other', and why they have no row of their own");
   out.array(at.folded + "/class", folded.owner, "row of " + at.classes);
-  ColumnWriter const column(out, at.folded, folded.rows);
+  ColumnWriter column(out, at.folded + "/", folded.rows);
   folded_columns(column);
   column("name", "", [&](auto& f) { return folded_name(table, f); });
   write_steps(out, at.folded, folded.rows);
-}
-
-void write_phase_sensitivities(hdf5::Writer& out, std::string const& place, std::vector<PathRecord> const& rows) {
-  Counts offset = {0};
-  Small body;
-  Doubles d;
-  for (PathRecord const& r : rows) {
-    for (PhaseSensitivity const& l : r.phase_sensitivities) {
-      body.push_back(l.body.value);
-      d.insert(d.end(), std::begin(l.d), std::end(l.d));
-    }
-    offset.push_back(body.size());
-  }
-  out.array(place + "/phase_sensitivity_offset", offset, "1");
-  out.array(place + "/phase_sensitivity_body", body, "row of /names/bodies");
-  out.array(place + "/phase_sensitivity", d, "3 x rad/m, 3 x rad/rad", {body.size(), 6});
 }
 
 void write_records(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
   Owned<PathRecord> const records(table.*at.list, &CouplingClass::records);
   out.group(at.records, "kept paths with address, weight and phase sensitivities");
   out.array(at.records + "/class", records.owner, "row of " + at.classes);
-  record_columns(ColumnWriter(out, at.records, records.rows));
-  write_phase_sensitivities(out, at.records, records.rows);
-  Doubles fields;
-  for (PathRecord const& r : records.rows)
-    for (std::complex<double> const& f : r.field) fields.insert(fields.end(), {f.real(), f.imag()});
-  out.array(at.records + "/field", fields, "1", {records.rows.size(), 4});
+  ColumnWriter column(out, at.records + "/", records.rows);
+  record_columns(column);
+  std::string const sensitivity = at.records + "/phase_sensitivity";
+  write_lists(out, sensitivity + "_offset", sensitivity, records.rows, &PathRecord::phase_sensitivities,
+              [](auto&& list) { phase_sensitivity_columns(list); });
+  column("field", "1", field_column);
 }
 
 template <class Row>
 void read_steps(hdf5::Reader const& in, std::string const& place, std::size_t groups, std::vector<Row>& rows) {
-  Small const group = in.array<std::uint32_t>(place + "/step_group");
-  Bytes const event = in.rows<std::uint8_t>(place + "/step_event", group.size());
-  Counts const offset = read_offsets(in, place + "/step_offset", rows.size(), group.size());
-  check_ids(group, groups, "a group");
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (std::size_t k = offset[i]; k < offset[i + 1]; ++k) {
-      if (event[k] > std::uint8_t(Event::diffract)) damaged_run("a step of unknown kind");
-      rows[i].steps.push_back({{group[k]}, Event(event[k])});
+  read_lists(in, place + "/step_offset", place + "/step_", rows, &Row::steps,
+             [](auto&& column) { step_columns(column); });
+  for (Row const& row : rows)
+    for (PathStep const& s : row.steps) {
+      if (s.group.value >= groups) damaged_run("a group without a name");
+      if (s.event > Event::diffract) damaged_run("a step of unknown kind");
     }
 }
 
@@ -200,47 +186,61 @@ void read_folded(hdf5::Reader const& in, Section const& at, CouplingTable& table
   Small const owner = in.array<std::uint32_t>(at.folded + "/class");
   check_ids(owner, (table.*at.list).size(), "a part of a row");
   std::vector<FoldedRoute> rows(owner.size());
-  folded_columns(ColumnReader(in, at.folded, rows));
+  folded_columns(ColumnReader(in, at.folded + "/", rows));
   read_steps(in, at.folded, table.groups.size(), rows);
   for (std::size_t i = 0; i < rows.size(); ++i) (table.*at.list)[owner[i]].folded.push_back(std::move(rows[i]));
 }
 
 void read_class_columns(hdf5::Reader const& in, Section const& at, CouplingTable& table) {
   std::vector<CouplingClass>& rows = table.*at.list;
-  Small const port = in.array<std::uint32_t>(at.classes + "/" + at.end);
-  check_ids(port, (table.*at.ends).size(), "the end of a route");
-  rows.resize(port.size());
-  class_columns(ColumnReader(in, at.classes, rows));
-  Doubles const replicas = in.rows<double>(at.classes + "/replica_sum", rows.size(), replica_count);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].kind > ClassKind::edge) damaged_run("a route of unknown kind");
-    rows[i].port = {port[i]};
-    std::copy_n(replicas.begin() + std::ptrdiff_t(i * replica_count), replica_count, rows[i].replica_sum.begin());
+  ColumnReader column(in, at.classes + "/", rows, RowCount::of_first_column);
+  class_columns(column);
+  column(at.end, "", through(&CouplingClass::port, &PortId::value));
+  column("replica_sum", "1", &CouplingClass::replica_sum);
+  for (CouplingClass const& c : rows) {
+    if (c.kind > ClassKind::edge) damaged_run("a route of unknown kind");
+    if (c.port.value >= (table.*at.ends).size()) damaged_run("the end of a route without a name");
   }
 }
 
 void read_records(hdf5::Reader const& in, Section const& at, CouplingTable& table) {
   Small const owner = in.array<std::uint32_t>(at.records + "/class");
-  std::size_t const n = owner.size();
   check_ids(owner, (table.*at.list).size(), "a path of a route");
-  std::vector<PathRecord> records(n);
-  record_columns(ColumnReader(in, at.records, records));
-  Small const body = in.array<std::uint32_t>(at.records + "/phase_sensitivity_body");
-  check_ids(body, table.bodies.size(), "a body");
-  Counts const offset = read_offsets(in, at.records + "/phase_sensitivity_offset", n, body.size());
-  Doubles const phase_sensitivity = in.rows<double>(at.records + "/phase_sensitivity", body.size(), 6);
-  bool const fields = in.has(at.records + "/field");  // since schema 1.6
-  Doubles const field = fields ? in.rows<double>(at.records + "/field", n, 4) : Doubles(4 * n);
-  for (std::size_t i = 0; i < n; ++i) {
-    PathRecord& r = records[i];
-    for (std::size_t state = 0; state < r.field.size(); ++state)
-      r.field[state] = {field[4 * i + 2 * state], field[4 * i + 2 * state + 1]};
-    for (std::size_t k = offset[i]; k < offset[i + 1]; ++k) {
-      PhaseSensitivity l{{body[k]}, {}};
-      std::copy_n(phase_sensitivity.begin() + std::ptrdiff_t(6 * k), 6, std::begin(l.d));
-      r.phase_sensitivities.push_back(l);
-    }
-    (table.*at.list)[owner[i]].records.push_back(std::move(r));
+  std::vector<PathRecord> records(owner.size());
+  ColumnReader column(in, at.records + "/", records);
+  record_columns(column);
+  std::string const sensitivity = at.records + "/phase_sensitivity";
+  read_lists(in, sensitivity + "_offset", sensitivity, records, &PathRecord::phase_sensitivities,
+             [](auto&& list) { phase_sensitivity_columns(list); });
+  column("field", "1", field_column, std::array<double, 4>{});  // since schema 1.6
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    for (PhaseSensitivity const& s : records[i].phase_sensitivities)
+      if (s.body.value >= table.bodies.size()) damaged_run("a body without a name");
+    (table.*at.list)[owner[i]].records.push_back(std::move(records[i]));
+  }
+}
+
+// Second moments of the phase sensitivities of the routes to ports.
+void write_products(hdf5::Writer& out, CouplingTable const& table) {
+  Owned<PhaseSensitivityProduct> const products(table.classes, &CouplingClass::phase_sensitivities);
+  out.group("/phase_sensitivities",
+            "mean coupling times mean product of two phase sensitivities, contributions of the replicas");
+  out.array("/phase_sensitivities/class", products.owner, "row of /classes");
+  product_columns(ColumnWriter(out, "/phase_sensitivities/product", products.rows));
+}
+
+void read_products(hdf5::Reader const& in, CouplingTable& table) {
+  if (!in.has("/phase_sensitivities")) return;  // since schema 1.8
+  auto const owner = in.array<std::uint32_t>("/phase_sensitivities/class");
+  check_ids(owner, table.classes.size(), "a product of phase sensitivities");
+  std::vector<PhaseSensitivityProduct> products(owner.size());
+  product_columns(ColumnReader(in, "/phase_sensitivities/product", products));
+  for (std::size_t i = 0; i < owner.size(); ++i) {
+    PhaseSensitivityProduct const& p = products[i];
+    if (p.replica >= replica_count) damaged_run("a product of phase sensitivities of an unknown replica");
+    if (std::max(p.first.value, p.second.value) >= table.bodies.size())
+      damaged_run("a product of phase sensitivities without a body");
+    table.classes[owner[i]].phase_sensitivities.push_back(p);
   }
 }
 
@@ -259,7 +259,7 @@ void write_classes(hdf5::Writer& out, CouplingTable const& table) {
   write_class_columns(out, to_ports, table);
   write_records(out, to_ports, table);
   write_folded(out, to_ports, table);
-  write_phase_sensitivity_moments(out, table);
+  write_products(out, table);
   out.strings("/names/receivers", table.receivers);
   out.group("/received", "one row per route of light that ends on a receiver; power over that of the main mode");
   write_class_columns(out, to_receivers, table);
@@ -287,7 +287,7 @@ CouplingTable read_classes(hdf5::Reader const& in) {
     read_folded(in, at, table);
     read_records(in, at, table);
   }
-  read_phase_sensitivity_moments(in, table);
+  read_products(in, table);
   return table;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/errors.hpp"
 #include "results/route_table/route_sums.hpp"
+#include "results/run_file/columns.hpp"
 #include "results/run_file/run_part.hpp"
 
 namespace straytrace::results {
@@ -47,15 +48,28 @@ hdf5::Contents with_names_of_schema_2(hdf5::Contents contents) {
   return out;
 }
 
+constexpr char const* stop_words[] = {"histories", "error", "signal", "time", "checkpoint", "gaps"};  // by Stopped
+
 Stopped read_stop(hdf5::Reader const& in) {
   std::string const word = in.attribute_text("/", "stopped_by");
-  if (word == "histories") return Stopped::by_histories;
-  if (word == "error") return Stopped::by_error;
-  if (word == "signal") return Stopped::by_signal;
-  if (word == "time") return Stopped::by_time;
-  if (word == "checkpoint") return Stopped::by_checkpoint;
-  if (word == "gaps") return Stopped::by_gaps;
-  damaged_run(fmt::format("stopped by '{}'", word));
+  auto const found = std::find(std::begin(stop_words), std::end(stop_words), word);
+  if (found == std::end(stop_words)) damaged_run(fmt::format("stopped by '{}'", word));
+  return Stopped(found - std::begin(stop_words));
+}
+
+// Texts of the root: text(name, member) writes or reads each.
+template <class Run, class Text>
+void root_texts(Run& run, Text const& text) {
+  auto& p = run.provenance;
+  text("program", p.program);
+  text("version", p.version);
+  text("commit", p.commit);
+  text("build_flags", p.build_flags);
+  text("created", p.created);
+  text("title", run.title);
+  text("model_hash", run.model_hash);
+  text("interferometer", run.interferometer);
+  text("motion_file", run.motion_file);
 }
 
 // Files before schema 1.7 hold whole runs from the first block on.
@@ -71,15 +85,7 @@ void read_slice(hdf5::Reader const& in, TraceResult& trace) {
 }
 
 void read_about(hdf5::Reader const& in, RunFile& run) {
-  Provenance& p = run.about.provenance;
-  p.program = in.attribute_text("/", "program");
-  p.version = in.attribute_text("/", "version");
-  p.commit = in.attribute_text("/", "commit");
-  p.build_flags = in.attribute_text("/", "build_flags");
-  p.created = in.attribute_text("/", "created");
-  run.about.title = in.attribute_text("/", "title");
-  run.about.model_hash = in.attribute_text("/", "model_hash");
-  run.about.interferometer = in.attribute_text("/", "interferometer");
+  root_texts(run.about, [&](char const* name, std::string& value) { value = in.attribute_text("/", name); });
   run.complete = in.attribute_count("/", "complete") != 0;
   std::uint64_t const block = in.attribute_count("/", "block_size");
   if (block > largest_block || block_size_of(enough_blocks * block) != block)
@@ -193,7 +199,6 @@ void read_all(hdf5::Reader const& in, RunFile& run) {
   run.trace.stopped = read_stop(in);
   run.trace.stop_rule = in.attribute_text("/", "stop_rule");
   run.trace.good_checks = std::uint32_t(in.attribute_count("/", "good_checks"));
-  run.about.motion_file = in.attribute_text("/", "motion_file");
   run.trace.warnings = in.strings("/warnings/trace");
   run.about.warnings = in.strings("/warnings/scene");
   if (in.has("/noise")) run.noise = read_noise(in);
@@ -213,7 +218,6 @@ void read_head(hdf5::Reader const& in, PartHead& head) {
   read_about(in, run);
   read_input(in, run.about);
   read_timing(in, run);
-  run.about.motion_file = in.attribute_text("/", "motion_file");
   head.provenance = run.about.provenance;
   head.model_hash = run.about.model_hash;
   head.texts_hash = hash_of_texts(run.about);
@@ -261,24 +265,14 @@ SumTree nodes_of_image(std::string const& image) { return read_nodes(hdf5::Reade
 
 namespace {
 
-constexpr char const* stop_words[] = {"histories", "error", "signal", "time", "checkpoint", "gaps"};
-
 void write_about(hdf5::Writer& out, RunContent const& run) {
   auto count = [&](char const* name, std::vector<std::uint64_t> const& value) { out.attribute("/", name, value); };
   out.attribute("/", "file_type", "straytrace-run");
   count("schema", {run_schema_major, run_schema_minor});
-  out.attribute("/", "program", run.provenance.program);
-  out.attribute("/", "version", run.provenance.version);
-  out.attribute("/", "commit", run.provenance.commit);
-  out.attribute("/", "build_flags", run.provenance.build_flags);
-  out.attribute("/", "created", run.provenance.created);
-  out.attribute("/", "title", run.title);
-  out.attribute("/", "model_hash", run.model_hash);
-  out.attribute("/", "interferometer", run.interferometer);
+  root_texts(run, [&](char const* name, std::string const& value) { out.attribute("/", name, value); });
   out.attribute("/", "stopped_by", stop_words[std::size_t(run.trace->stopped)]);
   out.attribute("/", "stop_rule", run.trace->stop_rule);
   count("good_checks", {run.trace->good_checks});
-  out.attribute("/", "motion_file", run.motion_file);
   count("seed", {run.trace->coupling.seed});
   count("histories", {run.trace->coupling.histories});
   count("block_size", {run.trace->coupling.block_size});
@@ -342,25 +336,23 @@ void write_timing(hdf5::Writer& out, RunContent const& run) {
   out.group("/timing", "wall-clock time; the only group that may differ between equal runs");
   out.strings("/timing/stage", stages);
   out.array("/timing/seconds", seconds, "s");
-  std::vector<std::string> of;
-  std::vector<double> values;
-  for (Merit const& m : merits(run)) {
-    of.push_back(m.what);
-    values.push_back(m.value);
-  }
-  out.strings("/timing/merit_of", of);
-  out.array("/timing/merit", values, "1/s");
+  std::vector<Merit> const all = merits(run);
+  ColumnWriter const column(out, "/timing/", all);
+  column("merit_of", "", &Merit::what);
+  column("merit", "1/s", &Merit::value);
 }
 
-void write_estimates(hdf5::Writer& out, std::string const& path, std::vector<Moments> const& all, BlockSums const& of) {
-  std::vector<double> mean, error;
-  for (Moments const& m : all) {
-    Estimate const e = estimate(m, of.histories, of.blocks);
-    mean.push_back(e.mean);
-    error.push_back(e.std_error);
-  }
-  out.array(path + "/mean", mean, "1");
-  out.array(path + "/std_error", error, "1");
+template <class Row, class Power>
+void write_estimates(hdf5::Writer& out, std::string const& path, std::vector<Row> const& rows, Power const& power) {
+  ColumnWriter const column(out, path, rows);
+  column("mean", "1", through(power, &Estimate::mean));
+  column("std_error", "1", through(power, &Estimate::std_error));
+}
+
+std::vector<Estimate> estimates(std::vector<Moments> const& all, BlockSums const& of) {
+  std::vector<Estimate> rows;
+  for (Moments const& m : all) rows.push_back(estimate(m, of.histories, of.blocks));
+  return rows;
 }
 
 }  // namespace
@@ -371,18 +363,13 @@ void write_energy_balance(hdf5::Writer& out, TraceResult const& trace) {
   for (auto [name, value] :
        {std::pair{"blocks", total.blocks}, {"bounces", total.bounces}, {"rays", total.rays}, {"lost", total.lost}})
     out.attribute("/energy_balance", name, std::vector<std::uint64_t>{value});
-  std::vector<std::string> names = {"emitted"};
-  std::vector<Moments> all = {total.emitted};
-  for (int i = 0; i < balance_term_count; ++i) {
-    names.push_back(name_of(BalanceTerm(i)));
-    all.push_back(total.energy_balance[std::size_t(i)]);
-  }
-  out.strings("/energy_balance/name", names);
-  write_estimates(out, "/energy_balance", all, total);
+  std::vector<BalanceRow> const rows = balance_rows(total);
+  ColumnWriter(out, "/energy_balance/", rows)("name", "", &BalanceRow::name);
+  write_estimates(out, "/energy_balance/", rows, &BalanceRow::power);
   out.group("/arrived", "power arriving on each group per history; rows as in /names/groups");
-  write_estimates(out, "/arrived", total.arrived, total);
+  write_estimates(out, "/arrived/", estimates(total.arrived, total), std::identity{});
   out.group("/absorbed", "power absorbed by each group per history; rows as in /names/groups, then all media");
-  write_estimates(out, "/absorbed", total.absorbed, total);
+  write_estimates(out, "/absorbed/", estimates(total.absorbed, total), std::identity{});
 }
 
 void write_run(std::string const& file, RunContent const& run) {

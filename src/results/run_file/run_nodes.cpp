@@ -1,174 +1,190 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // /nodes: every node of the tree of sums, so that merging and resuming give the same bits as one long run.
-#include "results/run_file/run_nodes.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+
+#include "base/math/constants.hpp"
+#include "results/run_file/columns.hpp"
 
 namespace straytrace::results {
 namespace {
 
-struct ClassColumns {
-  Counts offset = {0}, hash, kept_offset = {0}, kept_history;
-  std::vector<std::uint32_t> port, kept_event, kept_connection;
-  ScoreColumns moments;
-  Doubles replica_sum, threshold, off_list, kept_coupling, kept_priority;
-  PhaseSensitivityColumns phase_sensitivities;
+using MomentSums = std::array<double, 6>;
+using MomentCounts = std::array<std::uint64_t, 2>;
 
-  void add(std::uint64_t name, ClassSums const& c) {
-    hash.push_back(name);
-    port.push_back(c.port);
-    moments.add(c.moments);
-    replica_sum.insert(replica_sum.end(), c.replica_sum.begin(), c.replica_sum.end());
-    threshold.push_back(c.threshold);
-    off_list.push_back(c.off_list);
-    for (ScoreAddress const& k : c.kept) {
-      kept_history.push_back(k.history);
-      kept_event.push_back(k.event);
-      kept_connection.push_back(k.connection);
-      kept_coupling.push_back(k.coupling);
-      kept_priority.push_back(k.priority);
+MomentSums sums_of(Moments const& m) { return {m.sum, m.sum2, m.sum3, m.sum4, m.block_sum2, m.largest}; }
+MomentCounts counts_of(Moments const& m) { return {m.largest_history, m.scored}; }
+
+void set_sums(Moments& m, double const* v) {
+  if (!std::all_of(v, v + std::tuple_size_v<MomentSums>, [](double x) { return std::isfinite(x); }))
+    damaged_run("'/nodes' holds a sum that is not a number");
+  m.sum = v[0];
+  m.sum2 = v[1];
+  m.sum3 = v[2];
+  m.sum4 = v[3];
+  m.block_sum2 = v[4];
+  m.largest = v[5];
+}
+void set_counts(Moments& m, std::uint64_t const* n) {
+  m.largest_history = n[0];
+  m.scored = n[1];
+}
+
+// `of`: the moments in a row.
+template <class Column, class Of>
+void moment_columns(Column&& column, std::string const& name, Of const& of) {
+  column(name, "1",
+         Converted{[of](auto const& row) { return sums_of(std::invoke(of, row)); },
+                   [of](auto& row, MomentSums const& v) { set_sums(std::invoke(of, row), v.data()); }});
+  column(name + "_counts", "1",
+         Converted{[of](auto const& row) { return counts_of(std::invoke(of, row)); },
+                   [of](auto& row, MomentCounts const& n) { set_counts(std::invoke(of, row), n.data()); }});
+}
+
+template <class Column>
+void number_column(Column&& column) {
+  column("", "1", std::identity{});
+}
+
+// Further columns of scores: the largest of each row, and its sum over the first blocks. Files of schema 1.1 lack both:
+// they read as an infinite score and a NaN.
+template <class Row, class Of>
+void write_scores(hdf5::Writer& out, std::string const& name, std::vector<Row> const& rows, Of const& of) {
+  ColumnWriter(out, name, rows)(
+      "_first_sum", "1", [of](auto& row) -> auto& { return of(row).first_sum; });
+  write_lists(
+      out, name + "_largest_offset", name + "_largest", rows, [of](auto& row) -> auto& { return of(row).tail; },
+      [](auto&& list) { number_column(list); });
+}
+
+template <class Row, class Of>
+void read_scores(hdf5::Reader const& in, std::string const& name, std::vector<Row>& rows, Of const& of) {
+  ColumnReader(in, name, rows)(
+      "_first_sum", "1", [of](auto& row) -> auto& { return of(row).first_sum; }, not_a_number);
+  auto const tail = [of](auto& row) -> auto& { return of(row).tail; };
+  if (in.has(name + "_first_sum"))
+    read_lists(in, name + "_largest_offset", name + "_largest", rows, tail, [](auto&& list) { number_column(list); });
+  else
+    for (Row& row : rows) tail(row) = {infinity};
+}
+
+// A route of a node: its hash and its sums.
+using NamedClass = std::pair<std::uint64_t, ClassSums>;
+
+constexpr auto class_sums = [](auto& c) -> auto& { return c.second; };
+constexpr auto class_moments = [](auto& c) -> auto& { return c.second.moments; };
+constexpr auto class_sensitivities = [](auto& c) -> auto& { return c.second.phase_sensitivities; };
+
+template <class Column>
+void class_columns_of_nodes(Column&& column) {
+  column(
+      "hash", "1", [](auto& c) -> auto& { return c.first; });
+  column("port", "row of /names/ports", through(class_sums, &ClassSums::port));
+  moment_columns(column, "moments", class_moments);
+  column("replica_sum", "1", through(class_sums, &ClassSums::replica_sum));
+  column("threshold", "1", through(class_sums, &ClassSums::threshold));
+  column("off_list", "1", through(class_sums, &ClassSums::off_list), 0.0);
+}
+
+template <class Column>
+void kept_columns(Column&& column) {
+  column("history", "1", &ScoreAddress::history);
+  column("event", "1", &ScoreAddress::event);
+  column("connection", "1", &ScoreAddress::connection);
+  column("coupling", "1", &ScoreAddress::coupling);
+  column("priority", "1", &ScoreAddress::priority);
+}
+
+template <class Column>
+void sensitivity_columns(Column&& column) {
+  column("paths", "1", through(class_sensitivities, &PhaseSensitivitySums::paths));
+  column("given_up", yes_or_no, through(class_sensitivities, &PhaseSensitivitySums::given_up));
+  column("weight", "1", through(class_sensitivities, &PhaseSensitivitySums::weight));
+}
+
+constexpr char const *sensitivity = "/nodes/phase_sensitivity_", *products = "/nodes/phase_sensitivity_product",
+                     *product_offset = "/nodes/phase_sensitivity_offset";
+
+void write_classes_of(hdf5::Writer& out, std::vector<BlockSums const*> const& nodes) {
+  auto const classes = end_to_end(nodes, &BlockSums::classes);
+  out.array("/nodes/class_offset", classes.offset, "1");
+  class_columns_of_nodes(ColumnWriter(out, "/nodes/class_", classes.items));
+  write_scores(out, "/nodes/class", classes.items, class_moments);
+  write_lists(out, "/nodes/kept_offset", "/nodes/kept_", classes.items, through(class_sums, &ClassSums::kept),
+              [](auto&& list) { kept_columns(list); });
+  sensitivity_columns(ColumnWriter(out, sensitivity, classes.items));
+  write_lists(out, product_offset, products, classes.items,
+              through(class_sensitivities, &PhaseSensitivitySums::products),
+              [](auto&& list) { product_columns(list); });
+}
+
+void read_classes_of(hdf5::Reader const& in, std::vector<BlockSums>& nodes) {
+  std::vector<NamedClass> classes;
+  class_columns_of_nodes(ColumnReader(in, "/nodes/class_", classes, RowCount::of_first_column));
+  Counts const offset = read_offsets(in, "/nodes/class_offset", nodes.size(), classes.size());
+  read_scores(in, "/nodes/class", classes, class_moments);
+  read_lists(in, "/nodes/kept_offset", "/nodes/kept_", classes, through(class_sums, &ClassSums::kept),
+             [](auto&& list) { kept_columns(list); });
+  if (in.has("/nodes/phase_sensitivity_paths")) {
+    sensitivity_columns(ColumnReader(in, sensitivity, classes));
+    read_lists(in, product_offset, products, classes, through(class_sensitivities, &PhaseSensitivitySums::products),
+               [](auto&& list) { product_columns(list); });
+  } else {  // below schema 1.8: their sums are given up
+    for (NamedClass& c : classes) class_sensitivities(c).given_up = true;
+  }
+  for (NamedClass const& c : classes)
+    for (PhaseSensitivityProduct const& p : class_sensitivities(c).products)
+      if (p.replica >= replica_count) damaged_run("a product of phase sensitivities of an unknown replica");
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t k = offset[i]; k < offset[i + 1]; ++k)
+      nodes[i].classes.emplace(classes[k].first, std::move(classes[k].second));
+}
+
+template <class Column>
+void node_columns(Column&& column) {
+  column("histories", "1", &BlockSums::histories);
+  column("blocks", "1", &BlockSums::blocks);
+  column("bounces", "1", &BlockSums::bounces);
+  column("rays", "1", &BlockSums::rays);
+  column("lost", "1", &BlockSums::lost);
+  moment_columns(column, "emitted", &BlockSums::emitted);
+  column("window_variance", "1", &BlockSums::window_variance, 0.0);  // since schema 1.2
+}
+
+constexpr char const* balance = "/nodes/energy_balance";
+
+void write_balance(hdf5::Writer& out, std::vector<BlockSums const*> const& nodes) {
+  Doubles sums;
+  Counts counts;
+  for (BlockSums const* node : nodes)
+    for (Moments const& m : node->energy_balance) {
+      for (double const x : sums_of(m)) sums.push_back(x);
+      for (std::uint64_t const n : counts_of(m)) counts.push_back(n);
     }
-    kept_offset.push_back(kept_history.size());
-    phase_sensitivities.add(c.phase_sensitivities);
-  }
-
-  ClassSums at(std::size_t i) const {
-    ClassSums c;
-    c.port = port[i];
-    c.moments = moments.at(i);
-    std::copy_n(replica_sum.begin() + std::ptrdiff_t(replica_count * i), replica_count, c.replica_sum.begin());
-    c.threshold = threshold[i];
-    c.off_list = off_list[i];
-    for (std::size_t k = kept_offset[i]; k < kept_offset[i + 1]; ++k)
-      c.kept.push_back({kept_history[k], kept_event[k], kept_connection[k], kept_coupling[k], kept_priority[k]});
-    c.phase_sensitivities = phase_sensitivities.at(i);
-    return c;
-  }
-
-  void write(hdf5::Writer& out) const {
-    out.array("/nodes/class_offset", offset, "1");
-    out.array("/nodes/class_hash", hash, "1");
-    out.array("/nodes/class_port", port, "row of /names/ports");
-    moments.write(out, "/nodes/class_moments", "/nodes/class");
-    out.array("/nodes/class_replica_sum", replica_sum, "1", {hash.size(), replica_count});
-    out.array("/nodes/class_threshold", threshold, "1");
-    out.array("/nodes/class_off_list", off_list, "1");
-    out.array("/nodes/kept_offset", kept_offset, "1");
-    out.array("/nodes/kept_history", kept_history, "1");
-    out.array("/nodes/kept_event", kept_event, "1");
-    out.array("/nodes/kept_connection", kept_connection, "1");
-    out.array("/nodes/kept_coupling", kept_coupling, "1");
-    out.array("/nodes/kept_priority", kept_priority, "1");
-    phase_sensitivities.write(out);
-  }
-
-  static ClassColumns read(hdf5::Reader const& in, std::size_t nodes) {
-    ClassColumns c;
-    c.hash = in.array<std::uint64_t>("/nodes/class_hash");
-    std::size_t const n = c.hash.size();
-    c.offset = read_offsets(in, "/nodes/class_offset", nodes, n);
-    c.port = in.rows<std::uint32_t>("/nodes/class_port", n);
-    c.moments = ScoreColumns::read(in, "/nodes/class_moments", "/nodes/class", n);
-    c.replica_sum = in.rows<double>("/nodes/class_replica_sum", n, replica_count);
-    c.threshold = in.rows<double>("/nodes/class_threshold", n);
-    c.off_list = in.has("/nodes/class_off_list") ? in.rows<double>("/nodes/class_off_list", n) : Doubles(n);
-    c.kept_history = in.array<std::uint64_t>("/nodes/kept_history");
-    std::size_t const kept = c.kept_history.size();
-    c.kept_offset = read_offsets(in, "/nodes/kept_offset", n, kept);
-    c.kept_event = in.rows<std::uint32_t>("/nodes/kept_event", kept);
-    c.kept_connection = in.rows<std::uint32_t>("/nodes/kept_connection", kept);
-    c.kept_coupling = in.rows<double>("/nodes/kept_coupling", kept);
-    c.kept_priority = in.rows<double>("/nodes/kept_priority", kept);
-    c.phase_sensitivities = PhaseSensitivityColumns::read(in, n);
-    return c;
-  }
-};
-
-// Lists of moments, one per node, laid end to end.
-struct ListColumns {
-  Counts offset = {0};
-  MomentColumns moments;
-
-  void add(std::vector<Moments> const& list) {
-    for (Moments const& m : list) moments.add(m);
-    offset.push_back(moments.numbers.size() / moment_counts);
-  }
-  void write(hdf5::Writer& out, std::string const& path) const {
-    out.array(path + "_offset", offset, "1");
-    moments.write(out, path, {offset.back()});
-  }
-  static ListColumns read(hdf5::Reader const& in, std::string const& path, std::size_t nodes) {
-    if (!in.has(path)) return {Counts(nodes + 1), {}};
-    ListColumns c;
-    c.moments = MomentColumns::read(in, path, in.shape(path).at(0));
-    c.offset = read_offsets(in, path + "_offset", nodes, c.moments.numbers.size() / moment_counts);
-    return c;
-  }
-  std::vector<Moments> at(std::size_t node) const {
-    std::vector<Moments> list;
-    for (std::size_t k = offset[node]; k < offset[node + 1]; ++k) list.push_back(moments.at(k));
-    return list;
-  }
-};
-
-using Counter = std::uint64_t BlockSums::*;
-struct NamedCounter {
-  char const* name;
-  Counter member;
-};
-constexpr NamedCounter counters[] = {{"histories", &BlockSums::histories},
-                                     {"blocks", &BlockSums::blocks},
-                                     {"bounces", &BlockSums::bounces},
-                                     {"rays", &BlockSums::rays},
-                                     {"lost", &BlockSums::lost}};
-
-void write_counters(hdf5::Writer& out, SumTree const& tree) {
-  for (NamedCounter const& counter : counters) {
-    Counts column;
-    for (auto const& [place, node] : tree.nodes()) column.push_back(node.*(counter.member));
-    out.array(fmt::format("/nodes/{}", counter.name), column, "1");
-  }
+  out.array(balance, sums, "1", {nodes.size(), balance_term_count, std::tuple_size_v<MomentSums>});
+  out.array(std::string(balance) + "_counts", counts, "1",
+            {nodes.size(), balance_term_count, std::tuple_size_v<MomentCounts>});
 }
 
-}  // namespace
-
-void write_nodes(hdf5::Writer& out, SumTree const& tree) {
-  Counts first;
-  std::vector<std::uint32_t> level;
-  MomentColumns emitted, energy_balance;
-  ListColumns arrived, absorbed;
-  ScoreColumns received;
-  Doubles window_variance;
-  ClassColumns classes;
-  for (auto const& [place, node] : tree.nodes()) {
-    first.push_back(place.first);
-    level.push_back(place.second);
-    emitted.add(node.emitted);
-    for (Moments const& m : node.energy_balance) energy_balance.add(m);
-    window_variance.push_back(node.window_variance);
-    arrived.add(node.arrived);
-    absorbed.add(node.absorbed);
-    for (ReceiverSums const& r : node.receivers) received.add(r.power);
-    for (auto const& [hash, c] : node.classes) classes.add(hash, c);
-    classes.offset.push_back(classes.hash.size());
-  }
-  out.group("/nodes", "partial sums over blocks of histories, for merging and resuming");
-  out.array("/nodes/first_block", first, "1");
-  out.array("/nodes/level", level, "1");
-  write_counters(out, tree);
-  emitted.write(out, "/nodes/emitted", {first.size()});
-  energy_balance.write(out, "/nodes/energy_balance", {first.size(), balance_term_count});
-  out.array("/nodes/window_variance", window_variance, "1");
-  arrived.write(out, "/nodes/arrived");
-  absorbed.write(out, "/nodes/absorbed");
-  classes.write(out);
-  received.write(out, "/nodes/received", "/nodes/received");
-  write_node_maps(out, tree);
+void read_balance(hdf5::Reader const& in, std::vector<BlockSums>& nodes) {
+  constexpr std::size_t terms = balance_term_count, doubles = std::tuple_size_v<MomentSums>,
+                        integers = std::tuple_size_v<MomentCounts>;
+  Doubles const sums = in.rows<double>(balance, nodes.size(), terms * doubles);
+  Counts const counts = in.rows<std::uint64_t>(std::string(balance) + "_counts", nodes.size(), terms * integers);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t k = 0; k < terms; ++k) {
+      set_sums(nodes[i].energy_balance[k], &sums[(terms * i + k) * doubles]);
+      set_counts(nodes[i].energy_balance[k], &counts[(terms * i + k) * integers]);
+    }
 }
 
-namespace {
+// Moments by group; `absorbed` since schema 1.3.
+constexpr std::pair<char const*, std::vector<Moments> BlockSums::*> group_lists[] = {
+    {"/nodes/arrived", &BlockSums::arrived}, {"/nodes/absorbed", &BlockSums::absorbed}};
+constexpr auto list_of_moments = [](auto&& column) { moment_columns(column, "", std::identity{}); };
+constexpr auto received_power = [](auto& r) -> auto& { return r.power; };
 
 // Of each node, its first block and its level.
 struct Places {
@@ -193,144 +209,59 @@ std::vector<BlockRange> read_done(hdf5::Reader const& in) {
   return places.done();
 }
 
-SumTree read_nodes(hdf5::Reader const& in) {
-  auto const [first, level] = Places(in);
-  std::size_t const n = first.size();
-  MomentColumns const emitted = MomentColumns::read(in, "/nodes/emitted", n);
-  MomentColumns const energy_balance = MomentColumns::read(in, "/nodes/energy_balance", n, balance_term_count);
-  bool const odds = in.has("/nodes/window_variance");  // since schema 1.2
-  Doubles const window_variance = odds ? in.rows<double>("/nodes/window_variance", n) : Doubles(n);
-  ListColumns const arrived = ListColumns::read(in, "/nodes/arrived", n);
-  ListColumns const absorbed = ListColumns::read(in, "/nodes/absorbed", n);  // since schema 1.3
-  ClassColumns const classes = ClassColumns::read(in, n);
-
-  std::vector<BlockSums> nodes(n);
-  for (NamedCounter const& counter : counters) {
-    Counts const column = in.rows<std::uint64_t>(fmt::format("/nodes/{}", counter.name), n);
-    for (std::size_t i = 0; i < n; ++i) nodes[i].*(counter.member) = column[i];
+void write_nodes(hdf5::Writer& out, SumTree const& tree) {
+  Counts first;
+  Small level;
+  std::vector<BlockSums const*> nodes;
+  for (auto const& [place, node] : tree.nodes()) {
+    first.push_back(place.first);
+    level.push_back(place.second);
+    nodes.push_back(&node);
   }
-  read_node_maps(in, nodes);
-  std::size_t receivers = 0, next = 0;
-  for (BlockSums const& node : nodes) receivers += node.receivers.size();
-  ScoreColumns const received =
-      receivers > 0 ? ScoreColumns::read(in, "/nodes/received", "/nodes/received", receivers) : ScoreColumns{};
-  for (BlockSums& node : nodes)
-    for (ReceiverSums& r : node.receivers) r.power = received.at(next++);
-  SumTree tree;
-  for (std::size_t i = 0; i < n; ++i) {
-    BlockSums& node = nodes[i];
-    node.emitted = emitted.at(i);
-    node.window_variance = window_variance[i];
-    for (std::size_t k = 0; k < balance_term_count; ++k)
-      node.energy_balance[k] = energy_balance.at(i * balance_term_count + k);
-    node.arrived = arrived.at(i);
-    node.absorbed = absorbed.at(i);
-    for (std::size_t k = classes.offset[i]; k < classes.offset[i + 1]; ++k)
-      node.classes.emplace(classes.hash[k], classes.at(k));
-    tree.add(level[i], first[i] >> level[i], std::move(node));
-  }
-  return tree;
+  out.group("/nodes", "partial sums over blocks of histories, for merging and resuming");
+  out.array("/nodes/first_block", first, "1");
+  out.array("/nodes/level", level, "1");
+  node_columns(ColumnWriter(out, "/nodes/", nodes));
+  write_balance(out, nodes);
+  for (auto const& [path, list] : group_lists)
+    write_lists(out, std::string(path) + "_offset", path, nodes, list, list_of_moments);
+  write_classes_of(out, nodes);
+  auto const receivers = end_to_end(nodes, &BlockSums::receivers).items;
+  moment_columns(ColumnWriter(out, "/nodes/received", receivers), "", received_power);
+  write_scores(out, "/nodes/received", receivers, received_power);
+  write_node_maps(out, tree);
 }
 
 namespace {
 
-constexpr std::size_t products_each = std::tuple_size_v<decltype(PhaseSensitivityProduct::sum)>;
+// Of the receivers of all nodes, which have their maps.
+void read_received(hdf5::Reader const& in, std::vector<BlockSums>& nodes) {
+  std::vector<ReceiverSums> all;
+  for (BlockSums& node : nodes)
+    for (ReceiverSums& r : node.receivers) all.push_back(std::move(r));
+  if (all.empty()) return;
+  moment_columns(ColumnReader(in, "/nodes/received", all), "", received_power);
+  read_scores(in, "/nodes/received", all, received_power);
+  auto next = all.begin();
+  for (BlockSums& node : nodes)
+    for (ReceiverSums& r : node.receivers) r = std::move(*next++);
+}
 
 }  // namespace
 
-void ProductColumns::add(PhaseSensitivityProduct const& p) {
-  replica.push_back(p.replica);
-  body.insert(body.end(), {p.first.value, p.second.value});
-  sum.insert(sum.end(), p.sum.begin(), p.sum.end());
-}
-
-PhaseSensitivityProduct ProductColumns::at(std::size_t i) const {
-  PhaseSensitivityProduct p{replica[i], {body[2 * i]}, {body[2 * i + 1]}};
-  std::copy_n(sum.begin() + std::ptrdiff_t(products_each * i), products_each, p.sum.begin());
-  return p;
-}
-
-void ProductColumns::write(hdf5::Writer& out, std::string const& path) const {
-  out.array(path + "_replica", replica, "1");
-  out.array(path + "_body", body, "row of /names/bodies", {rows(), 2});
-  out.array(path, sum, "products of 3 x rad/m, 3 x rad/rad", {rows(), products_each});
-}
-
-ProductColumns ProductColumns::read(hdf5::Reader const& in, std::string const& path) {
-  ProductColumns c;
-  c.replica = in.array<std::uint32_t>(path + "_replica");
-  c.body = in.rows<std::uint32_t>(path + "_body", c.rows(), 2);
-  c.sum = in.rows<double>(path, c.rows(), products_each);
-  for (std::uint32_t const r : c.replica)
-    if (r >= replica_count) damaged_run("a product of phase sensitivities of an unknown replica");
-  return c;
-}
-
-void PhaseSensitivityColumns::add(PhaseSensitivitySums const& s) {
-  paths.push_back(s.paths);
-  given_up.push_back(s.given_up);
-  weight.insert(weight.end(), s.weight.begin(), s.weight.end());
-  for (PhaseSensitivityProduct const& p : s.products) products.add(p);
-  offset.push_back(products.rows());
-}
-
-PhaseSensitivitySums PhaseSensitivityColumns::at(std::size_t i) const {
-  PhaseSensitivitySums s;
-  s.paths = paths[i];
-  s.given_up = given_up[i] != 0;
-  std::copy_n(weight.begin() + std::ptrdiff_t(replica_count * i), replica_count, s.weight.begin());
-  for (std::size_t k = offset[i]; k < offset[i + 1]; ++k) s.products.push_back(products.at(k));
-  return s;
-}
-
-void PhaseSensitivityColumns::write(hdf5::Writer& out) const {
-  out.array("/nodes/phase_sensitivity_paths", paths, "1");
-  out.array("/nodes/phase_sensitivity_given_up", given_up, "0 or 1");
-  out.array("/nodes/phase_sensitivity_weight", weight, "1", {paths.size(), replica_count});
-  out.array("/nodes/phase_sensitivity_offset", offset, "1");
-  products.write(out, "/nodes/phase_sensitivity_product");
-}
-
-PhaseSensitivityColumns PhaseSensitivityColumns::read(hdf5::Reader const& in, std::size_t rows) {
-  PhaseSensitivityColumns c;
-  if (!in.has("/nodes/phase_sensitivity_paths")) {
-    c.paths = c.offset = Counts(rows + 1);
-    c.given_up.assign(rows, 1);
-    c.weight.resize(rows * replica_count);
-    return c;
-  }
-  c.paths = in.rows<std::uint64_t>("/nodes/phase_sensitivity_paths", rows);
-  c.given_up = in.rows<std::uint8_t>("/nodes/phase_sensitivity_given_up", rows);
-  c.weight = in.rows<double>("/nodes/phase_sensitivity_weight", rows, replica_count);
-  c.products = ProductColumns::read(in, "/nodes/phase_sensitivity_product");
-  c.offset = read_offsets(in, "/nodes/phase_sensitivity_offset", rows, c.products.rows());
-  return c;
-}
-
-void write_phase_sensitivity_moments(hdf5::Writer& out, CouplingTable const& table) {
-  std::vector<std::uint32_t> owner;
-  ProductColumns products;
-  for (std::size_t i = 0; i < table.classes.size(); ++i)
-    for (PhaseSensitivityProduct const& p : table.classes[i].phase_sensitivities) {
-      owner.push_back(std::uint32_t(i));
-      products.add(p);
-    }
-  out.group("/phase_sensitivities",
-            "mean coupling times mean product of two phase sensitivities, contributions of the replicas");
-  out.array("/phase_sensitivities/class", owner, "row of /classes");
-  products.write(out, "/phase_sensitivities/product");
-}
-
-void read_phase_sensitivity_moments(hdf5::Reader const& in, CouplingTable& table) {
-  if (!in.has("/phase_sensitivities")) return;  // since schema 1.8
-  ProductColumns const products = ProductColumns::read(in, "/phase_sensitivities/product");
-  auto const owner = in.rows<std::uint32_t>("/phase_sensitivities/class", products.rows());
-  for (std::size_t i = 0; i < owner.size(); ++i) {
-    PhaseSensitivityProduct const p = products.at(i);
-    if (owner[i] >= table.classes.size() || std::max(p.first.value, p.second.value) >= table.bodies.size())
-      damaged_run("a product of phase sensitivities without a route or a body");
-    table.classes[owner[i]].phase_sensitivities.push_back(p);
-  }
+SumTree read_nodes(hdf5::Reader const& in) {
+  auto const [first, level] = Places(in);
+  std::vector<BlockSums> nodes(first.size());
+  node_columns(ColumnReader(in, "/nodes/", nodes));
+  read_balance(in, nodes);
+  for (auto const& [path, list] : group_lists)
+    if (in.has(path)) read_lists(in, std::string(path) + "_offset", path, nodes, list, list_of_moments);
+  read_classes_of(in, nodes);
+  read_node_maps(in, nodes);
+  read_received(in, nodes);
+  SumTree tree;
+  for (std::size_t i = 0; i < nodes.size(); ++i) tree.add(level[i], first[i] >> level[i], std::move(nodes[i]));
+  return tree;
 }
 
 }  // namespace straytrace::results

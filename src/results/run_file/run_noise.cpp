@@ -1,92 +1,85 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // /noise: strain noise curves on their frequency bins.
+#include <span>
+
 #include "base/errors.hpp"
+#include "results/curves/band.hpp"
 #include "results/run_file/columns.hpp"
 
 namespace straytrace::results {
 namespace {
 
-using Doubles = std::vector<double>;
 constexpr char const* strain = "1/sqrt(Hz)";
 
 struct TraceColumn {
   char const* name;
   Doubles NoiseTrace::*member;
+  bool may_lack = false;  // in older files, and where it was not made: NaN
+  char const* unit = strain;
 };
-constexpr TraceColumn curves[] = {{"mean", &NoiseTrace::asd},
-                                  {"sigma", &NoiseTrace::sigma},
-                                  {"phase", &NoiseTrace::phase_asd},
-                                  {"amplitude", &NoiseTrace::amplitude_asd}};
-// Of the total, since schema 1.8.
-constexpr TraceColumn error_columns[] = {{"power_sigma", &NoiseTrace::power_sigma},
-                                         {"phase_sensitivities_sigma", &NoiseTrace::phase_sensitivities_sigma},
-                                         {"paths_sigma", &NoiseTrace::paths_sigma}};
-constexpr char const* linear_share = "linear_share";  // since schema 1.5
-// Of routes, since schema 1.6; NaN where they were not made.
-constexpr TraceColumn route_bands[] = {{"input_low", &NoiseTrace::input_low}, {"input_high", &NoiseTrace::input_high}};
-
-struct BandColumn {
-  char const* name;
-  Doubles NoiseBands::*member;
-};
-constexpr BandColumn band_columns[] = {{"input_low", &NoiseBands::input_low},   {"input_high", &NoiseBands::input_high},
-                                       {"speckle_05", &NoiseBands::speckle_05}, {"speckle_50", &NoiseBands::speckle_50},
-                                       {"speckle_95", &NoiseBands::speckle_95}, {"coherent", &NoiseBands::coherent}};
+constexpr TraceColumn mean{"mean", &NoiseTrace::asd}, sigma{"sigma", &NoiseTrace::sigma},
+    phase{"phase", &NoiseTrace::phase_asd}, amplitude{"amplitude", &NoiseTrace::amplitude_asd},
+    linear_share{"linear_share", &NoiseTrace::linear_share, true, "1"};  // since schema 1.5
+constexpr TraceColumn curves_of_total[] = {mean,
+                                           sigma,
+                                           phase,
+                                           amplitude,
+                                           {"power_sigma", &NoiseTrace::power_sigma, true},  // since schema 1.8
+                                           {"phase_sensitivities_sigma", &NoiseTrace::phase_sensitivities_sigma, true},
+                                           {"paths_sigma", &NoiseTrace::paths_sigma, true},
+                                           linear_share};
+constexpr TraceColumn curves_of_routes[] = {mean,
+                                            sigma,
+                                            phase,
+                                            amplitude,
+                                            linear_share,
+                                            {"input_low", &NoiseTrace::input_low, true},  // since schema 1.6
+                                            {"input_high", &NoiseTrace::input_high, true}};
 
 void append_bins(Doubles& to, Doubles const& from, std::size_t bins, std::string const& name) {
   if (from.size() != bins) throw NumericalError("noise curve '" + name + "' has the wrong number of frequencies");
   to.insert(to.end(), from.begin(), from.end());
 }
 
-Doubles or_unknown(Doubles const& curve, std::size_t bins) {
-  return curve.empty() ? Doubles(bins, not_a_number) : curve;
+Doubles slice(Doubles const& all, std::size_t row, std::size_t bins) {
+  auto const begin = all.begin() + std::ptrdiff_t(row * bins);
+  return {begin, begin + std::ptrdiff_t(bins)};
+}
+
+// A curve of each trace, laid end to end.
+Doubles bins_of(TraceColumn const& curve, std::span<NoiseTrace const> traces, std::size_t bins) {
+  Doubles all;
+  for (NoiseTrace const& t : traces) {
+    Doubles const& values = t.*curve.member;
+    append_bins(all, curve.may_lack && values.empty() ? Doubles(bins, not_a_number) : values, bins, t.name);
+  }
+  return all;
 }
 
 template <class Column>
-void route_columns_of_noise(Column const& column) {
-  column(
-      "name", "", [](auto& t) -> auto& { return t.name; });
-  column(
-      "hash", "1", [](auto& t) -> auto& { return t.hash; });
-  column(
-      "mean_square_phase", "rad^2", [](auto& t) -> auto& { return t.mean_square_phase; });
-  column(
-      "resolved", "0 or 1", [](auto& t) -> auto& { return t.resolved; });
-  column(
-      "faint", "0 or 1", [](auto& t) -> auto& { return t.faint; });
-  column(
-      "why_not", "", [](auto& t) -> auto& { return t.why_not; });
+void route_columns_of_noise(Column&& column) {
+  column("name", "", &NoiseTrace::name);
+  column("hash", "1", &NoiseTrace::hash);
+  column("mean_square_phase", "rad^2", &NoiseTrace::mean_square_phase);
+  column("resolved", yes_or_no, &NoiseTrace::resolved);
+  column("faint", yes_or_no, &NoiseTrace::faint);
+  column("why_not", "", &NoiseTrace::why_not);
 }
 
 template <class Column>
-void source_columns(Column const& column) {
-  column(
-      "source", "", [](auto& s) -> auto& { return s.name; });
-  column(
-      "statement", "", [](auto& s) -> auto& { return s.statement; });
-  column(
-      "source_low", "1", [](auto& s) -> auto& { return s.low; });
-  column(
-      "source_high", "1", [](auto& s) -> auto& { return s.high; });
-  column(
-      "source_share", "1", [](auto& s) -> auto& { return s.share; });
+void source_columns(Column&& column) {
+  column("source", "", &InputSource::name);
+  column("statement", "", &InputSource::statement);
+  column("source_low", "1", &InputSource::low);
+  column("source_high", "1", &InputSource::high);
+  column("source_share", "1", &InputSource::share);
 }
 
 void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std::size_t bins) {
-  for (TraceColumn const& curve : curves) {
-    Doubles all;
-    for (NoiseTrace const& t : routes) append_bins(all, t.*(curve.member), bins, t.name);
-    out.array(std::string("/noise/routes/") + curve.name, all, strain, {routes.size(), bins});
-  }
-  Doubles shares;
-  for (NoiseTrace const& t : routes) append_bins(shares, or_unknown(t.linear_share, bins), bins, t.name);
-  out.array(std::string("/noise/routes/") + linear_share, shares, "1", {routes.size(), bins});
-  for (TraceColumn const& band : route_bands) {
-    Doubles all;
-    for (NoiseTrace const& t : routes) append_bins(all, or_unknown(t.*(band.member), bins), bins, t.name);
-    out.array(std::string("/noise/routes/") + band.name, all, strain, {routes.size(), bins});
-  }
-  route_columns_of_noise(ColumnWriter(out, "/noise/routes", routes));
+  for (TraceColumn const& curve : curves_of_routes)
+    out.array(std::string("/noise/routes/") + curve.name, bins_of(curve, routes, bins), curve.unit,
+              {routes.size(), bins});
+  route_columns_of_noise(ColumnWriter(out, "/noise/routes/", routes));
 }
 
 void write_design(hdf5::Writer& out, std::vector<DesignCurve> const& design, std::size_t bins) {
@@ -102,45 +95,44 @@ void write_design(hdf5::Writer& out, std::vector<DesignCurve> const& design, std
 
 void write_bands(hdf5::Writer& out, NoiseBands const& bands, std::size_t bins) {
   out.group("/noise/bands", "beside the Monte-Carlo error of the total: what inputs and static phases leave open");
-  for (BandColumn const& column : band_columns) {
+  for (BandCurve const& column : band_curves) {
     Doubles checked;
     append_bins(checked, bands.*(column.member), bins, column.name);
     out.array(std::string("/noise/bands/") + column.name, checked, strain);
   }
-  source_columns(ColumnWriter(out, "/noise/bands", bands.sources));
+  source_columns(ColumnWriter(out, "/noise/bands/", bands.sources));
   out.strings("/noise/bands/taken_as_exact", bands.taken_as_exact);
 }
 
 NoiseBands read_bands(hdf5::Reader const& in, std::size_t bins) {
   NoiseBands bands;
-  for (BandColumn const& column : band_columns)
+  for (BandCurve const& column : band_curves)
     bands.*(column.member) = in.rows<double>(std::string("/noise/bands/") + column.name, bins);
-  bands.sources.resize(in.strings("/noise/bands/source").size());
-  source_columns(ColumnReader(in, "/noise/bands", bands.sources));
+  source_columns(ColumnReader(in, "/noise/bands/", bands.sources, RowCount::of_first_column));
   bands.taken_as_exact = in.strings("/noise/bands/taken_as_exact");
   return bands;
 }
 
-Doubles slice(Doubles const& all, std::size_t row, std::size_t bins) {
-  auto const begin = all.begin() + std::ptrdiff_t(row * bins);
-  return {begin, begin + std::ptrdiff_t(bins)};
+void read_routes(hdf5::Reader const& in, NoiseBudget& b) {
+  route_columns_of_noise(ColumnReader(in, "/noise/routes/", b.routes, RowCount::of_first_column));
+  for (TraceColumn const& curve : curves_of_routes) {
+    std::string const place = std::string("/noise/routes/") + curve.name;
+    if (curve.may_lack && !in.has(place)) continue;
+    Doubles const all = in.rows<double>(place, b.routes.size(), b.grid.size());
+    for (std::size_t i = 0; i < b.routes.size(); ++i) b.routes[i].*curve.member = slice(all, i, b.grid.size());
+  }
 }
 
-void read_routes(hdf5::Reader const& in, NoiseBudget& b) {
-  b.routes.resize(in.array<std::uint64_t>("/noise/routes/hash").size());
-  std::size_t const n = b.routes.size(), bins = b.grid.size();
-  route_columns_of_noise(ColumnReader(in, "/noise/routes", b.routes));
-  for (TraceColumn const& curve : curves) {
-    Doubles const all = in.rows<double>(std::string("/noise/routes/") + curve.name, n, bins);
-    for (std::size_t i = 0; i < n; ++i) b.routes[i].*(curve.member) = slice(all, i, bins);
-  }
-  TraceColumn const later[] = {{linear_share, &NoiseTrace::linear_share}, route_bands[0], route_bands[1]};
-  for (TraceColumn const& curve : later) {
-    std::string const place = std::string("/noise/routes/") + curve.name;
-    if (!in.has(place)) continue;
-    Doubles const all = in.rows<double>(place, n, bins);
-    for (std::size_t i = 0; i < n; ++i) b.routes[i].*(curve.member) = slice(all, i, bins);
-  }
+void write_total(hdf5::Writer& out, NoiseTrace const& total, std::size_t bins) {
+  out.group("/noise/total",
+            "all resolved routes, and what was seen of the others; a lower bound when /noise/unresolved is not empty");
+  out.attribute("/noise/total", "name", total.name);
+  out.attribute("/noise/total", "mean_square_phase", total.mean_square_phase);
+  out.attribute("/noise/total", "resolved", std::vector<std::uint64_t>{total.resolved});
+  out.attribute("/noise/total", "why_not", total.why_not);
+  for (TraceColumn const& curve : curves_of_total)
+    out.array(std::string("/noise/total/") + curve.name, bins_of(curve, {&total, 1}, bins), curve.unit);
+  out.array("/noise/total/bound_share", total.bound_share.empty() ? Doubles(bins) : total.bound_share, "1");
 }
 
 void read_total(hdf5::Reader const& in, NoiseTrace& total, std::size_t bins) {
@@ -148,14 +140,9 @@ void read_total(hdf5::Reader const& in, NoiseTrace& total, std::size_t bins) {
   total.mean_square_phase = in.attribute_number("/noise/total", "mean_square_phase");
   total.resolved = in.attribute_count("/noise/total", "resolved") != 0;
   total.why_not = in.attribute_text("/noise/total", "why_not");
-  for (TraceColumn const& curve : curves)
-    total.*(curve.member) = in.rows<double>(std::string("/noise/total/") + curve.name, bins);
-  for (TraceColumn const& part : error_columns) {
-    std::string const place = std::string("/noise/total/") + part.name;
-    if (in.has(place)) total.*(part.member) = in.rows<double>(place, bins);
-  }
-  if (in.has(std::string("/noise/total/") + linear_share))
-    total.linear_share = in.rows<double>(std::string("/noise/total/") + linear_share, bins);
+  for (TraceColumn const& curve : curves_of_total)
+    if (std::string const place = std::string("/noise/total/") + curve.name; !curve.may_lack || in.has(place))
+      total.*curve.member = in.rows<double>(place, bins);
 }
 
 }  // namespace
@@ -173,26 +160,7 @@ void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
   out.strings("/noise/unresolved", b.unresolved);
   out.strings("/noise/faint", b.faint);
   out.strings("/noise/warnings", b.warnings);
-  out.group("/noise/total",
-            "all resolved routes, and what was seen of the others; a lower bound when /noise/unresolved is not empty");
-  out.attribute("/noise/total", "name", b.total.name);
-  out.attribute("/noise/total", "mean_square_phase", b.total.mean_square_phase);
-  out.attribute("/noise/total", "resolved", std::vector<std::uint64_t>{b.total.resolved});
-  out.attribute("/noise/total", "why_not", b.total.why_not);
-  for (TraceColumn const& curve : curves) {
-    Doubles checked;
-    append_bins(checked, b.total.*(curve.member), bins, "total");
-    out.array(std::string("/noise/total/") + curve.name, checked, strain);
-  }
-  for (TraceColumn const& part : error_columns) {
-    Doubles checked;
-    append_bins(checked, or_unknown(b.total.*(part.member), bins), bins, "total");
-    out.array(std::string("/noise/total/") + part.name, checked, strain);
-  }
-  Doubles shares;
-  append_bins(shares, or_unknown(b.total.linear_share, bins), bins, "total");
-  out.array(std::string("/noise/total/") + linear_share, shares, "1");
-  out.array("/noise/total/bound_share", b.total.bound_share.empty() ? Doubles(bins) : b.total.bound_share, "1");
+  write_total(out, b.total, bins);
   out.group("/noise/routes", "one row per row of /classes");
   write_routes(out, b.routes, bins);
   out.group("/noise/design", "curves to compare with, on the centres of the bins");

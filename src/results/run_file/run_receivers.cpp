@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // /receivers, /maps and the maps of /nodes: light in watts.
 #include <algorithm>
+#include <span>
 
 #include "base/errors.hpp"
 #include "results/receivers/receivers.hpp"
-#include "results/run_file/run_file.hpp"
+#include "results/run_file/columns.hpp"
 
 namespace straytrace::results {
 namespace {
-
-using Doubles = std::vector<double>;
-using Counts = std::vector<std::uint64_t>;
-using Small = std::vector<std::uint32_t>;
-using Bytes = std::vector<std::uint8_t>;
 
 constexpr MapSums ReceiverSums::*maps[] = {&ReceiverSums::image, &ReceiverSums::angles, &ReceiverSums::quadrants};
 constexpr char const* map_names[] = {"image", "angles", "quadrants"};
@@ -22,17 +18,23 @@ constexpr Vec3 Pose::*axes[] = {&Pose::origin, &Pose::e1, &Pose::e2, &Pose::e3};
 
 void append(Doubles& into, Doubles const& values) { into.insert(into.end(), values.begin(), values.end()); }
 
-void append_pose(Doubles& into, Pose const& pose) {
-  for (auto const axis : axes) append(into, Doubles{(pose.*axis).x, (pose.*axis).y, (pose.*axis).z});
-}
-Pose pose_at(Doubles const& values, std::size_t row) {
-  Pose pose;
-  double const* v = values.data() + 12 * row;
-  for (auto const axis : axes) {
-    pose.*axis = {v[0], v[1], v[2]};
-    v += 3;
-  }
-  return pose;
+auto pose_column(Pose Receiver::*pose) {
+  using Numbers = std::array<double, 12>;
+  auto const get = [pose](Receiver const& r) {
+    Numbers all;
+    double* to = all.data();
+    for (auto const axis : axes)
+      for (double const x : {(r.*pose.*axis).x, (r.*pose.*axis).y, (r.*pose.*axis).z}) *to++ = x;
+    return all;
+  };
+  auto const set = [pose](Receiver& r, Numbers const& all) {
+    double const* from = all.data();
+    for (auto const axis : axes) {
+      r.*pose.*axis = {from[0], from[1], from[2]};
+      from += 3;
+    }
+  };
+  return Converted{get, set};
 }
 
 // Fields laid end to end: route and cells of each.
@@ -72,120 +74,100 @@ struct FieldColumns {
 
 }  // namespace
 
-void write_receivers(hdf5::Writer& out, RunContent const& run) {
-  Small pixels, bins, surface;
-  Counts cell_offset = {0};
-  Doubles cells;
-  Doubles size, frame, sine, gap, quadrant_frame;
-  Bytes sides, passes, quadrants, behind_glass;
-  std::vector<std::string> charts;
-  for (Receiver const& r : run.receivers) {
-    surface.push_back(r.surface.value);
-    charts.emplace_back(r.by_light ? chart_names[std::size_t(r.chart)] : "");
-    for (std::size_t i = 0; i < r.cells.size; ++i)
-      append(cells, Doubles{r.cells[i].u_low, r.cells[i].u_high, r.cells[i].v_low, r.cells[i].v_high});
-    cell_offset.push_back(cells.size() / 4);
-    pixels.insert(pixels.end(), {r.columns, r.rows});
-    append(size, Doubles{2 * r.half_width, 2 * r.half_height});
-    append_pose(frame, r.frame);
-    bins.push_back(r.angle_bins);
-    sine.push_back(r.half_angle_sine);
-    quadrants.push_back(r.quadrants);
-    gap.push_back(r.gap);
-    append_pose(quadrant_frame, r.quadrant_frame);
-    sides.push_back(std::uint8_t((r.front ? 1 : 0) + (r.back ? 2 : 0)));
-    passes.push_back(r.clear);
-    behind_glass.push_back(r.behind_glass);
-  }
-  Doubles mean, error;
-  Bytes trusted;
-  std::vector<std::string> why;
-  for (Estimate const& e : run.trace->coupling.received_power) {
-    mean.push_back(e.mean);
-    error.push_back(e.std_error);
-    trusted.push_back(e.trusted);
-    why.push_back(e.why_not);
-  }
-  std::size_t const n = run.receivers.size();
-  out.group("/receivers", "where light is counted; rows as in /names/receivers");
-  out.attribute("/receivers", "beam_power", run.beam_power);
-  out.array("/receivers/mean", mean, "1");
-  out.array("/receivers/std_error", error, "1");
-  out.array("/receivers/trusted", trusted, "0 or 1");
-  out.strings("/receivers/why_not", why);
-  out.array("/receivers/surface", surface, "number of the surface");
-  out.array("/receivers/sides", sides, "1 front, 2 back, 3 both");
-  out.array("/receivers/passes", passes, "0 or 1");
-  out.array("/receivers/behind_glass", behind_glass, "0 or 1");
-  out.array("/receivers/pixels", pixels, "columns, rows; 0: no map of pixels", {n, 2});
-  out.strings("/receivers/chart", charts);
-  out.array("/receivers/cell_offset", cell_offset, "1");
-  out.array("/receivers/cells", cells, "m, m, m or rad, m or rad", {cells.size() / 4, 4});
-  out.array("/receivers/size", size, "m", {n, 2});
-  out.array("/receivers/frame", frame, "m, then unit vectors", {n, 12});
-  out.array("/receivers/angle_bins", bins, "1");
-  out.array("/receivers/angle_sine", sine, "1");
-  out.array("/receivers/quadrants", quadrants, "0 or 1");
-  out.array("/receivers/gap", gap, "m");
-  out.array("/receivers/quadrant_frame", quadrant_frame, "m, then unit vectors", {n, 12});
-}
-
 namespace {
 
-// Of maps without stated pixels, since schema 1.9.
+Converted const sides_column{[](Receiver const& r) { return std::uint8_t((r.front ? 1 : 0) + (r.back ? 2 : 0)); },
+                             [](Receiver& r, std::uint8_t all) {
+                               r.front = all & 1;
+                               r.back = all & 2;
+                             }};
+Converted const pixels_column{[](Receiver const& r) {
+                                return std::array{r.columns, r.rows};
+                              },
+                              [](Receiver& r, std::array<std::uint32_t, 2> const& n) {
+                                r.columns = n[0];
+                                r.rows = n[1];
+                              }};
+Converted const size_column{[](Receiver const& r) {
+                              return std::array{2 * r.half_width, 2 * r.half_height};
+                            },
+                            [](Receiver& r, std::array<double, 2> const& whole) {
+                              r.half_width = 0.5 * whole[0];
+                              r.half_height = 0.5 * whole[1];
+                            }};
+Converted const chart_column{
+    [](Receiver const& r) { return std::string(r.by_light ? chart_names[std::size_t(r.chart)] : ""); },
+    [](Receiver& r, std::string const& word) {
+      auto const name = std::find(std::begin(chart_names), std::end(chart_names), word);
+      r.by_light = name != std::end(chart_names);
+      if (r.by_light) r.chart = Chart(name - std::begin(chart_names));
+    }};
+
+template <class Column>
+void receiver_columns(Column&& column) {
+  column("surface", "number of the surface", through(&Receiver::surface, &SurfaceId::value));
+  column("sides", "1 front, 2 back, 3 both", sides_column);
+  column("passes", yes_or_no, &Receiver::clear);
+  column("behind_glass", yes_or_no, &Receiver::behind_glass);
+  column("pixels", "columns, rows; 0: no map of pixels", pixels_column);
+  column("chart", "", chart_column, "");  // since schema 1.9
+  column("size", "m", size_column);
+  column("frame", "m, then unit vectors", pose_column(&Receiver::frame));
+  column("angle_bins", "1", &Receiver::angle_bins);
+  column("angle_sine", "1", &Receiver::half_angle_sine);
+  column("quadrants", yes_or_no, &Receiver::quadrants);
+  column("gap", "m", &Receiver::gap);
+  column("quadrant_frame", "m, then unit vectors", pose_column(&Receiver::quadrant_frame));
+}
+
+template <class Column>
+void power_columns(Column&& column) {
+  column("mean", {"1", "power over that of the main mode; not reliable unless trusted"}, &Estimate::mean);
+  column("std_error", {"1", "of the mean"}, &Estimate::std_error);
+  column("trusted", {yes_or_no, "whether the mean is reliable"}, &Estimate::trusted);
+  column("why_not", {"", "why it is not"}, &Estimate::why_not);
+}
+
+// Cells of maps without stated pixels.
+template <class Column>
+void cell_columns(Column&& column) {
+  column("cells", "m, m, m or rad, m or rad",
+         Converted{[](MapCell const& c) {
+                     return std::array{c.u_low, c.u_high, c.v_low, c.v_high};
+                   },
+                   [](MapCell& c, std::array<double, 4> const& s) {
+                     c = {s[0], s[1], s[2], s[3]};
+                   }});
+}
+
 void read_cells(hdf5::Reader const& in, RunContent& run) {
-  if (!in.has("/receivers/cells")) return;
-  auto const charts = in.strings("/receivers/chart");
-  auto const all = in.rows<double>("/receivers/cells", in.shape("/receivers/cells").at(0), 4);
-  if (charts.size() != run.receivers.size()) damaged_run("'/receivers/chart' has another number of rows");
-  Counts const offset = read_offsets(in, "/receivers/cell_offset", run.receivers.size(), all.size() / 4);
+  if (!in.has("/receivers/cells")) return;  // since schema 1.9
+  std::vector<MapCell> all;
+  cell_columns(ColumnReader(in, "/receivers/", all, RowCount::of_first_column));
+  Counts const offset = read_offsets(in, "/receivers/cell_offset", run.receivers.size(), all.size());
   for (std::size_t i = 0; i < run.receivers.size(); ++i) {
-    Receiver& r = run.receivers[i];
-    auto const name = std::find(std::begin(chart_names), std::end(chart_names), charts[i]);
-    r.by_light = name != std::end(chart_names);
-    if (!r.by_light) continue;
-    r.chart = Chart(name - std::begin(chart_names));
-    std::vector<MapCell> cells;
-    for (std::uint64_t c = offset[i]; c < offset[i + 1]; ++c)
-      cells.push_back({all[4 * c], all[4 * c + 1], all[4 * c + 2], all[4 * c + 3]});
-    r.cells = run.cells.keep(std::move(cells));
+    auto const from = all.begin() + std::ptrdiff_t(offset[i]), to = all.begin() + std::ptrdiff_t(offset[i + 1]);
+    if (Receiver& r = run.receivers[i]; r.by_light) r.cells = run.cells.keep(std::vector<MapCell>(from, to));
   }
 }
 
 }  // namespace
 
+void write_receivers(hdf5::Writer& out, RunContent const& run) {
+  out.group("/receivers", "where light is counted; rows as in /names/receivers");
+  out.attribute("/receivers", "beam_power", run.beam_power);
+  power_columns(ColumnWriter(out, "/receivers/", run.trace->coupling.received_power));
+  receiver_columns(ColumnWriter(out, "/receivers/", run.receivers));
+  write_lists(
+      out, "/receivers/cell_offset", "/receivers/", run.receivers,
+      [](Receiver const& r) { return std::span(r.cells.data, r.cells.size); }, [](auto&& list) { cell_columns(list); });
+}
+
 void read_receivers(hdf5::Reader const& in, std::size_t n, RunContent& run) {
   if (!in.has("/receivers")) return;
   run.beam_power = in.attribute_number("/receivers", "beam_power");
-  auto const surface = in.rows<std::uint32_t>("/receivers/surface", n);
-  auto const sides = in.rows<std::uint8_t>("/receivers/sides", n),
-             passes = in.rows<std::uint8_t>("/receivers/passes", n),
-             glass = in.rows<std::uint8_t>("/receivers/behind_glass", n),
-             quadrants = in.rows<std::uint8_t>("/receivers/quadrants", n);
-  auto const pixels = in.rows<std::uint32_t>("/receivers/pixels", n, 2);
-  auto const size = in.rows<double>("/receivers/size", n, 2), frame = in.rows<double>("/receivers/frame", n, 12),
-             sine = in.rows<double>("/receivers/angle_sine", n), gap = in.rows<double>("/receivers/gap", n),
-             quadrant_frame = in.rows<double>("/receivers/quadrant_frame", n, 12);
-  auto const bins = in.rows<std::uint32_t>("/receivers/angle_bins", n);
-  for (std::size_t i = 0; i < n; ++i) {
-    Receiver r;
-    r.surface = {surface[i]};
-    r.front = sides[i] & 1;
-    r.back = sides[i] & 2;
-    r.clear = passes[i];
-    r.behind_glass = glass[i];
-    r.columns = pixels[2 * i];
-    r.rows = pixels[2 * i + 1];
-    r.half_width = 0.5 * size[2 * i];
-    r.half_height = 0.5 * size[2 * i + 1];
-    r.frame = pose_at(frame, i);
-    r.angle_bins = bins[i];
-    r.half_angle_sine = sine[i];
-    r.quadrants = quadrants[i];
-    r.gap = gap[i];
-    r.quadrant_frame = pose_at(quadrant_frame, i);
-    run.receivers.push_back(r);
-  }
+  run.receivers.resize(n);
+  receiver_columns(ColumnReader(in, "/receivers/", run.receivers));
   read_cells(in, run);
 }
 
@@ -263,20 +245,29 @@ void read_node_maps(hdf5::Reader const& in, std::vector<BlockSums>& nodes) {
 
 // /importance: the tables that steered the trace.
 
+namespace {
+
+template <class Column>
+void strip_columns(Column&& column) {
+  using Strip = ImportanceMap::Strip;
+  column("group", "row of /names/groups", &Strip::group);
+  column("patch", "row of /importance/adjoint", &Strip::patch);
+  column("z", "m",
+         Converted{[](Strip const& s) {
+                     return std::array{s.low, s.high};
+                   },
+                   [](Strip& s, std::array<double, 2> const& z) {
+                     s.low = z[0];
+                     s.high = z[1];
+                   }});
+  column("area", "m^2", &Strip::area);
+}
+
+}  // namespace
+
 void write_importance(hdf5::Writer& out, ImportanceMap const& map) {
-  std::vector<std::uint32_t> group, patch;
-  std::vector<double> z, area;
-  for (ImportanceMap::Strip const& s : map.strips) {
-    group.push_back(s.group);
-    patch.push_back(s.patch);
-    z.insert(z.end(), {s.low, s.high});
-    area.push_back(s.area);
-  }
   out.group("/importance", "what steered the trace: strips of surfaces, and the adjoint of each side of their patches");
-  out.array("/importance/group", group, "row of /names/groups");
-  out.array("/importance/patch", patch, "row of /importance/adjoint");
-  out.array("/importance/z", z, "m", {map.strips.size(), 2});
-  out.array("/importance/area", area, "m^2");
+  strip_columns(ColumnWriter(out, "/importance/", map.strips));
   out.array("/importance/adjoint", map.adjoint, "1", {map.adjoint.size() / 2, 2});
   out.array("/importance/law_share", map.law_share, "1", {map.law_share.size() / 2, 2});
 }
@@ -284,16 +275,12 @@ void write_importance(hdf5::Writer& out, ImportanceMap const& map) {
 ImportanceMap read_importance(hdf5::Reader const& in, std::size_t groups) {
   ImportanceMap map;
   if (!in.has("/importance")) return map;
-  auto const group = in.array<std::uint32_t>("/importance/group");
-  std::size_t const strips = group.size();
-  auto const patch = in.rows<std::uint32_t>("/importance/patch", strips);
-  auto const z = in.rows<double>("/importance/z", strips, 2), area = in.rows<double>("/importance/area", strips);
+  strip_columns(ColumnReader(in, "/importance/", map.strips, RowCount::of_first_column));
   map.adjoint = in.array<double>("/importance/adjoint", 2);
   map.law_share = in.rows<double>("/importance/law_share", map.adjoint.size() / 2, 2);
-  for (std::size_t i = 0; i < strips; ++i) {
-    if (patch[i] >= map.adjoint.size() / 2) damaged_run("'/importance/patch' names a patch that is not there");
-    if (group[i] >= groups) damaged_run("'/importance/group' names a group that is not there");
-    map.strips.push_back({group[i], patch[i], z[2 * i], z[2 * i + 1], area[i]});
+  for (ImportanceMap::Strip const& s : map.strips) {
+    if (s.patch >= map.adjoint.size() / 2) damaged_run("'/importance/patch' names a patch that is not there");
+    if (s.group >= groups) damaged_run("'/importance/group' names a group that is not there");
   }
   return map;
 }

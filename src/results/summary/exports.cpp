@@ -10,6 +10,7 @@
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
 #include "results/curves/band.hpp"
+#include "results/curves/input_sources.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/results.hpp"
 #include "results/route_table/route_columns.hpp"
@@ -24,6 +25,34 @@ std::string file_header(RunContent const& run) {
   return fmt::format("# {}\n# {} {} ({}), created {}\n# model {}\n# seed {}, histories {}\n", title, p.program,
                      p.version, p.commit, p.created, run.model_hash, run.trace->coupling.seed,
                      run.trace->coupling.histories);
+}
+
+std::vector<std::string> RunContent::all_warnings() const {
+  std::vector<std::string> all = warnings;
+  all.insert(all.end(), trace->warnings.begin(), trace->warnings.end());
+  if (noise) all.insert(all.end(), noise->warnings.begin(), noise->warnings.end());
+  return all;
+}
+
+std::vector<BalanceRow> balance_rows(BlockSums const& total) {
+  std::vector<BalanceRow> rows = {{"emitted", estimate(total.emitted, total.histories, total.blocks)}};
+  for (int i = 0; i < balance_term_count; ++i)
+    rows.push_back(
+        {name_of(BalanceTerm(i)), estimate(total.energy_balance[std::size_t(i)], total.histories, total.blocks)});
+  return rows;
+}
+
+std::vector<ObjectRow> object_rows(TraceResult const& trace) {
+  BlockSums const& total = trace.total;
+  std::vector<std::string> const& groups = trace.coupling.groups;
+  auto const at = [&](std::vector<Moments> const& list, std::size_t i) -> std::optional<Estimate> {
+    if (i >= list.size()) return std::nullopt;
+    return estimate(list[i], total.histories, total.blocks);
+  };
+  std::vector<ObjectRow> rows;
+  for (std::size_t i = 0; i < std::max(groups.size(), total.absorbed.size()); ++i)
+    rows.push_back({i < groups.size() ? groups[i] : "(in media)", at(total.arrived, i), at(total.absorbed, i)});
+  return rows;
 }
 
 std::string reverse_words(bool on) {
@@ -54,34 +83,20 @@ Json origin(RunContent const& run) {
           {"reverse_routes", run.trace->coupling.reverse_routes}};
 }
 
+Json estimate_json(std::optional<Estimate> const& e) { return e ? error_json({e->mean, e->std_error}) : Json(nullptr); }
+
 Json energy_balance(RunContent const& run) {
-  BlockSums const& total = run.trace->total;
-  auto entry = [&](Moments const& m) {
-    Estimate const e = estimate(m, total.histories, total.blocks);
-    return error_json({e.mean, e.std_error});
-  };
   Json energy_balance;
-  energy_balance["emitted"] = entry(total.emitted);
-  for (int i = 0; i < balance_term_count; ++i)
-    energy_balance[name_of(BalanceTerm(i))] = entry(total.energy_balance[std::size_t(i)]);
-  energy_balance["lost_histories"] = total.lost;
+  for (BalanceRow const& row : balance_rows(run.trace->total)) energy_balance[row.name] = estimate_json(row.power);
+  energy_balance["lost_histories"] = run.trace->total.lost;
   return energy_balance;
 }
 
-// Absorbed watts by object; "(in media)": absorbed in glass.
 Json objects(RunContent const& run) {
-  BlockSums const& total = run.trace->total;
-  std::vector<std::string> const& groups = run.trace->coupling.groups;
-  auto const entry = [&](std::vector<Moments> const& list, std::size_t i) {
-    if (i >= list.size()) return Json(nullptr);
-    Estimate const e = estimate(list[i], total.histories, total.blocks);
-    return error_json({e.mean, e.std_error});
-  };
   Json all = Json::array();
-  for (std::size_t i = 0; i < std::max(groups.size(), total.absorbed.size()); ++i)
-    all.push_back({{"name", i < groups.size() ? groups[i] : "(in media)"},
-                   {"arriving", entry(total.arrived, i)},
-                   {"absorbed", entry(total.absorbed, i)}});
+  for (ObjectRow const& row : object_rows(*run.trace))
+    all.push_back(
+        {{"name", row.name}, {"arriving", estimate_json(row.arriving)}, {"absorbed", estimate_json(row.absorbed)}});
   return all;
 }
 
@@ -117,11 +132,7 @@ void add_bands(Json& j, NoiseBudget const& b, std::vector<double> const& frequen
     h["coherent_sum"] = band_at(b.bands.coherent, b.grid, hz);
   }
   j["inputs"] = Json::array();
-  for (InputSource const& s : b.bands.sources)
-    j["inputs"].push_back({{"name", s.name},
-                           {"statement", s.statement},
-                           {"factor_on_total", {s.low, s.high}},
-                           {"share", s.share > 0 ? Json(s.share) : Json(nullptr)}});
+  for (SourceRow const& row : source_rows(b.bands)) j["inputs"].push_back(source_table().json_row(row));
   j["taken_as_exact"] = b.bands.taken_as_exact;
 }
 
@@ -175,10 +186,7 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
     if (!row.resolved) j["unresolved"].push_back({{"sequence", row.sequence}, {"why_not", row.why_not}});
   j["energy_balance"] = energy_balance(run);
   j["objects"] = objects(run);
-  j["warnings"] = run.warnings;
-  for (std::string const& warning : run.trace->warnings) j["warnings"].push_back(warning);
-  if (run.noise)
-    for (std::string const& warning : run.noise->warnings) j["warnings"].push_back(warning);
+  j["warnings"] = run.all_warnings();
   j["routes"] = routes_json(table);
   add_receivers(j, run);
   return dumped(j);

@@ -181,12 +181,9 @@ std::string provenance(RunContent const& run) {
 }
 
 std::string warnings(RunContent const& run) {
-  std::string text = section("Warnings");
-  for (std::string const& w : run.warnings) text += bullet(w);
-  for (std::string const& w : run.trace->warnings) text += bullet(w);
-  if (run.noise)
-    for (std::string const& w : run.noise->warnings) text += bullet(w);
-  return text == section("Warnings") ? text + "None.\n" : text;
+  std::string text;
+  for (std::string const& w : run.all_warnings()) text += bullet(w);
+  return section("Warnings") + (text.empty() ? "None.\n" : text);
 }
 
 }  // namespace

@@ -120,11 +120,16 @@ class Workplace {
 
 }  // namespace
 
-std::string picture_of(std::string const& json, DrawFromJson draw_from, std::string& message) {
+bool draw_from_json(std::string const& what, std::string const& json_file, std::string const& png_file,
+                    std::string& message) {
+  return draw({"straytrace.plots." + what, json_file, "-o", png_file}, png_file, message);
+}
+
+std::string picture_of(std::string const& json, std::string const& what, std::string& message) {
   Workplace const place;
   std::string const from = place.path("data.json"), to = place.path("picture.png");
   write_file(from, json);
-  return draw_from(from, to, message) ? read_file(to) : "";
+  return draw_from_json(what, from, to, message) ? read_file(to) : "";
 }
 
 bool draw_picture(std::string const& run_file, std::string const& png_file, std::string& message, double low_hz,
@@ -143,30 +148,6 @@ std::string svg_of_run(std::string const& run_file, std::string& message) {
 bool draw_map_pictures(std::string const& run_file, std::string const& folder, std::string const& one_of_them,
                        std::string& message) {
   return draw({"straytrace.plots", run_file, "--maps", folder}, one_of_them, message);
-}
-
-bool draw_law_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plots.law", json_file, "-o", png_file}, png_file, message);
-}
-
-bool draw_scatter_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plots.scatter", json_file, "-o", png_file}, png_file, message);
-}
-
-bool draw_ghost_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plots.ghosts", json_file, "-o", png_file}, png_file, message);
-}
-
-bool draw_curves_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plots.curves", json_file, "-o", png_file}, png_file, message);
-}
-
-bool draw_scan_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plots.scan", json_file, "-o", png_file}, png_file, message);
-}
-
-bool draw_budget_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plots.budget", json_file, "-o", png_file}, png_file, message);
 }
 
 }  // namespace straytrace::results

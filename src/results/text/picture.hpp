@@ -21,24 +21,11 @@ std::string svg_of_run(std::string const& run_file, std::string& message);
 bool draw_map_pictures(std::string const& run_file, std::string const& folder, std::string const& one_of_them,
                        std::string& message);
 
-// The same for a BSDF model, from the JSON that `straytrace inspect --format json` prints.
-bool draw_law_picture(std::string const& json_file, std::string const& png_file, std::string& message);
-// Measured scatter with fits and residuals, from the same JSON of a file of measured scatter.
-bool draw_scatter_picture(std::string const& json_file, std::string const& png_file, std::string& message);
-// The same for a noise budget, from the JSON that `straytrace budget --format json` prints.
-bool draw_budget_picture(std::string const& json_file, std::string const& png_file, std::string& message);
-
-// Curves or a map, from the JSON of results/curves/curve_file.hpp.
-bool draw_curves_picture(std::string const& json_file, std::string const& png_file, std::string& message);
-
-// The bytes of one of these pictures from `json`, drawn in a temporary folder; empty, and `message`, on failure.
-using DrawFromJson = bool (*)(std::string const& json_file, std::string const& png_file, std::string& message);
-std::string picture_of(std::string const& json, DrawFromJson, std::string& message);
-
-// Beam tree over the surfaces it meets, from the JSON of `straytrace ghosts -o`.
-bool draw_ghost_picture(std::string const& json_file, std::string const& png_file, std::string& message);
-
-// Requirement or ratio over the parameters of a scan, from the JSON of `straytrace scan`.
-bool draw_scan_picture(std::string const& json_file, std::string const& png_file, std::string& message);
+// Draws from a JSON file of this program with the module straytrace.plots.WHAT: "law" and "scatter" from `straytrace
+// inspect`, "budget", "scan" and "ghosts" from the commands of that name, "curves" from results/curves/curve_file.hpp.
+bool draw_from_json(std::string const& what, std::string const& json_file, std::string const& png_file,
+                    std::string& message);
+// The bytes of this picture from `json`, drawn in a temporary folder; empty, and `message`, on failure.
+std::string picture_of(std::string const& json, std::string const& what, std::string& message);
 
 }  // namespace straytrace::results

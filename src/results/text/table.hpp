@@ -42,13 +42,14 @@ struct TableColumn {
   std::string title = {}, unit = {};  // unit of the value, before any scale
   std::string help = {};              // one phrase
   std::function<TableCell(Row const&)> value = {};
-  InOutput text = {}, csv = {}, json = {}, page = {};
+  InOutput text = {}, csv = {}, json = {}, page = {}, file = {};   // file: the run file, of what needs no noise
   std::string page_unit = {};                                      // of the scaled value; empty: `unit`
   std::string format = "{:.3g}";                                   // of numbers in text
   bool left = false;                                               // text is aligned left
   bool shown_first = false;                                        // on pages, before the reader chooses columns
   std::function<std::string(Row const&)> as_text = {};             // replaces the default text
   std::function<nlohmann::ordered_json(Row const&)> as_json = {};  // replaces the default JSON; discarded: no entry
+  std::function<nlohmann::ordered_json(Row const&)> as_page = {};  // replaces the default cell of pages
 
   std::string const& shown_unit() const { return page_unit.empty() ? unit : page_unit; }
   std::string const& name_in(InOutput TableColumn::*output) const {
@@ -147,7 +148,8 @@ class TableWriter {
                                 {"digits", c->page.digits}});
     for (Row const& row : rows) {
       Json cells = Json::array();
-      for (TableColumn<Row> const* c : columns) cells.push_back(cell_json(c->value(row), c->page.scale));
+      for (TableColumn<Row> const* c : columns)
+        cells.push_back(c->as_page ? c->as_page(row) : cell_json(c->value(row), c->page.scale));
       out["rows"].push_back(std::move(cells));
     }
     return out;

@@ -8,12 +8,14 @@ import unittest
 from python_arm import SOURCE, arm
 
 import finesse
+import h5py
 import numpy as np
 
 import straytrace
 import straytrace.finesse
 from straytrace.curves import Curve
 from straytrace.interpolate import between_bins, log_log
+from straytrace.reading import text, texts
 
 
 class Tables(unittest.TestCase):
@@ -32,6 +34,19 @@ class Tables(unittest.TestCase):
         routes = self.run_.routes.table()
         self.assertEqual(routes["coupling"].isna().sum(), int(np.sum(~self.run_.routes.trusted)))
         self.assertEqual(self.run_.provenance["seed"], 1)
+
+    def test_columns_of_routes_are_those_of_the_run_file(self):
+        routes = self.run_.routes
+        with h5py.File(self.run_.path) as file:
+            stored = file["classes"]
+            np.testing.assert_array_equal(routes.coupling, stored["mean"][()])
+            np.testing.assert_array_equal(routes.trusted, stored["trusted"][()] == 1)
+            self.assertEqual(routes.columns["reverse"], ("1", text(stored["reverse"].attrs["meaning"])))
+            self.assertEqual(routes.port, [texts(file["names/ports"])[i] for i in stored["port"][()]])
+        self.assertEqual(set(routes.kind), {"scattered"})
+        self.assertTrue(all(meaning for _, meaning in routes.columns.values()), routes.columns)
+        with self.assertRaisesRegex(AttributeError, "no column 'lever'.*why_not"):
+            routes.lever
         self.assertIn("model.yaml", self.run_.provenance["files"])
 
     def test_paths_are_picked_by_what_is_said_of_them(self):

@@ -21,7 +21,7 @@ def check_faint(browser, page, folder):
     total = data["budget"]["total"]
     for key in ("asd", "sigma"):
         total[key] = [v and v * 1e-12 for v in total[key]]
-    data["receivers"]["list"].append({"name": "PD", "power": None, "sigma": None, "unit": "W", "why": "only 3 scores", "routes": []})
+    data["receivers"]["list"].append({"name": "PD", "light": "unresolved: only 3 scores", "unit": "W", "table": {"columns": [], "rows": []}})
     data["maps"][0]["name"] = "a name without end " * 30
     faint = folder / "faint.html"
     faint.write_text(DATA.sub(lambda m: m.group(1) + json.dumps(data).replace("<", "\\u003c") + m.group(3), page.read_text()))

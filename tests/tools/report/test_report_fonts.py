@@ -43,8 +43,11 @@ def with_long_texts(page, folder):
     columns["sequence"][6] = columns["body"][6] = WORD
     columns["coupling"][LONGEST], columns["coupling_sigma"][LONGEST] = 1.23456789012345e-123, 1.2345e-136
     data["table"]["rows"] = rows
-    route = {"rank": 1, "route": WORD, "power": 1.23456e-12, "sigma": 1.2e-17, "why": "", "share": 100}
-    data["receivers"]["list"].append({**route, "name": WORD, "unit": "W", "routes": [route]})
+    light = {"value": 1.23456e-12, "sigma": 1.2e-17}
+    titles = {"rank": False, "route": True, "power [W]": False, "share [%]": False}
+    table = {"columns": [{"title": title, "text": is_text, "digits": 3} for title, is_text in titles.items()],
+             "rows": [[1, WORD, light, 100]]}
+    data["receivers"]["list"].append({"name": WORD, "light": light, "unit": "W", "table": table})
     data["warnings"].append(WORD)
     data["provenance"]["stop_rule"] = "a rule of many words until -1.23456789e-12 " * 4
     long = folder / "long.html"
