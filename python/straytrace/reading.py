@@ -80,8 +80,8 @@ def check_format(about: dict[str, Any], path: pathlib.Path) -> None:
 
 def column(file: Any, dataset: Any) -> Any:
     """Values of a column of a table: flags, names and words in the place of the codes that its unit explains."""
-    unit, values = text(dataset.attrs["unit"]), dataset[()]
-    if unit == "text":
+    unit, values = text(dataset.attrs.get("unit", "")), dataset[()]
+    if dataset.dtype.kind in "SO":
         return texts(dataset)
     if unit == "0 or 1":
         return values.astype(bool)
@@ -102,7 +102,7 @@ def routes_of(file: Any) -> Routes:
     for name, dataset in group.items():
         if dataset.shape == (count,) and not name.startswith(("step_", "replica_")):
             values[name] = column(file, dataset)
-            columns[name] = text(dataset.attrs["unit"]), text(dataset.attrs.get("meaning", ""))
+            columns[name] = text(dataset.attrs.get("unit", "")), text(dataset.attrs.get("meaning", ""))
     return Routes(values, columns)
 
 

@@ -17,9 +17,9 @@ using MomentCounts = std::array<std::uint64_t, 2>;
 MomentSums sums_of(Moments const& m) { return {m.sum, m.sum2, m.sum3, m.sum4, m.block_sum2, m.largest}; }
 MomentCounts counts_of(Moments const& m) { return {m.largest_history, m.scored}; }
 
-void set_sums(Moments& m, double const* v) {
+void set_sums(Moments& m, double const* v, std::string const& path) {
   if (!std::all_of(v, v + std::tuple_size_v<MomentSums>, [](double x) { return std::isfinite(x); }))
-    damaged_run("'/nodes' holds a sum that is not a number");
+    damaged_run(fmt::format("'{}' holds a sum that is not a number", path));
   m.sum = v[0];
   m.sum2 = v[1];
   m.sum3 = v[2];
@@ -32,12 +32,12 @@ void set_counts(Moments& m, std::uint64_t const* n) {
   m.scored = n[1];
 }
 
-// `of`: the moments in a row.
+// `of`: the moments in a row; `path`: of the column, for messages.
 template <class Column, class Of>
-void moment_columns(Column&& column, std::string const& name, Of const& of) {
+void moment_columns(Column&& column, std::string const& name, Of const& of, std::string const& path) {
   column(name, "1",
          Converted{[of](auto const& row) { return sums_of(std::invoke(of, row)); },
-                   [of](auto& row, MomentSums const& v) { set_sums(std::invoke(of, row), v.data()); }});
+                   [of, path](auto& row, MomentSums const& v) { set_sums(std::invoke(of, row), v.data(), path); }});
   column(name + "_counts", "1",
          Converted{[of](auto const& row) { return counts_of(std::invoke(of, row)); },
                    [of](auto& row, MomentCounts const& n) { set_counts(std::invoke(of, row), n.data()); }});
@@ -82,7 +82,7 @@ void class_columns_of_nodes(Column&& column) {
   column(
       "hash", "1", [](auto& c) -> auto& { return c.first; });
   column("port", "row of /names/ports", through(class_sums, &ClassSums::port));
-  moment_columns(column, "moments", class_moments);
+  moment_columns(column, "moments", class_moments, "/nodes/class_moments");
   column("replica_sum", "1", through(class_sums, &ClassSums::replica_sum));
   column("threshold", "1", through(class_sums, &ClassSums::threshold));
   column("off_list", "1", through(class_sums, &ClassSums::off_list), 0.0);
@@ -149,7 +149,7 @@ void node_columns(Column&& column) {
   column("bounces", "1", &BlockSums::bounces);
   column("rays", "1", &BlockSums::rays);
   column("lost", "1", &BlockSums::lost);
-  moment_columns(column, "emitted", &BlockSums::emitted);
+  moment_columns(column, "emitted", &BlockSums::emitted, "/nodes/emitted");
   column("window_variance", "1", &BlockSums::window_variance, 0.0);  // since schema 1.2
 }
 
@@ -175,7 +175,7 @@ void read_balance(hdf5::Reader const& in, std::vector<BlockSums>& nodes) {
   Counts const counts = in.rows<std::uint64_t>(std::string(balance) + "_counts", nodes.size(), terms * integers);
   for (std::size_t i = 0; i < nodes.size(); ++i)
     for (std::size_t k = 0; k < terms; ++k) {
-      set_sums(nodes[i].energy_balance[k], &sums[(terms * i + k) * doubles]);
+      set_sums(nodes[i].energy_balance[k], &sums[(terms * i + k) * doubles], balance);
       set_counts(nodes[i].energy_balance[k], &counts[(terms * i + k) * integers]);
     }
 }
@@ -183,7 +183,9 @@ void read_balance(hdf5::Reader const& in, std::vector<BlockSums>& nodes) {
 // Moments by group; `absorbed` since schema 1.3.
 constexpr std::pair<char const*, std::vector<Moments> BlockSums::*> group_lists[] = {
     {"/nodes/arrived", &BlockSums::arrived}, {"/nodes/absorbed", &BlockSums::absorbed}};
-constexpr auto list_of_moments = [](auto&& column) { moment_columns(column, "", std::identity{}); };
+auto list_of_moments(std::string const& path) {
+  return [path](auto&& column) { moment_columns(column, "", std::identity{}, path); };
+}
 constexpr auto received_power = [](auto& r) -> auto& { return r.power; };
 
 // Of each node, its first block and its level.
@@ -224,10 +226,10 @@ void write_nodes(hdf5::Writer& out, SumTree const& tree) {
   node_columns(ColumnWriter(out, "/nodes/", nodes));
   write_balance(out, nodes);
   for (auto const& [path, list] : group_lists)
-    write_lists(out, std::string(path) + "_offset", path, nodes, list, list_of_moments);
+    write_lists(out, std::string(path) + "_offset", path, nodes, list, list_of_moments(path));
   write_classes_of(out, nodes);
   auto const receivers = end_to_end(nodes, &BlockSums::receivers).items;
-  moment_columns(ColumnWriter(out, "/nodes/received", receivers), "", received_power);
+  moment_columns(ColumnWriter(out, "/nodes/received", receivers), "", received_power, "/nodes/received");
   write_scores(out, "/nodes/received", receivers, received_power);
   write_node_maps(out, tree);
 }
@@ -240,7 +242,7 @@ void read_received(hdf5::Reader const& in, std::vector<BlockSums>& nodes) {
   for (BlockSums& node : nodes)
     for (ReceiverSums& r : node.receivers) all.push_back(std::move(r));
   if (all.empty()) return;
-  moment_columns(ColumnReader(in, "/nodes/received", all), "", received_power);
+  moment_columns(ColumnReader(in, "/nodes/received", all), "", received_power, "/nodes/received");
   read_scores(in, "/nodes/received", all, received_power);
   auto next = all.begin();
   for (BlockSums& node : nodes)
@@ -255,7 +257,7 @@ SumTree read_nodes(hdf5::Reader const& in) {
   node_columns(ColumnReader(in, "/nodes/", nodes));
   read_balance(in, nodes);
   for (auto const& [path, list] : group_lists)
-    if (in.has(path)) read_lists(in, std::string(path) + "_offset", path, nodes, list, list_of_moments);
+    if (in.has(path)) read_lists(in, std::string(path) + "_offset", path, nodes, list, list_of_moments(path));
   read_classes_of(in, nodes);
   read_node_maps(in, nodes);
   read_received(in, nodes);
