@@ -66,9 +66,17 @@ def said(argument):
     return "; or: ".join(texts).replace("?; ", "? ").replace('\\"', '"').replace("\\n", "\n")
 
 
+def suggesting(text):
+    """did_you_mean(word, words, otherwise) as the two texts that it chooses from."""
+    while (at := text.find("did_you_mean(")) >= 0:
+        end, commas = closing(text, text.index("(", at))
+        text = text[:at] + text[commas[-1] + 1:end] + " : fmt::format(\"did you mean '{}'?\", near)" + text[end + 1:]
+    return text
+
+
 def messages_of(file, room):
     text = file.read_text(encoding="utf-8")
-    text = re.sub(r"//[^\n]*", "", text)
+    text = suggesting(re.sub(r"//[^\n]*", "", text))
     for call in CALL.finditer(text):
         open_at = call.end() - 1
         end, commas = closing(text, open_at)

@@ -31,7 +31,7 @@ std::vector<double> interesting_angles(double a, std::array<double, 2> w, std::a
     if (std::fabs(x) < 1) angles.push_back(std::asin(x));
     if (0 < y && y < 1) angles.insert(angles.end(), {std::acos(y), -std::acos(y)});
   }
-  std::sort(angles.begin(), angles.end());
+  std::ranges::sort(angles);
   return angles;
 }
 

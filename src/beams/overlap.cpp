@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "base/errors.hpp"
-#include "beams/mode.hpp"
 
 namespace straytrace::beams {
 

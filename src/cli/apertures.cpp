@@ -100,10 +100,8 @@ Named const& chosen(std::vector<Named> const& all, std::string const& name) {
     if (n.name == name) return n;
     names.push_back(n.name);
   }
-  std::string const near = nearest_word(name, names);
-  throw InputError(
-      fmt::format("no beam passes an edge of '{}'", name),
-      near.empty() ? "straytrace apertures SCENE lists all of them" : fmt::format("did you mean '{}'?", near));
+  throw InputError(fmt::format("no beam passes an edge of '{}'", name),
+                   did_you_mean(name, names, "straytrace apertures SCENE lists all of them"));
 }
 
 double distance_of(std::string const& text) {

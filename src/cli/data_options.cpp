@@ -12,7 +12,7 @@
 #include "scene/expression.hpp"
 #include "session/build_info.hpp"
 #include "spectra/files/gps.hpp"
-#include "spectra/window.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace::cli {
 namespace {

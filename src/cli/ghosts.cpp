@@ -60,10 +60,8 @@ std::vector<BeamLaunch> choose_beams(Model const& model, std::string const& want
   for (BeamLaunch const& b : beams) names.push_back(b.name);
   std::erase_if(beams, [&](BeamLaunch const& b) { return b.name != wanted; });
   if (!beams.empty()) return beams;
-  std::string const near = nearest_word(wanted, names);
-  throw InputError(
-      fmt::format("beam '{}' is not launched", wanted),
-      near.empty() ? fmt::format("it is one of: {}", fmt::join(names, ", ")) : fmt::format("did you mean '{}'?", near));
+  throw InputError(fmt::format("beam '{}' is not launched", wanted),
+                   did_you_mean(wanted, names, fmt::format("it is one of: {}", fmt::join(names, ", "))));
 }
 
 // Surfaces that the rows shown have met, as points on them: the background of the picture.

@@ -73,9 +73,8 @@ LibraryEntry const& find(std::vector<LibraryEntry> const& all, std::string const
     if (e.name == name) return e;
     names.push_back(e.name);
   }
-  std::string const near = nearest_word(name, names);
   throw InputError(fmt::format("the library has no '{}'", name),
-                   near.empty() ? "straytrace library lists its entries" : fmt::format("did you mean '{}'?", near));
+                   did_you_mean(name, names, "straytrace library lists its entries"));
 }
 
 // All files or none: an existing file is not changed without --force.

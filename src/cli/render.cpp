@@ -101,10 +101,8 @@ bool belongs(std::string const& group, std::string const& name) {
   }
   std::sort(known.begin(), known.end());
   known.erase(std::unique(known.begin(), known.end()), known.end());
-  std::string const near = nearest_word(name, known);
-  throw InputError(
-      fmt::format("--{}: the scene has no '{}'", option, name),
-      near.empty() ? fmt::format("its names: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
+  throw InputError(fmt::format("--{}: the scene has no '{}'", option, name),
+                   did_you_mean(name, known, fmt::format("its names: {}", fmt::join(known, ", "))));
 }
 
 struct Stand {  // of an eye

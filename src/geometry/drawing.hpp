@@ -3,6 +3,7 @@
 // triangles between them cut its curves short: 48 around an axis leave out 0.3 % of a circle.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -17,8 +18,18 @@ struct Drawing {
   std::vector<Vec3> points;  // m, in the frame of the shape's pose
   std::vector<std::array<std::uint32_t, 3>> triangles;
 
-  double area() const;    // m^2
-  void drop_collapsed();  // triangles without area, as around the pole of a disk
+  double area_of(std::array<std::uint32_t, 3> const& t) const {  // m^2
+    return 0.5 * length(cross(points[t[1]] - points[t[0]], points[t[2]] - points[t[0]]));
+  }
+  double area() const {
+    double sum = 0;
+    for (auto const& t : triangles) sum += area_of(t);
+    return sum;
+  }
+  void drop_collapsed() {  // triangles without area, as around the pole of a disk
+    double const least = 1e-12 * area() / double(std::max<std::size_t>(triangles.size(), 1));
+    std::erase_if(triangles, [&](auto const& t) { return !(area_of(t) > least); });
+  }
 
   // Corners in `rows` + 1 rows of `columns`; a ring closes on itself. `place(u, v)` with u along, v around in [0, 1].
   // Without collapsed triangles.

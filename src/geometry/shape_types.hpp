@@ -9,8 +9,8 @@
 //   project(p)                  a computed hit put back on the surface (one Newton step)
 //   area()                      m^2
 //   sample(u, v)                a point uniform in area
-//   extent(low, high, r_min, r_max)  heights along `axis` from reference(), and distances from that axis, that contain
-//                               the surface; r_min > 0 promises that nothing of it is nearer to the axis
+//   extent()                    heights along `axis` from reference(), and distances from that axis, that contain the
+//                               surface; r_min > 0 promises that nothing of it is nearer to the axis
 //   bounds()                    box in the world that contains it
 //   reference()                 the point its equations are written about
 // and, where the default is not suitable,

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/math/constants.hpp"
-#include "base/math/strain.hpp"
 
 namespace straytrace::ifo {
 namespace {
@@ -23,8 +22,6 @@ double finesse(ArmCavity const& arm) {
   return pi * std::sqrt(product) / (1 - product);
 }
 
-double power_gain(ArmCavity const& arm) { return arm.input_transmission / std::pow(1 - arm.r1() * arm.r2(), 2); }
-
 double cavity_pole(ArmCavity const& arm) { return pole_of(arm.r1() * arm.r2(), arm.length); }
 
 DifferentialMode differential_mode(ArmCavity const& arm, double signal_transmission) {
@@ -42,9 +39,7 @@ double arm_power(ArmCavity const& arm, double input_power, double recycling_tran
   return input_power * std::pow(gain * recycled, 2) / 2;
 }
 
-double strain_per_phase_in_arm(double wavelength, double length) {
-  return strain_of_darm(length_of_phase(1, wavelength), length);
-}
+double strain_per_phase_in_arm(double wavelength, double length) { return wavelength / (4 * pi) / length; }
 
 std::complex<double> strain_per_amplitude_in_arm(double hz, double power, double mass, double length,
                                                  DifferentialMode mode) {
@@ -60,17 +55,6 @@ std::complex<double> strain_per_phase_in_short_arm(ArmCavity const& arm, double 
 std::complex<double> strain_at_antisymmetric_port(double dark_fringe_offset, double length, double hz,
                                                   DifferentialMode mode) {
   return dark_fringe_offset / length * std::complex<double>(1, hz / mode.pole);
-}
-
-double equivalent_length(ArmCavity const& arm, double wavelength, std::complex<double> s_arm,
-                         std::complex<double> s_in) {
-  double const r1 = arm.r1(), r2 = arm.r2(), t1 = std::sqrt(arm.input_transmission), k = 2 * pi / wavelength;
-  std::complex<double> const inside = t1 * (1.0 + s_in) / (1 - r1 * r2 - s_arm);
-  std::complex<double> const returned = -r1 * (1.0 + s_in) + t1 * (r2 + s_arm / r1) * inside;
-  double const unperturbed = -r1 + t1 * t1 * r2 / (1 - r1 * r2);
-  // d(returned)/d(round-trip phase) is imaginary on resonance: a pure change of phase.
-  double const slope = 2 * k * t1 * t1 * r2 / std::pow(1 - r1 * r2, 2) / unperturbed;  // rad/m
-  return std::arg(returned / unperturbed) / slope;
 }
 
 }  // namespace straytrace::ifo

@@ -17,8 +17,7 @@ struct ArmCavity {
   double r2() const;  // of the end mirror, with all losses of the round trip
 };
 
-double finesse(ArmCavity const&);     // eq. 6.5
-double power_gain(ArmCavity const&);  // eq. 6.4, on resonance
+double finesse(ArmCavity const&);  // eq. 6.5
 double cavity_pole(ArmCavity const&);
 
 // The interferometer as seen by the differential field: tuned signal recycling (resonant sideband extraction), low
@@ -46,10 +45,6 @@ std::complex<double> strain_per_phase_in_short_arm(ArmCavity const&, double wave
 // Largest h per relative field that comes back to the antisymmetric port, over the static phase; eq. 9.6.
 std::complex<double> strain_at_antisymmetric_port(double dark_fringe_offset, double length, double hz,
                                                   DifferentialMode);
-
-// Length change of the arm [m] with the same phase change of the light returning to the splitter as the stray
-// fields: exact plane waves, eq. 9.10. s_arm joins the round trip, s_in the light from the splitter.
-double equivalent_length(ArmCavity const&, double wavelength, std::complex<double> s_arm, std::complex<double> s_in);
 
 constexpr double least_transmission = 1e-12, most_transmission = 1 - 1e-9;  // of power, of the real mirror
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ifo/dual_recycled.hpp"
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "ifo/cavity.hpp"
@@ -105,8 +103,6 @@ DualRecycled::Quadratures DualRecycled::quadratures() const {
 double DualRecycled::power_at(char const* component, std::uint32_t port) const {
   return field_->power_in(network_.number_of({network_.find(component), port}));
 }
-
-double DualRecycled::recycling_gain() const { return power_at("BS", 0) / p_.input_power; }
 
 // Lengths become displacements with the splitter at rest.
 Phasor DualRecycled::to_freedom(LinearResponse const& r, Freedom f) const {
@@ -345,7 +341,7 @@ void refuse_keys_at_odds(Node const& table, P const& p) {
 }
 
 void warn_of_idle_servos(Node const& table, std::vector<PortEntry> const& entries) {
-  bool const served = std::any_of(entries.begin(), entries.end(), [&](PortEntry const& e) {
+  bool const served = std::ranges::any_of(entries, [&](PortEntry const& e) {
     return e.injection_point == InjectionPoint::input_bench && !has_response_files(table, e.name);
   });
   for (char const* key : {"frequency_servo", "intensity_servo"})
@@ -386,8 +382,6 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
 }
 
 }  // namespace
-
-std::span<Key<P> const> dual_recycled_keys() { return recycled_keys; }
 
 RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
   HeldResponse const r(*model_, hz);

@@ -99,7 +99,6 @@ class DualRecycled {
   Readout const& readout() const { return readout_; }
   double power_at(char const* component, std::uint32_t port) const;  // W that enters there
   double arm_power() const { return power_at("ETM x", 0); }
-  double recycling_gain() const;  // power at the splitter over that of the laser
 
   LinearResponse response(double hz) const { return {network_, *field_, readout_, hz}; }
   LinearResponse response(Readout const& r, double hz) const { return {network_, *field_, r, hz}; }
@@ -205,8 +204,5 @@ class RecycledInterferometer final : public Interferometer {
 std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, DualRecycledPreset const&,
                                                              std::vector<TracedPort> const& ports, double wavelength,
                                                              Band const&);
-
-// Keys of the table, for the reader and the reference page. The fallback is that of the preset.
-std::span<Key<DualRecycledParameters> const> dual_recycled_keys();
 
 }  // namespace straytrace::ifo

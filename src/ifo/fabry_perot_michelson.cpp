@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ifo/cavity.hpp"
-
 namespace straytrace::ifo {
 namespace {
 
-using K = FabryPerotMichelsonKeys;
+struct K {
+  double arm_length, mirror_mass, input_transmission, end_transmission, round_trip_loss, signal_recycling_transmission,
+      arms, dark_fringe_offset;
+};
 constexpr Key<K> michelson_keys[] = {
     {"arm_length", &K::arm_length, dim::length, required, 1e-3, 1e8, "length L of one arm"},
     {"mirror_mass", &K::mirror_mass, dim::mass, required, 1e-9, 1e9, "mass M of each arm mirror"},
@@ -68,8 +69,6 @@ FabryPerotMichelson::Parameters read_parameters(Node const& table, double wavele
 
 }  // namespace
 
-std::span<Key<K> const> fabry_perot_michelson_keys() { return michelson_keys; }
-
 std::complex<double> FabryPerotMichelson::strain_per_phase(PortId port, double hz) const {
   PortEntry const& e = entry(port);
   double const in_arm = strain_per_phase_in_arm(p_.wavelength, p_.arm.length);
@@ -96,7 +95,7 @@ std::string FabryPerotMichelson::description() const {
       "h = 8 P Gamma Re s/(c M (2 pi f)^2 L)/(1 + i f/f_p) (radiation pressure, eq. 9.2); lambda {:g} nm, L {:g} m, "
       "P {:.5g} W per arm, M {:g} kg, Gamma {:.4g}, f_p {:.4g} Hz, finesse {:.4g}, {:g} equal arms",
       p_.wavelength * 1e9, p_.arm.length, p_.power, p_.mass, p_.mode.gain, p_.mode.pole, finesse(p_.arm), p_.arms);
-  bool const all_inside = std::all_of(ports_.begin(), ports_.end(), [&](PortEntry const& e) {
+  bool const all_inside = std::ranges::all_of(ports_, [&](PortEntry const& e) {
     return is_inside_an_arm(e.injection_point) && e.field_share == 1 && e.copies == p_.arms;
   });
   return all_inside ? text : text + describe(ports_, *this, band_);

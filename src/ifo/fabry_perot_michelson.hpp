@@ -3,8 +3,6 @@
 // other ports (docs/theory).
 #pragma once
 
-#include <span>
-
 #include "base/input/table.hpp"
 #include "ifo/cavity.hpp"
 #include "ifo/ports.hpp"
@@ -41,12 +39,5 @@ class FabryPerotMichelson final : public Interferometer {
 
 std::unique_ptr<Interferometer> read_closed_forms(Node const& table, std::vector<TracedPort> const& ports,
                                                   double wavelength, Band const&);
-
-// Keys of the table, for the reader and the reference page.
-struct FabryPerotMichelsonKeys {
-  double arm_length, mirror_mass, input_transmission, end_transmission, round_trip_loss, signal_recycling_transmission,
-      arms, dark_fringe_offset;
-};
-std::span<Key<FabryPerotMichelsonKeys> const> fabry_perot_michelson_keys();
 
 }  // namespace straytrace::ifo

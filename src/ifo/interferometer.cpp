@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 
 #include "ifo/dual_recycled.hpp"
 #include "ifo/fabry_perot_michelson.hpp"
@@ -31,7 +30,7 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
   std::vector<std::string_view> names = {closed_forms};
   for (DualRecycledPreset const& p : networks) names.push_back(p.name);
   std::string const name = table.choice("preset", names);
-  auto const network = std::find_if(networks.begin(), networks.end(), [&](auto const& p) { return p.name == name; });
+  auto const network = std::ranges::find_if(networks, [&](auto const& p) { return p.name == name; });
   bool const solves = network != networks.end();
   if (!solves && name != closed_forms) return nullptr;  // choice() reported it
   std::unique_ptr<Interferometer> ifo = solves ? read_recycled_interferometer(table, *network, ports, wavelength, band)

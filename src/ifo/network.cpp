@@ -4,10 +4,7 @@
 #include <Eigen/SparseLU>
 
 #include <algorithm>
-#include <cmath>
-#include <complex>
 #include <stdexcept>
-#include <utility>
 
 #include "base/errors.hpp"
 
@@ -166,16 +163,6 @@ void Network::link(NetworkPort a, NetworkPort b, double length, double phase) {
 
 void Network::move(ComponentId id, double displacement) { components_.at(id.value).displacement = displacement; }
 
-void Network::retune(NetworkPort p, double phase) {
-  std::uint32_t const number = number_of(p);
-  for (Space& s : spaces_)
-    if (s.from == number || s.to == number) {
-      s.phase = phase;
-      return;
-    }
-  throw std::out_of_range("there is no space at this port");
-}
-
 ComponentId Network::find(std::string const& name) const {
   for (std::size_t i = 0; i < components_.size(); ++i)
     if (components_[i].name == name) return {std::uint32_t(i)};
@@ -190,7 +177,7 @@ std::vector<double> Network::carriers() const {
     for (int s = -order; s <= order; ++s)
       for (double const f : before) all.push_back(f + s * c.modulation);
   }
-  std::sort(all.begin(), all.end());
+  std::ranges::sort(all);
   all.erase(std::unique(all.begin(), all.end(), [](double a, double b) { return b - a < 1e-3; }), all.end());
   return all;
 }
@@ -452,16 +439,13 @@ double demodulated(std::span<double const> power, double rate, double hz, double
 }
 
 LinearResponse::LinearResponse(Network const& network, SteadyField const& field, Readout const& readout, double hz)
-    : network_(network), field_(field), hz_(hz) {
+    : network_(network), field_(field) {
   System const system(network, field, hz);
   weight_ = system.weights(row_of(readout, field, system.layout(), system.size()));
 }
 
 Phasor LinearResponse::to_displacement(ComponentId id) const {
   return weight_[Layout(network_, field_).displacement(id.value)];
-}
-Phasor LinearResponse::to_force(ComponentId id) const {
-  return network_.components().at(id.value).suspension.compliance(hz_) * to_displacement(id);
 }
 
 Phasor LinearResponse::injected(Injection const& i, Phasor upper, Phasor lower) const {

@@ -6,10 +6,8 @@
 
 #include <Eigen/Core>
 
-#include <cmath>
 #include <complex>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -62,7 +60,6 @@ class Network {
   // Space between two free ports: optical length in m, a whole number of wavelengths, and a phase beyond it in rad.
   void link(NetworkPort, NetworkPort, double length, double phase = 0);
   void move(ComponentId, double displacement);      // m, sets MirrorParameters::displacement
-  void retune(NetworkPort, double phase);           // of the space at this port
   ComponentId find(std::string const& name) const;  // throws std::out_of_range
   std::string const& name(ComponentId id) const { return at(id).name; }
 
@@ -199,7 +196,6 @@ class LinearResponse {
   LinearResponse(Network const&, SteadyField const&, Readout const&, double hz);
 
   Phasor to_displacement(ComponentId) const;  // per m that an actuator or the ground adds
-  Phasor to_force(ComponentId) const;         // per N
   // Stray field s (docs/theory/interferometer.md), of the light entering this port of a component by default: s = i
   // e for phase, s = e for amplitude. It applies to all carriers equally.
   Phasor to_phase(std::uint32_t port) const { return to_phase(Injection{port}); }
@@ -217,7 +213,6 @@ class LinearResponse {
 
   Network const& network_;
   SteadyField const& field_;
-  double hz_;
   Eigen::VectorXcd weight_;  // of every equation in the read-out
 };
 

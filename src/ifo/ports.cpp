@@ -28,9 +28,8 @@ std::vector<TracedPort> inside_an_arm(std::vector<TracedPort> const& ports, std:
 std::vector<TracedPort> different(std::vector<TracedPort> const& ports, double TracedPort::*number, double tolerance) {
   std::vector<TracedPort> all;
   for (TracedPort const& p : ports)
-    if (p.*number > 0 && std::none_of(all.begin(), all.end(), [&](TracedPort const& other) {
-          return agrees(p.*number, other.*number, tolerance);
-        }))
+    if (p.*number > 0 &&
+        std::ranges::none_of(all, [&](TracedPort const& other) { return agrees(p.*number, other.*number, tolerance); }))
       all.push_back(p);
   return all;
 }
@@ -40,17 +39,16 @@ std::string number(std::complex<double> response) {
 }
 
 auto find(std::vector<TracedPort> const& ports, std::string const& name) {
-  return std::find_if(ports.begin(), ports.end(), [&](TracedPort const& p) { return p.name == name; });
+  return std::ranges::find_if(ports, [&](TracedPort const& p) { return p.name == name; });
 }
 
 void unknown_port(Node const& at, std::string const& name, std::vector<TracedPort> const& all) {
   std::vector<std::string> ports;
   for (TracedPort const& p : all) ports.push_back(p.name);
-  std::string const near = nearest_word(name, ports);
   at.problem(fmt::format("the scene has no port '{}'", name),
-             !near.empty()   ? fmt::format("did you mean '{}'?", near)
-             : ports.empty() ? "add it to 'ports' of the scene"
-                             : fmt::format("its ports: {}", fmt::join(ports, ", ")));
+             did_you_mean(name, ports,
+                          ports.empty() ? "add it to 'ports' of the scene"
+                                        : fmt::format("its ports: {}", fmt::join(ports, ", "))));
 }
 
 PortEntry read_entry(Node const& node, TracedPort const& port, double arms) {
@@ -60,7 +58,7 @@ PortEntry read_entry(Node const& node, TracedPort const& port, double arms) {
     return entry;
   }
   std::string const at = node.choice("at", entrance_names, entrance_names[std::size_t(port.injection_point)]);
-  auto const found = std::find(entrance_names.begin(), entrance_names.end(), at);
+  auto const found = std::ranges::find(entrance_names, at);
   if (found != entrance_names.end()) entry.injection_point = InjectionPoint(found - entrance_names.begin());
   entry.field_share = node.number("pick_off", dim::plain, 1, faintest, 1) *
                       std::sqrt(node.number("isolation", dim::plain, 1, faintest, 1));

@@ -384,7 +384,7 @@ class NumberReader {
     std::vector<std::string> found;
     bool with_units = false;
     for (auto const& titles : comments_) {
-      bool const units = std::any_of(titles.begin(), titles.end(), [](auto const& c) { return c.ends_with(']'); });
+      bool const units = std::ranges::any_of(titles, [](auto const& c) { return c.ends_with(']'); });
       if (titles.size() != table_.column.size() || (with_units && !units)) continue;
       found = titles;
       with_units = units;

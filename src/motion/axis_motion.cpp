@@ -4,11 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "base/input/table.hpp"
-#include "motion/motion_files.hpp"
 #include "motion/series_motion.hpp"
 #include "spectra/shapes.hpp"
 
@@ -91,7 +88,7 @@ void read_reference(AxisSpec const& a, AxisMotion& into) {
   std::string const body = elsewhere ? spec.word(key) : "",
                     other = spec.choice(elsewhere ? "axis" : key, axis_names, elsewhere ? axis_names[axis] : "");
   if (other.empty()) return;
-  int const target = static_cast<int>(std::find(std::begin(axis_names), std::end(axis_names), other) - axis_names);
+  int const target = static_cast<int>(std::ranges::find(axis_names, other) - axis_names);
   if (is_rotation(target) != is_rotation(axis))
     spec.problem(
         fmt::format("'{}' cannot move like '{}': one is a translation, one a rotation", axis_names[axis], other),
@@ -112,7 +109,7 @@ Spectrum with_resonance(Node const& spec, Spectrum const& s) {
 // Motion with equal uncertainty becomes one input.
 void add_own(OwnMotion motion, AxisMotion& into) {
   into.bands.push_back({motion.spectrum.lowest(), motion.spectrum.highest()});
-  auto const same = std::find_if(into.own.begin(), into.own.end(), [&](OwnMotion const& o) {
+  auto const same = std::ranges::find_if(into.own, [&](OwnMotion const& o) {
     return o.uncertainty == motion.uncertainty && !o.through && !motion.through && !o.recorded && !motion.recorded;
   });
   if (same == into.own.end())
@@ -226,7 +223,7 @@ std::string kind_meant(Node const& spec) {
 Kind const* kind_of(Node const& spec) {
   Kind const* found = nullptr;
   for (Kind const& kind : all_kinds()) {
-    bool const bound = found && std::count(found->keys.begin(), found->keys.end(), kind.name) > 0;
+    bool const bound = found && std::ranges::count(found->keys, kind.name) > 0;
     if (bound || !spec.has(kind.name)) continue;
     if (found) {
       spec.problem(fmt::format("one motion cannot be both '{}' and '{}'", found->name, kind.name),
@@ -268,8 +265,8 @@ void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) 
 bool says_how_one_moves(std::string_view key) {
   constexpr std::array<std::string_view, 3> of_bodies_too = {"from", "like", "same_as"};
   auto const& all = all_kinds();
-  return std::find(of_bodies_too.begin(), of_bodies_too.end(), key) == of_bodies_too.end() &&
-         std::any_of(all.begin(), all.end(), [&](Kind const& k) { return k.name == key; });
+  return std::ranges::find(of_bodies_too, key) == of_bodies_too.end() &&
+         std::ranges::any_of(all, [&](Kind const& k) { return k.name == key; });
 }
 
 void read_axis(Node const& node, int axis, double uncertainty, AxisMotion& into) {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "motion/joint_motion.hpp"
-
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
 
 #include "io/delimited_text.hpp"
+#include "motion/axis_motion.hpp"
 #include "motion/motion_files.hpp"
 
 namespace straytrace::motion {

@@ -9,7 +9,7 @@
 
 #include "results/results.hpp"
 #include "results/text/image.hpp"
-#include "trace/camera/flash_camera.hpp"
+#include "trace/camera/camera.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::report {

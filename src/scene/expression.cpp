@@ -24,11 +24,9 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || static_cast<unsigned char>(c) >= 0x80;
 }
-bool is_function(std::string_view word) {
-  return std::find(function_names.begin(), function_names.end(), word) != function_names.end();
-}
+bool is_function(std::string_view word) { return std::ranges::find(function_names, word) != function_names.end(); }
 bool is_amplitude_word(std::string_view word) {
-  return std::find(amplitude_words.begin(), amplitude_words.end(), word) != amplitude_words.end();
+  return std::ranges::find(amplitude_words, word) != amplitude_words.end();
 }
 
 std::string joined(auto const& words) {
@@ -142,9 +140,8 @@ Operand of_equals(std::string_view name, std::span<Operand const> arguments, std
   if (name == "atan2")
     return finite({std::atan2(x[0].value.quantity.si, x[1].value.quantity.si), dim::angle, {}}, begin, end);
   auto const less = [](Operand const& a, Operand const& b) { return a.value.quantity.si < b.value.quantity.si; };
-  auto const best =
-      name == "min" ? std::min_element(x.begin(), x.end(), less) : std::max_element(x.begin(), x.end(), less);
-  bool const all_bare = std::all_of(x.begin(), x.end(), [](Operand const& a) { return a.value.bare_zero; });
+  auto const best = name == "min" ? std::ranges::min_element(x, less) : std::ranges::max_element(x, less);
+  bool const all_bare = std::ranges::all_of(x, [](Operand const& a) { return a.value.bare_zero; });
   return finite(best->value.quantity, begin, end, all_bare);
 }
 
@@ -270,10 +267,9 @@ class Parser {
     std::string_view const next = word();
     std::size_t const end = next.empty() ? text_.size() : at_;
     std::vector<std::string> const kinds(amplitude_words.begin(), amplitude_words.end());
-    std::string const near = nearest_word(next, kinds);
     refuse(fmt::format("cannot understand '{}' here", shortened(text_.substr(begin, end - begin))),
-           near.empty() ? "write a number with a unit, or an expression of parameters with + - * / ^ and brackets"
-                        : fmt::format("did you mean '{}'?", near),
+           did_you_mean(next, kinds,
+                        "write a number with a unit, or an expression of parameters with + - * / ^ and brackets"),
            begin, end);
   }
 
@@ -400,20 +396,16 @@ class Parser {
     if (id == "nan" || id == "inf" || id == "infinity")
       refuse(fmt::format("'{}' is not a finite number", id), "write a number", begin, at_);
     std::vector<std::string> const names = lookup_.names();
-    std::string const near = nearest_word(id, names);
     refuse(fmt::format("parameter '{}' is not defined", shortened(id)),
-           near.empty() ? "write a number with its unit, or define the name under 'params'"
-                        : fmt::format("did you mean '{}'?", near),
-           begin, begin + id.size());
+           did_you_mean(id, names, "write a number with its unit, or define the name under 'params'"), begin,
+           begin + id.size());
   }
 
   Operand function(std::string const& id, std::size_t begin) {
     if (!is_function(id)) {
       std::vector<std::string> const names(function_names.begin(), function_names.end());
-      std::string const near = nearest_word(id, names);
       refuse(fmt::format("'{}' is not a function", shortened(id)),
-             near.empty() ? "known functions: " + joined(names) : fmt::format("did you mean '{}'?", near), begin,
-             begin + id.size());
+             did_you_mean(id, names, "known functions: " + joined(names)), begin, begin + id.size());
     }
     take('(');
     std::vector<Operand> arguments;
@@ -450,7 +442,7 @@ bool is_reserved_word(std::string_view word) {
 
 bool is_parameter_name(std::string_view name) {
   auto const ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80 && (is_letter(c) || is_digit(c)); };
-  return !name.empty() && !is_digit(name.front()) && std::all_of(name.begin(), name.end(), ascii);
+  return !name.empty() && !is_digit(name.front()) && std::ranges::all_of(name, ascii);
 }
 
 }  // namespace straytrace::scene

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/instances.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,7 +33,7 @@ constexpr std::size_t most_instances = 1000000;
 
 int read_axis(Node const& repeat) {
   std::string const axis = repeat.choice("along", axes);
-  auto const hit = std::find(axes.begin(), axes.end(), axis);
+  auto const hit = std::ranges::find(axes, axis);
   return hit == axes.end() ? -1 : static_cast<int>(hit - axes.begin());
 }
 
@@ -110,7 +108,7 @@ std::vector<double> by_list(Node const& repeat) {
   }
   std::vector<double> offsets;
   for (Node const& p : positions) offsets.push_back(p.as_number(dim::length));
-  bool const bad = std::any_of(offsets.begin(), offsets.end(), [](double z) { return std::isnan(z); });
+  bool const bad = std::ranges::any_of(offsets, [](double z) { return std::isnan(z); });
   return bad ? std::vector<double>{} : offsets;
 }
 
@@ -304,16 +302,15 @@ class Expander {
     if (use.kind() != Node::Kind::scalar || part.data()) return {};  // reported already
     std::vector<std::string> names;
     for (auto const& [known, data] : parts.items()) names.push_back(known);
-    std::string const near = nearest_word(name, names);
     std::string all;
     for (std::string const& n : names) all += (all.empty() ? "" : ", ") + n;
     use.problem(
         fmt::format("part '{}' is not defined", shortened(name)),
-        near.empty()
-            ? fmt::format("define it under 'parts', add 'include: [library/parts.yaml]' if it is from the library, or "
-                          "use one of: {}",
-                          shortened(all))
-            : fmt::format("did you mean '{}'?", near));
+        did_you_mean(
+            name, names,
+            fmt::format("define it under 'parts', add 'include: [library/parts.yaml]' if it is from the library, or "
+                        "use one of: {}",
+                        shortened(all))));
     return {};
   }
 
@@ -361,13 +358,11 @@ class Expander {
       good = false;
     };
     for (RepeatColumn const& c : repeat.columns) {
-      if (std::find(names.begin(), names.end(), c.name) == names.end()) {
-        std::string const near = nearest_word(c.name, names);
-        refuse(
-            c,
-            fmt::format("column '{}' is neither a position (x, y, z) nor a parameter of the repeated part",
-                        shortened(c.name)),
-            near.empty() ? "name the columns after parameters of the part" : fmt::format("did you mean '{}'?", near));
+      if (std::ranges::find(names, c.name) == names.end()) {
+        refuse(c,
+               fmt::format("column '{}' is neither a position (x, y, z) nor a parameter of the repeated part",
+                           shortened(c.name)),
+               did_you_mean(c.name, names, "name the columns after parameters of the part"));
         continue;
       }
       auto const value = find_parameter(defaults.get(), c.name).value;

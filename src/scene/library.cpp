@@ -64,7 +64,7 @@ void drop_unused(SceneDocument const& document, NodeData& model) {
   bool const keeps_them = keeps_materials_and_parts(model);
   auto const may_go = [&](std::string const& section) {
     if (section == "bodies") return model.find("scene") != nullptr;  // in a file of motion nothing else names them
-    return !keeps_them && std::find(prunable.begin(), prunable.end(), section) != prunable.end();
+    return !keeps_them && std::ranges::find(prunable, section) != prunable.end();
   };
   auto const shipped = [&](NodeData::Entry const& e) { return is_library(document.source(e.place.file).name); };
   Words words;
@@ -110,8 +110,8 @@ std::vector<std::string> assumed_parameters(Scene const& scene) {
     return e ? e->value->text : std::string();
   };
   for (NodeData::Entry const& p : params->value->entries) {
-    bool const set = std::any_of(scene.overrides().begin(), scene.overrides().end(),
-                                 [&](std::string const& o) { return o.starts_with(p.key + "="); });
+    bool const set =
+        std::ranges::any_of(scene.overrides(), [&](std::string const& o) { return o.starts_with(p.key + "="); });
     if (set || text(*p.value, "status") != "assumed" || !words.contains(p.key)) continue;
     std::string const source = text(*p.value, "source");
     lines.push_back(fmt::format("parameter {} = {}: assumed{}{}", p.key, text(*p.value, "value"),

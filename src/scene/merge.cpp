@@ -10,7 +10,6 @@
 #include "base/input/document.hpp"
 #include "scene/diagnostics.hpp"
 #include "scene/library.hpp"
-#include "scene/yaml_tree.hpp"
 
 namespace straytrace::scene {
 namespace {
@@ -88,11 +87,9 @@ void take_over_materials(SceneDocument& document, NodeData& model) {
     std::vector<std::string> names;
     for (NodeData::Entry const& m : materials.entries)
       if (m.value->kind == Node::Kind::table && !m.value->find("like")) names.push_back(m.key);
-    std::string const near = nearest_word(like->value->text, names);
     Node(like->value, nullptr, &document)
         .problem(fmt::format("'like' cannot copy material '{}'", shortened(like->value->text)),
-                 near.empty() ? "name one of 'materials' that is not itself 'like' another"
-                              : fmt::format("did you mean '{}'?", near));
+                 did_you_mean(like->value->text, names, "name one of 'materials' that is not itself 'like' another"));
   }
 }
 
@@ -153,8 +150,8 @@ class Merger {
       problem(*e, "'straytrace' must be the first key",
               fmt::format("move 'straytrace: {}' to the top", format_version));
     std::string const& text = e->value->text;
-    bool const digits = !text.empty() && text.size() < 9 &&
-                        std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+    bool const digits =
+        !text.empty() && text.size() < 9 && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
     int const version = digits ? std::stoi(text) : 0;
     if (e->value->kind == Node::Kind::none || version == format_version) return;
     if (version > format_version)
@@ -181,11 +178,11 @@ class Merger {
       auto const file = document_.open(name, name.text(), model_file_limit);
       if (!file)
         unreadable_ = true;
-      else if (std::find(visiting_.begin(), visiting_.end(), *file) != visiting_.end())
+      else if (std::ranges::find(visiting_, *file) != visiting_.end())
         name.problem(fmt::format("'{}' includes itself{}", document_.source(*file).name,
                                  *file == visiting_.back() ? "" : " through other files"),
                      "remove this name");
-      else if (std::find(done_.begin(), done_.end(), *file) == done_.end())
+      else if (std::ranges::find(done_, *file) == done_.end())
         read(*file, depth + 1);
     }
   }
@@ -195,19 +192,18 @@ class Merger {
     for (TopKey const& k : top_keys) names.emplace_back(k.name);
     for (NodeData::Entry const& e : root.entries) {
       if (document_.error_count() > 1000) return;  // hostile input: stop reporting
-      if (std::find(names.begin(), names.end(), e.key) != names.end()) continue;
+      if (std::ranges::find(names, e.key) != names.end()) continue;
       model_->misspelt = true;
-      std::string const near = nearest_word(e.key, names);
       std::string all;
       for (std::string const& n : names) all += (all.empty() ? "" : ", ") + n;
       problem(e, fmt::format("unknown key '{}' at the top of a model", shortened(e.key)),
-              near.empty() ? "known keys: " + all : fmt::format("did you mean '{}'?", near));
+              did_you_mean(e.key, names, "known keys: " + all));
     }
   }
 
   void merge(NodeData const& root) {
     for (NodeData::Entry const& e : root.entries) {
-      auto const key = std::find_if(top_keys.begin(), top_keys.end(), [&](TopKey const& k) { return k.name == e.key; });
+      auto const key = std::ranges::find_if(top_keys, [&](TopKey const& k) { return k.name == e.key; });
       if (key == top_keys.end() || e.value->kind == Node::Kind::none) continue;
       if (key->kind == Section::named) merge_named(e, *key);
       if (key->kind == Section::list) merge_list(e);
@@ -276,10 +272,8 @@ class Merger {
   void refuse_idle_override(NodeData::Entry const& d, TopKey const& key, NodeData const& into) {
     std::vector<std::string> names;
     for (NodeData::Entry const& known : into.entries) names.push_back(known.key);
-    std::string const near = nearest_word(d.key, names);
     problem(d, fmt::format("'override: true' but no earlier {} '{}'", key.noun, d.key),
-            near.empty() ? "remove 'override: true', or include the file that defines it"
-                         : fmt::format("did you mean '{}'?", near));
+            did_you_mean(d.key, names, "remove 'override: true', or include the file that defines it"));
   }
 
   void merge_list(NodeData::Entry const& e) {

@@ -4,11 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "base/input/document.hpp"
-#include "scene/instances.hpp"
 #include "scene/merge.hpp"
 #include "scene/parts.hpp"
 #include "scene/scope.hpp"
@@ -207,8 +204,7 @@ std::string instance_line(Scene::Instance const& i, Scope const* model) {
 
 std::string yaml_text(std::string const& text) {
   constexpr std::string_view not_first = "-?:,[]{}#&*!|>'\"%@`~=<. ", nowhere = ":#,[]{}\"'";
-  bool const control =
-      std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  bool const control = std::ranges::any_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x20; });
   bool const special = text.empty() || control || not_first.find(text.front()) != std::string_view::npos ||
                        text.back() == ' ' || text.find_first_of(nowhere) != std::string::npos || text == "null" ||
                        text == "Null" || text == "NULL";
@@ -254,7 +250,7 @@ std::string resolved_text(Node const& root, std::vector<Scene::Instance> const& 
   auto const rank = [](NodeData::Entry const& e) {
     return e.key == "title" ? 0 : e.key == "notes" ? 1 : e.key == "params" ? 2 : 3;
   };
-  std::stable_sort(entries.begin(), entries.end(), [&](auto const& a, auto const& b) { return rank(a) < rank(b); });
+  std::ranges::stable_sort(entries, [&](auto const& a, auto const& b) { return rank(a) < rank(b); });
   for (NodeData::Entry const& e : entries) {
     if (e.key != "params") {
       NodeData own = *e.value;
@@ -278,7 +274,7 @@ namespace {
 constexpr std::size_t comment_column = 44, longest_flow = 72;
 
 bool has_tables(ModelValue const& v) {
-  return v.kind == Node::Kind::table || std::any_of(v.children.begin(), v.children.end(), has_tables);
+  return v.kind == Node::Kind::table || std::ranges::any_of(v.children, has_tables);
 }
 
 std::string flow(ModelValue const& v) {
@@ -316,8 +312,7 @@ class Printer {
       if (!v.value.empty()) line(depth, lead, fmt::format("# {} {}", key, v.value), "default");
       return;
     }
-    bool const single =
-        std::none_of(v.children.begin(), v.children.end(), [](ModelValue const& c) { return c.given(); });
+    bool const single = std::ranges::none_of(v.children, [](ModelValue const& c) { return c.given(); });
     if (single || (!has_tables(v) && flow(v).size() < longest_flow))
       return line(depth, lead, key + " " + flow(v), comment(v));
     line(depth, lead, key, v.origin);
@@ -360,8 +355,7 @@ std::string printed_model(Scene const& scene) {
   auto const rank = [](ModelValue const& v) {
     return v.key == "title" ? 0 : v.key == "notes" ? 1 : v.key == "params" ? 2 : 3;
   };
-  std::stable_sort(model.children.begin(), model.children.end(),
-                   [&](auto const& a, auto const& b) { return rank(a) < rank(b); });
+  std::ranges::stable_sort(model.children, [&](auto const& a, auto const& b) { return rank(a) < rank(b); });
   printer.table(model, 0);
   return fmt::format("straytrace: {}\n", format_version) + printer.text();
 }

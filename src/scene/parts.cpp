@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace straytrace::scene {
@@ -25,13 +24,11 @@ void check_limits(Node const& part) {
 
 }  // namespace
 
-bool is_entry_key(std::string_view key) {
-  return std::find(entry_keys.begin(), entry_keys.end(), key) != entry_keys.end();
-}
+bool is_entry_key(std::string_view key) { return std::ranges::find(entry_keys, key) != entry_keys.end(); }
 
 bool name_allowed(Node const& at, std::string const& name) {
   bool const bad =
-      name.empty() || std::any_of(name.begin(), name.end(), [](char c) {
+      name.empty() || std::ranges::any_of(name, [](char c) {
         return static_cast<unsigned char>(c) < 0x20 || std::string_view("/*[]>\"'").find(c) != std::string_view::npos;
       });
   if (bad)
@@ -74,7 +71,7 @@ void check_parts(SceneDocument& document, Node const& parts) {
 std::size_t FaceCounter::count(Node const& use, std::size_t limit) {
   std::string const& name = use.text();
   if (auto const hit = done_.find(name); hit != done_.end()) return hit->second;
-  bool const circle = std::find(chain_.begin(), chain_.end(), name) != chain_.end();
+  bool const circle = std::ranges::find(chain_, name) != chain_.end();
   if (circle || chain_.size() >= deepest_part) {
     use.problem(circle ? fmt::format("part '{}' contains itself", name)
                        : fmt::format("parts are nested more than {} deep", deepest_part),

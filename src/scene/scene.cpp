@@ -2,7 +2,6 @@
 #include "scene/scene.hpp"
 
 #include "scene/diagnostics.hpp"
-#include "scene/instances.hpp"
 #include "scene/merge.hpp"
 #include "scene/model_tree.hpp"
 #include "scene/scene_document.hpp"

@@ -35,10 +35,9 @@ void refuse_library_name(Node const& named_by, std::string const& name) {
   std::vector<std::string> names;
   for (EmbeddedFile const& file : embedded_files())
     if (is_library(file.name)) names.emplace_back(file.name);
-  std::string const near = nearest_word(name, names);
   named_by.problem(
       fmt::format("no file '{}', neither next to the main file nor in the library of the program", shortened(name)),
-      near.empty() ? "'straytrace library' lists its files" : fmt::format("did you mean '{}'?", near));
+      did_you_mean(name, names, "'straytrace library' lists its files"));
 }
 
 bool contains_word(std::string_view text, std::string_view word) {

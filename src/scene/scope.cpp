@@ -49,7 +49,7 @@ class ScopeBuilder {
 
   std::optional<Value> value_of(NodeData::Entry const& e) {
     if (auto const done = scope_->own.find(e.key); done != scope_->own.end()) return done->second;
-    if (std::find(chain_.begin(), chain_.end(), e.key) != chain_.end() || chain_.size() >= longest_chain) {
+    if (std::ranges::find(chain_, e.key) != chain_.end() || chain_.size() >= longest_chain) {
       refuse_chain(e);
       return {};
     }
@@ -101,7 +101,7 @@ class ScopeBuilder {
       return;
     }
     std::string circle;
-    for (auto it = std::find(chain_.begin(), chain_.end(), e.key); it != chain_.end(); ++it) circle += *it + " -> ";
+    for (auto it = std::ranges::find(chain_, e.key); it != chain_.end(); ++it) circle += *it + " -> ";
     document_.add({e.place, fmt::format("parameter '{}' depends on itself ({})", e.key, shortened(circle + e.key)),
                    "write one of them as a number", Severity::error, e.width});
   }
@@ -178,10 +178,8 @@ std::shared_ptr<Scope const> make_model_scope(SceneDocument& document, NodeData 
       continue;
     }
     if (!params || !params->find(name)) {
-      std::string const near = nearest_word(name, names);
       document.add({place, fmt::format("parameter '{}' is not defined in the model", shortened(name)),
-                    near.empty() ? settable(names) : fmt::format("did you mean '{}'?", near), Severity::error,
-                    code_points(name)});
+                    did_you_mean(name, names, settable(names)), Severity::error, code_points(name)});
       continue;
     }
     auto text = std::make_shared<NodeData>();

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/yaml_tree.hpp"
-
 #include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
@@ -11,6 +9,8 @@
 #include <array>
 #include <optional>
 #include <sstream>
+
+#include "scene/merge.hpp"
 
 namespace straytrace::scene {
 namespace {
@@ -82,7 +82,7 @@ void report_syntax(SceneDocument& document, std::uint32_t file, std::vector<Prob
   if (!broken_lines.empty()) return;
   auto const bytes = static_cast<std::size_t>(std::max(0, c.column));
   Place const place{file, number, code_points(source.line(number).substr(0, bytes)) + 1};
-  auto const hit = std::find_if(syntax.begin(), syntax.end(), [&](Syntax const& s) { return s.complaint == c.text; });
+  auto const hit = std::ranges::find_if(syntax, [&](Syntax const& s) { return s.complaint == c.text; });
   if (hit != syntax.end())
     document.add({place, std::string(hit->what), std::string(hit->suggestion)});
   else

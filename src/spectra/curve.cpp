@@ -16,8 +16,8 @@ double log_log_at(std::span<double const> hz, std::span<double const> value, dou
   if (hz.empty() || !(f >= hz.front() && f <= hz.back())) return not_a_number;
   if (hz.size() == 1) return value.front();
   auto const last = static_cast<std::ptrdiff_t>(hz.size()) - 1;
-  auto const i = static_cast<std::size_t>(
-      std::clamp<std::ptrdiff_t>(std::upper_bound(hz.begin(), hz.end(), f) - hz.begin(), 1, last));
+  auto const i =
+      static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(std::ranges::upper_bound(hz, f) - hz.begin(), 1, last));
   double const low = value[i - 1], high = value[i];
   if (f == hz[i - 1] || f == hz[i]) return f == hz[i] ? high : low;
   double const x = log_share(f, hz[i - 1], hz[i]);
@@ -60,7 +60,7 @@ Curve parse_named_curve(std::string_view text, std::span<std::string_view const>
   for (std::string_view const name : names)
     for (std::size_t i = 1; i < titles.size(); ++i)
       if (titles[i] == name) return curve_of(table, 1, i + 1);
-  bool const named = std::any_of(titles.begin(), titles.end(), [](std::string const& t) { return !t.empty(); });
+  bool const named = std::ranges::any_of(titles, [](std::string const& t) { return !t.empty(); });
   return {
       {},
       {},

@@ -157,9 +157,7 @@ void run_settled(std::vector<Section> const& sections, std::vector<double>& x) {
 }
 
 std::size_t padding(std::vector<Section> const& sections) {
-  auto const count = [&](auto const& is_zero) {
-    return std::size_t(std::count_if(sections.begin(), sections.end(), is_zero));
-  };
+  auto const count = [&](auto const& is_zero) { return std::size_t(std::ranges::count_if(sections, is_zero)); };
   std::size_t const no_b = count([](Section const& s) { return s.b[2] == 0; });
   std::size_t const no_a = count([](Section const& s) { return s.a[1] == 0; });
   return 3 * (2 * sections.size() + 1 - std::min(no_a, no_b));
@@ -207,7 +205,7 @@ std::vector<double> both_ways(std::vector<Section> const& sections, std::vector<
   for (std::size_t i = 1; i <= pad; ++i) y.push_back(2 * x.back() - x[n - 1 - i]);
   for (int way = 0; way < 2; ++way) {
     run_settled(sections, y);
-    std::reverse(y.begin(), y.end());
+    std::ranges::reverse(y);
   }
   return {y.begin() + std::ptrdiff_t(pad), y.end() - std::ptrdiff_t(pad)};
 }

@@ -36,13 +36,22 @@ std::vector<double> Fourier::inverse(Complexes const& lines, std::size_t count) 
   return samples;
 }
 
+bool has_fast_transform(std::size_t n) {
+  for (std::size_t const p : {2, 3, 5})
+    while (n % p == 0) n /= p;
+  return n == 1;
+}
+
 std::size_t good_length(std::size_t n) {
-  for (std::size_t m = n < 2 ? 2 : n + n % 2;; m += 2) {
-    std::size_t rest = m;
-    for (std::size_t const p : {2, 3, 5})
-      while (rest % p == 0) rest /= p;
-    if (rest == 1) return m;
-  }
+  n = std::max<std::size_t>(2, n + n % 2);
+  while (!has_fast_transform(n)) n += 2;
+  return n;
+}
+
+std::size_t quick_length(std::size_t n) {
+  std::size_t const twos = n & -n;
+  while (!has_fast_transform(n)) n += twos;
+  return n;
 }
 
 std::vector<double> filtered(std::vector<double> const& x, std::size_t beyond,

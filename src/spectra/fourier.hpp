@@ -36,8 +36,11 @@ class Fourier {
   Complexes lines_;
 };
 
-// The next even number without prime factors above 5, which has fast transforms.
-std::size_t good_length(std::size_t);
+// Transforms are fast for lengths without prime factors above 5.
+bool has_fast_transform(std::size_t);
+// The next even one; the next one with all the factors two of n, so that twice the samples have twice the length.
+std::size_t good_length(std::size_t n);
+std::size_t quick_length(std::size_t n);
 
 // Multiplies the lines of a record by `factor` of their frequency in cycles per sample. Odd reflection continues the
 // record beyond both ends by `beyond` samples (at most its length), so that the ends do not form a step.

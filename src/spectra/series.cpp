@@ -64,8 +64,7 @@ TimeSeries cut(TimeSeries const& s, GpsSpan span) {
 
 std::vector<TimeSeries> aligned(std::vector<TimeSeries> const& all) {
   if (all.size() < 2) return all;
-  TimeSeries const& slow =
-      *std::min_element(all.begin(), all.end(), [](auto const& a, auto const& b) { return a.rate < b.rate; });
+  TimeSeries const& slow = *std::ranges::min_element(all, [](auto const& a, auto const& b) { return a.rate < b.rate; });
   double from = -1e300, to = 1e300;
   for (TimeSeries const& s : all) {
     from = std::max(from, s.start);

@@ -70,7 +70,7 @@ Spectrum filtered(Spectrum const& s, Function const& factor, std::span<double co
   knots.insert(knots.end(), coarse.begin(), coarse.end());
   for (double const f : features)
     if (f > s.lowest() && f < s.highest()) knots.push_back(f);
-  std::sort(knots.begin(), knots.end());
+  std::ranges::sort(knots);
   knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
   std::vector<double> values;
   for (double const f : knots) values.push_back(factor(f));

@@ -2,7 +2,6 @@
 // Spectra that change with time.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "spectra/series.hpp"

@@ -16,7 +16,7 @@ double power_law_integral(double a, double b, double n) {
 }
 
 std::size_t interval_of(std::vector<double> const& knots, double hz) {
-  auto const after = std::upper_bound(knots.begin(), knots.end(), hz) - knots.begin();
+  auto const after = std::ranges::upper_bound(knots, hz) - knots.begin();
   return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(after - 1, 0, std::ssize(knots) - 2));
 }
 
@@ -107,7 +107,7 @@ Spectrum Spectrum::multiplied(std::function<double(double)> const& factor, std::
     std::vector<double> hz = t.hz;
     for (double f : extra)
       if (f > t.hz.front() && f < t.hz.back()) hz.push_back(f);
-    std::sort(hz.begin(), hz.end());
+    std::ranges::sort(hz);
     hz.erase(std::unique(hz.begin(), hz.end()), hz.end());
     std::vector<double> psd;
     for (double f : hz) psd.push_back(at(t, f) * factor(f));
@@ -119,7 +119,7 @@ Spectrum Spectrum::multiplied(std::function<double(double)> const& factor, std::
 std::vector<double> Spectrum::hz() const {
   std::vector<double> knots;
   for (Table const& t : tables_) knots.insert(knots.end(), t.hz.begin(), t.hz.end());
-  std::sort(knots.begin(), knots.end());
+  std::ranges::sort(knots);
   knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
   return knots;
 }

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "io/delimited_text.hpp"
 #include "spectra/curve.hpp"
@@ -70,8 +69,7 @@ C TransferFunction::Table::operator()(double f) const {
         fmt::format("'{}' covers {:g} Hz to {:g} Hz, not the requested {:g} Hz", name, hz.front(), hz.back(), f),
         "give a file that covers the band, or choose 'band' in 'noise' inside it");
   if (holds) f = std::clamp(f, hz.front(), hz.back());
-  auto const above =
-      std::clamp<std::ptrdiff_t>(std::upper_bound(hz.begin(), hz.end(), f) - hz.begin(), 1, std::ssize(hz) - 1);
+  auto const above = std::clamp<std::ptrdiff_t>(std::ranges::upper_bound(hz, f) - hz.begin(), 1, std::ssize(hz) - 1);
   auto const b = std::size_t(above), a = b - 1;
   double const share = log_share(f, hz[a], hz[b]);
   return std::polar(std::exp(std::lerp(log_modulus[a], log_modulus[b], share)), std::lerp(phase[a], phase[b], share));

@@ -34,7 +34,7 @@ void add_products(std::vector<PhaseSensitivityProduct>& into, std::vector<PhaseS
 
 bool too_many(std::vector<PhaseSensitivityProduct> const& products) {
   std::array<std::size_t, replica_count> pairs = {};
-  return std::any_of(products.begin(), products.end(), [&](PhaseSensitivityProduct const& p) {
+  return std::ranges::any_of(products, [&](PhaseSensitivityProduct const& p) {
     return ++pairs[p.replica] > PhaseSensitivitySums::most_pairs;
   });
 }
@@ -101,7 +101,7 @@ void sum_phase_sensitivities(SteeredWorld const& world, std::uint64_t seed, std:
     threshold = drawn[phase_sensitivities_per_block].priority;
     drawn.resize(phase_sensitivities_per_block);
   }
-  std::sort(drawn.begin(), drawn.end(), drawn_before);
+  std::ranges::sort(drawn, drawn_before);
   for (Candidate const& c : drawn) {
     auto const path = replay(world, seed, c.score.history, c.score.event, c.score.connection);
     if (!path || path->coupling != c.score.coupling)

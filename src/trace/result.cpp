@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <functional>
 #include <iterator>
 #include <stdexcept>
@@ -33,7 +32,7 @@ std::size_t records_kept(std::uint64_t blocks) {
 
 void keep_largest(ClassSums& sums, std::size_t most) {
   std::erase_if(sums.kept, [&](ScoreAddress const& a) { return a.priority < sums.threshold; });
-  std::sort(sums.kept.begin(), sums.kept.end(), before);
+  std::ranges::sort(sums.kept, before);
   if (sums.kept.size() <= most) return;
   sums.threshold = std::max(sums.threshold, sums.kept[most].priority);
   sums.kept.resize(most);
@@ -208,7 +207,7 @@ void Moments::add_score(double total, std::uint64_t history) {
 void Moments::close_block() {
   block_sum2 = sum * sum;
   shorten(tail);
-  std::sort(tail.begin(), tail.end(), std::greater<>());
+  std::ranges::sort(tail, std::greater<>());
 }
 
 Moments merged(Moments const& left, Moments const& right) {

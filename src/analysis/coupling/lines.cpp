@@ -15,7 +15,6 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "spectra/welch.hpp"
-#include "spectra/window.hpp"
 
 namespace straytrace::analysis {
 namespace {

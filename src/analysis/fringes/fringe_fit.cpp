@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <complex>
 
@@ -252,12 +253,6 @@ namespace {
 
 using Field = std::vector<std::complex<double>>;
 
-std::size_t power_of_two_above(std::size_t n) {
-  std::size_t p = 1;
-  while (p < n) p *= 2;
-  return p;
-}
-
 struct Span {
   double start = 0;  // GPS s
   std::size_t first = 0, count = 0;
@@ -296,7 +291,7 @@ double mask(double hz, double low, double high) {
 FringeModel fringe_model(FringeRecords const& r, FringeFitSettings const& s, FringeFit const& fit) {
   Span const span = span_of(r, fit);
   // Room behind the end, so that the filter does not wrap into the beginning.
-  std::size_t const n = power_of_two_above(span.count + std::size_t(2 * r.target.rate));
+  std::size_t const n = std::bit_ceil(span.count + std::size_t(2 * r.target.rate));
   Field sum(n), lines, series;
   Fourier fourier;
   for (std::size_t p = 0; p < fit.paths.size(); ++p) {

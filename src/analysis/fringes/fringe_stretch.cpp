@@ -22,14 +22,8 @@ double taper(double turn) {
   return edge >= 1 ? 1 : 0.5 - 0.5 * std::cos(pi * edge);
 }
 
-bool smooth(std::size_t n) {
-  for (std::size_t const p : {2, 3, 5})
-    while (n % p == 0) n /= p;
-  return n == 1;
-}
-
 std::size_t smooth_below(std::size_t n) {
-  while (n > 1 && !smooth(n)) --n;
+  while (n > 1 && !has_fast_transform(n)) --n;
   return n;
 }
 

@@ -127,7 +127,7 @@ std::string Node::choice(std::string_view key, std::span<std::string_view const>
   }
   if (!value) return {};
   std::string const word = value.as_word();
-  if (value.kind() != Kind::scalar || std::find(words.begin(), words.end(), word) != words.end()) return word;
+  if (value.kind() != Kind::scalar || std::ranges::find(words, word) != words.end()) return word;
   std::string const near = nearest_word(word, words);
   value.problem(fmt::format("'{}' cannot be \"{}\"", key, shortened(word)),
                 near.empty() ? "write one of: " + listed(words)
@@ -246,6 +246,11 @@ std::string nearest_word(std::string_view word, std::span<std::string const> wor
     }
   }
   return best;
+}
+
+std::string did_you_mean(std::string_view word, std::span<std::string const> words, std::string otherwise) {
+  std::string const near = nearest_word(word, words);
+  return near.empty() ? otherwise : fmt::format("did you mean '{}'?", near);
 }
 
 // Numeric readers of Node.

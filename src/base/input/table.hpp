@@ -127,5 +127,7 @@ std::string read_status(Node const& table);
 
 // The nearest of `words` by edit distance, empty when nothing is close: "did you mean ...?".
 std::string nearest_word(std::string_view word, std::span<std::string const> words);
+// "did you mean 'NEAREST'?", or `otherwise` when nothing is close.
+std::string did_you_mean(std::string_view word, std::span<std::string const> words, std::string otherwise);
 
 }  // namespace straytrace

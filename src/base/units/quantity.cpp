@@ -90,7 +90,7 @@ constexpr std::array spellings{
 
 template <class List>
 Unit const* find_in(List const& list, std::string_view name) {
-  auto const hit = std::find_if(list.begin(), list.end(), [&](Unit const& u) { return u.name == name; });
+  auto const hit = std::ranges::find_if(list, [&](Unit const& u) { return u.name == name; });
   return hit == list.end() ? nullptr : &*hit;
 }
 Unit const* find_unit(std::string_view name) { return find_in(units, name); }

@@ -35,10 +35,8 @@ struct PredictOptions {
 BodyAxis place_of(PredictOptions const& o, std::vector<std::string> const& bodies) {
   auto const body = std::find(bodies.begin(), bodies.end(), o.body);
   if (body == bodies.end()) {
-    std::string const near = nearest_word(o.body, bodies);
-    throw InputError(
-        fmt::format("--body: the run has no body '{}'", o.body),
-        near.empty() ? fmt::format("bodies: {}", fmt::join(bodies, ", ")) : fmt::format("did you mean '{}'?", near));
+    throw InputError(fmt::format("--body: the run has no body '{}'", o.body),
+                     did_you_mean(o.body, bodies, fmt::format("bodies: {}", fmt::join(bodies, ", "))));
   }
   return {BodyId{std::uint32_t(body - bodies.begin())},
           int(std::find(axes.begin(), axes.end(), o.axis) - axes.begin())};

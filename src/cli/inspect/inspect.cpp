@@ -221,10 +221,8 @@ int inspect(InspectOptions const& i) {
     if (!i.plot.empty()) break;
   }
   if (found) return done;
-  std::string const near = nearest_word(i.file, known);
   throw InputError(fmt::format("'{}' has no material '{}'", own ? i.scene : i.file, i.file),
-                   !near.empty() ? fmt::format("did you mean '{}'?", near)
-                                 : fmt::format("its materials: {}", fmt::join(known, ", ")));
+                   did_you_mean(i.file, known, fmt::format("its materials: {}", fmt::join(known, ", "))));
 }
 
 }  // namespace

@@ -257,7 +257,7 @@ bool comes_before(OutlineEdge const& a, OutlineEdge const& b) {
 
 std::vector<OutlineEdge> edges_of(CadOutline const& outline) {  // each once
   std::vector<OutlineEdge> all(outline.edges.data, outline.edges.data + outline.edges.size);
-  std::sort(all.begin(), all.end(), comes_before);
+  std::ranges::sort(all, comes_before);
   auto const same = [](auto const& a, auto const& b) { return !comes_before(a, b) && !comes_before(b, a); };
   all.erase(std::unique(all.begin(), all.end(), same), all.end());
   return all;
@@ -270,7 +270,7 @@ std::vector<double> levels_of(CadFace const& s, std::vector<OutlineEdge> const& 
   };
   for (OutlineEdge const& e : edges) add(e.low, e.high, e.side == 0 ? 1 : levels_of_arc);
   if (s.carrier != Carrier::plane) add(s.outline.low_y, s.outline.high_y, levels_of_bend);
-  std::sort(all.begin(), all.end());
+  std::ranges::sort(all);
   double const least = 1e-12 * (s.outline.high_y - s.outline.low_y);
   all.erase(std::unique(all.begin(), all.end(), [&](double a, double b) { return b - a <= least; }), all.end());
   return all;
@@ -304,7 +304,7 @@ Drawing CadFace::drawing() const {
     std::vector<OutlineEdge> here;
     for (OutlineEdge const& e : edges)
       if (e.low <= middle && middle < e.high) here.push_back(e);
-    std::sort(here.begin(), here.end(), [&](auto const& a, auto const& b) { return a.x_at(middle) < b.x_at(middle); });
+    std::ranges::sort(here, [&](auto const& a, auto const& b) { return a.x_at(middle) < b.x_at(middle); });
     double winding = 0;  // of what lies to the right of an edge
     for (std::size_t k = here.size(); k-- > 1;) {
       winding += here[k].turn;

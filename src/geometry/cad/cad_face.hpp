@@ -194,12 +194,7 @@ struct CadFace {
     double const reach = second / radius / (2 * pi);
     return bracketed_root(off, share - reach, share + reach, true);
   }
-  STRAY_HD void extent(double& lowest, double& highest, double& r_min, double& r_max) const {
-    lowest = low;
-    highest = high;
-    r_min = near;
-    r_max = far;
-  }
+  STRAY_HD Extent extent() const { return {low, high, near, far}; }
   STRAY_HD Vec3 reference() const { return pose.origin; }
   double largest_length() const { return carrier == Carrier::torus ? torus().largest_length() : 0; }
   STRAY_HD Box bounds() const { return box; }

@@ -25,6 +25,12 @@ struct Crossing {
   std::uint32_t piece = 0;
 };
 
+// Heights along the axis of a shape from its reference point, and distances from that axis, m, that contain the
+// surface.
+struct Extent {
+  double low = 0, high = 0, r_min = 0, r_max = 0;
+};
+
 // A point drawn on a surface, uniform in area.
 struct SurfacePoint {
   Vec3 point;

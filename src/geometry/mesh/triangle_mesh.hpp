@@ -99,11 +99,8 @@ struct TriangleMesh {
     return 0.5 * (content.area_before[i] + content.area_before[i + 1]) / content.area_before[content.in_order.size];
   }
   // Heights along e3 and radii about it, from the origin of the part, that contain the surface.
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
-    low = unit * content.low;
-    high = unit * content.high;
-    r_min = unit * content.near;
-    r_max = unit * content.far;
+  STRAY_HD Extent extent() const {
+    return {unit * content.low, unit * content.high, unit * content.near, unit * content.far};
   }
   STRAY_HD Vec3 reference() const { return pose.origin; }
   STRAY_HD Box bounds() const;

@@ -90,12 +90,7 @@ struct Cone {
     SinCos const a = sincos_turn(v);
     return apex + (rho * cosine / sine) * axis + (rho * a.cos) * f.e1 + (rho * a.sin) * f.e2;
   }
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
-    low = 0;
-    high = height();
-    r_min = inner_radius;
-    r_max = outer_radius;
-  }
+  STRAY_HD Extent extent() const { return {0, height(), inner_radius, outer_radius}; }
   STRAY_HD Vec3 reference() const { return origin; }
   STRAY_HD Box bounds() const { return box_about_axis(origin, axis, 0, height(), outer_radius); }
 };

@@ -158,12 +158,10 @@ struct Conic {
     }
   }
   STRAY_HD double decentre() const { return std::sqrt(decentre_x * decentre_x + decentre_y * decentre_y); }
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
+  STRAY_HD Extent extent() const {
     double const off_axis = decentre();
-    low = lowest;
-    high = highest;
-    r_min = std::fmax(0.0, std::fmax(off_axis - outer_radius, inner_radius - off_axis));
-    r_max = off_axis + outer_radius;
+    return {lowest, highest, std::fmax(0.0, std::fmax(off_axis - outer_radius, inner_radius - off_axis)),
+            off_axis + outer_radius};
   }
   STRAY_HD Vec3 reference() const { return vertex; }
   // Two boxes hold the surface: that of the cylinder between its heights, and that of the tangent plane over the

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/shapes/cuboid.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/input/table.hpp"
 #include "geometry/drawing.hpp"
 

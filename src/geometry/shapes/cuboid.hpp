@@ -87,11 +87,8 @@ struct Cuboid {
     Vec3 const p = centre + ((upper ? 0.5 : -0.5) * size[i]) * e[i] + ((x - 0.5) * size[j]) * e[j];
     return {p + ((v - 0.5) * size[k]) * e[k], 2 * i + (upper ? 1 : 0)};
   }
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
-    low = -0.5 * depth;
-    high = 0.5 * depth;
-    r_min = 0;
-    r_max = 0.5 * std::sqrt(width * width + height * height);
+  STRAY_HD Extent extent() const {
+    return {-0.5 * depth, 0.5 * depth, 0, 0.5 * std::sqrt(width * width + height * height)};
   }
   STRAY_HD Vec3 reference() const { return centre; }
   STRAY_HD Box bounds() const {

@@ -74,11 +74,7 @@ struct Cylinder {
     SinCos const a = sincos_turn(v);
     return origin + (from + u * (to - from)) * axis + (radius * a.cos) * f.e1 + (radius * a.sin) * f.e2;
   }
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
-    low = from;
-    high = to;
-    r_min = r_max = radius;
-  }
+  STRAY_HD Extent extent() const { return {from, to, radius, radius}; }
   STRAY_HD Vec3 reference() const { return origin; }
   STRAY_HD Box bounds() const { return box_about_axis(origin, axis, from, to, radius); }
 };

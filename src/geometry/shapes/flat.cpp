@@ -139,7 +139,7 @@ Drawing Polygon::drawing() const {
       azimuths.push_back(2 * pi * (turn - std::floor(turn)));
     }
   }
-  std::sort(azimuths.begin(), azimuths.end());
+  std::ranges::sort(azimuths);
   auto const columns = std::uint32_t(azimuths.size());
   return Drawing::grid(1, columns, true, [&](double u, double v) {
     double const a = azimuths[std::uint32_t(std::lround(v * columns)) % columns];

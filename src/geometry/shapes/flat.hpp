@@ -72,12 +72,7 @@ struct Disk {
     SinCos const a = sincos_turn(v);
     return centre + (rho * a.cos) * f.e1 + (rho * a.sin) * f.e2;
   }
-  // Heights along `axis` from `centre`, and radii about it, that contain the surface.
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
-    low = high = 0;
-    r_min = inner_radius;
-    r_max = outer_radius;
-  }
+  STRAY_HD Extent extent() const { return {0, 0, inner_radius, outer_radius}; }
   STRAY_HD Vec3 reference() const { return centre; }
   STRAY_HD Box bounds() const { return box_about_axis(centre, axis, 0, 0, outer_radius); }
 };
@@ -115,11 +110,7 @@ struct Ellipse : PlaneFrame {
       v = more.next();
     }
   }
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
-    low = high = 0;
-    r_min = std::fmin(hole_x, hole_y);
-    r_max = std::fmax(semi_x, semi_y);
-  }
+  STRAY_HD Extent extent() const { return {0, 0, std::fmin(hole_x, hole_y), std::fmax(semi_x, semi_y)}; }
   STRAY_HD Box bounds() const {
     Vec3 const a = semi_x * e1, b = semi_y * e2;
     Vec3 const side{std::sqrt(a.x * a.x + b.x * b.x), std::sqrt(a.y * a.y + b.y * b.y),
@@ -154,10 +145,8 @@ struct Rectangle : PlaneFrame {
     double const y = (s - bars) / hole_width;
     return at((v - 0.5) * hole_width, y - 0.5 * height + (2 * y < height - hole_height ? 0 : hole_height));
   }
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
-    low = high = 0;
-    r_min = 0.5 * std::fmin(hole_width, hole_height);
-    r_max = 0.5 * std::sqrt(width * width + height * height);
+  STRAY_HD Extent extent() const {
+    return {0, 0, 0.5 * std::fmin(hole_width, hole_height), 0.5 * std::sqrt(width * width + height * height)};
   }
   STRAY_HD Box bounds() const {
     Vec3 const a = 0.5 * width * e1, b = 0.5 * height * e2;
@@ -221,11 +210,7 @@ struct Polygon : PlaneFrame {
       v = more.next();
     }
   }
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
-    low = high = 0;
-    r_min = hole_apothem;
-    r_max = radius;
-  }
+  STRAY_HD Extent extent() const { return {0, 0, hole_apothem, radius}; }
   STRAY_HD Box bounds() const {
     if (sides == 0) return box_about_axis(origin, axis, 0, 0, radius);
     Box box;

@@ -47,12 +47,7 @@ struct Sphere {
     SinCos const a = sincos_turn(v);
     return centre + radius * Vec3{rho * a.cos, rho * a.sin, z};
   }
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
-    low = -radius;
-    high = radius;
-    r_min = 0;
-    r_max = radius;
-  }
+  STRAY_HD Extent extent() const { return {-radius, radius, 0, radius}; }
   STRAY_HD Vec3 reference() const { return centre; }
   STRAY_HD Box bounds() const {
     Vec3 const r{radius, radius, radius};
@@ -81,11 +76,8 @@ struct Zone : Sphere {
     SinCos const a = sincos_turn(v);
     return centre + z * axis + (rho * a.cos) * f.e1 + (rho * a.sin) * f.e2;
   }
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
-    low = from;
-    high = to;
-    r_min = std::fmin(ring(from), ring(to));
-    r_max = from < 0 && to > 0 ? radius : std::fmax(ring(from), ring(to));
+  STRAY_HD Extent extent() const {
+    return {from, to, std::fmin(ring(from), ring(to)), from < 0 && to > 0 ? radius : std::fmax(ring(from), ring(to))};
   }
   // Along each direction the sphere itself ends the box where its pole lies within the zone, otherwise a rim does.
   STRAY_HD Box bounds() const {
@@ -159,18 +151,14 @@ struct Cap {
     SinCos const a = sincos_turn(v);
     return vertex + (curvature * g) * axis + (rho * a.cos) * f.e1 + (rho * a.sin) * f.e2;
   }
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
+  STRAY_HD Extent extent() const {
     double const a = curvature * depth(inner_radius), b = curvature * depth(outer_radius);
-    low = a < b ? a : b;
-    high = a < b ? b : a;
-    r_min = inner_radius;
-    r_max = outer_radius;
+    return {a < b ? a : b, a < b ? b : a, inner_radius, outer_radius};
   }
   STRAY_HD Vec3 reference() const { return vertex; }
   STRAY_HD Box bounds() const {
-    double low, high, r_min, r_max;
-    extent(low, high, r_min, r_max);
-    return box_about_axis(reference(), axis, low, high, r_max);
+    Extent const e = extent();
+    return box_about_axis(reference(), axis, e.low, e.high, e.r_max);
   }
 };
 

@@ -128,11 +128,8 @@ struct Torus {
     Frame const f = Frame::around(axis);
     return centre + (rho * ring.cos) * f.e1 + (rho * ring.sin) * f.e2 + (minor_radius * tube.sin) * axis;
   }
-  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
-    low = -minor_radius;
-    high = minor_radius;
-    r_min = major_radius - minor_radius;
-    r_max = major_radius + minor_radius;
+  STRAY_HD Extent extent() const {
+    return {-minor_radius, minor_radius, major_radius - minor_radius, major_radius + minor_radius};
   }
   STRAY_HD Vec3 reference() const { return centre; }
   // m: across the ring rounding of the slope, which is that of the tube, counts as it does on a surface of this size.

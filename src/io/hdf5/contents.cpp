@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/hdf5/contents.hpp"
 
-#include <fmt/format.h>
-
 #include "base/errors.hpp"
 #include "base/process/child_process.hpp"
 #include "io/hdf5/load_contents.hpp"

@@ -130,7 +130,7 @@ class Walk {
     here.is_group = true;
     H5O_info_t info;
     bool const known = H5Oget_info2(group.getId(), &info, H5O_INFO_BASIC) >= 0;
-    bool const circle = std::find(above_.begin(), above_.end(), info.addr) != above_.end();
+    bool const circle = std::ranges::find(above_, info.addr) != above_.end();
     if (!known || circle || above_.size() > deepest) return;
     above_.push_back(info.addr);
     add_attributes(group, here);

@@ -2,8 +2,6 @@
 // Effect of uncertain scatter and uncertain motion on the total (docs/theory/errors.md).
 #pragma once
 
-#include <array>
-
 #include "noise/noise.hpp"
 
 namespace straytrace::noise {

@@ -144,7 +144,7 @@ class MotionInversion {
   void find_crossings() {
     for (int k = first; k <= last; ++k) {
       double const scale = std::pow(10, double(k) / steps), before = std::pow(10, double(k - 1) / steps);
-      if (std::all_of(crossed_.begin(), crossed_.end(), [](Crossed const& c) { return c.above > 0; })) return;
+      if (std::ranges::all_of(crossed_, [](Crossed const& c) { return c.above > 0; })) return;
       if (scale > 1 && !can(scale)) return;
       NoiseTrace const& t = at(scale);
       for (std::size_t i = 0; i < line_.size(); ++i)
@@ -196,7 +196,7 @@ Inversion invert_scatter(NoiseBudget const& b, CouplingTable const& table, Mater
   for (std::size_t r = 0; r < b.routes.size(); ++r) {
     bool guessed = false;
     for (auto const& [n, share] : scatters(table.classes[r], material, guessed)) add_route(bins, b.routes[r], n, share);
-    bool const loud = std::any_of(b.routes[r].asd.begin(), b.routes[r].asd.end(), [](double h) { return h > 0; });
+    bool const loud = std::ranges::any_of(b.routes[r].asd, [](double h) { return h > 0; });
     out.first_order = out.first_order || (guessed && loud);
   }
   for (std::size_t i = 0; i < bins.size(); ++i) {

@@ -57,7 +57,7 @@ std::array<double, 3> Draws::read_off(std::vector<double>& values) const {
 }
 
 std::array<double, 3> Draws::percentiles(std::vector<double> weights, int copies) const {
-  std::sort(weights.begin(), weights.end(), std::greater<>());
+  std::ranges::sort(weights, std::greater<>());
   double constant = 0;
   std::vector<double> used;
   for (std::size_t m = 0; m < weights.size(); ++m) {
@@ -207,7 +207,7 @@ class SpeckleLaw {
     return out;
   }
   static Eigen::Index place(std::vector<std::size_t> const& ascending, std::size_t value) {
-    return std::lower_bound(ascending.begin(), ascending.end(), value) - ascending.begin();
+    return std::ranges::lower_bound(ascending, value) - ascending.begin();
   }
 
   // Inputs that affect one route belong to one block.
@@ -386,8 +386,7 @@ std::vector<SpeckleMode> modes_of(std::vector<SpeckleMoments> const& blocks, boo
       if (directions) modes.back().direction = own.eigenvectors().col(m);
     }
   }
-  std::stable_sort(modes.begin(), modes.end(),
-                   [](SpeckleMode const& a, SpeckleMode const& b) { return a.weight > b.weight; });
+  std::ranges::stable_sort(modes, [](SpeckleMode const& a, SpeckleMode const& b) { return a.weight > b.weight; });
   return modes;
 }
 

@@ -5,8 +5,6 @@
 #include <Eigen/Dense>
 
 #include <array>
-#include <complex>
-#include <span>
 #include <vector>
 
 #include "noise/noise.hpp"

@@ -19,7 +19,7 @@ std::complex<double> at(Transfer const& t, double hz) { return t ? (*t)(hz) : 1;
 std::vector<Transfer> distinct_transfers(MotionInput const& input) {
   std::vector<Transfer> found;
   for (Gain const& gain : input.gains)
-    if (std::find(found.begin(), found.end(), gain.transfer) == found.end()) found.push_back(gain.transfer);
+    if (std::ranges::find(found, gain.transfer) == found.end()) found.push_back(gain.transfer);
   return found;
 }
 
@@ -40,7 +40,7 @@ Spectrum of_difference(Spectrum const& s, Transfer const& a, Transfer const& b) 
 
 void add(std::vector<MotionClass>& classes, Spectrum spectrum, MotionClass::Member member) {
   if (!(spectrum.total() > 0)) return;
-  auto const same = std::find_if(classes.begin(), classes.end(), [&](MotionClass const& c) {
+  auto const same = std::ranges::find_if(classes, [&](MotionClass const& c) {
     return c.tone_frequency == 0 && !c.drift && same_shape(c.reference, spectrum);
   });
   member.scale = same == classes.end() ? 1 : spectrum.total() / same->reference.total();
@@ -176,7 +176,7 @@ MotionDirections::Gains MotionDirections::of(std::span<PhaseSensitivity const> p
     if (phase_sensitivity.body.value < of_body_.size())
       for (Entry const& e : of_body_[phase_sensitivity.body.value])
         terms.emplace_back(e.column, e.gain, phase_sensitivity.d[e.axis] * e.value);
-  std::stable_sort(terms.begin(), terms.end(), [](auto const& a, auto const& b) {
+  std::ranges::stable_sort(terms, [](auto const& a, auto const& b) {
     return std::tie(std::get<0>(a), std::get<1>(a)) < std::tie(std::get<0>(b), std::get<1>(b));
   });
   Gains out;

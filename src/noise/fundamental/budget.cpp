@@ -23,7 +23,7 @@ std::vector<double> NoiseTable::total() const {
 }
 
 std::vector<double> NoiseTable::total_sigma() const {
-  if (std::all_of(entries.begin(), entries.end(), [](BudgetEntry const& e) { return e.sigma.empty(); })) return {};
+  if (std::ranges::all_of(entries, [](BudgetEntry const& e) { return e.sigma.empty(); })) return {};
   std::vector<double> const h = total();
   std::vector<double> out;
   for (std::size_t i = 0; i < hz.size(); ++i) {
@@ -77,8 +77,7 @@ std::vector<double> thermal_requirement(NoiseTable const& table) {
                                          "SubstrateBrownian", "SubstrateThermoElastic"};
   std::vector<double> sum(table.hz.size(), 0.0);
   for (std::string_view const name : needed) {
-    auto const found =
-        std::find_if(table.entries.begin(), table.entries.end(), [&](BudgetEntry const& e) { return e.name == name; });
+    auto const found = std::ranges::find_if(table.entries, [&](BudgetEntry const& e) { return e.name == name; });
     if (found == table.entries.end()) return {};
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = std::hypot(sum[i], found->asd[i]);
   }

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "noise/fundamental/coating.hpp"
-
 #include <cmath>
-#include <complex>
 
 #include "base/errors.hpp"
+#include "noise/fundamental/fundamental.hpp"
 
 namespace straytrace::noise {
 BesselZeros const& bessel_zeros() {

@@ -101,18 +101,17 @@ std::vector<DesignCurve> read_design_curves(Node const& noise_table, NoiseSettin
   std::span<std::string const> const known = built_in_designs();
   for (Node const& node : noise_table.list("compare")) {
     std::string const name = node.as_word();
-    if (std::find(known.begin(), known.end(), name) != known.end()) {
+    if (std::ranges::find(known, name) != known.end()) {
       curves.push_back({name, {}});
       for (std::size_t i = 0; i < settings.grid.size(); ++i)
         curves.back().asd.push_back(design_asd(name, settings.grid.centre(i)));
     } else if (name.find_first_of("./") != name.npos) {
       curves.push_back(from_file(node, name, settings.grid));
     } else if (!name.empty()) {
-      std::string const near = nearest_word(name, known);
-      node.problem(fmt::format("'{}' is not a design curve", name),
-                   near.empty()
-                       ? fmt::format("write {}, or the name of a file such as 'design.txt'", fmt::join(known, ", "))
-                       : fmt::format("did you mean '{}'?", near));
+      node.problem(
+          fmt::format("'{}' is not a design curve", name),
+          did_you_mean(name, known,
+                       fmt::format("write {}, or the name of a file such as 'design.txt'", fmt::join(known, ", "))));
     }
   }
   return curves;

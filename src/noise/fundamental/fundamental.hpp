@@ -2,11 +2,12 @@
 // The fundamental noises of a detector as a list of named functions (docs/theory/sensitivity.md).
 #pragma once
 
+#include <complex>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
+#include "ifo/dual_recycled.hpp"
 #include "noise/fundamental/detector.hpp"
 
 namespace straytrace::noise {
@@ -20,5 +21,116 @@ struct FundamentalNoise {
   std::span<FundamentalNoise const> parts = {};                             // whose PSDs sum to it; empty: no parts
 };
 std::span<FundamentalNoise const> fundamental_noises();
+
+// Quantum noise of a detector, from the network of its mirrors (ifo/dual_recycled.hpp): includes all losses, radiation
+// pressure, optical springs and squeezing.
+
+// Loss of all mirrors of an arm counts at its end mirror; balanced homodyne read-out.
+DualRecycledParameters dual_recycled(Detector const&);
+
+// Strain PSD, 1/Hz, one-sided.
+std::vector<double> quantum_psd(Detector const&, std::span<double const> hz);
+std::vector<double> shot_psd(Detector const&, std::span<double const> hz);  // mirrors held: no radiation pressure
+double quantum_limit(double length, double mass, double hz);                // strain ASD, eq. 12.5
+
+// Suspended test masses: response to ground motion, and thermal noise (docs/theory/sensitivity.md, eq. 12.9 for one
+// stage).
+
+constexpr double standard_gravity = 9.80665;  // m/s^2
+
+// One direction of a chain of masses and lossy springs, at one frequency. Motion goes as exp(i w t).
+struct ChainResponse {
+  std::complex<double> from_top;    // test mass per displacement of the support of the chain
+  std::complex<double> compliance;  // of the test mass, m/N
+  double thermal_psd = 0;           // m^2/Hz of the test mass, one-sided
+};
+enum class Direction { horizontal, vertical };
+// Horizontal: pendulums whose wires lose energy where they bend, dilution by gravity; the last stage with the violin
+// modes of its fibres (Gonzalez and Saulson 1994). Vertical: blades, and the stretch of the fibres.
+ChainResponse chain_response(SuspensionChain const&, Direction, double hz);
+
+// Thermal noise along the beam of one test mass, m^2/Hz: horizontal, and vertical times the coupling squared.
+double suspension_thermal_psd(SuspensionChain const&, double hz);
+// |displacement along the beam per displacement of the platform|^2, both directions shaken alike and independently.
+double seismic_transfer_squared(SuspensionChain const&, double hz);
+
+// Disturbances of test masses and beams from outside: ground motion, gravity of ground and air, residual gas.
+
+// Motion of the platform of the suspensions, m/sqrt(Hz) (docs/theory/motion.md). "BSC": in-vacuum platform of LIGO,
+// straight lines in log-log between the knots; "6D": the same with a six-axis seismometer; "intermediate": geometric
+// mean of both; "low", "typical", "high": Peterson's models; "quiet": 1e-7/f^2; "virgo": 1e-6/f^2. NaN: no such name.
+double platform_asd(std::string_view name, double hz);
+std::span<std::string_view const> platform_names();
+
+// Displacement PSD along the beam of one test mass by gravity of the ground and the air, m^2/Hz (Harms 2019, eq. 35,
+// 96, 98; Amann et al. 2020 below ground; 172 for infrasound).
+double rayleigh_newtonian_psd(Ground const&, double hz);
+double body_wave_newtonian_psd(Ground const&, double hz);
+double infrasound_newtonian_psd(Air const&, double hz);
+
+// Length of one arm, m^2/Hz: molecules that cross the beam (Weiss, Zucker and Whitcomb; constant pressure).
+double gas_scattering_psd(Detector const&, GasSpecies const&, double hz);
+// Force on one free test mass by molecules that hit it, N^2/Hz (Cavalleri et al. 2010); no squeezed film.
+double gas_damping_force_psd(Detector const&, GasSpecies const&, double temperature);
+
+// Multilayer coatings: reflection, Brownian and thermo-optic noise. Displacement PSD of one mirror, m^2/Hz, one-sided.
+
+// Thermal noise of substrates: mirrors of finite size under a centred Gaussian beam. Displacement PSD of one mirror,
+// m^2/Hz, one-sided; w is the 1/e^2 intensity radius in m.
+
+struct MirrorShape {
+  double radius, thickness;  // m
+};
+
+// Strain energy per force squared of a static Gaussian pressure, J/N^2 (Bondu, Hello and Vinet 1998; Liu and Thorne
+// 2000): S_x = 8 kT phi U/w; half space for a radius and thickness much larger than w: eq. 12.7.
+double strain_energy(SubstrateMaterial const&, MirrorShape, double w);
+double substrate_brownian_psd(SubstrateMaterial const&, MirrorShape, double w, double hz);
+// Liu and Thorne 2000, eq. 46; heat that flows away during a period as in a half space (Cerdonio et al. 2001): cold
+// crystals.
+double substrate_thermoelastic_psd(SubstrateMaterial const&, MirrorShape, double w, double hz);
+// Optical path of one pass through the substrate, m^2/Hz (Braginsky and Vyatchanin 2004, eq. E7): at all frequencies.
+double substrate_thermorefractive_psd(SubstrateMaterial const&, double thickness, double w, double hz);
+
+// Zeros of the Bessel function J1, ascending, and J0 there.
+struct BesselZeros {
+  std::vector<double> zero, j0;
+};
+BesselZeros const& bessel_zeros();
+
+// Alternating layers, low index first, on the substrate. Thickness over the wavelength in the layer.
+struct CoatingStack {
+  std::vector<double> layers;
+  CoatingMaterial low, high;
+  SubstrateMaterial substrate;
+  double wavelength;  // m, in vacuum
+
+  CoatingMaterial const& material(std::size_t i) const { return i % 2 == 0 ? low : high; }
+  double thickness(std::size_t i) const { return layers[i] * wavelength / material(i).index; }  // m
+};
+
+// As given, or doublets under a cap whose last layer is trimmed so that the transmission is reached.
+CoatingStack coating_stack(Detector const&, CoatedMirror const&);
+
+struct StackReflection {
+  std::complex<double> amplitude;               // seen from the vacuum
+  std::vector<std::complex<double>> log_slope;  // d ln(amplitude)/d(one-way phase) of each layer
+};
+StackReflection reflection(CoatingStack const&);
+
+// Hong et al. 2013 with equal losses in bulk and shear and without photo-elastic effect.
+double coating_brownian_psd(CoatingStack const&, double w, double hz);
+// Evans et al. 2008 (thick coatings), mirrors of finite size after Braginsky and Vyatchanin 2003.
+class CoatingThermoOptic {
+ public:
+  CoatingThermoOptic(CoatingStack const&, MirrorShape, double w);
+  double psd(double hz) const;
+
+ private:
+  double elastic_, refractive_;  // m/K
+  double thickness_, heat_, conductivity_;
+  SubstrateMaterial substrate_;
+  double w_;
+};
 
 }  // namespace straytrace::noise

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "noise/fundamental/surroundings.hpp"
-
-#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "noise/fundamental/fundamental.hpp"
 #include "spectra/curve.hpp"
 #include "spectra/shapes.hpp"
 

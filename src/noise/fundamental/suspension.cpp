@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "noise/fundamental/suspension.hpp"
-
 #include <Eigen/LU>
 
 #include <cmath>
+
+#include "noise/fundamental/fundamental.hpp"
 
 namespace straytrace::noise {
 namespace {

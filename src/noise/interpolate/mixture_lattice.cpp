@@ -48,7 +48,7 @@ void MixtureLattice::coordinates(std::span<double const> kappa, std::vector<doub
     left += own;
     q.push_back(left > 0 ? own / left : 0);
   }
-  std::reverse(q.begin(), q.end());
+  std::ranges::reverse(q);
 }
 
 MixtureLattice::MixtureLattice(std::vector<double> rate, std::span<double const> kappa, double least, double step,
@@ -64,7 +64,7 @@ MixtureLattice::MixtureLattice(std::vector<double> rate, std::span<double const>
     low = std::min(low, t);
     high = std::max(high, t);
   }
-  main_ = static_cast<std::size_t>(std::max_element(share.begin(), share.end()) - share.begin());
+  main_ = static_cast<std::size_t>(std::ranges::max_element(share) - share.begin());
   for (std::size_t c = 0; c < classes; ++c)
     if (c != main_ && rate_[c] > 0) axes_.emplace_back().of = c;
   if (!(low <= high)) return;
@@ -83,7 +83,7 @@ MixtureLattice::MixtureLattice(std::vector<double> rate, std::span<double const>
       axes_[a].high = std::max(axes_[a].high, q[a]);
     }
   }
-  place_points(most / static_cast<std::size_t>(std::count(used.begin(), used.end(), true)));
+  place_points(most / static_cast<std::size_t>(std::ranges::count(used, true)));
   for (std::size_t level = 0; level < used.size(); ++level) {
     of_level_.push_back(static_cast<std::uint32_t>(kappa_.size()));
     if (used[level]) add_nodes(lowest_ + static_cast<int>(level));
@@ -94,7 +94,7 @@ MixtureLattice::MixtureLattice(std::vector<double> rate, std::span<double const>
 void MixtureLattice::place_points(std::size_t most) {
   std::vector<Axis*> by_width;
   for (Axis& axis : axes_) by_width.push_back(&axis);
-  std::sort(by_width.begin(), by_width.end(), [](auto* a, auto* b) { return a->high - a->low < b->high - b->low; });
+  std::ranges::sort(by_width, [](auto* a, auto* b) { return a->high - a->low < b->high - b->low; });
   std::vector<int> points;
   for (Axis const* axis : by_width)
     points.push_back(std::max(4, 3 + static_cast<int>(std::ceil((most_points - 3) * (axis->high - axis->low)))));

@@ -7,7 +7,6 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
-#include "noise/interpolate/mixture_lattice.hpp"
 
 namespace straytrace::noise {
 namespace {
@@ -60,8 +59,7 @@ SpectrumInterpolator::SpectrumInterpolator(PhaseSpectra const& spectra, Strength
     compute_paths(options.direct);
     return;
   }
-  bool const off =
-      std::any_of(found_.begin(), found_.end(), [](SpotCheck const& c) { return !(c.error <= tolerance); });
+  bool const off = std::ranges::any_of(found_, [](SpotCheck const& c) { return !(c.error <= tolerance); });
   if (off && falls_back) compute_paths(options.direct);
 }
 
@@ -305,10 +303,10 @@ void SpectrumInterpolator::forget_nodes() {
 // Compares each node with its next one along each axis.
 bool SpectrumInterpolator::smooth() const {
   for (auto const& [at, node] : node_) {
-    auto const strong = std::count_if(at.begin(), at.end(), [](std::int32_t a) { return a != none; });
+    auto const strong = std::ranges::count_if(at, [](std::int32_t a) { return a != none; });
     double const limit = std::exp(strong == 1 ? 0.8 : 0.4);
     std::vector<double> const& here = basis_[first_basis_[node]].psd;
-    double const floor = below_highest * *std::max_element(here.begin(), here.end());
+    double const floor = below_highest * *std::ranges::max_element(here);
     for (std::size_t c = 0; c < at.size(); ++c) {
       if (at[c] == none || spectra_.classes()[c].drift) continue;
       Address next = at;
@@ -338,7 +336,7 @@ SpectrumInterpolator::Basis SpectrumInterpolator::shared_spectrum(std::size_t pa
 
 bool SpectrumInterpolator::accurate() {
   found_ = checks_.compared([&](std::size_t path) { return shared_spectrum(path).psd; });
-  return std::all_of(found_.begin(), found_.end(), [](SpotCheck const& c) { return c.error <= tolerance; });
+  return std::ranges::all_of(found_, [](SpotCheck const& c) { return c.error <= tolerance; });
 }
 
 void SpectrumInterpolator::refine_cells(std::size_t most) {
@@ -460,7 +458,7 @@ std::vector<double> SpectrumInterpolator::square_rates() const {
   for (std::size_t i = 0; i < paths_.size(); ++i)
     for (std::size_t c = 0; c < classes; ++c)
       if (rate[c] > 0 && paths_.of(i)[c] < 0) return {};
-  return std::count_if(rate.begin(), rate.end(), [](double r) { return r > 0; }) > 1 ? rate : std::vector<double>();
+  return std::ranges::count_if(rate, [](double r) { return r > 0; }) > 1 ? rate : std::vector<double>();
 }
 
 bool SpectrumInterpolator::use_mixture(Options const& options) {

@@ -169,7 +169,7 @@ Chosen choose(PhaseSpectra const& spectra, Strengths const& paths, std::size_t c
   if (!(sum > 0)) return chosen;
   std::vector<std::pair<double, std::size_t>> ranked;
   for (auto const& [r, total] : of_route) ranked.emplace_back(-total, r);
-  std::sort(ranked.begin(), ranked.end());
+  std::ranges::sort(ranked);
   chosen.at_random[most_moved] = false;
   for (std::size_t k = 0; k < ranked.size() && k + 1 < count / 2; ++k)
     if (ranked[k].first < 0) chosen.at_random[best[ranked[k].second].second] = false;
@@ -195,7 +195,7 @@ SpotChecks::SpotChecks(PhaseSpectra const& spectra, Strengths const& paths, std:
 // Over the paths at equal steps, which represent all; a route without one has its strongest.
 std::vector<double> SpotChecks::mean(std::size_t route) const {
   auto const has = [&](Own const& o, bool only_random) { return o.route == route && (o.at_random || !only_random); };
-  bool const random = std::any_of(own_.begin(), own_.end(), [&](Own const& o) { return has(o, true); });
+  bool const random = std::ranges::any_of(own_, [&](Own const& o) { return has(o, true); });
   std::vector<double> sum(own_.front().spectrum.psd.size());
   double paths = 0;
   for (Own const& o : own_) {
@@ -214,7 +214,7 @@ std::vector<SpotCheck> SpotChecks::compared(std::function<std::vector<double>(st
     found.path = o.path;
     std::vector<double> const psd = shared(o.path), mean_psd = mean(o.route);
     std::vector<double> const &own = o.spectrum.psd, &linear = o.spectrum.linear;
-    double const floor = near_rounding * *std::max_element(own.begin(), own.end());
+    double const floor = near_rounding * *std::ranges::max_element(own);
     for (std::size_t i = 0; i < own.size(); ++i) {
       double const size = std::max(own[i], mean_psd[i]);
       if (!(size > 0) || (size < floor && !(linear[i] > 0.5 * own[i]))) continue;

@@ -61,7 +61,7 @@ PredictedCoupling predict_coupling(CouplingTable const& table, std::vector<std::
     out.routes.push_back(std::move(r));
   }
   for (PredictedRoute& r : out.routes) r.share = all > 0 ? r.share / all : not_a_number;
-  std::stable_sort(out.routes.begin(), out.routes.end(), [](PredictedRoute const& a, PredictedRoute const& b) {
+  std::ranges::stable_sort(out.routes, [](PredictedRoute const& a, PredictedRoute const& b) {
     return std::pair(a.resolved, a.share) > std::pair(b.resolved, b.share);
   });
   if (!out.routes.empty()) out.linear_to = 1 / out.routes.front().phase;

@@ -124,8 +124,7 @@ NoiseTrace finished(std::string name, PowerSum const& sum) {
 
 // Why a class cannot enter the total; empty when it can.
 std::string objection(CouplingTable const& table, CouplingClass const& c, RouteSpectrum const& route) {
-  auto const replicas =
-      std::count_if(table.replica_histories.begin(), table.replica_histories.end(), [](auto n) { return n > 0; });
+  auto const replicas = std::ranges::count_if(table.replica_histories, [](auto n) { return n > 0; });
   if (!c.coupling.trusted) return c.coupling.why_not.empty() ? "its mean is not trusted" : c.coupling.why_not;
   if (c.coupling.mean > 0 && c.records.empty()) return "no path of it was kept";
   if (c.deterministic()) return {};
@@ -219,8 +218,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   for (auto const& [r, own] : doubtful) total.add_hint(own);
   budget.total = finished("total", total);
   budget.total.resolved = budget.unresolved.empty();
-  bool const nothing =
-      std::none_of(budget.routes.begin(), budget.routes.end(), [](auto const& t) { return t.resolved; });
+  bool const nothing = std::ranges::none_of(budget.routes, [](auto const& t) { return t.resolved; });
   if (nothing && !budget.unresolved.empty())  // unresolved is not zero
     for (Bins NoiseTrace::*curve :
          {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::phase_sensitivities_sigma,

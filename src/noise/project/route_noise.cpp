@@ -3,12 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "base/math/constants.hpp"
-#include "noise/wrapped/phase_spectra.hpp"
 
 namespace straytrace::noise {
 FirstOrderRatio::FirstOrderRatio(PhaseSpectra const& spectra, MotionSet const& motion, CouplingTable const& table,
@@ -242,9 +240,9 @@ std::string sharing_note(CouplingTable const& table, MotionSet const& motion, Ph
       "the spectra of {} paths rest on {} of them, drawn at random among paths of like strength; this adds {}",
       paths.size(), nodes.drawn(), error);
   if (nodes.checks().empty()) return drawn + ". Their strengths differ too much for shared spectra";
-  SpotCheck const worst = *std::max_element(nodes.checks().begin(), nodes.checks().end(),
-                                            [](auto const& a, auto const& b) { return a.error < b.error; });
-  auto const after = std::upper_bound(paths.first.begin(), paths.first.end(), worst.path);
+  SpotCheck const worst =
+      *std::ranges::max_element(nodes.checks(), [](auto const& a, auto const& b) { return a.error < b.error; });
+  auto const after = std::ranges::upper_bound(paths.first, worst.path);
   CouplingClass const& route = table.classes[static_cast<std::size_t>(after - paths.first.begin()) - 1];
   return fmt::format(
       "{}. Shared spectra were off by up to {:.2g} of the PSD of a path, at {:.3g} Hz on route '{}' (moved most by "

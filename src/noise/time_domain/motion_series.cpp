@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <map>
 
@@ -192,19 +191,6 @@ MotionSeries draw_motion(MotionSet const& motion, SampleTimes const& times, std:
   Drawing drawing(times, seed, realisation);
   for (std::uint32_t i = 0; i < motion.inputs.size(); ++i) drawing.add(motion.inputs[i], i);
   return drawing.finished();
-}
-
-std::size_t quick_length(std::size_t n) {
-  std::size_t twos = 1;
-  for (; n > 1 && n % 2 == 0; n /= 2) twos *= 2;
-  std::size_t best = std::numeric_limits<std::size_t>::max();
-  for (std::size_t fives = 1; fives < 5 * n; fives *= 5)
-    for (std::size_t threes = fives; threes < 3 * n; threes *= 3) {
-      std::size_t length = threes;
-      while (length < n) length *= 2;
-      best = std::min(best, length);
-    }
-  return best * twos;
 }
 
 std::vector<double> made_periodic(std::span<double const> x, std::size_t period) {

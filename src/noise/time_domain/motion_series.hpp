@@ -49,10 +49,6 @@ std::vector<double> resampled(TimeSeries const&, SampleTimes const&);
 
 // Records made periodic, so that linear systems act on them by one transform.
 
-// The least n' >= n that is a power of two times 3^a 5^b, with all the factors two of n: twice the samples have twice
-// the period. Transforms of other lengths are slow.
-std::size_t quick_length(std::size_t n);
-
 // `period` samples: x, then a smooth way from its last value back to its first.
 std::vector<double> made_periodic(std::span<double const> x, std::size_t period);
 

@@ -250,8 +250,8 @@ FringeCurve fringe_curve(CouplingTable const& table, std::uint32_t route, Motion
     if (moves && mean > 0) out.bodies.push_back({BodyId{body}, mean / two_k, spread / two_k});
   }
   for (double& f : out.hz) f = std::fabs(f);
-  std::stable_sort(out.bodies.begin(), out.bodies.end(),
-                   [](Multiplicity const& a, Multiplicity const& b) { return a.bounces > b.bounces; });
+  std::ranges::stable_sort(out.bodies,
+                           [](Multiplicity const& a, Multiplicity const& b) { return a.bounces > b.bounces; });
   return out;
 }
 
@@ -262,8 +262,8 @@ std::vector<FringeStride> by_stride(std::span<double const> hz, SampleTimes cons
   for (std::size_t from = 0; from < hz.size(); from += n) {
     std::size_t const to = std::min(from + n, hz.size());
     std::vector<double> sorted(hz.begin() + std::ptrdiff_t(from), hz.begin() + std::ptrdiff_t(to));
-    std::sort(sorted.begin(), sorted.end());
-    auto const above = sorted.end() - std::upper_bound(sorted.begin(), sorted.end(), threshold);
+    std::ranges::sort(sorted);
+    auto const above = sorted.end() - std::ranges::upper_bound(sorted, threshold);
     out.push_back({times.start + double(from) / times.rate, times.start + double(to) / times.rate, at(sorted, 0.5),
                    at(sorted, 0.95), sorted.back(), double(above) / double(sorted.size())});
   }

@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/rng.hpp"
 #include "noise/time_domain/motion_series.hpp"
 
 namespace straytrace::noise {
@@ -147,5 +150,220 @@ double second_order_phase(double motion, double distance, double wavelength) {
 }
 
 double delay_cycles(double hz, double path_length) { return hz * path_length / speed_of_light; }
+
+namespace {
+
+constexpr std::uint32_t no_vertex = 0xffffffffu;  // addresses of draws that belong to no record
+
+// One number from two; any change of either changes half of the bits (the finaliser of SplitMix64).
+std::uint64_t mixed(std::uint64_t a, std::uint64_t b) {
+  std::uint64_t x = a + 0x9e3779b97f4a7c15ull * (b + 1);
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+// Draws of one realisation, by route and address.
+class PathDraws {
+ public:
+  PathDraws(std::uint64_t seed, std::uint32_t realisation) : seed_(mixed(seed, realisation)) {}
+  double turns(std::uint64_t route, PathRecord const& r, std::uint32_t copy) const {
+    std::uint64_t const place = mixed(r.history, std::uint64_t{copy} << 32 | r.connection);
+    return Rng(seed_, mixed(route, place), r.event, Stream::static_phase).uniform();
+  }
+  double of_member(std::uint64_t route, std::size_t member, std::uint32_t copy) const {
+    return Rng(seed_, mixed(route, std::uint64_t{copy} << 32 | member), no_vertex, Stream::static_phase).uniform();
+  }
+  double of_route(std::uint64_t route) const {
+    return Rng(seed_, route, no_vertex - 1, Stream::static_phase).uniform();
+  }
+
+ private:
+  std::uint64_t seed_;
+};
+
+// Paths that no history found have no address but their place in the class. Those of a coherent family share a draw
+// for each state of polarisation.
+void add_computed(std::vector<StrayPath>& paths, CouplingClass const& c, StrayPath path, std::uint32_t copy,
+                  PathDraws const& draws) {
+  PathRecord const& r = c.records[path.record];
+  if (!c.adds_fields()) {
+    path.turns = draws.of_member(c.hash, path.record, copy);
+    paths.push_back(path);
+    return;
+  }
+  double const amplitude = path.amplitude / std::sqrt(r.weight);
+  for (std::size_t state = 0; state < r.field.size(); ++state) {
+    if (r.field[state] == 0.0) continue;
+    path.amplitude = amplitude * std::abs(r.field[state]);
+    path.turns = std::arg(r.field[state]) / (2 * pi) + draws.of_member(c.hash, state, copy);
+    paths.push_back(path);
+  }
+}
+
+struct Pick {
+  std::size_t record;
+  double share;  // of the power of the route
+};
+
+// Every record by its weight, or `n` of equal shares by one random offset.
+std::vector<Pick> picked(CouplingClass const& c, std::size_t n, double offset) {
+  double const weight =
+      std::accumulate(c.records.begin(), c.records.end(), 0.0, [](double s, auto const& r) { return s + r.weight; });
+  std::vector<Pick> picks;
+  bool const all = n == 0 || n >= c.records.size() || c.deterministic();
+  double before = 0;
+  for (std::size_t i = 0; i < c.records.size() && weight > 0; ++i) {
+    double const share = c.records[i].weight / weight;
+    if (all && share > 0) picks.push_back({i, share});
+    if (!all) {
+      double const from = std::ceil(before * double(n) - offset), to = std::ceil((before + share) * double(n) - offset);
+      for (double k = from; k < to && picks.size() < n; ++k) picks.push_back({i, 1 / double(n)});
+    }
+    before += share;
+  }
+  if (!all && !picks.empty())  // rounding of the last border must not lose power
+    for (Pick& p : picks) p.share = 1 / double(picks.size());
+  return picks;
+}
+
+std::vector<double> phase_sensitivity_of(StrayPath const& path, MotionSeries const& motion) {
+  std::vector<double> turns(motion.coordinates.size());
+  for (std::size_t c = 0; c < turns.size(); ++c)
+    for (PhaseSensitivity const& phase_sensitivity : path.phase_sensitivities)
+      if (phase_sensitivity.body == motion.coordinates[c].body)
+        turns[c] += phase_sensitivity.d[motion.coordinates[c].axis] / (2 * pi);
+  return turns;
+}
+
+// Means and covariances over time of the coordinates of a motion.
+class CoordinateMoments {
+ public:
+  explicit CoordinateMoments(MotionSeries const& motion) : n_(motion.coordinates.size()), covariance_(n_ * n_) {
+    auto const samples = double(motion.times.samples);
+    std::vector<double> mean(n_);
+    for (std::size_t c = 0; c < n_; ++c) {
+      auto const& x = motion.coordinates[c].position;
+      mean[c] = std::accumulate(x.begin(), x.end(), 0.0) / samples;
+    }
+    for (std::size_t a = 0; a < n_; ++a)
+      for (std::size_t b = a; b < n_; ++b) {
+        double sum = 0;
+        for (std::size_t i = 0; i < motion.times.samples; ++i)
+          sum += (motion.coordinates[a].position[i] - mean[a]) * (motion.coordinates[b].position[i] - mean[b]);
+        covariance_[a * n_ + b] = covariance_[b * n_ + a] = sum / samples;
+      }
+  }
+  // rad^2, of the moving part of the phase; `phase_sensitivity` in turns per unit of each coordinate.
+  double mean_square_phase(std::vector<double> const& phase_sensitivity) const {
+    double turns2 = 0;
+    for (std::size_t a = 0; a < n_; ++a)
+      for (std::size_t b = 0; b < n_; ++b)
+        turns2 += phase_sensitivity[a] * covariance_[a * n_ + b] * phase_sensitivity[b];
+    return 4 * pi * pi * std::max(0.0, turns2);
+  }
+
+ private:
+  std::size_t n_;
+  std::vector<double> covariance_;
+};
+
+}  // namespace
+
+std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer const& ifo, PathChoice const& choice) {
+  PathDraws const draws(choice.seed, choice.realisation);
+  std::vector<StrayPath> paths;
+  for (std::uint32_t const route : choice.routes) {
+    CouplingClass const& c = table.classes.at(route);
+    double const copies = ifo.copies(c.port), drawn = std::max(1.0, std::round(copies));
+    std::vector<Pick> const picks = picked(c, choice.per_route, draws.of_route(c.hash));
+    for (std::uint32_t copy = 0; copy < std::uint32_t(drawn); ++copy) {
+      std::uint32_t repeat = 0;  // of a record that represents several fields
+      for (std::size_t p = 0; p < picks.size(); ++p) {
+        PathRecord const& r = c.records[picks[p].record];
+        repeat = p > 0 && picks[p - 1].record == picks[p].record ? repeat + 1 : 0;
+        StrayPath path{c.port, 0, 0, r.path_length, r.phase_sensitivities, route, std::uint32_t(picks[p].record)};
+        path.amplitude = std::sqrt(c.reverse * c.coupling.mean * picks[p].share * copies / drawn);
+        if (c.deterministic()) {
+          add_computed(paths, c, path, copy, draws);
+          continue;
+        }
+        path.turns = draws.turns(c.hash, r, copy + repeat * std::uint32_t(drawn));
+        paths.push_back(path);
+      }
+    }
+  }
+  return paths;
+}
+
+PhaseTerms phase_terms(std::span<StrayPath const> paths, MotionSeries const& motion, Delay delay) {
+  std::vector<std::vector<double>> all;
+  for (StrayPath const& p : paths) all.push_back(phase_sensitivity_of(p, motion));
+  PhaseTerms t;
+  std::vector<std::size_t> used;
+  for (std::size_t c = 0; c < motion.coordinates.size(); ++c)
+    if (std::ranges::any_of(all, [&](auto const& l) { return l[c] != 0; })) used.push_back(c);
+  for (std::size_t c : used) t.coordinate.emplace_back(motion.coordinates[c].position);
+  for (std::size_t c : used)
+    if (delay == Delay::half_path) t.coordinate.emplace_back(motion.coordinates[c].velocity);
+  for (std::size_t j = 0; j < paths.size(); ++j) {
+    t.amplitude.push_back(paths[j].amplitude);
+    t.turns.push_back(paths[j].turns);
+    for (std::size_t c : used) t.phase_sensitivity.push_back(all[j][c]);
+    for (std::size_t c : used)
+      if (delay == Delay::half_path) t.phase_sensitivity.push_back(-all[j][c] * paths[j].length / (2 * speed_of_light));
+  }
+  return t;
+}
+
+FastestFringe fastest_fringe(std::span<StrayPath const> paths, MotionSeries const& motion) {
+  std::size_t const n = motion.coordinates.size();
+  std::vector<double> largest(n);
+  for (std::size_t c = 0; c < n; ++c)
+    for (double v : motion.coordinates[c].velocity) largest[c] = std::max(largest[c], std::fabs(v));
+  std::vector<std::pair<double, std::size_t>> bounds;  // no path is faster than this
+  std::vector<std::vector<double>> phase_sensitivities;
+  for (std::size_t j = 0; j < paths.size(); ++j) {
+    phase_sensitivities.push_back(phase_sensitivity_of(paths[j], motion));
+    double bound = 0;
+    for (std::size_t c = 0; c < n; ++c) bound += std::fabs(phase_sensitivities[j][c]) * largest[c];
+    bounds.emplace_back(-bound, j);
+  }
+  std::ranges::sort(bounds);
+  FastestFringe best;
+  for (auto const& [bound, j] : bounds) {
+    if (-bound <= best.hz) break;
+    for (std::size_t i = 0; i < motion.times.samples; ++i) {
+      double rate = 0;
+      for (std::size_t c = 0; c < n; ++c) rate += phase_sensitivities[j][c] * motion.coordinates[c].velocity[i];
+      if (std::fabs(rate) > best.hz)
+        best = {std::fabs(rate), j, motion.times.start + static_cast<double>(i) / motion.times.rate};
+    }
+  }
+  return best;
+}
+
+MovingRoute moving_route(std::span<StrayPath const> paths, MotionSeries const& motion) {
+  CoordinateMoments const moments(motion);
+  struct Sums {
+    double power = 0, square = 0, moved = 0;  // of p, p phi^2 and p (1 - exp(-phi^2)) over the paths of a route
+  };
+  std::map<std::uint32_t, Sums> by_route;
+  for (StrayPath const& p : paths) {
+    double const power = p.amplitude * p.amplitude, phase2 = moments.mean_square_phase(phase_sensitivity_of(p, motion));
+    Sums& sums = by_route[p.route];
+    sums.power += power;
+    sums.square += power * phase2;
+    sums.moved -= power * std::expm1(-phase2);
+  }
+  MovingRoute best;
+  double moved = -1;
+  for (auto const& [route, sums] : by_route)
+    if (sums.moved > moved) {
+      moved = sums.moved;
+      best = {route, sums.power > 0 ? std::sqrt(sums.square / sums.power) : 0};
+    }
+  return best;
+}
 
 }  // namespace straytrace::noise

@@ -172,7 +172,7 @@ double PhaseSpectra::split_hz(std::span<double const> kappa) const {
 Steps PhaseSpectra::fast_steps(std::size_t c, double from_hz) const {
   std::vector<double> only(classes_.size());
   only[c] = 1;
-  auto const edge = std::lower_bound(fine_.begin(), fine_.end(), from_hz) - fine_.begin();
+  auto const edge = std::ranges::lower_bound(fine_, from_hz) - fine_.begin();
   return fast_part(only, static_cast<std::size_t>(edge));
 }
 

@@ -8,13 +8,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <complex>
 #include <cstdint>
 #include <map>
 #include <math.h>
 #include <numeric>
 
-#include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "spectra/fourier.hpp"
 
@@ -34,9 +32,8 @@ double reach(SlowPhase const& p) {
 // The coarsest spacing up to `limit` on whose lines all tones fall; with several tones the best of a few hundred.
 double spacing_for(std::vector<PhaseTone> const& tones, double limit) {
   if (tones.empty()) return limit;
-  auto const strongest = std::max_element(tones.begin(), tones.end(), [](PhaseTone const& a, PhaseTone const& b) {
-    return a.peak * a.frequency < b.peak * b.frequency;
-  });
+  auto const strongest = std::ranges::max_element(
+      tones, [](PhaseTone const& a, PhaseTone const& b) { return a.peak * a.frequency < b.peak * b.frequency; });
   double const first = std::ceil(strongest->frequency / limit);
   double best = strongest->frequency / first, best_miss = infinity;
   for (double n = first; n < 2 * first + 200 && best_miss > 1e-9; ++n) {
@@ -259,7 +256,7 @@ class Sweep {
  public:
   explicit Sweep(Steps const& steps) : edges_(steps.edges), psd_(steps.psd) {}
   double operator()(double low, double high) {
-    if (fresh_) at_ = static_cast<std::size_t>(std::upper_bound(edges_.begin(), edges_.end(), low) - edges_.begin());
+    if (fresh_) at_ = static_cast<std::size_t>(std::ranges::upper_bound(edges_, low) - edges_.begin());
     if (fresh_ && at_ > 0) --at_;
     fresh_ = false;
     while (at_ < psd_.size() && edges_[at_ + 1] <= low) ++at_;

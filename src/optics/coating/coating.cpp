@@ -2,7 +2,6 @@
 #include "optics/coating/coating.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace straytrace::optics {
 

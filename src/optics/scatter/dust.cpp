@@ -83,7 +83,7 @@ void shorten(std::vector<double>& series) {
   std::vector<double> s;
   for (std::size_t i = 0; i <= steps; ++i) s.push_back(double(i) / double(steps));
   std::vector<double> const all = sums(series, s);
-  double left = 0.1 * DeflectionTable::tolerance * *std::min_element(all.begin(), all.end());
+  double left = 0.1 * DeflectionTable::tolerance * *std::ranges::min_element(all);
   while (series.size() > 1 && (left -= std::fabs(series.back())) > 0) series.pop_back();
 }
 

@@ -17,7 +17,7 @@ struct Curve {
   double spread = 1;
 
   double at(double x) const {
-    auto const next = std::lower_bound(log_offset.begin(), log_offset.end(), x) - log_offset.begin();
+    auto const next = std::ranges::lower_bound(log_offset, x) - log_offset.begin();
     if (next == 0) return log_value.front();
     if (std::size_t(next) == log_offset.size()) return log_value.back();
     auto const i = std::size_t(next);
@@ -34,7 +34,7 @@ struct Curve {
 // Points of one incidence, those at the same offset (within 1 %: the two sides of the specular direction) joined by
 // their geometric mean.
 Curve curve_of(std::vector<MeasuredPoint> points) {
-  std::sort(points.begin(), points.end(), [](auto const& a, auto const& b) { return a.offset < b.offset; });
+  std::ranges::sort(points, [](auto const& a, auto const& b) { return a.offset < b.offset; });
   Curve c;
   for (std::size_t i = 0; i < points.size();) {
     double x = 0, y = 0, low = infinity, high = 0;
@@ -58,7 +58,7 @@ Curve curve_of(std::vector<MeasuredPoint> points) {
 void Measured::prepare() { lobe.prepare(*this, first); }
 
 MeasuredSummary fit_measured(Measured& law, std::vector<MeasuredPoint> points, Beyond beyond) {
-  std::sort(points.begin(), points.end(), [](auto const& a, auto const& b) { return a.sin_i < b.sin_i; });
+  std::ranges::sort(points, [](auto const& a, auto const& b) { return a.sin_i < b.sin_i; });
   std::vector<Curve> curves;
   MeasuredSummary summary;
   law.incidences = 0;

@@ -63,8 +63,7 @@ std::vector<std::pair<SurfaceId, double>> distinct(WorldView const& view, std::v
   for (SurfaceId const id : surfaces) {
     PoolRef const shape = view.surfaces[id.value].shape;
     auto const size = view.shapes.visit(shape, [&](auto const& s) {
-      double low = 0, high = 0, r_min = 0, r_max = 0;
-      s.extent(low, high, r_min, r_max);
+      auto const [low, high, r_min, r_max] = s.extent();
       return std::array<double, 6>{double(shape.kind), low, high, r_min, r_max, s.area()};
     });
     ++all.try_emplace(size, id, 0).first->second.second;

@@ -10,7 +10,7 @@
 #include "base/input/table.hpp"
 #include "noise/fundamental/design.hpp"
 #include "noise/fundamental/fundamental.hpp"
-#include "noise/fundamental/quantum.hpp"
+#include "noise/fundamental/fundamental.hpp"
 #include "results/budget/budget_sources.hpp"
 #include "results/budget/budget_view.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"
@@ -57,10 +57,8 @@ DesignCurve reference_curve(std::string const& name, std::vector<double> const& 
     return curve;
   }
   if (!std::filesystem::exists(name)) {
-    std::string const near = nearest_word(name, known);
     throw InputError(fmt::format("--compare: '{}' is neither a design curve nor a file", name),
-                     near.empty() ? fmt::format("write one of: {}", fmt::join(known, ", "))
-                                  : fmt::format("did you mean '{}'?", near));
+                     did_you_mean(name, known, fmt::format("write one of: {}", fmt::join(known, ", "))));
   }
   curve.name = std::filesystem::path(name).filename().string();
   std::string const bytes = read_file(name);
@@ -85,10 +83,8 @@ void add_input(std::string const& name, BudgetRequest const& r, Gathered& g) {
   std::vector<std::string> const presets = ifo_presets();
   bool const preset = std::find(presets.begin(), presets.end(), name) != presets.end();
   if (!preset && !std::filesystem::is_regular_file(name)) {
-    std::string const near = nearest_word(name, presets);
     throw InputError(fmt::format("'{}' is neither a detector nor a file", name),
-                     near.empty() ? fmt::format("detectors: {}", fmt::join(presets, ", "))
-                                  : fmt::format("did you mean '{}'?", near));
+                     did_you_mean(name, presets, fmt::format("detectors: {}", fmt::join(presets, ", "))));
   }
   if (InputKind const kind = preset ? InputKind::detector : kind_of_input(name); kind == InputKind::budget) {
     for (NoiseSource& s : noises_of_budget(name)) g.sources.push_back(std::move(s));

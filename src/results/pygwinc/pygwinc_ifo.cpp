@@ -11,7 +11,7 @@
 #include "base/files/embedded.hpp"
 #include "base/files/text_file.hpp"
 #include "base/input/table.hpp"
-#include "noise/fundamental/quantum.hpp"
+#include "noise/fundamental/fundamental.hpp"
 #include "results/pygwinc/pygwinc_tree.hpp"
 #include "results/results.hpp"
 
@@ -164,10 +164,8 @@ std::size_t add_with_base(IfoTree& t, std::string const& source, std::string con
     std::string const preset = named_preset(base);
     if (preset.empty() || depth > 4) {
       std::vector<std::string> const known = ifo_presets();
-      std::string const near = nearest_word(base, known);
       alone.problem("extends", fmt::format("preset '{}' does not exist", base),
-                    near.empty() ? fmt::format("write one of: {}", fmt::join(known, ", "))
-                                 : fmt::format("did you mean '{}'?", near));
+                    did_you_mean(base, known, fmt::format("write one of: {}", fmt::join(known, ", "))));
       alone.throw_if_problems();
     }
     before = add_with_base(t, base, preset, depth + 1) + 1;

@@ -10,7 +10,7 @@
 
 #include "base/input/table.hpp"
 #include "base/math/constants.hpp"
-#include "noise/fundamental/surroundings.hpp"
+#include "noise/fundamental/fundamental.hpp"
 
 namespace straytrace::results {
 namespace {
@@ -170,9 +170,8 @@ void IfoTree::report_unread(std::size_t from_source) {
   std::vector<std::string> known(asked_.begin(), asked_.end());
   for (auto const& [path, value] : values_) {
     if (value.place.file < from_source || asked_.contains(path)) continue;
-    std::string const near = nearest_word(path, known);
     problem(path, fmt::format("unknown key '{}'", path),
-            near.empty() ? "see the keys in docs/reference/budget.md" : fmt::format("did you mean '{}'?", near));
+            did_you_mean(path, known, "see the keys in docs/reference/budget.md"));
   }
 }
 

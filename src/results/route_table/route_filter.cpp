@@ -213,9 +213,8 @@ class Filter {
     return all;
   }
   void unknown(FilterWord const& word, std::string const& name) {
-    std::string const near = nearest_word(name, all_names());
     problem(word, "'" + word.text + "' is not known",
-            near.empty() ? fmt::format("known are {}", fmt::join(all_names(), ", ")) : "did you mean '" + near + "'?");
+            did_you_mean(name, all_names(), fmt::format("known are {}", fmt::join(all_names(), ", "))));
   }
 
   Test either() {

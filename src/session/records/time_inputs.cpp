@@ -28,9 +28,8 @@ std::size_t place_of(std::string const& word, Words const& words, std::string co
   auto const found = std::find(std::begin(words), std::end(words), word);
   if (found != std::end(words)) return std::size_t(found - std::begin(words));
   std::vector<std::string> const known(std::begin(words), std::end(words));
-  std::string const near = nearest_word(word, known);
   throw InputError(fmt::format("{}: '{}' is not {}", option, word, what),
-                   near.empty() ? "choose one of: " + comma_list(known) : "did you mean '" + near + "'?");
+                   did_you_mean(word, known, "choose one of: " + comma_list(known)));
 }
 
 MotionFile file_of(MotionInput const& input, bool rotation) {

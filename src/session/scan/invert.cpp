@@ -39,10 +39,9 @@ std::size_t subject_of(Question const& question, ProjectionModel const& model) {
   }
   auto const hit = std::find(known.begin(), known.end(), question.name);
   if (hit != known.end()) return std::size_t(hit - known.begin());
-  std::string const near = nearest_word(question.name, known);
   throw InputError(
       fmt::format("--invert: {} '{}' does not exist", scatter ? "material that scatters" : "body", question.name),
-      near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
+      did_you_mean(question.name, known, fmt::format("known: {}", fmt::join(known, ", "))));
 }
 
 // Inputs of the inversion of one run.

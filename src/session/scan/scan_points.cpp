@@ -47,10 +47,8 @@ DesignCurve curve_named(std::string const& name, FrequencyGrid const& grid) {
   }
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(name, ignored)) {
-    std::string const near = nearest_word(name, known);
-    throw InputError(
-        fmt::format("--against: '{}' is neither a design curve nor a file", name),
-        near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
+    throw InputError(fmt::format("--against: '{}' is neither a design curve nor a file", name),
+                     did_you_mean(name, known, fmt::format("known: {}", fmt::join(known, ", "))));
   }
   Curve const table = parse_named_curve(read_text(name), strain_columns);
   if (!table.error.empty())

@@ -30,7 +30,7 @@ constexpr std::array<sys_days, 18> leaps{
 
 double days_in_seconds(sys_days day) { return 86400.0 * double((day - epoch).count()); }
 
-std::ptrdiff_t leaps_before(sys_days day) { return std::upper_bound(leaps.begin(), leaps.end(), day) - leaps.begin(); }
+std::ptrdiff_t leaps_before(sys_days day) { return std::ranges::upper_bound(leaps, day) - leaps.begin(); }
 
 }  // namespace
 
@@ -42,7 +42,7 @@ std::optional<double> gps_of_utc(std::string const& text) {
   ch::year_month_day const date{ch::year{whole(1)}, ch::month{unsigned(whole(2))}, ch::day{unsigned(whole(3))}};
   if (!date.ok() || whole(4) > 23 || whole(5) > 59 || whole(6) > 60) return {};
   sys_days const day{date};
-  bool const leap_day = std::find(leaps.begin(), leaps.end(), day + ch::days{1}) != leaps.end();
+  bool const leap_day = std::ranges::find(leaps, day + ch::days{1}) != leaps.end();
   if (day < epoch || (whole(6) == 60 && !(leap_day && whole(4) == 23 && whole(5) == 59))) return {};
   double const fraction = m[7].matched && m[7].length() > 1 ? std::stod("0" + m[7].str()) : 0;
   return days_in_seconds(day) + 3600 * whole(4) + 60 * whole(5) + whole(6) + double(leaps_before(day)) + fraction;

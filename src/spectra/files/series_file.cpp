@@ -188,15 +188,14 @@ std::size_t column_of(NumberTable const& table, std::string const& file, std::st
   if (wanted.empty())
     refuse(file, fmt::format("it has {} channels", names.size()),
            fmt::format("name one, for example {}::{}; there are {}", file, names[0], choices(names)));
-  auto const hit = std::find(names.begin(), names.end(), wanted);
+  auto const hit = std::ranges::find(names, wanted);
   if (hit != names.end()) return 1 + std::size_t(hit - names.begin());
   std::size_t number = 0;
   auto const [end, code] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
   if (code == std::errc() && end == wanted.data() + wanted.size() && number >= 1 && number <= names.size())
     return number;
-  std::string const near = nearest_word(wanted, names);
   refuse(file, fmt::format("it has no channel '{}'", wanted),
-         near.empty() ? "there are " + choices(names) : fmt::format("did you mean '{}'?", near));
+         did_you_mean(wanted, names, "there are " + choices(names)));
 }
 
 std::string at_line(NumberTable const& table, std::size_t row) { return fmt::format("line {}: ", table.line[row]); }

@@ -102,8 +102,7 @@ std::vector<Found> series_in(hdf5::Reader const& reader, std::string const& file
   std::vector<Found> all, series;
   readable(file, [&] { return collect(reader, "", all); });
   name_by_detector(reader, all);
-  bool const gwosc =
-      std::any_of(all.begin(), all.end(), [](Found const& f) { return f.path == "strain/Strain" && is_series(f); });
+  bool const gwosc = std::ranges::any_of(all, [](Found const& f) { return f.path == "strain/Strain" && is_series(f); });
   std::copy_if(all.begin(), all.end(), std::back_inserter(series), [&](Found const& f) {
     return is_series(f) && !(gwosc && f.path.starts_with("quality/"));  // bit masks are not records
   });
@@ -199,7 +198,7 @@ std::string series_hdf5(std::span<TimeSeries const> series) {
   for (TimeSeries const& s : series) {
     std::string path = s.name.empty() ? "series" : s.name;
     std::replace(path.begin(), path.end(), '/', '_');  // a slash would be a group
-    while (std::find(taken.begin(), taken.end(), path) != taken.end()) path += "_";
+    while (std::ranges::find(taken, path) != taken.end()) path += "_";
     taken.push_back(path);
     writer.array(path, s.samples, gwpy_unit(s.unit));
     writer.attribute(path, "name", s.name);

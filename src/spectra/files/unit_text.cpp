@@ -7,7 +7,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "base/units/quantity.hpp"
@@ -155,7 +154,7 @@ std::string astropy_factor(Factor const& f) {
 }
 
 bool is_single_name(std::string const& unit) {
-  return !unit.empty() && std::all_of(unit.begin(), unit.end(), [](char c) { return is_letter(c) || c == '%'; });
+  return !unit.empty() && std::ranges::all_of(unit, [](char c) { return is_letter(c) || c == '%'; });
 }
 
 std::string grouped(std::string const& unit) {

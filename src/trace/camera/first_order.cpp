@@ -145,7 +145,7 @@ class Lists {
     for (auto const& [group, sides] : sides_of)
       out.rows.push_back(
           {{group}, arriving(forward_, sides), arriving(backward, sides), product(backward, seen, sides)});
-    std::stable_sort(out.rows.begin(), out.rows.end(), [](FirstOrderRow const& a, FirstOrderRow const& b) {
+    std::ranges::stable_sort(out.rows, [](FirstOrderRow const& a, FirstOrderRow const& b) {
       return a.product.mean != b.product.mean ? a.product.mean > b.product.mean : a.power.mean > b.power.mean;
     });
     return out;

@@ -3,7 +3,6 @@
 // lenses. A surface on both lists causes first-order stray light. Page: docs/reference/commands.md.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "base/math/rng.hpp"

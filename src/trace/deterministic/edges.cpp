@@ -50,8 +50,7 @@ void add_records(std::vector<PathRecord>& records, EdgeWave const& wave, double 
       }
       record.phase_sensitivities.push_back(phase_sensitivity);
     }
-    std::sort(record.phase_sensitivities.begin(), record.phase_sensitivities.end(),
-              [](auto& a, auto& b) { return a.body < b.body; });
+    std::ranges::sort(record.phase_sensitivities, [](auto& a, auto& b) { return a.body < b.body; });
     if (record.weight > 0) records.push_back(std::move(record));
   }
 }
@@ -64,7 +63,7 @@ EdgeWave sum_of(std::vector<EdgeWave> const& waves) {
     weights += std::norm(wave.amplitude);
     sum.path_length += std::norm(wave.amplitude) * wave.path_length;
     for (EdgeWave::Gradient const& g : wave.gradient) {
-      auto at = std::find_if(sum.gradient.begin(), sum.gradient.end(), [&](auto& s) { return s.body == g.body; });
+      auto at = std::ranges::find_if(sum.gradient, [&](auto& s) { return s.body == g.body; });
       if (at == sum.gradient.end()) at = sum.gradient.insert(at, {g.body, {}});
       for (int i = 0; i < 6; ++i) at->d[i] += g.d[i];
     }
@@ -138,7 +137,7 @@ std::vector<InnerRim> rims_of(World const& world, GroupId group) {
 
 void add_direction(World const& world, std::uint32_t source, std::uint32_t goal, EdgeClasses& result) {
   for (std::string const& name : world.edges.groups) {
-    auto const at = std::find(world.groups().begin(), world.groups().end(), name);
+    auto const at = std::ranges::find(world.groups(), name);
     GroupId const id{std::uint32_t(at - world.groups().begin())};
     Group group;
     double seen = 0;
@@ -250,8 +249,7 @@ double left_by_teeth(Between const& p, Vec3 point) {
 
 void add_gradient(EdgeWave& wave, std::vector<PhaseSensitivity> const& phase_sensitivities, Field field) {
   for (PhaseSensitivity const& phase_sensitivity : phase_sensitivities) {
-    auto at = std::find_if(wave.gradient.begin(), wave.gradient.end(),
-                           [&](auto& g) { return g.body == phase_sensitivity.body; });
+    auto at = std::ranges::find_if(wave.gradient, [&](auto& g) { return g.body == phase_sensitivity.body; });
     if (at == wave.gradient.end()) at = wave.gradient.insert(at, {phase_sensitivity.body, {}});
     for (int i = 0; i < 6; ++i) at->d[i] += Field{0, 1} * phase_sensitivity.d[i] * field;
   }

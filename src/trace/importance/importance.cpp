@@ -33,13 +33,13 @@ class Builder {
   // In units of the total light of each goal; goals that no light reaches are omitted.
   std::vector<Worth> in_own_units() const {
     std::vector<Worth> all;
-    bool const lit = std::any_of(sides_.begin(), sides_.end(), [](Exchange const& e) { return !e.by_law.empty(); });
+    bool const lit = std::ranges::any_of(sides_, [](Exchange const& e) { return !e.by_law.empty(); });
     for (Worth worth : worths_) {
       std::vector<double>& adjoint = worth.adjoint;
       double total = 0;
       for (std::size_t i = 0; i < sides_.size(); ++i)
         if (!sides_[i].by_law.empty()) total += forward_score(i, adjoint);
-      if (!lit) total = *std::max_element(adjoint.begin(), adjoint.end());  // only free beams: any unit will do
+      if (!lit) total = *std::ranges::max_element(adjoint);  // only free beams: any unit will do
       if (!(total > 0)) continue;
       for (double& a : adjoint) a /= total;
       all.push_back(std::move(worth));

@@ -3,8 +3,6 @@
 // (docs/theory/sampling.md). A function of the scene only.
 #pragma once
 
-#include <string>
-
 #include "trace/steered_world.hpp"
 
 namespace straytrace::trace {

@@ -64,7 +64,7 @@ class Merger {
       }
       for (auto& half : cut(next)) waiting.push(cluster(std::move(half)));
     }
-    std::sort(done.begin(), done.end());
+    std::ranges::sort(done);
     return done;
   }
 
@@ -175,7 +175,7 @@ std::vector<double> wall_edges(World const& world, std::vector<Vec3> const& plac
       heights.push_back(from + step);
       heights.push_back(from - step);
     }
-  std::sort(heights.begin(), heights.end());
+  std::ranges::sort(heights);
   double const least = std::max(0.2 * wall.radius, length / double(most_edges));
   std::vector<double> edges{0};
   for (double const h : heights)

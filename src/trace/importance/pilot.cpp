@@ -100,7 +100,7 @@ class ArrivalSink {
 
 void find_map_cells(World& world) {
   auto const& receivers = world.receivers();
-  if (std::none_of(receivers.begin(), receivers.end(), [](Receiver const& r) { return r.by_light; })) return;
+  if (std::ranges::none_of(receivers, [](Receiver const& r) { return r.by_light; })) return;
   WorldView view = world.view();
   view.block_size = largest_block;  // of the run, which cells do not depend on
   ArrivalSink sink(view);

@@ -86,7 +86,7 @@ class Trials {
       Found const seen = found(r, 256, {id});
       if (seen.enough() && 4 * seen.square < even * seen.etendue) all.push_back({seen.etendue, {id}});
     }
-    std::stable_sort(all.begin(), all.end(), [](auto const& a, auto const& b) { return a.first > b.first; });
+    std::ranges::stable_sort(all, [](auto const& a, auto const& b) { return a.first > b.first; });
     if (all.size() > Receiver::most_aims) all.resize(Receiver::most_aims);
     std::vector<SurfaceId> ids;
     for (auto const& [seen, id] : all) ids.push_back(id);

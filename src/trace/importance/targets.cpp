@@ -64,7 +64,7 @@ std::vector<Target> targets_of(Parts const& parts, std::vector<float> const& tra
     std::nth_element(list.begin(), list.begin() + std::ptrdiff_t(most), list.end(), brighter);
     list.resize(most);
   }
-  std::sort(list.begin(), list.end(), [](Target const& a, Target const& b) { return a.patch < b.patch; });
+  std::ranges::sort(list, [](Target const& a, Target const& b) { return a.patch < b.patch; });
   double total = 0, so_far = 0;
   for (Target const& t : list) total += t.share;
   for (Target& t : list) {
@@ -107,12 +107,12 @@ double best_law_share(Arriving const& arriving, double emitted, std::vector<Targ
   double all = 0;
   for (double const share : arriving.share) all += share;
   double const unit = std::max(all, emitted);
-  std::size_t const parts = *std::max_element(part_of.begin(), part_of.end()) + 1;
+  std::size_t const parts = *std::ranges::max_element(part_of) + 1;
   std::vector<Sums> of_part(parts);
   PerChoice const choice = shares_from(least);
   PerChoice cost{};
   for (Worth const& worth : worths) {
-    std::fill(of_part.begin(), of_part.end(), Sums{});
+    std::ranges::fill(of_part, Sums{});
     for (std::size_t i = 0; i < arriving.share.size(); ++i) {
       double const f = arriving.share[i] / unit, a = worth.adjoint[i];
       if (!(f * a > 0)) continue;
@@ -139,7 +139,7 @@ double best_law_share(Arriving const& arriving, double emitted, std::vector<Targ
           cost[k] += weight_of_parts / lit_parts * std::log(part.second[k] / (part.first * part.first));
     }
   }
-  return choice[std::size_t(std::min_element(cost.begin(), cost.end()) - cost.begin())];
+  return choice[std::size_t(std::ranges::min_element(cost) - cost.begin())];
 }
 
 }  // namespace straytrace::trace

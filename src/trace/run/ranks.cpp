@@ -40,7 +40,7 @@ void stop_workers(Transport& transport) {
 }
 
 bool RankScheduler::idle() const {
-  return std::none_of(members_.begin(), members_.end(), [](Member const& m) { return m.busy.has_value(); });
+  return std::ranges::none_of(members_, [](Member const& m) { return m.busy.has_value(); });
 }
 
 void RankScheduler::take(Transport::Message const& message, BlockQueue& block_queue,

@@ -205,7 +205,7 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
   std::vector<MadeClass> made;
   for (auto const& [hash, sums] : total.classes) made.push_back(make_class(steered, hash, sums, total, seed));
   mirror_poorly_sampled(made);
-  std::sort(made.begin(), made.end(), [](auto const& a, auto const& b) { return a.row.hash < b.row.hash; });
+  std::ranges::sort(made, [](auto const& a, auto const& b) { return a.row.hash < b.row.hash; });
   for (auto& [c, moments, beam, back, reversible] : made) {
     off_list.take(c, table);
     bool const direct = c.steps.size() == 1 || c.steps.size() == 2;  // separate: mirror to mirror
@@ -298,7 +298,7 @@ std::uint64_t hash_of_route(std::vector<PathStep> const& steps, std::uint32_t be
 }
 
 std::vector<PathStep> backwards(std::vector<PathStep> steps) {
-  std::reverse(steps.begin(), steps.end());
+  std::ranges::reverse(steps);
   steps.front().event = Event::emit;
   steps.back().event = Event::couple;
   return steps;
@@ -342,9 +342,9 @@ CouplingClass deterministic_class(ClassKind kind, std::vector<PathStep> steps, P
 void add_deterministic(CouplingTable& table, std::vector<CouplingClass> const& classes) {
   if (classes.empty()) return;
   table.classes.insert(table.classes.end(), classes.begin(), classes.end());
-  std::sort(table.classes.begin(), table.classes.end(), [](auto const& a, auto const& b) { return a.hash < b.hash; });
-  auto const twice = std::adjacent_find(table.classes.begin(), table.classes.end(),
-                                        [](auto const& a, auto const& b) { return a.hash == b.hash; });
+  std::ranges::sort(table.classes, [](auto const& a, auto const& b) { return a.hash < b.hash; });
+  auto const twice =
+      std::ranges::adjacent_find(table.classes, [](auto const& a, auto const& b) { return a.hash == b.hash; });
   if (twice != table.classes.end()) throw NumericalError("two routes have the same hash: " + route_name(table, *twice));
 }
 

@@ -193,8 +193,8 @@ std::vector<PhaseSensitivity> phase_sensitivities_of(World const& world, std::ve
   std::uint32_t const from = mirror_of(world, source), to = mirror_of(world, goal);
   subtract_main(from);
   if (to != from) subtract_main(to);
-  std::sort(phase_sensitivities.begin(), phase_sensitivities.end(),
-            [](PhaseSensitivity const& a, PhaseSensitivity const& b) { return a.body < b.body; });
+  std::ranges::sort(phase_sensitivities,
+                    [](PhaseSensitivity const& a, PhaseSensitivity const& b) { return a.body < b.body; });
   return phase_sensitivities;
 }
 

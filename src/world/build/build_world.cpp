@@ -107,11 +107,9 @@ std::optional<Medium> find_medium(Node const& where, World const& world, Registr
   std::vector<std::string> known{"vacuum"};
   for (MediumPreset const& p : medium_presets()) known.emplace_back(p.name);
   for (auto const& [own, medium] : names.media) known.push_back(own);
-  std::string const near = nearest_word(name, known);
   std::string all;
   for (std::string const& k : known) all += (all.empty() ? "" : ", ") + k;
-  where.problem(fmt::format("medium '{}' is not defined", name),
-                near.empty() ? "known media: " + all : fmt::format("did you mean '{}'?", near));
+  where.problem(fmt::format("medium '{}' is not defined", name), did_you_mean(name, known, "known media: " + all));
   return {};
 }
 
@@ -134,7 +132,7 @@ std::vector<std::string> groups_with_rims(World const& world) {
   std::vector<std::string> found;
   for (std::uint32_t id = 0; id < world.surfaces().size(); ++id) {
     std::string const& group = world.name_of({id});
-    bool const known = std::find(found.begin(), found.end(), group) != found.end();
+    bool const known = std::ranges::find(found, group) != found.end();
     if (!known && rim_of(world, {id})) found.push_back(group);
   }
   return found;
@@ -147,11 +145,11 @@ void read_group(Node const& node, World& world, Registry const& names, std::vect
   for (std::string const& group : with_rims) {
     if (!matches(pattern, group)) continue;
     any = true;
-    if (std::find(chosen.begin(), chosen.end(), group) == chosen.end()) chosen.push_back(group);
+    if (std::ranges::find(chosen, group) == chosen.end()) chosen.push_back(group);
   }
   if (any || is_refused(pattern, names)) return;
   auto const& all = world.groups();
-  bool const solid = std::any_of(all.begin(), all.end(), [&](auto const& group) { return matches(pattern, group); });
+  bool const solid = std::ranges::any_of(all, [&](auto const& group) { return matches(pattern, group); });
   std::string const near = nearest_word(pattern, with_rims);
   node.problem(
       solid ? fmt::format("'{}' has no inner rim", pattern) : fmt::format("'{}' is not an entry of 'scene'", pattern),
@@ -167,8 +165,7 @@ double smallest_rim(World const& world) {
   auto const& chosen = world.edges.groups;
   for (std::uint32_t id = 0; id < world.surfaces().size(); ++id)
     if (auto const rim = rim_of(world, {id}))
-      if (std::find(chosen.begin(), chosen.end(), world.name_of({id})) != chosen.end())
-        radius = std::min(radius, rim->radius);
+      if (std::ranges::find(chosen, world.name_of({id})) != chosen.end()) radius = std::min(radius, rim->radius);
   return radius;
 }
 
@@ -188,7 +185,7 @@ void check_sizes(Node const& table, World const& world) {
 }
 
 bool has_cavity(World const& world) {
-  return std::any_of(world.footprints().begin(), world.footprints().end(), [](auto const& f) { return f.standing; });
+  return std::ranges::any_of(world.footprints(), [](auto const& f) { return f.standing; });
 }
 
 }  // namespace
@@ -210,7 +207,7 @@ void read_edges(Scene const& scene, World& world, Registry const& names) {
   check_sizes(table, world);
   static constexpr std::array<std::string_view, 3> sums = {"independent", "geometric", "in-phase"};
   std::string const sum = table.choice("sum", sums, "independent");
-  edges.sum = EdgeSettings::Sum(std::find(sums.begin(), sums.end(), sum) - sums.begin());
+  edges.sum = EdgeSettings::Sum(std::ranges::find(sums, sum) - sums.begin());
   if (!has_cavity(world) && table.healthy())
     table.problem("no beam is the mode of a cavity, so no edge can diffract between its mirrors",
                   "add 'beams: {arm: {cavity: [ITM, ETM]}}', or remove 'edges'");

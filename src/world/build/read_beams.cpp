@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Beams of the interferometer -> lit surfaces, and the ports where light rejoins them.
-#include "world/build/read_beams.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "base/errors.hpp"
 #include "base/input/document.hpp"
@@ -233,7 +230,7 @@ void read_free(Node const& beam, Registry const& names, World& world, Lighting c
   read_wavefront(beam, world, f);
   f.share = light.power * beam.number("share", dim::plain, 1, 0, 1);
   read_polarisation(beam, f.travel, world, f);
-  if (std::find(world.groups().begin(), world.groups().end(), light.name) != world.groups().end())
+  if (std::ranges::find(world.groups(), light.name) != world.groups().end())
     return beam.problem(fmt::format("an entry of 'scene' is already called '{}'", light.name),
                         "routes begin with the name of the beam: choose another");
   if (!facing || !known_place(f.centre)) return;  // all else of the beam has been read
@@ -316,13 +313,10 @@ void place_spot(World const& world, Footprint& f) {
   constexpr int across = 8;  // lines tried in radius, and in azimuth
   WorldView const view = world.view();
   Surface const& surface = world.surfaces()[f.surface.value];
-  double low = 0, high = 0, r_min = 0, r_max = 0;
-  Vec3 reference;
-  view.shapes.visit(surface.shape, [&](auto const& shape) {
-    shape.extent(low, high, r_min, r_max);
-    reference = shape.reference();
+  double const before = view.shapes.visit(surface.shape, [&](auto const& shape) {
+    Extent const e = shape.extent();
+    return 2 * (e.r_max + std::fmax(std::fabs(e.low), std::fabs(e.high))) + length(f.centre - shape.reference());
   });
-  double const before = 2 * (r_max + std::fmax(std::fabs(low), std::fabs(high))) + length(f.centre - reference);
   std::vector<Met> const chief = crossings(view, f.surface, {f.centre, f.travel}, before);
   if (chief.size() < 2) return;
   auto const alive = [&](Met const& m) { return !only_absorbs(view.optics[m.front ? surface.front : surface.back]); };
@@ -383,8 +377,7 @@ std::vector<std::uint32_t> footprints_of(Port const& port, World const& world) {
     Footprint const& f = world.footprints()[i];
     bool const idle = !f.emits && world.feeds()[i].propagated;
     if (f.beam != port.beam || f.free || (idle && port.at != Port::At::surface)) continue;
-    if (port.at == Port::At::everywhere ||
-        std::find(port.surfaces.begin(), port.surfaces.end(), f.surface) != port.surfaces.end())
+    if (port.at == Port::At::everywhere || std::ranges::find(port.surfaces, f.surface) != port.surfaces.end())
       all.push_back(i);
   }
   return all;
@@ -418,12 +411,11 @@ void read_ports(Scene const& scene, World& world, Registry const& names, Beams c
   std::vector<Port> ports;
   for (auto const& [name, node] : scene.table("ports").items()) {
     std::string const beam = node.word("beam");
-    auto const number = std::size_t(std::find(beams.names.begin(), beams.names.end(), beam) - beams.names.begin());
+    auto const number = std::size_t(std::ranges::find(beams.names, beam) - beams.names.begin());
     bool const known = number < beams.names.size();
     if (!known && !beams.names.empty() && node.has("beam")) {
-      std::string const near = nearest_word(beam, beams.names);
       node["beam"].problem(fmt::format("beam '{}' is not defined", beam),
-                           near.empty() ? "name one of 'beams'" : fmt::format("did you mean '{}'?", near));
+                           did_you_mean(beam, beams.names, "name one of 'beams'"));
     }
     Port port;
     port.name = name;

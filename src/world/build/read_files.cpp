@@ -8,12 +8,41 @@
 
 #include "base/input/document.hpp"
 #include "base/text/words.hpp"
-#include "world/import/cad_file.hpp"
 #include "world/import/mesh_doctor.hpp"
 
 namespace straytrace::world {
 
+// A part as its file names it. Rules match the complete name, "tower/dump", or its last piece, "dump".
+struct PartLabel {
+  std::string name, material, colour;  // colour "#rrggbb"; empty: not in the file
+};
+
 namespace {
+
+// Rows of the table `surfaces` or `medium` of an entry, in the order of the scene, then its default, then for
+// `surfaces` the `material` of the entry: the first match counts.
+class PartRules {
+ public:
+  PartRules(Scene::Instance const&, std::string_view table, bool first_time);
+  // The value for a part; empty: no rule matches.
+  Node of(PartLabel const&);
+  // The optic of a part; if no rule matches, the black one, and report() says so.
+  std::uint32_t optic(PartLabel const&, Registry const&);
+  // One problem for rules that match nothing, one for parts without material. `parts`: all parts of the file `name`.
+  void report(Scene::Instance const&, std::string const& name, std::vector<PartLabel> const& parts) const;
+
+ private:
+  struct Rule {
+    std::string pattern, colour;  // of a rule by colour only the colour
+    Node says;
+    bool used = false;
+    bool fits(PartLabel const&) const;
+  };
+  void add(std::string const& pattern, Node const& says, bool complain);
+
+  std::vector<Rule> rules_;
+  std::vector<std::string> bare_;
+};
 
 constexpr std::string_view by_colour = "color ";
 
@@ -34,7 +63,7 @@ std::string last_piece(std::string const& name) { return name.substr(name.rfind(
 std::vector<std::string> words_of(std::vector<PartLabel> const& parts) {
   std::vector<std::string> words;
   auto const add = [&](std::string const& word) {
-    if (!word.empty() && std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+    if (!word.empty() && std::ranges::find(words, word) == words.end()) words.push_back(word);
   };
   for (PartLabel const& p : parts) add(last_piece(p.name));
   for (PartLabel const& p : parts) add(p.name);
@@ -42,8 +71,6 @@ std::vector<std::string> words_of(std::vector<PartLabel> const& parts) {
   for (PartLabel const& p : parts) add(p.colour.empty() ? "" : std::string(by_colour) + p.colour);
   return words;
 }
-
-}  // namespace
 
 bool PartRules::Rule::fits(PartLabel const& part) const {
   if (!colour.empty()) return colour == part.colour;
@@ -95,18 +122,16 @@ std::uint32_t PartRules::optic(PartLabel const& part, Registry const& names) {
   Node const material = of(part);
   if (!material) {
     std::string const shown = part.name.empty() ? part.material : part.name;
-    if (std::find(bare_.begin(), bare_.end(), shown) == bare_.end()) bare_.push_back(shown);
+    if (std::ranges::find(bare_, shown) == bare_.end()) bare_.push_back(shown);
     return names.black;
   }
   std::string const name = material.as_word();
   if (auto const hit = names.materials.find(name); hit != names.materials.end()) return hit->second;
   std::vector<std::string> known;
   for (auto const& entry : names.materials) known.push_back(entry.first);
-  std::string const near = nearest_word(name, known);
   if (!name.empty())
-    material.problem(
-        fmt::format("material '{}' is not defined", name),
-        near.empty() ? fmt::format("defined: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
+    material.problem(fmt::format("material '{}' is not defined", name),
+                     did_you_mean(name, known, fmt::format("defined: {}", fmt::join(known, ", "))));
   return names.black;
 }
 
@@ -117,9 +142,8 @@ void PartRules::report(Scene::Instance const& instance, std::string const& name,
                                         : fmt::format("it has: {}", some_of(words));
   for (Rule const& r : rules_) {
     if (r.used) continue;
-    std::string const near = nearest_word(r.pattern, words);
     r.says.problem(fmt::format("no part, material or colour of '{}' matches '{}'", name, r.pattern),
-                   near.empty() ? all : fmt::format("did you mean '{}'?", near));
+                   did_you_mean(r.pattern, words, all));
   }
   if (bare_.empty()) return;
   instance.placement.problem(fmt::format("parts of '{}' have no material: {}", name, some_of(bare_)),
@@ -127,9 +151,15 @@ void PartRules::report(Scene::Instance const& instance, std::string const& name,
                                          bare_.front().empty() ? "" : fmt::format("\"{}\": NAME, ", bare_.front())));
 }
 
+Node units_of(Scene::Instance const& instance) {
+  return instance.node.has("units") ? instance.node["units"] : instance.placement["units"];
+}
+
+// m per unit of the file; 0 after a problem. `box`: in units of the file. `stated`: m, the unit that the file states,
+// or 0. `source` for messages: "its format says m".
 double read_file_unit(Scene::Instance const& instance, Box const& box, double stated, std::string const& source,
                       bool first_time) {
-  Node const units = instance.node.has("units") ? instance.node["units"] : instance.placement["units"];
+  Node const units = units_of(instance);
   Node const& owner = units ? units : instance.placement;
   std::string const text = units ? units.as_word() : "";
   std::string const sizes =
@@ -152,8 +182,6 @@ void warn_of_file(Node const& file, std::string const& what, std::string const& 
   if (Document* const document = file.document())
     document->add({document->place_in_file(file, file.text(), 0, 0), what, suggestion, Severity::warning});
 }
-
-namespace {
 
 // Material libraries that an OBJ file names: only the colours are read, the file itself names the materials.
 void read_libraries(Node const& file, std::string const& bytes, std::string const& folder, MeshFile& mesh) {
@@ -184,9 +212,30 @@ void read_libraries(Node const& file, std::string const& bytes, std::string cons
   }
 }
 
-std::shared_ptr<LoadedMesh const> load(Node const& file, World& world, MeshLibrary& library) {
+}  // namespace
+
+struct LoadedMesh {
+  MeshFile file;
+  std::vector<MeshContent> content;  // of each part
+  bool sound = false;
+};
+
+// The faces of one name and colour, for which rules choose the material.
+struct CadPart {
+  PartLabel label;
+  std::vector<PlacedCadShape> faces;
+  MeshContent triangles;  // m of the file; none when empty
+};
+struct LoadedCad {
+  CadFile file;
+  std::map<double, std::vector<CadPart>> scaled;  // by m per metre of the file
+};
+
+namespace {
+
+std::shared_ptr<LoadedMesh const> load(Node const& file, World& world, FileLibrary& library) {
   std::string const name = file.as_word(), folder = name.substr(0, name.rfind('/') + 1);
-  auto& slot = library[fmt::format("{}:{}", file.place().file, name)];
+  auto& slot = library.meshes[fmt::format("{}:{}", file.place().file, name)];
   if (slot) return slot;
   auto const mesh = std::make_shared<LoadedMesh>();
   slot = mesh;
@@ -212,12 +261,6 @@ std::shared_ptr<LoadedMesh const> load(Node const& file, World& world, MeshLibra
   return slot;
 }
 
-Box box_of(LoadedMesh const& mesh) {
-  Box box;
-  for (MeshContent const& c : mesh.content) box.add(c.box);
-  return box;
-}
-
 std::string part_name(LoadedMesh const& mesh, std::size_t i) {
   MeshPart const& part = mesh.file.parts[i];
   if (!part.name.empty()) return part.name;
@@ -225,54 +268,8 @@ std::string part_name(LoadedMesh const& mesh, std::size_t i) {
   return mesh.file.parts.size() == 1 ? "" : fmt::format("part_{}", i + 1);
 }
 
-std::vector<PartLabel> labels_of(LoadedMesh const& mesh) {
-  std::vector<PartLabel> labels;
-  for (std::size_t i = 0; i < mesh.file.parts.size(); ++i)
-    labels.push_back({part_name(mesh, i), mesh.file.parts[i].material, mesh.file.parts[i].colour});
-  return labels;
-}
-
-}  // namespace
-
-void add_mesh(Scene::Instance const& instance, Node const& file, Pose const& pose, Surface as, std::string const& side,
-              FillPart const& fill, bool first_time, World& world, Registry& names, MeshLibrary& library) {
-  auto const mesh = load(file, world, library);
-  PartRules rules(instance, "surfaces", first_time), media(instance, "medium", first_time);
-  if (!mesh->sound) {
-    instance.placement.has("units");
-    instance.node.has("units");
-    return;
-  }
-  double const stated = mesh->file.stated_unit;
-  double const unit =
-      read_file_unit(instance, box_of(*mesh), stated,
-                     stated > 0 ? "its format says m" : "files of this format state no unit", first_time);
-  if (unit > 0 && first_time)
-    if (MeshAdvice const odd = scale_advice(box_of(*mesh), unit); !odd.what.empty())
-      warn_of_file(file, odd.what, odd.suggestion);
-  std::vector<PartLabel> const labels = labels_of(*mesh);
-  for (std::size_t i = 0; i < mesh->file.parts.size(); ++i) {
-    std::uint32_t const optic = rules.optic(labels[i], names);
-    std::string const& part = labels[i].name;
-    Node const medium = media.of(labels[i]);
-    std::string const tail = part.empty() ? "" : "/" + part;
-    TriangleMesh shape;
-    shape.unit = unit > 0 ? unit : 1;
-    shape.content = mesh->content[i];
-    shape.place(pose);
-    std::uint32_t const front = side == "back" || side == "inner" ? names.black : optic;
-    std::uint32_t const back = side == "front" || side == "outer" ? names.black : optic;
-    SurfaceId const id = world.add_surface(shape, front, back, as.body, world.add_group(instance.group + tail),
-                                           medium ? fill(medium, part) : as.volume);
-    names.surfaces.try_emplace(instance.name + tail, id);
-    names.surfaces.try_emplace(instance.group + tail, id);
-    names.surfaces.try_emplace(instance.name, id);
-  }
-  if (!first_time) return;
-  rules.report(instance, mesh->file.name, labels);
-  media.report(instance, mesh->file.name, labels);
-}
-
+// The converted text of a STEP file, or the file itself if it is converted; stored with the other texts of the model.
+// Empty after a problem.
 std::string cad_text(Node const& file) {
   std::string const name = file.as_word(), bytes = file.data_file(name);
   if (bytes.empty()) {
@@ -289,11 +286,9 @@ std::string cad_text(Node const& file) {
   return text.value_or("");
 }
 
-namespace {
-
-std::shared_ptr<LoadedCad> load(Node const& file, CadLibrary& library) {
+std::shared_ptr<LoadedCad> load(Node const& file, FileLibrary& library) {
   std::string const name = file.as_word();
-  auto& slot = library[fmt::format("{}:{}", file.place().file, name)];
+  auto& slot = library.cads[fmt::format("{}:{}", file.place().file, name)];
   if (slot) return slot;
   slot = std::make_shared<LoadedCad>();
   std::string const text = cad_text(file);
@@ -321,7 +316,7 @@ std::vector<CadPart> const& parts_of(LoadedCad& cad, double scale, Storage& stor
 
 // m per metre of the file; 0, and a problem, when it is not known.
 double read_scale(Scene::Instance const& instance, CadFile const& cad, bool first_time) {
-  Node const units = instance.node.has("units") ? instance.node["units"] : instance.placement["units"];
+  Node const units = units_of(instance);
   if (cad.unit == 0) {
     if (units && units.text() == "from_file") return 1;
     if (first_time)
@@ -334,86 +329,108 @@ double read_scale(Scene::Instance const& instance, CadFile const& cad, bool firs
   return read_file_unit(instance, cad.box_in_unit(), stated, source, first_time) / cad.unit;
 }
 
-// Adds surfaces under the names of one part.
-class PartSurfaces {
+// The parts of a file on their way into the world.
+class PartAdder {
  public:
-  PartSurfaces(Scene::Instance const& instance, std::string const& part, Surface const& as, World& world,
-               Registry& names)
-      : tail_(part.empty() ? "" : "/" + part), instance_(instance), as_(as), world_(world), names_(names) {
-    as_.group = world.add_group(instance.group + tail_);
+  PartAdder(PlacedFile const& from, World& world, Registry& names)
+      : from_(from),
+        world_(world),
+        names_(names),
+        rules_(from.instance, "surfaces", from.first_time),
+        media_(from.instance, "medium", from.first_time),
+        as_(from.as) {}
+  // Warns of an implausible size; 1 where the unit is not known.
+  double checked(double unit, Box const& box) const {
+    if (unit > 0 && from_.first_time)
+      if (MeshAdvice const odd = scale_advice(box, unit); !odd.what.empty())
+        warn_of_file(from_.file, odd.what, odd.suggestion);
+    return unit > 0 ? unit : 1;
   }
-  void turn_to(Surface const& materials) {  // and volume, of the faces that follow
-    as_.front = materials.front;
-    as_.back = materials.back;
-    as_.volume = materials.volume;
+  // Part of the surfaces that follow.
+  void turn_to(PartLabel const& part) {
+    labels_.push_back(part);
+    set_sides(as_, from_.side, rules_.optic(part, names_), names_.black);
+    Node const medium = media_.of(part);
+    as_.volume = medium ? from_.fill(medium, part.name) : from_.as.volume;
+    tail_ = part.name.empty() ? "" : "/" + part.name;
+    as_.group = world_.add_group(from_.instance.group + tail_);
   }
   template <class Shape>
-  void add(Shape const& shape) {
-    SurfaceId const id = world_.add_surface(shape, as_.front, as_.back, as_.body, as_.group, as_.volume);
-    std::string const face = ++count_ == 1 ? "" : fmt::format("/face_{}", count_);
-    names_.surfaces.try_emplace(instance_.name + tail_ + face, id);
-    names_.surfaces.try_emplace(instance_.group + tail_ + face, id);
-    names_.surfaces.try_emplace(instance_.name, id);
+  void add(Shape shape, Pose const& pose, std::string const& face = "") {
+    shape.place(pose);
+    SurfaceId const id = world_.add_surface(shape, as_);
+    names_.surfaces.try_emplace(from_.instance.name + tail_ + face, id);
+    names_.surfaces.try_emplace(from_.instance.group + tail_ + face, id);
+    names_.surfaces.try_emplace(from_.instance.name, id);
+  }
+  void add_mesh(MeshContent const& content, double unit, std::string const& face = "") {
+    TriangleMesh mesh;
+    mesh.unit = unit;
+    mesh.content = content;
+    add(mesh, from_.pose, face);
+  }
+  std::string next_face() {
+    std::size_t const number = ++faces_[tail_];
+    return number == 1 ? "" : fmt::format("/face_{}", number);
+  }
+  void report() const {
+    if (!from_.first_time) return;
+    rules_.report(from_.instance, from_.file.as_word(), labels_);
+    media_.report(from_.instance, from_.file.as_word(), labels_);
   }
 
  private:
-  std::string tail_;
-  Scene::Instance const& instance_;
-  Surface as_;
+  PlacedFile const& from_;
   World& world_;
   Registry& names_;
-  std::size_t count_ = 0;
+  PartRules rules_, media_;
+  Surface as_;
+  std::string tail_;
+  std::map<std::string, std::size_t> faces_;  // so far, by part
+  std::vector<PartLabel> labels_;
 };
 
-void add_part(CadPart const& part, Pose const& pose, double scale, PartSurfaces& to) {
-  for (PlacedCadShape const& face : part.faces)
-    std::visit(
-        [&](auto shape) {
-          shape.place(nested(pose, face.frame));
-          to.add(shape);
-        },
-        face.shape);
-  if (part.triangles.triangles.size == 0) return;
-  TriangleMesh mesh;
-  mesh.unit = scale;
-  mesh.content = part.triangles;
-  mesh.place(pose);
-  to.add(mesh);
+void add_mesh(PlacedFile const& from, LoadedMesh const& mesh, PartAdder& adder) {
+  double const stated = mesh.file.stated_unit;
+  Box box;
+  for (MeshContent const& c : mesh.content) box.add(c.box);
+  std::string const source = stated > 0 ? "its format says m" : "files of this format state no unit";
+  double const unit = adder.checked(read_file_unit(from.instance, box, stated, source, from.first_time), box);
+  for (std::size_t i = 0; i < mesh.file.parts.size(); ++i) {
+    adder.turn_to({part_name(mesh, i), mesh.file.parts[i].material, mesh.file.parts[i].colour});
+    adder.add_mesh(mesh.content[i], unit);
+  }
+}
+
+void add_cad(PlacedFile const& from, LoadedCad& cad, World& world, PartAdder& adder) {
+  double const scale = adder.checked(read_scale(from.instance, cad.file, from.first_time), cad.file.box);
+  world.anchor(from.as.body, from.pose.origin);
+  for (CadPart const& part : parts_of(cad, scale, world.storage)) {
+    adder.turn_to(part.label);
+    for (auto const& [any, frame] : part.faces)
+      std::visit([&](auto const& shape) { adder.add(shape, nested(from.pose, frame), adder.next_face()); }, any);
+    if (part.triangles.triangles.size > 0) adder.add_mesh(part.triangles, scale, adder.next_face());
+  }
 }
 
 }  // namespace
 
-void add_cad(Scene::Instance const& instance, Node const& file, Pose const& pose, Surface as, std::string const& side,
-             FillPart const& fill, bool first_time, World& world, Registry& names, CadLibrary& library) {
-  auto const cad = load(file, library);
-  PartRules rules(instance, "surfaces", first_time), media(instance, "medium", first_time);
-  if (cad->file.parts.empty()) {
-    instance.placement.has("units");
-    instance.node.has("units");
+void add_file(PlacedFile const& from, World& world, Registry& names, FileLibrary& library) {
+  std::string const name = from.file.as_word();
+  bool const is_cad = is_step(name) || is_converted(name);
+  auto const cad = is_cad ? load(from.file, library) : nullptr;
+  auto const mesh = is_cad ? nullptr : load(from.file, world, library);
+  PartAdder adder(from, world, names);
+  if (is_cad ? cad->file.parts.empty() : !mesh->sound) {
+    from.instance.placement.has("units");
+    from.instance.node.has("units");
     return;
   }
-  double const known = read_scale(instance, cad->file, first_time), scale = known > 0 ? known : 1;
-  if (known > 0 && first_time)
-    if (MeshAdvice const odd = scale_advice(cad->file.box, scale); !odd.what.empty())
-      warn_of_file(file, odd.what, odd.suggestion);
-  world.anchor(as.body, pose.origin);
-  std::uint32_t const whole = as.volume;
-  std::map<std::string, PartSurfaces> by_name;
-  std::vector<PartLabel> labels;
-  for (CadPart const& part : parts_of(*cad, scale, world.storage)) {
-    labels.push_back(part.label);
-    std::uint32_t const optic = rules.optic(part.label, names);
-    as.front = side == "back" || side == "inner" ? names.black : optic;
-    as.back = side == "front" || side == "outer" ? names.black : optic;
-    Node const medium = media.of(part.label);
-    as.volume = medium ? fill(medium, part.label.name) : whole;
-    auto const [to, fresh] = by_name.try_emplace(part.label.name, instance, part.label.name, as, world, names);
-    to->second.turn_to(as);
-    add_part(part, pose, scale, to->second);
-  }
-  if (!first_time) return;
-  rules.report(instance, file.as_word(), labels);
-  media.report(instance, file.as_word(), labels);
+  if (is_cad)
+    add_cad(from, *cad, world, adder);
+  else
+    add_mesh(from, *mesh, adder);
+  adder.report();
 }
 
 namespace {

@@ -40,13 +40,12 @@ bool check_share_column(Node const& node, std::string const& file, CsvTable::Col
   auto const& known = share_columns();
   std::string const& name = column.name;
   bool const angle = name == "angle", wavelength = name == "wavelength";
-  if (!angle && !wavelength && std::find(known.begin(), known.end(), name) == known.end()) {
-    std::string const near = nearest_word(name, known);
-    node.file_problem(file, column.line, column.at, fmt::format("unknown column '{}'", shortened(name)),
-                      near.empty()
-                          ? "known columns: angle, wavelength, reflect, reflect_s, reflect_p, transmit, transmit_s, "
-                            "transmit_p, scatter, absorb; separate them by commas"
-                          : fmt::format("did you mean '{}'?", near));
+  if (!angle && !wavelength && std::ranges::find(known, name) == known.end()) {
+    node.file_problem(
+        file, column.line, column.at, fmt::format("unknown column '{}'", shortened(name)),
+        did_you_mean(name, known,
+                     "known columns: angle, wavelength, reflect, reflect_s, reflect_p, transmit, transmit_s, "
+                     "transmit_p, scatter, absorb; separate them by commas"));
     return false;
   }
   if (column.unit.dimension == (angle ? dim::angle : wavelength ? dim::length : dim::plain)) return true;
@@ -216,7 +215,7 @@ std::vector<CoatingRow> mixed(std::vector<CoatingRow> const& low, std::vector<Co
   std::vector<double> angles;
   for (auto const* rows : {&low, &high})
     for (CoatingRow const& r : *rows) angles.push_back(r.angle);
-  std::sort(angles.begin(), angles.end());
+  std::ranges::sort(angles);
   angles.erase(std::unique(angles.begin(), angles.end(), [](double x, double y) { return y - x < 1e-9; }),
                angles.end());
   std::vector<CoatingRow> rows;
@@ -237,8 +236,8 @@ std::vector<CoatingRow> rows_for_light(Node const& node, ShareTable const& table
   if (table.wavelength.empty()) return checked_rows(node, table);
   std::map<double, std::vector<CoatingRow>> known;
   for (double const wavelength : table.wavelength) {
-    bool const seen = std::any_of(known.begin(), known.end(),
-                                  [&](auto const& entry) { return same_wavelength(entry.first, wavelength); });
+    bool const seen =
+        std::ranges::any_of(known, [&](auto const& entry) { return same_wavelength(entry.first, wavelength); });
     if (seen) continue;
     ShareTable part = rows_at(table, wavelength);
     part.wavelength = {wavelength};
@@ -281,10 +280,9 @@ std::optional<Coating> coating_preset(Node const& node, World& world) {
     if (node.text() == p.name) return make_coating(p.rows, true, world.storage);
     names.emplace_back(p.name);
   }
-  std::string const near = nearest_word(node.text(), names);
   node.problem(fmt::format("coating '{}' is not defined", node.text()),
-               near.empty() ? fmt::format("write '{}' or a table {{angle: ..., reflect: ...}}", names.front())
-                            : fmt::format("did you mean '{}'?", near));
+               did_you_mean(node.text(), names,
+                            fmt::format("write '{}' or a table {{angle: ..., reflect: ...}}", names.front())));
   return {};
 }
 

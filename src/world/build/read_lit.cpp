@@ -8,7 +8,7 @@
 
 #include "base/text/words.hpp"
 #include "beams/overlap.hpp"
-#include "world/build/read_beams.hpp"
+#include "world/build/read_parts.hpp"
 #include "world/ghosts/lit_surfaces.hpp"
 
 namespace straytrace::world {
@@ -28,11 +28,9 @@ std::vector<std::string> patterns(Node const& table, std::string_view key, Regis
   for (Node const& word : table.list(key)) {
     std::string const pattern = all.emplace_back(word.as_word());
     auto const fits = [&](std::string const& name) { return names_surface(pattern, name); };
-    if (is_refused(pattern, names) || std::any_of(known.begin(), known.end(), fits)) continue;
-    std::string const near = nearest_word(pattern, known);
+    if (is_refused(pattern, names) || std::ranges::any_of(known, fits)) continue;
     word.problem(fmt::format("'{}' is not a surface of the scene", pattern),
-                 near.empty() ? "name entries of 'scene', or write a pattern such as \"bench/*\""
-                              : fmt::format("did you mean '{}'?", near));
+                 did_you_mean(pattern, known, "name entries of 'scene', or write a pattern such as \"bench/*\""));
   }
   return all;
 }
@@ -42,8 +40,8 @@ class Wanted {
   Wanted(LitWish const& wish, Registry const& names) {
     for (auto const& [name, id] : names.surfaces) {
       auto const fits = [&name = name](std::string const& pattern) { return names_surface(pattern, name); };
-      if (std::any_of(wish.only.begin(), wish.only.end(), fits)) only_.insert(id.value);
-      if (std::any_of(wish.except.begin(), wish.except.end(), fits)) except_.insert(id.value);
+      if (std::ranges::any_of(wish.only, fits)) only_.insert(id.value);
+      if (std::ranges::any_of(wish.except, fits)) except_.insert(id.value);
     }
     all_ = wish.only.empty();
   }

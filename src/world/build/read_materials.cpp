@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/files/embedded.hpp"
-#include "base/input/table.hpp"
 #include "optics/coating/coating.hpp"
 #include "optics/coating/specular.hpp"
 #include "optics/scatter/angle_weight.hpp"

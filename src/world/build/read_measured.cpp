@@ -103,7 +103,7 @@ class MeasuredReader {
       law_.warning(fmt::format("the file has {} angles of incidence, of which {} are used",
                                p.incidences + double(file.incidences_left_out), p.incidences),
                    "the law holds no more; leave out those that matter least yourself to choose");
-    auto const limits = std::count_if(file.points.begin(), file.points.end(), [](auto const& q) { return q.limit; });
+    auto const limits = std::ranges::count_if(file.points, [](auto const& q) { return q.limit; });
     if (limits > 0)
       law_.warning(fmt::format("{} of {} points are upper limits at the noise floor of {:.3g} /sr", limits,
                                file.points.size(), file.declared.noise_floor),

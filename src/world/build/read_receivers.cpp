@@ -107,7 +107,7 @@ void read_quadrants(Node const& quadrants, Pose const& surface, Receiver& r) {
 bool read_own(std::string const& name, Node const& node, World& world, Registry const& names, Pose& frame,
               Receiver& r) {
   frame = read_pose(node);
-  if (std::find(world.groups().begin(), world.groups().end(), name) != world.groups().end())
+  if (std::ranges::find(world.groups(), name) != world.groups().end())
     node.problem(fmt::format("an entry of 'scene' is already called '{}'", name), "choose another name");
   r.clear = node.flag("passes", true);
   Surface as;
@@ -189,7 +189,7 @@ Pose turned_about_normal(Pose const& p, double angle) {
 }
 
 bool is_refused(std::string const& pattern, Registry const& names) {
-  return std::any_of(names.refused.begin(), names.refused.end(), [&](std::string const& entry) {
+  return std::ranges::any_of(names.refused, [&](std::string const& entry) {
     return matches(pattern, entry) || pattern.starts_with(entry + "/") || pattern.starts_with(entry + "[");
   });
 }
@@ -211,9 +211,8 @@ SurfaceId find_surface(Node const& node, Registry const& names) {
                     faces.size() > 4 ? ", ..." : ""));
     return {};
   }
-  std::string const near = nearest_word(name, known);
   node.problem(fmt::format("'{}' is not a surface of the scene", name),
-               near.empty() ? "name an entry of 'scene'" : fmt::format("did you mean '{}'?", near));
+               did_you_mean(name, known, "name an entry of 'scene'"));
   return {};
 }
 

@@ -28,12 +28,11 @@ SurfaceId add_shape(Node const& keys, Surface const& as, Pose const& pose, World
     if (keys.data())
       for (auto const& k : numbers) keys.data()->describe(k.name, k.doc);
     keys.refuse_unknown(fmt::format("shape '{}'", Shape::key));
-    bool const whole =
-        std::all_of(numbers.begin(), numbers.end(), [&](auto const& k) { return std::isfinite(shape.*(k.member)); });
+    bool const whole = std::ranges::all_of(numbers, [&](auto const& k) { return std::isfinite(shape.*(k.member)); });
     auto const complaint = whole ? impossible(shape) : ShapeComplaint{};  // a number that is not there is reported
     if (!complaint.what.empty()) keys.problem(complaint.what, complaint.suggestion);
     shape.place(pose);
-    return world.add_surface(shape, as.front, as.back, as.body, as.group, as.volume);
+    return world.add_surface(shape, as);
   }
 }
 
@@ -49,10 +48,8 @@ SurfaceId add_by_name(Node const& shape, Surface const& as, Pose const& pose, Wo
       if (items.size() == 1 && name == names[i]) return adders[i](keys, as, pose, world);
   std::string const given = items.size() == 1 ? items[0].first : "";
   std::vector<std::string> const known(std::begin(names), std::end(names));
-  std::string const near = nearest_word(given, known);
-  shape.problem(
-      given.empty() ? "a shape is a table with one name" : fmt::format("unknown shape '{}'", given),
-      near.empty() ? fmt::format("known shapes: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
+  shape.problem(given.empty() ? "a shape is a table with one name" : fmt::format("unknown shape '{}'", given),
+                did_you_mean(given, known, fmt::format("known shapes: {}", fmt::join(known, ", "))));
   return {};
 }
 
@@ -73,9 +70,7 @@ auto find_named(Node const& node, Map const& map, std::string_view what) -> type
   known.reserve(map.size());
   for (auto const& entry : map) known.push_back(entry.first);
   std::string const all = known.empty() ? "none is defined" : fmt::format("defined: {}", fmt::join(known, ", "));
-  std::string const near = nearest_word(name, known);
-  node.problem(fmt::format("{} '{}' is not defined", what, name),
-               near.empty() ? all : fmt::format("did you mean '{}'?", near));
+  node.problem(fmt::format("{} '{}' is not defined", what, name), did_you_mean(name, known, all));
   return {};
 }
 
@@ -99,8 +94,7 @@ struct Shared {
   std::map<std::string, std::uint32_t> volumes;                         // by part that it fills and medium
   std::map<std::uint32_t, std::pair<Node, std::string>> volume_places;  // and the part
   std::set<std::string> clear;                                          // parts with a face that lets light in
-  MeshLibrary meshes;
-  CadLibrary cads;
+  FileLibrary files;
 };
 
 std::string part_of(Scene::Instance const& instance) { return instance.name.substr(0, instance.name.rfind('/')); }
@@ -186,8 +180,7 @@ void add_instance(Scene::Instance const& instance, World& world, Registry& names
   std::string const side = side_node ? owner.choice("side", sides) : "both";
   if (!shape && !file) return refuse(instance, names);
   Surface as;
-  as.front = side == "back" || side == "inner" ? names.black : optic;
-  as.back = side == "front" || side == "outer" ? names.black : optic;
+  set_sides(as, side, optic, names.black);
   as.body = body_id;
   Node medium = given(instance, "medium");
   if (!medium && instance.usual_medium && shared.clear.contains(part_of(instance))) {
@@ -201,10 +194,7 @@ void add_instance(Scene::Instance const& instance, World& world, Registry& names
   FillPart const fill = [&](Node const& chosen, std::string const& part) {
     return volume_of(chosen, instance.name + '/' + part, world, names, shared);
   };
-  std::string const file_name = file ? file.as_word() : "";
-  if (is_step(file_name) || is_converted(file_name))
-    return add_cad(instance, file, pose, as, side, fill, first_time, world, names, shared.cads);
-  if (file) return add_mesh(instance, file, pose, as, side, fill, first_time, world, names, shared.meshes);
+  if (file) return add_file({instance, file, pose, as, side, fill, first_time}, world, names, shared.files);
   as.group = world.add_group(instance.group);
   SurfaceId const id = add_by_name(shape, as, pose, world, std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());
   if (!id.valid()) return refuse(instance, names);
@@ -320,7 +310,7 @@ Vec3 read_vector(Node const& list, Dimension dimension) {
 }
 
 bool some_missing(std::vector<double> const& numbers) {
-  return std::any_of(numbers.begin(), numbers.end(), [](double x) { return std::isnan(x); });
+  return std::ranges::any_of(numbers, [](double x) { return std::isnan(x); });
 }
 
 std::optional<Vec3> read_direction(Node const& list) {

@@ -185,14 +185,13 @@ class Passed final : public BeamSink {
     std::vector<BeamAperture> found;
     add_holes(world_, launch_.beam, flight_, flight_length, before_, found);
     for (ScreenSpot const& s : touched_) {
-      if (std::any_of(found.begin(), found.end(), [&](auto const& a) { return a.surface == s.screen.surface; }))
-        continue;
+      if (std::ranges::any_of(found, [&](auto const& a) { return a.surface == s.screen.surface; })) continue;
       BeamAperture a = row(s.screen.surface, s.path_length);
       rough(a, s.screen.mode, s.screen.alone);
       found.push_back(a);
     }
     touched_.clear();
-    std::sort(found.begin(), found.end(), [](auto const& a, auto const& b) { return a.along < b.along; });
+    std::ranges::sort(found, [](auto const& a, auto const& b) { return a.along < b.along; });
     all_.insert(all_.end(), found.begin(), found.end());
   }
 
@@ -282,7 +281,7 @@ std::vector<BeamAperture> apertures_of(World const& world) {
     Passed passed(world, launch, all);
     grow_tree(world, launch, main_limits(world, launch, 1e-5), passed);
   }
-  std::stable_sort(all.begin(), all.end(), [](auto const& a, auto const& b) { return a.beam < b.beam; });
+  std::ranges::stable_sort(all, [](auto const& a, auto const& b) { return a.beam < b.beam; });
   return all;
 }
 

@@ -2,7 +2,6 @@
 // Apertures of the main beams: holes around their chief rays, edges beside them, and the rims of mirrors and lenses.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "beams/aperture.hpp"

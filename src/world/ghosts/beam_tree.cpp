@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "geometry/common/shape.hpp"
 #include "optics/coating/specular.hpp"
@@ -112,7 +111,7 @@ class Tree {
 
   bool is_back_of_mirror(SurfaceId surface, bool front) const {
     auto const& mirrors = launch_.cavity;
-    return !front && std::find(mirrors.begin(), mirrors.end(), surface) != mirrors.end();
+    return !front && std::ranges::find(mirrors, surface) != mirrors.end();
   }
   bool back_in_cavity(Branch const& branch) const {
     return branch.step.event == Event::transmit && is_back_of_mirror(branch.step.surface, branch.step.front);
@@ -152,7 +151,7 @@ class Tree {
   // Number of earlier hits of the beam on this side of the surface along the same line.
   std::uint32_t rounds(BeamSpot const& at) const {
     double const width = spot(at.mode).major;
-    return std::uint32_t(std::count_if(way_.begin(), way_.end(), [&](BeamStep const& s) {
+    return std::uint32_t(std::ranges::count_if(way_, [&](BeamStep const& s) {
       return s.surface == at.surface && s.front == at.front && dot(s.in, at.mode.travel) > 0.995 &&
              length(s.point - at.mode.origin) < width;
     }));

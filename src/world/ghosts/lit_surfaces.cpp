@@ -72,10 +72,10 @@ Footprint footprint_of(Mode const& mode, double index) {
   return f;
 }
 
-std::vector<PhaseSensitivity> phase_sensitivities_of_way(World const& world, std::span<BeamStep const> way) {
+std::vector<PhaseSensitivity> phase_sensitivities_of_way(World const& world, std::span<BeamStep const> way, double k) {
   std::vector<PhaseSensitivity> phase_sensitivities;
-  for (BeamStep const& step : way)
-    add_hit(phase_sensitivities, world, step.surface, step.point, step.n_in * step.in - step.n_out * step.out);
+  for (BeamStep const& s : way)
+    add_hit(phase_sensitivities, world, s.surface, s.point, k * (s.n_in * s.in - s.n_out * s.out));
   return phase_sensitivities;
 }
 

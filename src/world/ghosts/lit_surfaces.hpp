@@ -13,8 +13,9 @@ namespace straytrace::world {
 // Place, profile and wavefront of a mode that arrives in a medium of this index.
 Footprint footprint_of(Mode const&, double index);
 
-// Phase sensitivities of a beam to the surfaces on its way, over the wave number, by body (eq. 2.2, 2.3).
-std::vector<PhaseSensitivity> phase_sensitivities_of_way(World const&, std::span<BeamStep const>);
+// Phase sensitivities of a beam to the surfaces on its way, k (n_in in - n_out out) for each hit, by body
+// (eq. 2.2, 2.3); over the wave number unless k [1/m] is given.
+std::vector<PhaseSensitivity> phase_sensitivities_of_way(World const&, std::span<BeamStep const>, double k = 1);
 
 // Adds the footprint of a spot. `share`: q of the launched beam; `mirror`: footprint of the cavity mirror that the beam
 // was launched through, or Feed::none. On a side without scatter it neither emits nor receives.

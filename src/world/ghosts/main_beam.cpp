@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "beams/overlap.hpp"
+#include "world/ghosts/lit_surfaces.hpp"
 #include "world/model/body.hpp"
 
 namespace straytrace::world {
@@ -71,16 +72,15 @@ class MainSink final : public BeamSink {
     MainNode node;
     node.spot = spot;
     node.way.assign(way.begin(), way.end());
-    add_phase_sensitivities(node.phase_sensitivities, world_, way);
+    node.phase_sensitivities = phase_sensitivities_of_way(world_, way, 2 * pi / world_.wavelength);
     nodes_.push_back(std::move(node));
   }
   void left(LeavingBeam const& beam, std::span<BeamStep const> way) override {
     if (way.empty()) return;
     auto const at = node_of_spot_.find(way.back().spot);
     if (at == node_of_spot_.end()) return;
-    MainNode::Way gone{beam, way.back().event, {}};
-    add_phase_sensitivities(gone.phase_sensitivities, world_, way);
-    nodes_[at->second].ways.push_back(std::move(gone));
+    nodes_[at->second].ways.push_back(
+        {beam, way.back().event, phase_sensitivities_of_way(world_, way, 2 * pi / world_.wavelength)});
   }
   bool complete = true;
 
@@ -98,13 +98,6 @@ void add(std::vector<PhaseSensitivity>& to, std::vector<PhaseSensitivity> const&
 }
 
 }  // namespace
-
-void add_phase_sensitivities(std::vector<PhaseSensitivity>& phase_sensitivities, World const& world,
-                             std::span<BeamStep const> way) {
-  double const k = 2 * pi / world.wavelength;
-  for (BeamStep const& s : way)
-    add_hit(phase_sensitivities, world, s.surface, s.point, k * (s.n_in * s.in - s.n_out * s.out));
-}
 
 MainBeam::MainBeam(World const& world, BeamLaunch const& launch, TreeLimits limits) : world_(world), launch_(launch) {
   limits.order = 0;
@@ -177,9 +170,8 @@ GhostAlignment MainBeam::standing(GhostAlignment const& before, LeavingBeam cons
 }
 
 std::vector<PhaseSensitivity> MainBeam::phase_sensitivities(Recoupling const& r, std::span<BeamStep const> way) const {
-  std::vector<PhaseSensitivity> phase_sensitivities;
-  if (!r.any) return phase_sensitivities;
-  add_phase_sensitivities(phase_sensitivities, world_, way.first(r.steps));
+  if (!r.any) return {};
+  auto phase_sensitivities = phase_sensitivities_of_way(world_, way.first(r.steps), 2 * pi / world_.wavelength);
   MainNode const& node = nodes_[r.node];
   if (r.against) {
     add(phase_sensitivities, node.phase_sensitivities, 1);  // the return path: each hit adds the same again
@@ -189,8 +181,8 @@ std::vector<PhaseSensitivity> MainBeam::phase_sensitivities(Recoupling const& r,
   } else {
     add(phase_sensitivities, node.ways[r.way].phase_sensitivities, -1);
   }
-  std::sort(phase_sensitivities.begin(), phase_sensitivities.end(),
-            [](PhaseSensitivity const& a, PhaseSensitivity const& b) { return a.body < b.body; });
+  std::ranges::sort(phase_sensitivities,
+                    [](PhaseSensitivity const& a, PhaseSensitivity const& b) { return a.body < b.body; });
   return phase_sensitivities;
 }
 

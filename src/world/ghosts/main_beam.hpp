@@ -68,9 +68,6 @@ class MainBeam {
   bool complete_ = true;
 };
 
-// Adds the phase Jacobians of the steps, rad/m and rad: k (n_in in - n_out out) for each hit (eq. 2.2).
-void add_phase_sensitivities(std::vector<PhaseSensitivity>&, World const&, std::span<BeamStep const>);
-
 // A beam of the tree from its last departure to its end.
 struct Ghost {
   std::uint64_t number = 0;  // in the order of the tree, including the main beam

@@ -2,7 +2,6 @@
 #include "world/ghosts/obstacle.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <type_traits>
 
 #include "beams/aperture.hpp"
@@ -35,7 +34,7 @@ Stripes without(Stripes const& all, Stripes const& gone) {
 Stripes together(Stripes const& one, Stripes const& two) {
   Stripes all = one;
   for (Stripe const& s : without(two, one)) all.push_back(s);
-  std::sort(all.begin(), all.end(), [](Stripe const& a, Stripe const& b) { return a.from < b.from; });
+  std::ranges::sort(all, [](Stripe const& a, Stripe const& b) { return a.from < b.from; });
   return all;
 }
 
@@ -75,19 +74,25 @@ FlatRim in_plane(PlaneFrame const& s, Outline const& outer, Outline const& inner
   return {s.origin, s.e1, s.e2, s.axis, outer, inner, hole};
 }
 
+// The rims of round shapes, taken as flat at the height of this radius about the middle of the aperture.
+FlatRim flat_at(Disk const& s, double) { return about(s.centre, s.axis, s.inner_radius, s.outer_radius); }
+FlatRim flat_at(Cap const& s, double radius) {
+  return about(s.vertex + (s.curvature * s.depth(radius)) * s.axis, s.axis, s.inner_radius, s.outer_radius);
+}
+FlatRim flat_at(Conic const& s, double radius) {
+  double const rim = radius + s.decentre();
+  return about(s.vertex + s.decentre_x * s.e1 + s.decentre_y * s.e2 + s.sag(rim * rim) * s.axis, s.axis, s.inner_radius,
+               s.outer_radius);
+}
 template <class Shape>
-std::vector<FlatRim> rim_of_shape(Shape const&) {
+concept RoundRim = requires(Shape const& s) {
+  flat_at(s, 1.0);
+};
+
+template <class Shape>
+std::vector<FlatRim> rim_of_shape(Shape const& s) {
+  if constexpr (RoundRim<Shape>) return {flat_at(s, s.inner_radius > 0 ? s.inner_radius : s.outer_radius)};
   return {};
-}
-std::vector<FlatRim> rim_of_shape(Disk const& s) { return {about(s.centre, s.axis, s.inner_radius, s.outer_radius)}; }
-std::vector<FlatRim> rim_of_shape(Cap const& s) {
-  double const rim = s.inner_radius > 0 ? s.inner_radius : s.outer_radius;
-  return {about(s.vertex + (s.curvature * s.depth(rim)) * s.axis, s.axis, s.inner_radius, s.outer_radius)};
-}
-std::vector<FlatRim> rim_of_shape(Conic const& s) {
-  double const rim = (s.inner_radius > 0 ? s.inner_radius : s.outer_radius) + s.decentre();
-  return {about(s.vertex + s.decentre_x * s.e1 + s.decentre_y * s.e2 + s.sag(rim * rim) * s.axis, s.axis,
-                s.inner_radius, s.outer_radius)};
 }
 std::vector<FlatRim> rim_of_shape(Rectangle const& s) {
   return {in_plane(s, {s.width / 2, s.height / 2, 4, 0, 0, true}, {s.hole_width / 2, s.hole_height / 2, 4, 0, 0, true},
@@ -202,18 +207,14 @@ double widest(Mode const& m) {
   return std::sqrt(m.wavelength / (pi * std::min(size[0], size[1])));
 }
 
-// Round rims: the circle about a point of the axis.
-struct Rim {
-  Vec3 centre, axis;
-  double inner = 0, outer = 0;  // m
-};
-double beside_round(Rim const& rim, Mode const& mode) {
+double beside_round(FlatRim const& rim, Mode const& mode) {
+  double const outer = rim.outer.semi_x, inner = rim.inner.semi_x;
   double const cosine = std::fabs(dot(mode.travel, rim.axis)), far = reach * widest(mode) / cosine;
   Vec3 const o = mode.origin + (dot(rim.centre - mode.origin, rim.axis) / dot(mode.travel, rim.axis)) * mode.travel;
   double const off = length(o - rim.centre);
-  double share = off + far < rim.outer ? 0 : clipped_share(Aperture{rim.centre, rim.axis, rim.outer}, mode);
-  if (rim.inner > 0 && off - far < rim.inner)
-    share += std::max(0.0, 1 - clipped_share(Aperture{rim.centre, rim.axis, rim.inner}, mode));
+  double share = off + far < outer ? 0 : clipped_share(Aperture{rim.centre, rim.axis, outer}, mode);
+  if (inner > 0 && off - far < inner)
+    share += std::max(0.0, 1 - clipped_share(Aperture{rim.centre, rim.axis, inner}, mode));
   return std::min(share, 1.0);
 }
 
@@ -283,32 +284,15 @@ class Scan {
   double back_ = 0;
 };
 
-template <class Shape>
-bool round_rim(Shape const&, Rim&) {
-  return false;
-}
-bool round_rim(Disk const& s, Rim& rim) {
-  rim = {s.centre, s.axis, s.inner_radius, s.outer_radius};
-  return true;
-}
-bool round_rim(Cap const& s, Rim& rim) {
-  rim = {s.vertex + (s.curvature * s.depth(s.outer_radius)) * s.axis, s.axis, s.inner_radius, s.outer_radius};
-  return true;
-}
-bool round_rim(Conic const& s, Rim& rim) {
-  double const r = s.outer_radius + s.decentre();
-  rim = {s.vertex + s.decentre_x * s.e1 + s.decentre_y * s.e2 + s.sag(r * r) * s.axis, s.axis, s.inner_radius,
-         s.outer_radius};
-  return true;
-}
-
 }  // namespace
 
 double beside_rim(WorldView const& world, SurfaceId surface, Mode const& mode) {
-  Rim rim;
-  bool const flat =
-      world.shapes.visit(world.surfaces[surface.value].shape, [&](auto const& s) { return round_rim(s, rim); });
-  if (flat && std::fabs(dot(mode.travel, rim.axis)) > flat_rim_cosine) return beside_round(rim, mode);
+  std::optional<FlatRim> const rim =
+      world.shapes.visit(world.surfaces[surface.value].shape, [](auto const& s) -> std::optional<FlatRim> {
+        if constexpr (RoundRim<std::decay_t<decltype(s)>>) return flat_at(s, s.outer_radius);
+        return {};
+      });
+  if (rim && std::fabs(dot(mode.travel, rim->axis)) > flat_rim_cosine) return beside_round(*rim, mode);
   return Scan(world, surface, mode).beside();
 }
 

@@ -5,7 +5,6 @@
 #include <complex>
 #include <optional>
 
-#include "beams/mode.hpp"
 #include "world/ghosts/beam_tree.hpp"
 #include "world/ghosts/obstacle.hpp"
 
@@ -91,7 +90,7 @@ Screens::Screens(WorldView const& view) : view_(view) {
       b.reference = shape.reference();
       b.axis = shape.axis;
       b.volume = s.volume;
-      shape.extent(b.low, b.high, b.r_min, b.r_max);
+      b.extent = shape.extent();
       bounds_.push_back(b);
     });
   }
@@ -150,19 +149,19 @@ bool Screens::clear(Tube const& tube, Bounds const& b, double low, double high) 
   double const slope = dot(tube.travel, b.axis), height = dot(o, b.axis);
   double const side = pad * std::sqrt(std::max(0.0, 1 - slope * slope));
   if (std::fabs(slope) > 1e-9) {
-    double const one = (b.low - side - height) / slope, two = (b.high + side - height) / slope;
+    double const one = (b.extent.low - side - height) / slope, two = (b.extent.high + side - height) / slope;
     low = std::max(low, std::min(one, two));
     high = std::min(high, std::max(one, two));
-  } else if (height + side < b.low || height - side > b.high) {
+  } else if (height + side < b.extent.low || height - side > b.extent.high) {
     return true;
   }
   if (low > high) return true;
   Vec3 const across = o - height * b.axis, step = tube.travel - slope * b.axis;
   auto const away = [&](double s) { return length(across + s * step); };
   double const farthest = std::max(away(low), away(high)), steps = length2(step);
-  if (farthest + pad < b.r_min) return true;
+  if (farthest + pad < b.extent.r_min) return true;
   double const turn = steps > 0 ? std::clamp(-dot(across, step) / steps, low, high) : low;
-  if (away(turn) - pad > b.r_max) return true;
+  if (away(turn) - pad > b.extent.r_max) return true;
   return view_.shapes.visit(view_.surfaces[b.surface.value].shape, [&](auto const& s) {
     using Shape = std::decay_t<decltype(s)>;
     Vec3 const p = tube.start + low * tube.travel, q = tube.start + high * tube.travel;
@@ -316,7 +315,7 @@ std::vector<Obstacle> obstacles(WorldView const& view, BeamFlight const& flight,
     Obstacle o(view, id, flight, along_of(view, id, flight.mode, end), stretch);
     if (o.possible(reach)) all.push_back(o);
   }
-  std::sort(all.begin(), all.end(), [](Obstacle const& a, Obstacle const& b) {
+  std::ranges::sort(all, [](Obstacle const& a, Obstacle const& b) {
     return a.along() != b.along() ? a.along() < b.along() : a.id() < b.id();
   });
   return all;

@@ -55,7 +55,8 @@ class Screens {
   struct Bounds {
     SurfaceId surface;
     Vec3 centre, reference, axis;  // m
-    double radius = 0, low = 0, high = 0, r_min = 0, r_max = 0;
+    double radius = 0;
+    Extent extent;
     std::uint32_t volume = Surface::none;
   };
   struct Node {

@@ -13,7 +13,6 @@
 #include <fstream>
 #include <stdexcept>
 #include <unistd.h>
-#include <vector>
 
 #include "base/files/read_write.hpp"
 #include "base/files/sha256.hpp"
@@ -67,7 +66,7 @@ std::vector<ChartLoop> loops_of(json const& node) {
 CadFileFace face_of(json const& node) {
   static constexpr std::array<std::string_view, 5> kinds = {"plane", "cylinder", "cone", "sphere", "torus"};
   std::string const kind = node.at("kind");
-  auto const at = std::find(kinds.begin(), kinds.end(), kind);
+  auto const at = std::ranges::find(kinds, kind);
   if (at == kinds.end()) throw std::runtime_error(fmt::format("'{}' is not a kind of face", kind));
   CadFileFace f;
   f.carrier = Carrier(at - kinds.begin());

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numeric>
 #include <tuple>
 
@@ -31,7 +30,7 @@ std::vector<std::vector<std::uint32_t>> joint_numbers(MeshFile const& file) {
     for (std::uint32_t i = 0; i < vertices.size(); ++i)
       all.emplace_back(vertices[i].x, vertices[i].y, vertices[i].z, p, i);
   }
-  std::sort(all.begin(), all.end());
+  std::ranges::sort(all);
   std::uint32_t next = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     auto const& [x, y, z, part, vertex] = all[i];
@@ -107,18 +106,18 @@ class Examination {
           sides_.push_back({std::min(from, to), std::max(from, to), p, from < to});
           if (sides_.size() % 3 == 1) places_.push_back(corner[0] + about);
         }
-        std::sort(n.begin(), n.end());
+        std::ranges::sort(n);
         faces_.push_back(n);
       }
   }
   void count_doubled() {
-    std::sort(faces_.begin(), faces_.end());
+    std::ranges::sort(faces_);
     for (std::size_t i = 1; i < faces_.size(); ++i) health_.doubled += faces_[i] == faces_[i - 1];
   }
   void look_at_edges() {
     std::vector<std::uint32_t> order(sides_.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
       return std::tuple(sides_[a].low, sides_[a].high, a) < std::tuple(sides_[b].low, sides_[b].high, b);
     });
     for (std::size_t i = 0, end; i < order.size(); i = end) {

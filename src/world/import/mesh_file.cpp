@@ -7,7 +7,6 @@
 #include <assimp/config.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 
 #include <algorithm>

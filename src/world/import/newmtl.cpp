@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "io/delimited_text.hpp"
 
@@ -26,7 +25,7 @@ class NewmtlReader {
       NewmtlMaterial m;
       m.name = words[1].text;
       m.line = line.number;
-      if (std::any_of(out.begin(), out.end(), [&](NewmtlMaterial const& o) { return o.name == m.name; }))
+      if (std::ranges::any_of(out, [&](NewmtlMaterial const& o) { return o.name == m.name; }))
         complain(words[1], fmt::format("material '{}' is defined twice", m.name), "choose another name");
       out.push_back(m);
       return;

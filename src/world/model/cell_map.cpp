@@ -2,7 +2,6 @@
 #include "world/model/cell_map.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <queue>
 #include <type_traits>
 
@@ -93,24 +92,19 @@ constexpr bool is_round = std::is_base_of_v<Cone, S> || std::is_base_of_v<Sphere
                           std::is_same_v<S, Cap> || std::is_same_v<S, Torus>;
 
 struct Reach {
-  double low = infinity, high = -infinity, r_min = infinity, r_max = 0;
+  Extent extent{infinity, -infinity, infinity, 0};
   bool round = true, barrel = true;  // a barrel seen along its axis is a line
   void add(Reach const& r) {
-    low = std::min(low, r.low);
-    high = std::max(high, r.high);
-    r_min = std::min(r_min, r.r_min);
-    r_max = std::max(r_max, r.r_max);
+    extent = {std::min(extent.low, r.extent.low), std::max(extent.high, r.extent.high),
+              std::min(extent.r_min, r.extent.r_min), std::max(extent.r_max, r.extent.r_max)};
     round = round && r.round;
     barrel = barrel && r.barrel;
   }
 };
 Reach reach_of(WorldView const& view, SurfaceId id) {
   return view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) {
-    Reach r;
-    s.extent(r.low, r.high, r.r_min, r.r_max);
-    r.round = is_round<std::decay_t<decltype(s)>>;
-    r.barrel = r.high > r.low && r.r_max - r.r_min < 1e-6 * r.r_max;
-    return r;
+    Extent const e = s.extent();
+    return Reach{e, is_round<std::decay_t<decltype(s)>>, e.high > e.low && e.r_max - e.r_min < 1e-6 * e.r_max};
   });
 }
 
@@ -119,9 +113,10 @@ Reach reach_of(WorldView const& view, SurfaceId id) {
 SurfaceChart chart_of(WorldView const& view, std::span<SurfaceId const> surfaces) {
   Reach all;
   for (SurfaceId const id : surfaces) all.add(reach_of(view, id));
-  double const r = all.r_max;
-  if (all.barrel || all.high - all.low > 2 * r) return {Chart::unrolled, {all.low, all.high, -pi * r, pi * r}};
-  if (all.round) return {Chart::polar, {all.r_min, r, -pi, pi}};
+  double const r = all.extent.r_max;
+  if (all.barrel || all.extent.high - all.extent.low > 2 * r)
+    return {Chart::unrolled, {all.extent.low, all.extent.high, -pi * r, pi * r}};
+  if (all.round) return {Chart::polar, {all.extent.r_min, r, -pi, pi}};
   return {Chart::plane, {-r, r, -r, r}};
 }
 
@@ -156,8 +151,9 @@ double filled_share(WorldView const& view, SurfaceId id, Chart chart, MapCell co
 double filled_share(WorldView const& view, SurfaceId id, Chart chart, MapCell const& c, Pose const& frame) {
   Reach const reach = reach_of(view, id);
   Vec3 const reference = view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) { return s.reference(); });
-  double const far =
-      2 * (std::fabs(reach.low) + std::fabs(reach.high) + reach.r_max + length(frame.origin - reference)) + 1e-3;
+  double const far = 2 * (std::fabs(reach.extent.low) + std::fabs(reach.extent.high) + reach.extent.r_max +
+                          length(frame.origin - reference)) +
+                     1e-3;
   auto const meets = [&](Vec3 from, Vec3 dir, double end) {
     return view.cross(id.value, {frame.point(from), frame.direction(dir), end}, {}).distance;
   };

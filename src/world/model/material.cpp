@@ -17,8 +17,7 @@ void read_bracket(Node const& bracket, ScatterSpread& spread) {
   bool const brdf = !parts.empty() && parts.front().kind() == Node::Kind::scalar &&
                     parts.front().as_quantity().dimension == dim::brdf;
   std::vector<double> const values = bracket.as_numbers(brdf ? dim::brdf : dim::plain, 3);
-  if (values.size() != 3 || std::any_of(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }))
-    return;
+  if (values.size() != 3 || std::ranges::any_of(values, [](double v) { return !std::isfinite(v); })) return;
   if (!(values[0] > 0 && values[0] <= values[1] && values[1] <= values[2]))
     return bracket.problem("a bracket is low, mid, high, in this order and above zero",
                            "write [1e-3 /sr, 3e-3 /sr, 1e-2 /sr]");

@@ -49,7 +49,7 @@ BodyId World::add_mode(BodyId of, std::string name, ElasticMode mode) {
 }
 
 GroupId World::add_group(std::string const& name) {
-  auto const found = std::find(groups_.begin(), groups_.end(), name);
+  auto const found = std::ranges::find(groups_, name);
   if (found != groups_.end()) return {std::uint32_t(found - groups_.begin())};
   groups_.push_back(name);
   return {std::uint32_t(groups_.size() - 1)};
@@ -64,11 +64,10 @@ void World::add_footprint(Footprint f, Feed feed) {
   feeds_.push_back(std::move(feed));
   if (f.free) return lit_.push_back(f);
   PoolRef const ref = surfaces_[f.surface.value].shape;
-  double low = 0, high = 0, r_min = 0, r_max = 0;
   WorldView const now = view();
-  now.shapes.visit(ref, [&](auto const& shape) { shape.extent(low, high, r_min, r_max); });
+  Extent const e = now.shapes.visit(ref, [](auto const& shape) { return shape.extent(); });
   double const given = f.backoff > 0 ? f.backoff : infinity;
-  f.backoff = std::fmin(given, r_max + (high - low));
+  f.backoff = std::fmin(given, e.r_max + (e.high - e.low));
   if (feeds_.back().propagated) {  // it may have passed another part of this surface on its way
     double const before = now.cross(f.surface.value, {f.centre - 1e-6 * f.travel, -f.travel}, {}).distance;
     f.backoff = std::fmin(f.backoff, 0.5 * before);
@@ -102,7 +101,7 @@ void World::open_port(std::string const& name, std::vector<std::uint32_t> const&
 void World::anchor(BodyId id, Vec3 place) {
   if (!id.valid() || bodies_[id.value].pivot_given) return;
   auto const on_it = [id](Surface const& s) { return s.body.value == id.value; };
-  if (std::any_of(surfaces_.begin(), surfaces_.end(), on_it)) return;
+  if (std::ranges::any_of(surfaces_, on_it)) return;
   bodies_[id.value].pivot = place;
   bodies_[id.value].pivot_given = true;
 }
@@ -170,6 +169,25 @@ std::vector<std::string> World::body_names() const {
   std::vector<std::string> names;
   for (Body const& b : bodies_) names.push_back(b.name);
   return names;
+}
+
+PhaseSensitivity& phase_sensitivity_of(std::vector<PhaseSensitivity>& phase_sensitivities, BodyId body) {
+  auto const at = std::ranges::find_if(phase_sensitivities, [&](PhaseSensitivity const& l) { return l.body == body; });
+  return at == phase_sensitivities.end() ? phase_sensitivities.emplace_back(PhaseSensitivity{body, {}}) : *at;
+}
+
+void add_hit(std::vector<PhaseSensitivity>& phase_sensitivities, World const& world, SurfaceId surface, Vec3 point,
+             Vec3 kappa) {
+  BodyId const id = world.surfaces()[surface.value].body;
+  if (!id.valid()) return;
+  Body const& body = world.bodies()[id.value];
+  Vec3 const turn = cross(point - body.pivot, kappa);
+  double const rigid[6] = {kappa.x, kappa.y, kappa.z, turn.x, turn.y, turn.z};
+  PhaseSensitivity& phase_sensitivity = phase_sensitivity_of(phase_sensitivities, id);
+  for (int i = 0; i < 6; ++i) phase_sensitivity.d[i] += rigid[i];
+  for (ElasticMode const& mode : body.modes)
+    phase_sensitivity_of(phase_sensitivities, mode.id).d[0] +=
+        dot(kappa, mode.shape->at(point - (mode.origin_given ? mode.origin : body.pivot)));
 }
 
 }  // namespace straytrace::world

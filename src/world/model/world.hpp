@@ -73,6 +73,10 @@ class World {
                          scale_of(shape)});
     return {std::uint32_t(surfaces_.size() - 1)};
   }
+  template <class Shape>
+  SurfaceId add_surface(Shape const& shape, Surface const& as) {  // all but its shape
+    return add_surface(shape, as.front, as.back, as.body, as.group, as.volume);
+  }
   BodyId add_body(std::string name, Vec3 pivot);
   // Its coordinate is a body of its own, of this name; returns that.
   BodyId add_mode(BodyId of, std::string name, ElasticMode);

@@ -3,7 +3,6 @@
 // both directions about the normal, in radian unless the names of the columns state a unit.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/input/document.hpp"

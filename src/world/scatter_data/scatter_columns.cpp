@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -41,7 +40,7 @@ class Declarations {
     where_ = {key, number, std::uint32_t(text.find(key)) + 1};
     std::vector<std::string> const known{"wavelength",       "angles",      "polarisation_in",
                                          "polarisation_out", "noise_floor", "theta_i"};
-    if (std::find(known.begin(), known.end(), key) != known.end()) return declare(key, std::string(value));
+    if (std::ranges::find(known, key) != known.end()) return declare(key, std::string(value));
     if (std::string const near = nearest_word(key, known); !near.empty())
       complain(problems_, where_, fmt::format("unknown declaration '{}'", key),
                fmt::format("did you mean '{}'?", near));
@@ -69,7 +68,7 @@ class Declarations {
                fmt::format("write '# {}: {}'", where_.text, example));
   }
   void word(std::string const& text, std::vector<std::string> const& choices, std::string& into) {
-    if (std::find(choices.begin(), choices.end(), text) != choices.end()) {
+    if (std::ranges::find(choices, text) != choices.end()) {
       into = text;
       return;
     }

@@ -10,7 +10,6 @@
 #include "base/files/text_file.hpp"
 #include "base/math/constants.hpp"
 #include "io/delimited_text.hpp"
-#include "optics/scatter/measured.hpp"
 
 namespace straytrace::world {
 namespace {
@@ -99,8 +98,7 @@ void demand(ScatterFile const& file, std::vector<Problem>& problems) {
   std::string missing;
   if (!(file.declared.wavelength > 0)) missing = "wavelength";
   bool const text = file.format == columns;
-  bool const turned =
-      std::any_of(file.points.begin(), file.points.end(), [](auto const& p) { return p.theta_s == p.theta_s; });
+  bool const turned = std::ranges::any_of(file.points, [](auto const& p) { return p.theta_s == p.theta_s; });
   if (text && turned && file.declared.angles.empty()) missing += missing.empty() ? "angles" : " and angles";
   if (missing.empty()) return;
   complain(problems, {}, fmt::format("the file does not declare {} of the measurement", missing),
@@ -157,15 +155,14 @@ ScatterPoint scatter_point(double theta_i, double theta_s, double phi, double va
 std::vector<std::vector<ScatterPoint>> by_incidence(std::vector<ScatterPoint> const& points) {
   std::vector<std::vector<ScatterPoint>> out;
   for (ScatterPoint const& p : points) {
-    auto const there = std::find_if(out.begin(), out.end(), [&](auto const& group) {
-      return std::fabs(std::sin(group[0].theta_i) - std::sin(p.theta_i)) < 1e-6;
-    });
+    auto const there = std::ranges::find_if(
+        out, [&](auto const& group) { return std::fabs(std::sin(group[0].theta_i) - std::sin(p.theta_i)) < 1e-6; });
     if (there == out.end())
       out.push_back({p});
     else
       there->push_back(p);
   }
-  std::sort(out.begin(), out.end(), [](auto const& a, auto const& b) { return a[0].theta_i < b[0].theta_i; });
+  std::ranges::sort(out, [](auto const& a, auto const& b) { return a[0].theta_i < b[0].theta_i; });
   return out;
 }
 

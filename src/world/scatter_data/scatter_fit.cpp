@@ -10,7 +10,6 @@
 
 #include "base/math/constants.hpp"
 #include "base/math/least_squares.hpp"
-#include "world/scatter_data/scatter_file.hpp"
 
 namespace straytrace::world {
 namespace {
@@ -194,10 +193,9 @@ double tis_of(ScatterFit const& fit) {
 ScatterFit fit_of(Model model, ScatterFile const& file, std::vector<Datum> const& data, std::string const& source) {
   ScatterFit fit;
   fit.model = names[std::size_t(model)];
-  auto const limits = std::size_t(std::count_if(data.begin(), data.end(), [](Datum const& d) { return d.limit; }));
+  auto const limits = std::size_t(std::ranges::count_if(data, [](Datum const& d) { return d.limit; }));
   if (data.size() - limits < 6) fit.why = "fewer than six points above the noise floor";
-  bool const directed =
-      std::all_of(data.begin(), data.end(), [](Datum const& d) { return std::isfinite(d.log_cosines); });
+  bool const directed = std::ranges::all_of(data, [](Datum const& d) { return std::isfinite(d.log_cosines); });
   if (model == Model::k_correlation && !directed) fit.why = "the model needs angles, but the file gives offsets";
   if (!fit.why.empty()) return fit;
   Eigen::VectorXd const p = best_of(model, data, data.size() - limits).at;
@@ -217,7 +215,7 @@ ScatterFit fit_of(Model model, ScatterFile const& file, std::vector<Datum> const
   fit.freedom = data.size() - limits - std::size_t(count);
   fit.rms = std::sqrt(squares / double(data.size() - limits));
   Eigen::MatrixXd c = covariance(model, data, p);
-  bool const stated = std::any_of(file.points.begin(), file.points.end(), [](auto const& q) { return q.error > 0; });
+  bool const stated = std::ranges::any_of(file.points, [](auto const& q) { return q.error > 0; });
   fit.scaled = !stated || fit.chi2 > double(fit.freedom);
   if (fit.scaled) c *= fit.chi2 / double(fit.freedom);
   fit.raw.assign(p.data(), p.data() + count);
@@ -273,13 +271,13 @@ Total total_of(Points const& points, std::string_view beyond, double nearest, do
 
 IncidenceAudit audit_of(Points const& points, std::string_view beyond) {
   Points sorted = points, half;
-  std::sort(sorted.begin(), sorted.end(), [](auto const& a, auto const& b) { return a.offset < b.offset; });
+  std::ranges::sort(sorted, [](auto const& a, auto const& b) { return a.offset < b.offset; });
   for (std::size_t i = 0; i < sorted.size(); ++i)
     if (i % 2 == 0 || i + 1 == sorted.size()) half.push_back(sorted[i]);
   IncidenceAudit out;
   out.theta_i = points[0].theta_i;
   out.points = points.size();
-  out.limits = std::size_t(std::count_if(points.begin(), points.end(), [](auto const& p) { return p.limit; }));
+  out.limits = std::size_t(std::ranges::count_if(points, [](auto const& p) { return p.limit; }));
   out.nearest = sorted.front().offset;
   out.farthest = sorted.back().offset;
   Total const t = total_of(sorted, beyond, out.nearest, out.farthest);
@@ -333,7 +331,7 @@ void order(Points const& points, ScatterAudit& out) {
   auto const less = [](ScatterPoint const& a, ScatterPoint const& b) {
     return std::pair(a.phi, a.theta_s) < std::pair(b.phi, b.theta_s);
   };
-  std::sort(sorted.begin(), sorted.end(), less);
+  std::ranges::sort(sorted, less);
   for (std::size_t i = 1; i < sorted.size(); ++i)
     if (std::fabs(sorted[i].theta_s - sorted[i - 1].theta_s) < 1e-9 &&
         std::fabs(sorted[i].phi - sorted[i - 1].phi) < 1e-9 && sorted[i].theta_s > 1e-9)

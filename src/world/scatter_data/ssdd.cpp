@@ -87,7 +87,7 @@ class SsddReader {
       b.wavelengths = in_.numbers(in_.words_left_in_line(key), "WAVELENGTH_LIST");
     else if (k.size() == 11 && k.starts_with("PARAM") && k.ends_with("_LIST") && k[5] >= '0' && k[5] <= '4')
       b.list[std::size_t(k[5] - '0')] = in_.numbers(in_.words_left_in_line(key), std::string(k));
-    else if (std::find(std::begin(others), std::end(others), k) != std::end(others))
+    else if (std::ranges::find(others, k) != std::end(others))
       in_.rest_of_line(key);
     else
       in_.refuse(key, fmt::format("unknown keyword '{}'", k), "known are those of SSDD 0.2");
@@ -261,7 +261,7 @@ std::string ssdd_text(ScatterFile const& file, std::string_view beyond, std::str
       return {};
     }
   Grid const g = grid_of(file);
-  bool const plane = std::all_of(g.azimuth.begin(), g.azimuth.end(), [](double a) { return a == 0 || a == 180; });
+  bool const plane = std::ranges::all_of(g.azimuth, [](double a) { return a == 0 || a == 180; });
   if (!plane && g.azimuth.size() > 361) {
     why = fmt::format("the directions do not form a grid about the specular direction: {} azimuths", g.azimuth.size());
     return {};

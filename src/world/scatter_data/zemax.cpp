@@ -3,7 +3,6 @@
 // incidence.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -270,12 +269,11 @@ Entry const* chosen(std::vector<Entry> const& all, std::string const& wanted, st
     if (e.name == wanted || (wanted.empty() && all.size() == 1)) return &e;
     names.push_back(e.name);
   }
-  std::string const near = nearest_word(wanted, names);
   complain(problems, {},
            wanted.empty() ? fmt::format("the catalogue has {} entries", all.size())
                           : fmt::format("the catalogue has no entry '{}'", wanted),
-           !near.empty() ? fmt::format("did you mean '{}'?", near)
-                         : fmt::format("name one with 'entry' (--entry in a command): {}", fmt::join(names, ", ")));
+           did_you_mean(wanted, names,
+                        fmt::format("name one with 'entry' (--entry in a command): {}", fmt::join(names, ", "))));
   return nullptr;
 }
 

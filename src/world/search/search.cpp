@@ -7,8 +7,6 @@
 #include <limits>
 #include <map>
 
-#include "world/search/surface_pack.hpp"
-
 namespace straytrace::world {
 namespace {
 
@@ -52,15 +50,16 @@ Family family_along(std::vector<SearchItem const*> const& candidates) {
   Family f;
   f.line = line_of(*candidates.front());
   for (SearchItem const* item : candidates) {
-    Vec3 const a = item->reference + item->low * item->axis, b = item->reference + item->high * item->axis;
+    Vec3 const a = item->reference + item->extent.low * item->axis,
+               b = item->reference + item->extent.high * item->axis;
     double const off = std::max(distance_from(f.line, a), distance_from(f.line, b));
-    double const scale = length(a) + length(b) + item->r_max;
-    if (off > 1e-12 * scale || item->r_max > 1e9) continue;
+    double const scale = length(a) + length(b) + item->extent.r_max;
+    if (off > 1e-12 * scale || item->extent.r_max > 1e9) continue;
     double const z1 = dot(a - f.line.foot, f.line.dir), z2 = dot(b - f.line.foot, f.line.dir);
     f.deviation = std::max(f.deviation, off);
     f.items.push_back(*item);
-    f.parts.push_back(
-        {std::min(z1, z2), std::max(z1, z2), item->r_min, item->r_max, item->ref, item->plain_kind, item->plain});
+    f.parts.push_back({std::min(z1, z2), std::max(z1, z2), item->extent.r_min, item->extent.r_max, item->ref,
+                       item->plain_kind, item->plain});
   }
   return f;
 }
@@ -132,7 +131,7 @@ std::vector<SearchItem> SearchTree::take_tubes(std::vector<SearchItem> const& it
   for (auto const& [name, candidates] : lines)
     if (candidates.size() >= 8)
       if (Family f = family_along(candidates); is_tube(f)) tubes.push_back(std::move(f));
-  std::sort(tubes.begin(), tubes.end(), [](Family const& a, Family const& b) {
+  std::ranges::sort(tubes, [](Family const& a, Family const& b) {
     return a.parts.size() != b.parts.size() ? a.parts.size() > b.parts.size()
                                             : a.parts.front().ref.surface < b.parts.front().ref.surface;
   });
@@ -142,10 +141,10 @@ std::vector<SearchItem> SearchTree::take_tubes(std::vector<SearchItem> const& it
     tubes_.add(f.line.foot, f.line.dir, f.deviation, f.parts);
     for (TubePart const& p : f.parts) taken.push_back(p.ref.surface);
   }
-  std::sort(taken.begin(), taken.end());
+  std::ranges::sort(taken);
   std::vector<SearchItem> left;
   for (SearchItem const& item : items)
-    if (!std::binary_search(taken.begin(), taken.end(), item.ref.surface)) left.push_back(item);
+    if (!std::ranges::binary_search(taken, item.ref.surface)) left.push_back(item);
   return left;
 }
 
@@ -206,9 +205,9 @@ void SurfacePack::set(int lane, SearchItem const& item, Vec3 origin, double larg
     centre[k][lane] = float(where[k]);
     axis[k][lane] = float(along[k]);
   }
-  double const inner = std::max(item.r_min - pad, 0.0), outer = item.r_max + pad;
-  low[lane] = outward(item.low - pad, -far);
-  high[lane] = outward(item.high + pad, far);
+  double const inner = std::max(item.extent.r_min - pad, 0.0), outer = item.extent.r_max + pad;
+  low[lane] = outward(item.extent.low - pad, -far);
+  high[lane] = outward(item.extent.high + pad, far);
   inner2[lane] = inner > 0 ? outward(inner * inner, -far) : 0;
   outer2[lane] = outward(outer * outer, far);
   ref[lane] = item.ref;

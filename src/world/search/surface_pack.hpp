@@ -19,7 +19,7 @@ struct SearchItem {
   SurfaceRef ref;
   Box box;
   Vec3 reference, axis{0, 0, 1};  // heights are measured from the reference point
-  double low = 0, high = 0, r_min = 0, r_max = 0;
+  Extent extent;
   std::uint32_t plain_kind = 0;  // see TubePart
   TubePlain plain = {};
 };
@@ -120,7 +120,7 @@ SearchItem search_item(Shape const& shape) {
   item.box = shape.bounds();
   item.reference = shape.reference();
   item.axis = shape.axis;
-  shape.extent(item.low, item.high, item.r_min, item.r_max);
+  item.extent = shape.extent();
   using search_item_detail::set_plain;
   if constexpr (requires { set_plain(shape, item); }) set_plain(shape, item);
   return item;

@@ -73,7 +73,7 @@ TubeSide TubeData::add_side(std::vector<TubePart> parts, bool down, double slack
     p.low = down ? -high : low;
     p.high = down ? -low : high;
   }
-  std::sort(parts.begin(), parts.end(), [](TubePart const& a, TubePart const& b) {
+  std::ranges::sort(parts, [](TubePart const& a, TubePart const& b) {
     return a.low != b.low ? a.low < b.low : a.ref.surface < b.ref.surface;
   });
   double high = -infinity;

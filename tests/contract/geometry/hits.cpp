@@ -85,8 +85,7 @@ auto const normals_are_gradients = [](auto const& v) {
 auto const extent_contains_everything = [](auto const& v) {
   auto const& s = v.s;
   Directions random(3);
-  double low, high, r_min, r_max;
-  v.extent(low, high, r_min, r_max);
+  auto const [low, high, r_min, r_max] = v.extent();
   for (int i = 0; i < rays; ++i) {
     SurfacePoint const target = random.point(s);
     Ray const ray = aimed(v, target, 3, random);
@@ -166,8 +165,7 @@ auto const ends_at_t_max = [](auto const& v) {
 auto const special_rays_are_sound = [](auto const& v) {
   auto const& s = v.s;
   Frame const f = Frame::around(s.axis);
-  double low, high, r_min, r_max;
-  s.extent(low, high, r_min, r_max);
+  auto const [low, high, r_min, r_max] = s.extent();
   for (double radius : {0.0, r_min, 0.5 * (r_min + r_max), r_max, r_max * (1 - 1e-12), r_max * (1 + 1e-12), 2 * r_max})
     for (double height : {low, 0.5 * (low + high), high, 3 * high + 1})
       for (Vec3 d : {s.axis, -s.axis, f.e1, -f.e1, f.e2, unit(s.axis + 1e-9 * f.e2), unit(f.e2 + 1e-9 * s.axis)})
@@ -210,9 +208,10 @@ struct OffTheSurface : Seen<S> {
 };
 template <class S>
 struct TightExtent : Seen<S> {
-  void extent(double& low, double& high, double& r_min, double& r_max) const {
-    Seen<S>::extent(low, high, r_min, r_max);
-    r_max *= 0.99;
+  Extent extent() const {
+    Extent e = Seen<S>::extent();
+    e.r_max *= 0.99;
+    return e;
   }
 };
 template <class S>

@@ -179,8 +179,7 @@ inline double size(Cone const& s) { return s.outer_radius / std::sin(s.half_angl
 inline double size(Sphere const& s) { return s.radius; }
 template <class Shape>
 double size(Shape const& s) {
-  double low, high, r_min, r_max;
-  s.extent(low, high, r_min, r_max);
+  auto const [low, high, r_min, r_max] = s.extent();
   return std::hypot(r_max, std::fmax(std::fabs(low), std::fabs(high)));
 }
 
@@ -206,7 +205,7 @@ struct Seen {
   }
   Vec3 normal(SurfacePoint p) const { return normal_of(s, p.point, p.piece); }
   SurfacePoint project(SurfacePoint p) const { return {projected_on(s, p.point, p.piece), p.piece}; }
-  void extent(double& low, double& high, double& r_min, double& r_max) const { s.extent(low, high, r_min, r_max); }
+  Extent extent() const { return s.extent(); }
   Box bounds() const { return s.bounds(); }
 };
 

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "base/every_module.hpp"
-#include "ifo/cavity.hpp"
+#include "support/exact_arm.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_network {

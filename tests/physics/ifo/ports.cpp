@@ -7,6 +7,7 @@
 
 #include "ifo/fabry_perot_michelson.hpp"
 #include "physics/ifo/support.hpp"
+#include "support/exact_arm.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_ports {

@@ -5,8 +5,8 @@
 #include <array>
 
 #include "base/every_module.hpp"
-#include "ifo/cavity.hpp"
 #include "ifo/network.hpp"
+#include "support/exact_arm.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_response {

@@ -3,6 +3,7 @@
 // A10, A14, B6).
 #include "ifo/cavity.hpp"
 #include "physics/noise/support.hpp"
+#include "support/exact_arm.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -160,8 +160,7 @@ TEST(triangle_mesh, bounds_and_extent_contain_it) {
   for (Pose const& pose : poses()) {
     TriangleMesh const mesh = mesh_of(bumpy(12, 0.2), pose, 1e-3);
     Box const box = mesh.bounds();
-    double low, high, r_min, r_max;
-    mesh.extent(low, high, r_min, r_max);
+    auto const [low, high, r_min, r_max] = mesh.extent();
     EXPECT_EQ(r_min, 0);
     for (MeshVertex v : bumpy(12, 0.2).vertices) {
       Vec3 const p = pose.point(1e-3 * exact(v)), o = p - mesh.reference();
@@ -174,8 +173,7 @@ TEST(triangle_mesh, bounds_and_extent_contain_it) {
   Soup ring;  // a triangle off the axis: nearest at the middle of an edge
   ring.vertices = {{1, -1, 0}, {1, 1, 0}, {2, 0, 5}};
   ring.triangles = {{{0, 1, 2}}};
-  double low, high, r_min, r_max;
-  mesh_of(ring, Pose{}).extent(low, high, r_min, r_max);
+  double const r_min = mesh_of(ring, Pose{}).extent().r_min;
   EXPECT_NEAR(r_min, 1, 1e-9);
   EXPECT_LE(r_min, 1);
 }

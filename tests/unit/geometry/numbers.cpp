@@ -35,8 +35,7 @@ TEST(geometry_numbers, tangent_at_the_start_point) {
 }
 
 TEST(geometry_numbers, cap_r3_12) {
-  double low, high, r_min, r_max;
-  cap(1 / 1683.0, 0, 0.175).extent(low, high, r_min, r_max);
+  double const high = cap(1 / 1683.0, 0, 0.175).extent().high;
   EXPECT_NEAR(high, 9.098e-6, 5e-10);  // sag of a 0.35 m mirror of RoC 1683 m
   EXPECT_NEAR(high, 0.175 * 0.175 / (2 * 1683), 1e-13);
   EXPECT_TRUE(impossible(cap(1 / 0.17, 0, 0.175)).what.size() > 0);  // aperture wider than the sphere

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "motion/joint_motion.hpp"
+#include "motion/axis_motion.hpp"
 #include "motion/motion.hpp"
 #include "support/recorded.hpp"
 #include "support/scene_tables.hpp"

@@ -6,6 +6,7 @@
 
 #include "noise/time_domain/motion_series.hpp"
 #include "physics/noise/support.hpp"
+#include "spectra/fourier.hpp"
 #include "support/statistics.hpp"
 
 namespace straytrace::testing {

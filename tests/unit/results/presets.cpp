@@ -10,7 +10,7 @@
 #include "base/every_module.hpp"
 #include "ifo/dual_recycled.hpp"
 #include "noise/fundamental/design.hpp"
-#include "noise/fundamental/quantum.hpp"
+#include "noise/fundamental/fundamental.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"
 #include "support/recorded.hpp"
 

@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "base/errors.hpp"
-#include "trace/backend/backend.hpp"
 #include "trace/backend/device/world_image.hpp"
 #include "trace/step/step.hpp"
 #include "trace/tally/block_sink.hpp"

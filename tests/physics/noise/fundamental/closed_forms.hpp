@@ -7,7 +7,7 @@
 
 #include "base/every_module.hpp"
 #include "base/math/constants.hpp"
-#include "noise/fundamental/quantum.hpp"
+#include "noise/fundamental/fundamental.hpp"
 
 namespace straytrace::closed_forms {
 

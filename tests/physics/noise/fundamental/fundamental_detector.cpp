@@ -2,11 +2,7 @@
 // The fundamental noises of a whole detector against closed forms (docs/theory/sensitivity.md, eq. 12.6, 12.7, 12.9) in
 // their limits.
 #include "noise/fundamental/budget.hpp"
-#include "noise/fundamental/coating.hpp"
 #include "noise/fundamental/fundamental.hpp"
-#include "noise/fundamental/quantum.hpp"
-#include "noise/fundamental/surroundings.hpp"
-#include "noise/fundamental/suspension.hpp"
 #include "physics/noise/fundamental/closed_forms.hpp"
 #include "physics/noise/support.hpp"
 

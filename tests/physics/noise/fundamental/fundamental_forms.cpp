@@ -2,7 +2,7 @@
 // Textbook forms of fundamental noises: numbers of R2.16, R2.18 to R2.21, R2.23 and of case A23, to
 // 1e-3 where they are given with four digits. Controls: the formulas as the thesis of 1997 prints them.
 #include "noise/fundamental/budget.hpp"
-#include "noise/fundamental/surroundings.hpp"
+#include "noise/fundamental/fundamental.hpp"
 #include "physics/noise/fundamental/closed_forms.hpp"
 #include "physics/noise/support.hpp"
 

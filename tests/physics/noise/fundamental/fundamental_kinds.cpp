@@ -6,7 +6,6 @@
 
 #include "noise/fundamental/budget.hpp"
 #include "noise/fundamental/fundamental.hpp"
-#include "noise/fundamental/suspension.hpp"
 #include "physics/noise/fundamental/closed_forms.hpp"
 #include "physics/noise/support.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The flash camera (R3.36) against closed forms of radiometry.
 #include "support/trace_support.hpp"
-#include "trace/camera/flash_camera.hpp"
+#include "trace/camera/camera.hpp"
 
 namespace straytrace::testing::trace_flash {
 namespace {
