@@ -29,12 +29,6 @@ bool is_amplitude_word(std::string_view word) {
   return std::ranges::find(amplitude_words, word) != amplitude_words.end();
 }
 
-std::string joined(auto const& words) {
-  std::string out;
-  for (auto const& w : words) (out += out.empty() ? "" : ", ") += w;
-  return out;
-}
-
 // Dimension-checked arithmetic. Every function throws ExpressionProblem if it cannot compute the result.
 
 // A value and the bytes of the text it came from.
@@ -405,7 +399,8 @@ class Parser {
     if (!is_function(id)) {
       std::vector<std::string> const names(function_names.begin(), function_names.end());
       refuse(fmt::format("'{}' is not a function", shortened(id)),
-             did_you_mean(id, names, "known functions: " + joined(names)), begin, begin + id.size());
+             did_you_mean(id, names, "known functions: " + fmt::format("{}", fmt::join(names, ", "))), begin,
+             begin + id.size());
     }
     take('(');
     std::vector<Operand> arguments;

@@ -302,15 +302,13 @@ class Expander {
     if (use.kind() != Node::Kind::scalar || part.data()) return {};  // reported already
     std::vector<std::string> names;
     for (auto const& [known, data] : parts.items()) names.push_back(known);
-    std::string all;
-    for (std::string const& n : names) all += (all.empty() ? "" : ", ") + n;
     use.problem(
         fmt::format("part '{}' is not defined", shortened(name)),
         did_you_mean(
             name, names,
             fmt::format("define it under 'parts', add 'include: [library/parts.yaml]' if it is from the library, or "
                         "use one of: {}",
-                        shortened(all))));
+                        shortened(fmt::format("{}", fmt::join(names, ", "))))));
     return {};
   }
 

@@ -5,6 +5,7 @@
 #include <H5Cpp.h>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "io/hdf5/contents.hpp"
@@ -13,40 +14,18 @@ namespace straytrace::io::hdf5 {
 
 // Type in the file (little endian) and type in memory.
 template <class T>
-H5::PredType const& file_type();
+H5::PredType const& file_type() {
+  if constexpr (std::is_same_v<T, double>) return H5::PredType::IEEE_F64LE;
+  if constexpr (std::is_same_v<T, std::uint64_t>) return H5::PredType::STD_U64LE;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return H5::PredType::STD_U32LE;
+  if constexpr (std::is_same_v<T, std::uint8_t>) return H5::PredType::STD_U8LE;
+}
 template <class T>
-H5::PredType const& memory_type();
-template <>
-inline H5::PredType const& file_type<double>() {
-  return H5::PredType::IEEE_F64LE;
-}
-template <>
-inline H5::PredType const& file_type<std::uint64_t>() {
-  return H5::PredType::STD_U64LE;
-}
-template <>
-inline H5::PredType const& file_type<std::uint32_t>() {
-  return H5::PredType::STD_U32LE;
-}
-template <>
-inline H5::PredType const& file_type<std::uint8_t>() {
-  return H5::PredType::STD_U8LE;
-}
-template <>
-inline H5::PredType const& memory_type<double>() {
-  return H5::PredType::NATIVE_DOUBLE;
-}
-template <>
-inline H5::PredType const& memory_type<std::uint64_t>() {
-  return H5::PredType::NATIVE_UINT64;
-}
-template <>
-inline H5::PredType const& memory_type<std::uint32_t>() {
-  return H5::PredType::NATIVE_UINT32;
-}
-template <>
-inline H5::PredType const& memory_type<std::uint8_t>() {
-  return H5::PredType::NATIVE_UINT8;
+H5::PredType const& memory_type() {
+  if constexpr (std::is_same_v<T, double>) return H5::PredType::NATIVE_DOUBLE;
+  if constexpr (std::is_same_v<T, std::uint64_t>) return H5::PredType::NATIVE_UINT64;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return H5::PredType::NATIVE_UINT32;
+  if constexpr (std::is_same_v<T, std::uint8_t>) return H5::PredType::NATIVE_UINT8;
 }
 
 // A file in memory, so that the library never meets a disk error.

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "base/every_module.hpp"
-#include "support/exact_arm.hpp"
+#include "physics/ifo/exact_arm.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_network {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "ifo/fabry_perot_michelson.hpp"
+#include "physics/ifo/exact_arm.hpp"
 #include "physics/ifo/support.hpp"
-#include "support/exact_arm.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_ports {

@@ -6,7 +6,7 @@
 
 #include "base/every_module.hpp"
 #include "ifo/network.hpp"
-#include "support/exact_arm.hpp"
+#include "physics/ifo/exact_arm.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_response {

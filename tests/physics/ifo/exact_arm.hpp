@@ -18,7 +18,7 @@ inline double power_gain(ArmCavity const& arm) {  // eq. 6.4
 // Length change of the arm [m] that would change the phase of the light returning to the splitter as much as the stray
 // fields do: eq. 9.10. s_arm joins the round trip, s_in the light from the splitter.
 inline double equivalent_length(ArmCavity const& arm, double wavelength, std::complex<double> s_arm,
-                         std::complex<double> s_in) {
+                                std::complex<double> s_in) {
   double const r1 = arm.r1(), r2 = arm.r2(), t1 = std::sqrt(arm.input_transmission), k = 2 * pi / wavelength;
   std::complex<double> const inside = t1 * (1.0 + s_in) / (1 - r1 * r2 - s_arm);
   std::complex<double> const returned = -r1 * (1.0 + s_in) + t1 * (r2 + s_arm / r1) * inside;
