@@ -196,7 +196,8 @@ void add_motion(NoiseBudget& b, MotionSet const& motion, Projection const& proje
 int scatters_on(MaterialSpread const& m, std::vector<PathStep> const& steps) {
   auto const counts = [&](PathStep const& s) {
     bool const scatters = letter(s.event) == 'S';
-    return (m.of_reflection ? s.event == Event::reflect : scatters) && std::ranges::binary_search(m.groups, s.group);
+    return (m.of_reflection ? s.event == Event::reflect : scatters) &&
+           std::binary_search(m.groups.begin(), m.groups.end(), s.group);
   };
   return int(std::ranges::count_if(steps, counts));
 }

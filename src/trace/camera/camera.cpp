@@ -165,7 +165,7 @@ Sight sight(WorldView const& world, Ray ray, Departure from, LookSettings const&
       seen.solid = here;
       return seen;
     }
-    if (evaluate_scattering == Look::glass && seen.panes < Sight::most_glass) seen.glass[seen.panes++] = here;
+    if (look == Look::glass && seen.panes < Sight::most_glass) seen.glass[seen.panes++] = here;
   }
   return seen;
 }
