@@ -10,7 +10,6 @@
 #include "base/input/table.hpp"
 #include "noise/fundamental/design.hpp"
 #include "noise/fundamental/fundamental.hpp"
-#include "noise/fundamental/fundamental.hpp"
 #include "results/budget/budget_sources.hpp"
 #include "results/budget/budget_view.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"
