@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "base/errors.hpp"
 #include "base/input/document.hpp"
 #include "base/text/words.hpp"
-#include "beams/aperture.hpp"
 #include "beams/cavity_mode.hpp"
+#include "beams/round_cavity.hpp"
 #include "world/build/read_parts.hpp"
 
 namespace straytrace::world {
@@ -114,6 +115,24 @@ Footprint cavity_spot(Mirror const& m, double w, Lighting const& beam) {
   return f;
 }
 
+// Share of the power that the rims of both mirrors take per round trip (docs/theory/beams.md, eq. W.10); none where the
+// mirrors are too large for the computation. A rim beyond 4.5 w takes less than 1e-17.
+std::optional<double> rim_loss(Mirror const& one, Mirror const& two, double distance, CavityMode const& mode,
+                               double wavelength) {
+  RoundCavity const cavity{
+      wavelength,
+      one.curvature,
+      two.curvature,
+      {{0, std::fmin(one.radius, 4.5 * mode.w1)}, {distance, std::fmin(two.radius, 4.5 * mode.w2)}}};
+  if (fresnel_number(cavity) > largest_fresnel_number) return {};
+  return round_modes(cavity, 0, 1).front().loss();
+}
+
+std::string loss_text(std::optional<double> loss) {
+  if (!loss) return "not computed (Fresnel number above " + fmt::format("{:g})", largest_fresnel_number);
+  return *loss < 1e-12 ? "below 1e-12 (eq. W.10)" : fmt::format("{:.3g} (eq. W.10)", *loss);
+}
+
 }  // namespace
 
 void read_cavity(Node const& beam, Node const& cavity, Registry const& names, World& world, Lighting const& light) {
@@ -140,16 +159,15 @@ void read_cavity(Node const& beam, Node const& cavity, Registry const& names, Wo
     CavityMode const mode = cavity_mode(distance, 1 / one.curvature, 1 / two.curvature, world.wavelength);
     world.add_footprint(cavity_spot(one, mode.w1, light));
     world.add_footprint(cavity_spot(two, mode.w2, light));
+    std::optional<double> const loss = rim_loss(one, two, distance, mode, world.wavelength);
     world.notes.push_back(fmt::format(
-        "beam {}: cavity of {:.6g} m, radius {:.4g} mm and {:.4g} mm on the mirrors, waist {:.4g} mm; light beyond the "
-        "clear apertures: {:.3g} and {:.3g} (eq. 5.5)",
-        name, distance, 1e3 * mode.w1, 1e3 * mode.w2, 1e3 * mode.waist, clipped_share(one.radius, mode.w1),
-        clipped_share(two.radius, mode.w2)));
-    for (auto const& [m, w] : {std::pair{&one, mode.w1}, std::pair{&two, mode.w2}})
-      if (clipped_share(m->radius, w) > 1e-3)
-        beam.warning(fmt::format("{:.2g} of the light of '{}' falls beside a mirror of radius {:g} m",
-                                 clipped_share(m->radius, w), name, m->radius),
-                     "enlarge the mirror or change the curvatures");
+        "beam {}: cavity of {:.6g} m, radius {:.4g} mm and {:.4g} mm on the mirrors, waist {:.4g} mm; light "
+        "lost past their rims per round trip: {}",
+        name, distance, 1e3 * mode.w1, 1e3 * mode.w2, 1e3 * mode.waist, loss_text(loss)));
+    if (loss && *loss > 1e-3)
+      beam.warning(fmt::format("the light of '{}' loses {:.2g} per round trip past mirrors of radius {:g} m and {:g} m",
+                               name, *loss, one.radius, two.radius),
+                   "enlarge the mirrors or change the curvatures");
   } catch (NumericalError const& e) {
     cavity.problem(e.what(), "change the mirror curvatures or the length");
     return;

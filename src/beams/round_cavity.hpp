@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Eigenmodes of a cavity of two round mirrors with round openings between, all on one axis, with the light that their
+// rims take: scalar, paraxial, by the Hankel transform of each leg (docs/theory/beams.md, eq. W.8 and W.10).
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "base/namespaces.hpp"
+
+namespace straytrace::beams {
+
+struct RoundOpening {
+  double place = 0;   // m along the axis from mirror 1
+  double radius = 0;  // m
+};
+struct RoundCavity {
+  double wavelength = 0;                  // m
+  double curvature1 = 0, curvature2 = 0;  // 1/RoC of the mirrors, positive when concave towards each other. 1/m
+  std::vector<RoundOpening> openings;     // in order of place; the first and the last are the mirrors
+
+  double length() const { return openings.back().place - openings.front().place; }
+};
+
+// A mode that varies as exp(i l phi) about the axis.
+struct RoundMode {
+  int radial = 0, azimuthal = 0;  // p and l of the Laguerre-Gauss mode that it resembles most
+  std::complex<double>
+      eigenvalue;  // amplitude after a round trip without transmission over that before, exp(2ikL) taken out
+  double loss() const { return 1 - std::norm(eigenvalue); }  // of power per round trip; rounding is some 1e-13
+};
+
+// Largest radius squared over wavelength and length of a leg: the quadrature takes some 6 nodes per unit.
+double fresnel_number(RoundCavity const&);
+constexpr double largest_fresnel_number = 30;
+
+// The modes p = 0 ... count - 1 of one l >= 0. A cavity without Gaussian modes (g1 g2 not between 0 and 1) has them in
+// the order of their loss. NumericalError beyond `largest_fresnel_number`.
+std::vector<RoundMode> round_modes(RoundCavity const&, int azimuthal, int count);
+
+}  // namespace straytrace::beams
