@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compare what two builds of straytrace compute: every example is run by both with the same seed, and every dataset and
-attribute of the run files must be equal, bit for bit, but for the time, the program and the seconds it took. Groups that an
-old program does not write yet are not compared.
+attribute of the run files must be equal, bit for bit, but for the time, the program and the seconds it took. Groups and
+attributes that an old program does not write yet are not compared.
 
 Usage: compare_runs.py OLD_PROGRAM NEW_PROGRAM [--histories N] [SCENE.yaml ...]
 Exit code 1 when a file differs; scenes that both programs reject with the same message and exit code are equal."""
@@ -17,6 +17,7 @@ import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 ADDED = {"projection"}                           # groups that old programs do not write
+ADDED_ATTRIBUTES = {"meaning"}                   # attributes of datasets that they do not write
 OF_THE_BUILD = {"created", "program", "version", "commit", "machine", "command"}     # attributes of the root
 
 
@@ -47,7 +48,7 @@ def bits(value):
 
 def differences(old, new):
     for name in sorted(old.keys() | new.keys()):
-        if name not in old and re.split("[/@]", name)[0] in ADDED:
+        if name not in old and (re.split("[/@]", name)[0] in ADDED or name.split("@")[-1] in ADDED_ATTRIBUTES):
             continue
         if name not in old or name not in new:
             yield f"{name} is only in the {'new' if name in new else 'old'} file"
