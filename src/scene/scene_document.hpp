@@ -57,7 +57,6 @@ class SceneDocument : public Document {
   std::uint32_t open_main(std::string const& name);
 
   Source const& source(std::uint32_t file) const { return sources_.at(file); }
-  std::size_t source_count() const { return sources_.size(); }
   FileTexts const& files() const { return files_; }
   std::vector<std::string> source_names() const;
   std::vector<Problem> problems(Severity) const;  // sorted by place

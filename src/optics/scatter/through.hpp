@@ -31,7 +31,6 @@ struct Through {
     double const square = 1 - scale_in * scale_in * (1 - cos_i * cos_i);
     return square > 0 ? std::sqrt(square) : 0;
   }
-  STRAY_HD bool sends(double cos_i) const { return cosine(cos_i) > 0; }
   // Factor from the value of the model to f.
   STRAY_HD double gain() const { return scale_out * scale_out; }
   // Factor from a density about outgoing(wo) to one about wo, both in 1/sr.

@@ -61,9 +61,9 @@ class Declarations {
   void number(std::string const& text, Dimension dimension, double low, double high, char const* example,
               double& into) {
     auto const value = quantity(text, dimension);
-    if (value && *value >= low && *value <= high)
-      into = *value;
-    else
+    bool const good = value && *value >= low && *value <= high;
+    into = good ? *value : not_a_number;
+    if (!good)
       complain(problems_, where_, fmt::format("'{}' cannot be '{}'", where_.text, shortened(text)),
                fmt::format("write '# {}: {}'", where_.text, example));
   }

@@ -81,7 +81,7 @@ void adopt(ScatterFile& file, ScatterDeclared const& given, std::vector<Problem>
   if (d.wavelength > 0 && given.wavelength > 0 && std::fabs(d.wavelength / given.wavelength - 1) > 1e-3)
     differ("wavelength", fmt::format("{:g} nm", d.wavelength * 1e9), fmt::format("{:g} nm", given.wavelength * 1e9));
   if (!d.angles.empty() && !given.angles.empty() && d.angles != given.angles) differ("angles", d.angles, given.angles);
-  if (!(d.wavelength > 0)) d.wavelength = given.wavelength;
+  if (d.wavelength == 0) d.wavelength = given.wavelength;
   if (d.angles.empty()) d.angles = given.angles;
   d.entry = given.entry;
 }
@@ -96,7 +96,7 @@ constexpr std::string_view layout =
 
 void demand(ScatterFile const& file, std::vector<Problem>& problems) {
   std::string missing;
-  if (!(file.declared.wavelength > 0)) missing = "wavelength";
+  if (file.declared.wavelength == 0) missing = "wavelength";
   bool const text = file.format == columns;
   bool const turned = std::ranges::any_of(file.points, [](auto const& p) { return p.theta_s == p.theta_s; });
   if (text && turned && file.declared.angles.empty()) missing += missing.empty() ? "angles" : " and angles";

@@ -14,7 +14,7 @@ namespace straytrace::world {
 
 // Declarations about a measurement in a file, a scene or a command line.
 struct ScatterDeclared {
-  double wavelength = 0;                                    // m; 0: not declared
+  double wavelength = 0;                                    // m; 0: not declared, NaN: reported as wrong
   std::string angles = {};                                  // from_normal, from_specular; empty: not declared
   std::string polarisation_in = {}, polarisation_out = {};  // s, p, unpolarised, both; empty: not declared
   double noise_floor = -1;                                  // 1/sr; 0: none; below 0: not declared

@@ -122,7 +122,7 @@ TEST(FitWitness, AngleGivesALeverArmR6_07) {
   EXPECT_THAT(error_text(fit_words(file, {"--multiplicity", "5 cm..10 cm", "--witness2", example + "::x"})),
               HasSubstr("two of one kind"));
   EXPECT_THAT(error_text({"fit", "--target", example + "::h", "--witness", example + "::h", "--band", "20 Hz..85 Hz"}),
-              HasSubstr("no motion"));
+              HasSubstr("not a unit of motion"));
 }
 
 // Two routes of a run together, each compared with its prediction, and an axis that the witness does not measure.

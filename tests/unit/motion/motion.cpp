@@ -203,7 +203,7 @@ TEST(ReadMotion, UnknownKeysAndKinds) {
   EXPECT_THAT(read("  a: {motion: {z: {peterson: low, skale: 2}, others: still}}\n", {"a"}).problems,
               HasSubstr("did you mean 'scale'?"));
   EXPECT_THAT(read("  a: {motion: {z: {peterson: low, like: x}, others: still}}\n", {"a"}).problems,
-              HasSubstr("at once"));
+              HasSubstr("cannot be both"));
 }
 
 TEST(ReadMotion, UncertaintyIsAFactorOnTheAsd) {

@@ -25,7 +25,7 @@ TEST(ReportBands, NoInputBandWithoutResolvedNoise) {
   EXPECT_THAT(band_summary(b, {15}), HasSubstr("taken as exact"));
   for (double const nothing : {0.0, not_a_number}) {
     b.total.asd = {nothing, nothing};
-    EXPECT_THAT(band_summary(b, {15}), AllOf(HasSubstr("not known"), Not(HasSubstr("bracket"))));
+    EXPECT_THAT(band_summary(b, {15}), AllOf(HasSubstr("unknown"), Not(HasSubstr("bracket"))));
   }
 }
 

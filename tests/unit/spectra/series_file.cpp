@@ -103,7 +103,7 @@ TEST(SeriesFile, ErrorsStateARemedy) {
   EXPECT_EQ(
       error_text("0 1\n1 nan\n", {"", "m", {}}),
       "a.txt: error: line 2: column 2 is not a number at 1 s\n  choose a span without such samples with --gps A..B");
-  EXPECT_EQ(error_text("0 1\n1 2\n2 3\n3 4\n", {"", "m", {7, 8}}).substr(0, 52),
+  EXPECT_EQ(error_text("0 1\n1 2\n2 3\n3 4\n", {"", "m", {7, 8}}).substr(0, 54),
             "error: 'a.txt' covers GPS 0..4, not the requested 7..8");
   EXPECT_EQ(error_text("5\n6\n", {"", "m", {}}),
             "a.txt: error: it has one column; a series also needs the times\n  write two columns: time in s, value");

@@ -256,7 +256,7 @@ TEST(WorldInterfaces, Errors) {
   EXPECT_TRUE(rejected(material("specular: {coating: tube_steel}, scatter: [{model: lambertian, tis: 1 %}, {model: "
                                 "lambertian, tis: 1 %}]"),
                        "states the total scatter"));
-  EXPECT_TRUE(rejected(built("media: {a: {index: 1.5, preset: bk7}}\n"), "twice"));
+  EXPECT_TRUE(rejected(built("media: {a: {index: 1.5, preset: bk7}}\n"), "both set the index"));
   EXPECT_TRUE(rejected(built("media: {a: {preset: silicon}}\n"), "known from 1360 nm"));
   EXPECT_TRUE(rejected(built("media: {a: {preset: fused_silca}}\n"), "did you mean 'fused_silica'"));
 }
