@@ -192,7 +192,7 @@ TEST(Budget, BadInput) {
   rejected({"aligo", "--margin", "0"}, "not a positive ratio", "1/10");
   rejected({"aligo", "--band", "10 Hz"}, "not a band", "5 Hz, 5 kHz");
   rejected({"aligo", "--compare", "adv-lla"}, "neither a design curve nor a file", "did you mean 'adv-lal'?");
-  rejected({"aligo", "--export", "pygwinc"}, "no folder", "-o DIR");
+  rejected({"aligo", "--export", "pygwinc"}, "needs a folder", "-o DIR");
   rejected({"aligo", "-p", "Laser.Power"}, "sets nothing", "Laser.Power=25");
   rejected({"aligo", "-p", "Laser.Powr=25"}, "unknown key", "did you mean 'Laser.Power'?");
   rejected({virgo_arm}, "missing", "SI units");
