@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/input/document.hpp"
 #include "base/input/table.hpp"
 #include "base/math/constants.hpp"
 #include "noise/fundamental/fundamental.hpp"
@@ -25,6 +26,23 @@ Place place_of(YAML::Mark const& mark, std::size_t source) {
   return {std::uint32_t(source), std::uint32_t(mark.line + 1), std::uint32_t(mark.column + 1)};
 }
 
+constexpr std::size_t most_nodes = 10'000, deepest_table = 32;
+
+bool is_digits(std::string_view text) { return !text.empty() && text.find_first_not_of("0123456789") == text.npos; }
+
+Problem decimal_comma(Place const& place, std::string const& text) {
+  std::string meant = text;
+  std::replace(meant.begin(), meant.end(), ',', '.');
+  return {place, fmt::format("'{}' has a decimal comma", shortened(text)), fmt::format("write {}", shortened(meant))};
+}
+
+bool has_decimal_comma(std::string text) {
+  std::size_t const comma = text.find(',');
+  if (comma == text.npos) return false;
+  text[comma] = '.';
+  return is_number(text);
+}
+
 // Nested plain YAML, from a map of dotted paths in order: numbers of a list follow each other.
 void write_yaml(YAML::Emitter& out, std::map<std::string, IfoTree::Value> const& values, std::string const& table) {
   std::vector<std::string> keys;
@@ -34,9 +52,7 @@ void write_yaml(YAML::Emitter& out, std::map<std::string, IfoTree::Value> const&
     std::string const key = rest.substr(0, rest.find('.'));
     if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
   }
-  bool const list = !keys.empty() && std::all_of(keys.begin(), keys.end(), [](std::string const& k) {
-    return k.find_first_not_of("0123456789") == k.npos;
-  });
+  bool const list = !keys.empty() && std::all_of(keys.begin(), keys.end(), is_digits);
   if (list)
     std::sort(keys.begin(), keys.end(), [](auto const& a, auto const& b) { return std::stoi(a) < std::stoi(b); });
   if (list)
@@ -59,26 +75,53 @@ void write_yaml(YAML::Emitter& out, std::map<std::string, IfoTree::Value> const&
 
 }  // namespace
 
+void IfoTree::collect(YAML::Node const& node, std::string const& path, std::size_t depth) {
+  std::size_t const number = sources_.size() - 1;
+  if (++nodes_ > most_nodes || depth > deepest_table) {
+    problems_.push_back(
+        {place_of(node.Mark(), number),
+         fmt::format("more than {} values, or tables nested more than {} deep", most_nodes, deepest_table),
+         "write values out where an alias (*name) repeats too many of them"});
+    throw_if_problems();
+  }
+  if (node.IsMap()) {
+    collect_table(node, path, depth);
+  } else if (node.IsSequence()) {
+    std::erase_if(values_, [&](auto const& v) { return below(v.first, path) && v.second.place.file != number; });
+    for (std::size_t i = 0; i < node.size(); ++i) collect(node[i], fmt::format("{}.{}", path, i), depth + 1);
+  } else if (node.IsScalar()) {
+    values_[path] = {node.Scalar(), place_of(node.Mark(), number)};
+  } else {
+    empty_[path] = place_of(node.Mark(), number);
+  }
+}
+
+void IfoTree::collect_table(YAML::Node const& table, std::string const& path, std::size_t depth) {
+  std::size_t const number = sources_.size() - 1;
+  std::set<std::string> keys;
+  YAML::Node before(YAML::NodeType::Null);
+  for (auto const& item : table) {
+    Place const place = place_of(item.first.Mark(), number);
+    if (!item.first.IsScalar()) {
+      problems_.push_back({place, "a key must be plain text", "write 'key: value'"});
+      continue;
+    }
+    std::string const key = item.first.Scalar(), inner = path.empty() ? key : path + "." + key;
+    if (item.second.IsNull() && before.IsScalar() && is_digits(key.substr(0, 1)) && is_number(before.Scalar())) {
+      problems_.push_back(decimal_comma(place_of(before.Mark(), number), before.Scalar() + "," + key));
+      continue;  // "{Power: 2,5}" is a table with the keys 'Power' and '5'
+    }
+    if (!keys.insert(key).second)
+      problems_.push_back({place, fmt::format("'{}' is given twice", inner), "keep one of them"});
+    collect(item.second, inner, depth + 1);
+    before.reset(item.second);
+  }
+}
+
 void IfoTree::add(std::string const& source, std::string const& yaml) {
   sources_.push_back(source);
+  nodes_ = 0;
   std::size_t const number = sources_.size() - 1;
-  auto const collect = [&](auto const& self, YAML::Node const& node, std::string const& path) -> void {
-    if (node.IsMap()) {
-      std::set<std::string> keys;
-      for (auto const& item : node) {
-        std::string const key = item.first.Scalar(), inner = path.empty() ? key : path + "." + key;
-        if (!keys.insert(key).second)
-          problems_.push_back(
-              {place_of(item.first.Mark(), number), fmt::format("'{}' is given twice", inner), "keep one of them"});
-        self(self, item.second, inner);
-      }
-    } else if (node.IsSequence()) {
-      std::erase_if(values_, [&](auto const& v) { return below(v.first, path) && v.second.place.file != number; });
-      for (std::size_t i = 0; i < node.size(); ++i) self(self, node[i], fmt::format("{}.{}", path, i));
-    } else if (node.IsScalar()) {
-      values_[path] = {node.Scalar(), place_of(node.Mark(), number)};
-    }
-  };
   try {
     YAML::Node const root = YAML::Load(yaml);
     if (!root.IsMap()) {
@@ -87,7 +130,13 @@ void IfoTree::add(std::string const& source, std::string const& yaml) {
                            "write keys as in pygwinc's ifo.yaml, or 'extends: aligo' and the differences"});
       return;
     }
-    collect(collect, root, "");
+    if (root["straytrace"]) {
+      problems_.push_back({{std::uint32_t(number), 1, 1},
+                           "this is a scene, not a detector",
+                           "name a preset or a file like pygwinc's ifo.yaml; of a scene, name its run: out/run.h5"});
+      return;
+    }
+    collect(root, "", 0);
   } catch (YAML::Exception const& e) {
     problems_.push_back({place_of(e.mark, number), fmt::format("this is not YAML: {}", e.msg),
                          "write 'key: value', tables by indentation"});
@@ -128,6 +177,11 @@ double IfoTree::number(std::string const& path, bool needed) {
   }
   char* end = nullptr;
   double const x = std::strtod(value->text.c_str(), &end);
+  if (has_decimal_comma(value->text)) {
+    Problem const comma = decimal_comma(value->place, value->text);
+    problem(path, comma.what, comma.suggestion);
+    return not_a_number;
+  }
   if (end != value->text.c_str() + value->text.size() || value->text.empty() || !std::isfinite(x)) {
     problem(path, fmt::format("'{}' is a number, got \"{}\"", path, value->text),
             "write it in SI units, without a unit, for example 1.064e-6");
@@ -168,10 +222,31 @@ void IfoTree::problem(std::string const& path, std::string what, std::string sug
 
 void IfoTree::report_unread(std::size_t from_source) {
   std::vector<std::string> known(asked_.begin(), asked_.end());
+  auto const table = [&](std::string const& path) {
+    auto const next = asked_.lower_bound(path + ".");
+    return next != asked_.end() && below(*next, path) ? *next : "";
+  };
+  auto const unknown = [&](std::string const& path) {
+    return Problem{{},
+                   fmt::format("unknown key '{}'", path),
+                   did_you_mean(path, known, "see the keys in docs/reference/budget.md")};
+  };
   for (auto const& [path, value] : values_) {
     if (value.place.file < from_source || asked_.contains(path)) continue;
-    problem(path, fmt::format("unknown key '{}'", path),
-            did_you_mean(path, known, "see the keys in docs/reference/budget.md"));
+    std::string const inside = table(path);
+    Problem const p = inside.empty() ? unknown(path)
+                                     : Problem{{},
+                                               fmt::format("'{}' is a table, not a value", path),
+                                               fmt::format("give a key of it, for example {}", inside)};
+    problem(path, p.what, p.suggestion);
+  }
+  for (auto const& [path, place] : empty_) {
+    if (place.file < from_source) continue;
+    Problem p = unknown(path);
+    if (asked_.contains(path) || !table(path).empty())
+      p = {{}, fmt::format("'{}' has no value", path), "write a value, or remove the key"};
+    p.place = place;
+    problems_.push_back(p);
   }
 }
 

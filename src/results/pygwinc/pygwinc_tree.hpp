@@ -12,6 +12,10 @@
 #include "base/errors.hpp"
 #include "noise/fundamental/detector.hpp"
 
+namespace YAML {
+class Node;
+}
+
 namespace straytrace::results {
 
 class IfoTree {
@@ -40,8 +44,12 @@ class IfoTree {
 
  private:
   Value const* find(std::string const& path);
+  void collect(YAML::Node const&, std::string const& path, std::size_t depth);
+  void collect_table(YAML::Node const&, std::string const& path, std::size_t depth);
   std::vector<std::string> sources_;
   std::map<std::string, Value> values_;
+  std::map<std::string, Place> empty_;  // keys without a value
+  std::size_t nodes_ = 0;               // of the last source, aliases expanded
   std::set<std::string> asked_;
   std::vector<Problem> problems_;
 };

@@ -93,6 +93,50 @@ TEST(Ifo, PlacesAndSuggestions) {
   EXPECT_EQ(complaint("extends: aligo\nLaser: {Power: .nan, ArmPower: 1e5}\n"), "");
 }
 
+// A flow table splits at the comma; the later key without a value was dropped, and the budget was that of 2 W.
+TEST(Ifo, DecimalCommasAreErrors) {
+  std::string const flow = complaint("extends: aligo\nLaser: {Power: 2,5}\n");
+  EXPECT_THAT(flow, HasSubstr("ifo.yaml:2:16: error: '2,5' has a decimal comma"));
+  EXPECT_THAT(flow, HasSubstr("write 2.5"));
+  EXPECT_THAT(flow, HasSubstr("1 error."));
+  EXPECT_THAT(complaint("extends: aligo\nLaser:\n  Power: 2,5\n"), HasSubstr("'2,5' has a decimal comma"));
+  EXPECT_THAT(complaint("extends: aligo\n", {"Laser.Power=2,5"}), HasSubstr("'2,5' has a decimal comma"));
+  EXPECT_THAT(complaint("extends: aligo\nLaser: {Power: x,5}\n"), HasSubstr("is a number, got \"x\""));
+  EXPECT_EQ(complaint("extends: aligo\nLaser: {Power: 2.5, Wavelength: 1.064e-6}\n"), "");
+}
+
+TEST(Ifo, KeysWithoutValuesAndTablesAsValues) {
+  EXPECT_THAT(complaint("extends: aligo\nLaser: {Power: 25, Foo: }\n"), HasSubstr("unknown key 'Laser.Foo'"));
+  EXPECT_THAT(complaint("extends: aligo\nLaser: {Power: }\n"), HasSubstr("'Laser.Power' has no value"));
+  EXPECT_THAT(complaint("extends: aligo\nLaser:\n"), HasSubstr("'Laser' has no value"));
+  for (std::string const& said :
+       {complaint("extends: aligo\nLaser: 5\n"), complaint("extends: aligo\n", {"Laser=3"})}) {
+    EXPECT_THAT(said, HasSubstr("'Laser' is a table, not a value"));
+    EXPECT_THAT(said, HasSubstr("give a key of it, for example Laser."));
+  }
+  EXPECT_THAT(complaint("extends: aligo\n? [a, b]\n: 1\n? [c]\n: 2\n"), HasSubstr("a key must be plain text"));
+  EXPECT_THAT(complaint("extends: aligo\n", {"Lasr=3"}), HasSubstr("unknown key 'Lasr'"));  // no table either
+}
+
+// Nine tables of nine aliases each are 9^7 values; an alias inside its own list has no end.
+TEST(Ifo, AliasesExpandWithinALimit) {
+  std::string bomb = "extends: aligo\na: &a [x, x, x, x, x, x, x, x, x]\n";
+  for (char c = 'b'; c <= 'g'; ++c) {
+    bomb += std::string(1, c) + ": &" + c + " [";
+    for (int i = 0; i < 9; ++i) bomb += std::string(i > 0 ? ", *" : "*") + char(c - 1);
+    bomb += "]\n";
+  }
+  EXPECT_THAT(complaint(bomb), HasSubstr("more than 10000 values"));
+  EXPECT_THAT(complaint("extends: aligo\na: &a [*a]\n"), HasSubstr("error"));
+  EXPECT_EQ(complaint("extends: aligo\nOptics: {ITM: {Transmittance: &t 0.014}, SRM: {Transmittance: *t}}\n"), "");
+}
+
+TEST(Ifo, AScene) {
+  std::string const said = complaint("straytrace: 1\ntitle: An arm\nbeams: {}\n");
+  EXPECT_THAT(said, HasSubstr("this is a scene, not a detector"));
+  EXPECT_THAT(said, HasSubstr("1 error."));
+}
+
 // The quadrature in which the arms do not appear would make noise of rounding; a wrong length alone is one problem.
 TEST(Ifo, BlindReadouts) {
   for (char const* angle : {"0", "3.141592653589793"})
