@@ -35,10 +35,14 @@ std::string kind_of(BudgetEntry const& e) {
 
 std::vector<double> const* reference(BudgetOn const& b) { return b.curves.empty() ? nullptr : &b.curves.front().asd; }
 
+bool holds_upper_bounds(BudgetEntry const& e, std::size_t i) {
+  return i < e.at_most.size() && e.at_most[i] && e.asd[i] > 0;
+}
+
 // "1.2e-24", with its error where it has one, and "!" above the margin.
 std::string cell(BudgetView const& v, BudgetEntry const& e, std::size_t i) {
   double const h = e.asd[i], sigma = e.sigma.empty() ? 0 : e.sigma[i];
-  bool const most = i < e.at_most.size() && e.at_most[i] && h > 0;
+  bool const most = holds_upper_bounds(e, i);
   std::string text = most                            ? with_brackets({h, sigma, true, e.incomplete})
                      : std::isfinite(h) && sigma > 0 ? with_brackets(h, sigma)
                                                      : asd_cell(h);
@@ -104,10 +108,17 @@ std::vector<std::string> total_cells(NoiseTable const& t) {
 
 // Contributions missing from the total.
 std::string bound(BudgetView const& v) {
-  std::vector<std::string> names;
+  std::vector<std::string> unknown, incomplete;
   for (BudgetEntry const& e : v.at.table.entries)
-    if (unknown_somewhere(e)) names.push_back(e.name);
-  return names.empty() ? "" : fmt::format("total: a lower bound where {} is not known\n", fmt::join(names, ", "));
+    if (unknown_somewhere(e))
+      unknown.push_back(e.name);
+    else if (e.incomplete)
+      incomplete.push_back(e.name);
+  std::string text;
+  if (!unknown.empty()) text += fmt::format("total: a lower bound where {} is not known\n", fmt::join(unknown, ", "));
+  if (!incomplete.empty())
+    text += fmt::format("total: without the unresolved routes of {}\n", fmt::join(incomplete, ", "));
+  return text;
 }
 
 std::string flagged(BudgetView const& v) {
@@ -128,15 +139,23 @@ std::string flagged(BudgetView const& v) {
                      loud.empty() ? "none of the known ones" : fmt::format("{}", fmt::join(loud, ", ")));
 }
 
+std::string kind_of_bound(BudgetEntry const& e, std::size_t i) {
+  if (holds_upper_bounds(e, i)) return e.incomplete ? "about " : "at most ";
+  return e.incomplete ? "at least " : "";
+}
+
 std::string ratios(BudgetView const& v) {
   std::vector<double> const* const design = reference(v.at);
   if (!design) return "";
   std::string text;
   for (BudgetEntry const& e : v.at.table.entries) {
     if (e.kind == BudgetEntry::Kind::fundamental) continue;
-    std::vector<double> ratio;
-    for (std::size_t i = 0; i < e.asd.size(); ++i) ratio.push_back(e.asd[i] / (*design)[i]);
-    text += row("  " + e.name, numbers(ratio, "{:.3g}"));
+    std::vector<std::string> cells;
+    for (std::size_t i = 0; i < e.asd.size(); ++i) {
+      double const ratio = e.asd[i] / (*design)[i];
+      cells.push_back(!std::isfinite(ratio) ? "-" : fmt::format("{}{:.3g}", kind_of_bound(e, i), ratio));
+    }
+    text += row("  " + e.name, cells);
   }
   if (!text.empty()) text = fmt::format("over {}\n", v.at.curves.front().name) + text;
   return text;

@@ -213,7 +213,10 @@ std::string band_summary(NoiseBudget const& b, std::vector<double> const& freque
     return "one realisation and input uncertainty: unknown, no route that causes noise is resolved\n";
   bool const bound = std::any_of(frequencies.begin(), frequencies.end(),
                                  [&](double hz) { return strain_at(b.total, b.grid, hz).at_most; });
-  std::string text = fmt::format("one realisation (5 to 95 %){} at {:g} Hz: {}\n", bound ? " of the upper bound" : "",
+  std::string text = fmt::format("one realisation (5 to 95 %){} at {:g} Hz: {}\n",
+                                 !bound                 ? ""
+                                 : b.unresolved.empty() ? " of the upper bound"
+                                                        : " of the total, which is no bound,",
                                  fmt::join(frequencies, ", "), ranges(b, frequencies, d.speckle_05, d.speckle_95));
   if (d.sources.empty())
     return text + fmt::format("inputs{} are taken as exact: no bracket or uncertainty is stated{}\n",

@@ -136,8 +136,11 @@ struct ReceivedRow {
   ReceivedRoute const* route = nullptr;
 
   Estimate const& power() const { return route ? route->power : receiver.power; }
-  // Of the light of the receiver.
-  double share() const { return route ? route->share.value : receiver.power.mean > 0 ? 1 : not_a_number; }
+  // Of the light of the receiver; NaN where it is not resolved.
+  WithError share() const {
+    if (!power().trusted || !(receiver.power.mean > 0)) return {not_a_number, not_a_number};
+    return route ? route->share : WithError{1, 0};
+  }
 };
 using ReceivedList = std::vector<TableColumn<ReceivedRow>>;
 
@@ -221,14 +224,14 @@ ReceivedList received_columns(double beam_power, bool totals) {
     .value = [](ReceivedRow const& r) { return r.power().scored; },
     .text = {70 * of_totals}, .csv = {90, "histories_scored"}, .json = {40, "power/histories_scored"}});
   all.push_back({.key = "share", .unit = "1", .help = "of the light of the receiver",
-    .value = [](ReceivedRow const& r) { return r.power().trusted ? r.share() : not_a_number; },
+    .value = [](ReceivedRow const& r) { return r.share().value; },
     .text = {80 * of_routes, "share/%"}, .csv = {70, "share_percent", 100}, .json = {50 * of_routes},
     .page = {80, "share [%]"}, .as_text = share_text,
-    .as_json = [](ReceivedRow const& r) { return json_number(r.share()); },
+    .as_json = [](ReceivedRow const& r) { return json_number(r.share().value); },
     .as_page = [](ReceivedRow const& r) {
       return r.power().trusted && r.route ? error_json(scaled(r.route->share, 100)) : Json(nullptr); }});
   all.push_back({.key = "share_sigma", .unit = "1", .help = "one standard error", .json = {60 * of_routes},
-    .as_json = [](ReceivedRow const& r) { return json_number(r.route->share.sigma); }});
+    .as_json = [](ReceivedRow const& r) { return json_number(r.share().sigma); }});
   all.push_back({.key = "status", .kind = ColumnKind::text, .help = "resolved, or why not",
     .value = [](ReceivedRow const& r) { return r.power().trusted ? "resolved" : "unresolved: " + r.power().why_not; },
     .text = {90}, .csv = {80}, .left = true,
@@ -341,7 +344,7 @@ std::string quadrants(ReceiverEntry const& r, double beam_power) {
     if (std::isnan(p.value))
       row.insert(row.end(), c.titles.size() - 1, "no light seen");
     else
-      add_power(row, p, std::isfinite(p.sigma), beam_power);
+      add_power(row, p, r.power.trusted && std::isfinite(p.sigma), beam_power);
     c.rows.push_back(std::move(row));
   }
   return "\n" + aligned(c);
@@ -414,9 +417,11 @@ Json json_of(ReceiverTable const& table, ReceiverEntry const& r) {
   TableWriter<MetRow> const objects(object_columns(table.beam_power));
   Json j = totals.json_row({table, r});
   j["quadrants"] = Json::array();
-  for (std::size_t i = 0; i < r.quadrants.mean.size(); ++i)
-    j["quadrants"].push_back(
-        {{"value", json_number(r.quadrants.mean[i])}, {"sigma", json_number(r.quadrants.error[i])}});
+  for (std::size_t i = 0; i < r.quadrants.mean.size(); ++i) {
+    bool const known = r.power.trusted;
+    j["quadrants"].push_back({{"value", json_number(known ? r.quadrants.mean[i] : not_a_number)},
+                              {"sigma", json_number(known ? r.quadrants.error[i] : not_a_number)}});
+  }
   j["routes"] = Json::array();
   for (ReceivedRoute const& route : r.routes) j["routes"].push_back(routes.json_row({table, r, &route}));
   j["census"] = Json::array();

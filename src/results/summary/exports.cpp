@@ -216,7 +216,9 @@ std::string asd_text(RunContent const& run) {
   text += "# h_low, h_high: one standard error of the Monte Carlo\n";
   text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open\n";
   text += "# speckle_05, _50, _95: percentiles of one realisation of the static phases\n";
-  text += "# coherent: linear sum of the ASDs of all routes, as if all were in phase: upper bound\n";
+  text += fmt::format("# coherent: linear sum of the ASDs of {}, as if all were in phase{}\n",
+                      b.unresolved.empty() ? "all routes" : "the resolved routes",
+                      b.unresolved.empty() ? ": upper bound" : "");
   text += "# resolved: 1, or 0 where routes are unresolved\n";
   text += "# bound_share: part of h_mean^2 that is an upper bound (routes of kind edge)\n";
   text += "# design: " + (b.design.empty() ? "none" : b.design.front().name) + "; ratio = h_mean/design\n";

@@ -195,8 +195,9 @@ std::string energy_balance_text(RunContent const& run) {
   c.left = {true};
   if (run.beam_power > 0) c.titles.push_back("power/W");
   double balance_terms = 0;
-  auto add = [&](std::string const& name, Moments const& m) {
+  auto add = [&](std::string const& name, Moments const& m, double least_error = 0) {
     Estimate e = estimate(m, total.histories, total.blocks);
+    e.std_error = std::max(e.std_error, least_error);
     double const mean = e.mean;
     bool const rounding = std::fabs(m.sum) < closed * total.emitted.sum;
     if (rounding) e.scored = 0;
@@ -204,8 +205,12 @@ std::string energy_balance_text(RunContent const& run) {
     return mean;
   };
   double const emitted = add("emitted", total.emitted);
-  for (int i = 0; i < balance_term_count; ++i)
-    balance_terms += add(name_of(BalanceTerm(i)), total.energy_balance[std::size_t(i)]);
+  for (int i = 0; i < balance_term_count; ++i) {
+    // The odds of the roulette are known; its rare survivors may not have been drawn.
+    double const least_error =
+        BalanceTerm(i) == BalanceTerm::roulette ? std::sqrt(total.window_variance) / double(total.histories) : 0;
+    balance_terms += add(name_of(BalanceTerm(i)), total.energy_balance[std::size_t(i)], least_error);
+  }
   std::string text = aligned(c);
   double const open = emitted > 0 ? std::fabs(emitted - balance_terms) / emitted : 0;
   text += fmt::format("\nClosure: emitted power and the sum of the terms differ by {:.1e} of the emitted power ({}).\n",

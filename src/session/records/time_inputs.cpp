@@ -162,6 +162,16 @@ class RouteChoice {
   std::vector<std::pair<std::size_t, std::uint64_t>> ranks_;
 };
 
+// h(t) of resolved routes is a lower bound where others have light.
+void warn_of_unresolved(std::size_t routes, TimeInputs& in) {
+  if (routes == 0) return;
+  std::string const what = fmt::format("{} {} unresolved and left out of h(t), so its level is a lower bound",
+                                       counted(routes, "route"), routes == 1 ? "is" : "are");
+  std::string const remedy = "trace more histories, or name the routes with --route";
+  in.model.warnings += fmt::format("warning: {}\n  {}\n", what, remedy);
+  in.model.warnings_json += problems_as_json(InputError({{{}, what, remedy, Severity::warning}}, ""));
+}
+
 void choose_routes(TimeRequest const& o, TimeInputs& in) {
   CouplingTable const& table = in.coupling();
   std::vector<std::size_t> ports, bodies;
@@ -169,6 +179,7 @@ void choose_routes(TimeRequest const& o, TimeInputs& in) {
   for (std::string const& b : o.moved_by)
     bodies.push_back(place_of(b, table.bodies, "--moved-by", "a body of this run"));
   RouteChoice const asked(o, in);
+  std::size_t unresolved = 0;
   for (std::uint32_t r = 0; r < table.classes.size(); ++r) {
     CouplingClass const& c = table.classes[r];
     bool const at_port = ports.empty() || std::count(ports.begin(), ports.end(), c.port.value) > 0;
@@ -176,8 +187,13 @@ void choose_routes(TimeRequest const& o, TimeInputs& in) {
                          return touches(c, BodyId{std::uint32_t(b)});
                        });
     bool const usable = in.exact.routes[r].resolved || !asked.empty();
-    if (at_port && moved && usable && asked(table, c) && !c.records.empty()) in.routes.push_back(r);
+    if (!at_port || !moved || !asked(table, c) || c.records.empty()) continue;
+    if (usable)
+      in.routes.push_back(r);
+    else
+      ++unresolved;
   }
+  warn_of_unresolved(unresolved, in);
   if (in.routes.empty())
     throw InputError("none of the selected routes has stored paths", "see straytrace paths RUN for ranks and names");
 }

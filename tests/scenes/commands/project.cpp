@@ -51,6 +51,20 @@ TEST_F(Projected, SwingingBenchMakesItsFringes) {  // case B3: 67.3 Hz from 10 u
   EXPECT_NE(straytrace(project({"--format", "json", "--seed", "4"})).out, got.out);
 }
 
+// Unresolved routes that h(t) leaves out are a warning, in text and JSON; controls: routes that are named, all
+// resolved.
+TEST_F(Projected, RoutesLeftOutAreAWarning) {
+  Finished const few =
+      straytrace({"run", source_folder + "/examples/virgo_arm.yaml", "-o", at("few"), "--histories", "300", "--quiet"});
+  ASSERT_EQ(few.code, 0) << few.err;
+  Words const words{"project", at("few/run.h5"), "--duration", "8s"};
+  EXPECT_THAT(straytrace(words).err, HasSubstr("unresolved and left out of h(t), so its level is a lower bound"));
+  Words json = words;
+  json.insert(json.end(), {"--format", "json"});
+  EXPECT_THAT(straytrace(json).err, HasSubstr("left out of h(t)"));
+  EXPECT_THAT(straytrace(project({})).err, Not(HasSubstr("left out of h(t)")));
+}
+
 // Every command that reads motion states where its files end; check and noise find the same mistakes.
 TEST_F(Projected, MotionFilesGiveTheSameErrorsInAllCommands) {
   auto const with = [](std::string const& z) {

@@ -57,6 +57,8 @@ TEST(ReceiversCommand, TooFewHistoriesGiveNoError) {
     EXPECT_EQ(says(text_of(folder / "out/receivers.csv"), ",resolved,"), !few);
     std::string const report = text_of(folder / "out/report.txt");
     EXPECT_EQ(says(report.substr(report.find("Where the light went")), "about "), few) << report;
+    Finished const paths = straytrace({"paths", folder / "out/run.h5", "--format", "json"});
+    EXPECT_EQ(says(paths.out, "\"share\": 1.0"), false) << paths.out;  // of what is not resolved, nothing is known
   }
 }
 

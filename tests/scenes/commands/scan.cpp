@@ -89,7 +89,7 @@ TEST_F(Scan, WrongWords) {
                      {{"blck=1e-4/sr"}, "blck"},
                      {{"--invert", "colour(baffle)"}, "is not valid"},
                      {{"--invert", "brdf(bafle)"}, "did you mean 'baffle'?"},
-                     {{"--invert", "motion(tube)", "--histories", "1e12"}, "body 'tube' does not exist"},
+                     {{"--invert", "motion(tube)"}, "body 'tube' does not exist"},
                      {{"--invert", "param(black)"}, "needs one search range"},
                      {{"--invert", "brdf(baffle)", "--margin", "much"}, "is not a margin"},
                      {{"--invert", "brdf(baffle)", "black=1e-4/sr"}, "with -p"}};

@@ -12,6 +12,7 @@
 namespace straytrace::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -173,9 +174,28 @@ TEST_F(ReportTables, AsdTextHasSeventeenColumnsPerFrequency) {
     EXPECT_EQ(std::distance(std::istream_iterator<std::string>(words), {}), 17);
   }
   EXPECT_EQ(rows, bin_count);
-  EXPECT_THAT(asd_text(content(trace, &noise)), HasSubstr("LOWER BOUND"));
+  EXPECT_THAT(asd_text(content(trace, &noise)),
+              AllOf(HasSubstr("LOWER BOUND"), HasSubstr("of the resolved routes, as")));
+  NoiseBudget complete = noise;  // control: with all routes in it, their linear sum is a bound
+  complete.unresolved.clear();
+  EXPECT_THAT(asd_text(content(trace, &complete)), HasSubstr("of all routes, as if all were in phase: upper bound"));
   noise.total.asd[0] = not_a_number;
   EXPECT_THAT(asd_text(content(trace, &noise)), HasSubstr("e+00 nan nan nan "));  // low end too: unresolved, not 0
+}
+
+// The error of the roulette is that of its known odds where few of its rare survivors were drawn; control: no odds.
+TEST_F(ReportTables, RouletteHasTheErrorOfItsOdds) {
+  Moments& roulette = trace.total.energy_balance[std::size_t(BalanceTerm::roulette)];
+  roulette = trace.total.energy_balance[0];
+  auto const line = [&] {
+    std::string const text = energy_balance_text(content(trace, &noise));
+    return text.substr(text.find("\nroulette"), 80);
+  };
+  std::string const before = line();
+  trace.total.window_variance = std::pow(1e3 * double(trace.total.histories), 2);
+  EXPECT_NE(line(), before);
+  EXPECT_THAT(line(), HasSubstr("± 1000"));
+  EXPECT_THAT(before, Not(HasSubstr("± 1000")));
 }
 
 TEST_F(ReportTables, BandsAreInReportAndSummary) {
