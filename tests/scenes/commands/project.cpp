@@ -9,6 +9,9 @@
 namespace straytrace::testing::app_project {
 namespace {
 
+using ::testing::HasSubstr;
+using ::testing::Not;
+
 // A bench behind the end mirror, traced once: one route per surface, 1e5 histories.
 class Projected : public ::testing::Test {
  protected:
