@@ -44,24 +44,38 @@ struct Listed {
   NoiseTrace const* noise;
   CouplingClass const* route;
 };
-using ById = std::map<std::uint64_t, Listed>;
-
-ById by_id(RunFile const& run) {
-  ById out;
-  auto const& classes = run.trace.coupling.classes;
-  for (std::size_t r = 0; r < run.noise->routes.size() && r < classes.size(); ++r)
-    out[run.noise->routes[r].hash] = {&run.noise->routes[r], &classes[r]};
-  return out;
-}
 
 std::string port_of(RunFile const& run, CouplingClass const& c) { return run.trace.coupling.ports.at(c.port.value); }
 
-// The row of `run` for routes without a row of their own at this port.
-NoiseTrace const* other_of(RunFile const& run, std::string const& port) {
+// What names a row in both runs: the id of its route; of a row `other` its port and C_rev, since the ids of such rows
+// vary in old files.
+struct RowKey {
+  std::uint64_t hash = 0;
+  std::string port{};
+  double reverse = 0;
+  auto operator<=>(RowKey const&) const = default;
+};
+using ByKey = std::map<RowKey, Listed>;
+
+RowKey key_of(RunFile const& run, CouplingClass const& c) {
+  return c.steps.empty() ? RowKey{0, port_of(run, c), c.reverse} : RowKey{c.hash};
+}
+
+ByKey by_key(RunFile const& run) {
+  ByKey out;
   auto const& classes = run.trace.coupling.classes;
   for (std::size_t r = 0; r < run.noise->routes.size() && r < classes.size(); ++r)
-    if (classes[r].steps.empty() && port_of(run, classes[r]) == port) return &run.noise->routes[r];
-  return nullptr;
+    out[key_of(run, classes[r])] = {&run.noise->routes[r], &classes[r]};
+  return out;
+}
+
+// The rows of `run` for routes without a row of their own at this port, one for each C_rev.
+std::vector<NoiseTrace const*> others_of(RunFile const& run, std::string const& port) {
+  std::vector<NoiseTrace const*> rows;
+  auto const& classes = run.trace.coupling.classes;
+  for (std::size_t r = 0; r < run.noise->routes.size() && r < classes.size(); ++r)
+    if (classes[r].steps.empty() && port_of(run, classes[r]) == port) rows.push_back(&run.noise->routes[r]);
+  return rows;
 }
 
 // Whether this route of `from` is possible in `to`: all its objects exist.
@@ -110,7 +124,7 @@ struct Together {
   }
 };
 
-// Row `other` of one port in both runs, with the routes that only one of them lists.
+// Rows `other` of one port in both runs, with the routes that only one of them lists.
 struct Rest {
   Together before, after;
   std::size_t routes = 0;
@@ -121,47 +135,56 @@ void add_rest(std::map<std::string, Rest>& rests, std::string const& port, Noise
   auto const [at, is_new] = rests.try_emplace(port);
   Rest& rest = at->second;
   if (is_new) {
-    if (NoiseTrace const* row = other_of(b, port)) rest.before.add(*row, b.noise->grid, d);
-    if (NoiseTrace const* row = other_of(a, port)) rest.after.add(*row, a.noise->grid, d);
+    for (NoiseTrace const* row : others_of(b, port)) rest.before.add(*row, b.noise->grid, d);
+    for (NoiseTrace const* row : others_of(a, port)) rest.after.add(*row, a.noise->grid, d);
   }
   (is_before ? rest.before : rest.after).add(only, (is_before ? b : a).noise->grid, d);
   ++rest.routes;
 }
 
+// The sums of `rests` take the place of their rows in `others`.
+void put_rests(std::vector<Change>& others, std::map<std::string, Rest> const& rests, RunFile const& b,
+               RunFile const& a) {
+  for (auto const& [port, rest] : rests) {
+    std::vector<NoiseTrace const*> const first = others_of(b, port);
+    NoiseTrace const& row = *(first.empty() ? others_of(a, port) : first).front();
+    WithError const before = rest.before.rms(), after = rest.after.rms();
+    std::erase_if(others, [&](Change const& c) { return c.what == row.name; });
+    others.push_back({fmt::format("{} and {} route{} of one run", row.name, rest.routes, rest.routes == 1 ? "" : "s"),
+                      fmt::format("{:016x}", row.hash), before, after, error_of_change(before, after, false),
+                      rest.before.open || rest.after.open});
+  }
+}
+
 std::vector<Change> route_changes(RunFile const& b, RunFile const& a, RunDifference const& d) {
-  ById const x = by_id(b), y = by_id(a);
+  ByKey const x = by_key(b), y = by_key(a);
   std::map<std::string, Rest> rests;
   std::vector<Change> all, others;
+  auto const list_of = [&](Listed const& one) -> std::vector<Change>& {
+    return one.route->steps.empty() ? others : all;
+  };
   auto const only_one = [&](Listed const& one, bool is_before) {
     RunFile const &own = is_before ? b : a, &other = is_before ? a : b;
     std::string const port = port_of(own, *one.route);
     Change c =
         route_change(is_before ? one.noise : nullptr, is_before ? nullptr : one.noise, b.noise->grid, a.noise->grid, d);
-    NoiseTrace const* const row = other_of(other, port);
-    if (row && !one.route->steps.empty() && exists_in(other, own, *one.route)) {
-      c.within = row->name;
+    auto const rows = others_of(other, port);
+    if (!rows.empty() && !one.route->steps.empty() && exists_in(other, own, *one.route)) {
+      c.within = rows.front()->name;
       add_rest(rests, port, *one.noise, is_before, b, a, d);
     }
-    all.push_back(std::move(c));
+    list_of(one).push_back(std::move(c));
   };
-  for (auto const& [id, one] : x) {
-    auto const hit = y.find(id);
+  for (auto const& [key, one] : x) {
+    auto const hit = y.find(key);
     if (hit == y.end())
       only_one(one, true);
     else
-      (one.route->steps.empty() ? others : all)
-          .push_back(route_change(one.noise, hit->second.noise, b.noise->grid, a.noise->grid, d));
+      list_of(one).push_back(route_change(one.noise, hit->second.noise, b.noise->grid, a.noise->grid, d));
   }
-  for (auto const& [id, one] : y)
-    if (!x.contains(id)) only_one(one, false);
-  for (auto const& [port, rest] : rests) {
-    NoiseTrace const* const row = other_of(b, port) ? other_of(b, port) : other_of(a, port);
-    WithError const before = rest.before.rms(), after = rest.after.rms();
-    std::erase_if(others, [&](Change const& c) { return c.what == row->name; });
-    others.push_back({fmt::format("{} and {} route{} of one run", row->name, rest.routes, rest.routes == 1 ? "" : "s"),
-                      fmt::format("{:016x}", row->hash), before, after, error_of_change(before, after, false),
-                      rest.before.open || rest.after.open});
-  }
+  for (auto const& [key, one] : y)
+    if (!x.contains(key)) only_one(one, false);
+  put_rests(others, rests, b, a);
   all.insert(all.end(), others.begin(), others.end());
   auto const change = [](Change const& c) {
     return std::fabs(c.after.value * c.after.value - c.before.value * c.before.value);
@@ -171,18 +194,17 @@ std::vector<Change> route_changes(RunFile const& b, RunFile const& a, RunDiffere
 }
 
 // Of the total in one band, x and y, when both runs are of the same histories.
-double common_error(NoiseBudget const& b, NoiseBudget const& a, WithError const& x, WithError const& y, double low,
+double common_error(RunFile const& b, RunFile const& a, WithError const& x, WithError const& y, double low,
                     double high) {
-  std::map<std::uint64_t, NoiseTrace const*> after;
-  for (NoiseTrace const& t : a.routes) after[t.hash] = &t;
+  ByKey const after = by_key(a);
   auto const share = [](WithError const& route, WithError const& total) {
     return total.value > 0 ? route.value * route.value / (2 * total.value) : 0;
   };
   double variance = 0;
-  for (NoiseTrace const& t : b.routes) {
-    auto const found = after.find(t.hash);
-    WithError const p = band_rms(t, b.grid, low, high),
-                    q = found == after.end() ? WithError{} : band_rms(*found->second, a.grid, low, high);
+  for (auto const& [key, one] : by_key(b)) {
+    auto const found = after.find(key);
+    WithError const p = band_rms(*one.noise, b.noise->grid, low, high),
+                    q = found == after.end() ? WithError{} : band_rms(*found->second.noise, a.noise->grid, low, high);
     WithError const& known = p.value > 0 ? p : q;
     if (!(known.value > 0)) continue;
     double const error = (share(q, y) - share(p, x)) * 2 * known.sigma / known.value;
@@ -191,9 +213,10 @@ double common_error(NoiseBudget const& b, NoiseBudget const& a, WithError const&
   return std::sqrt(variance);
 }
 
-Change band_change(NoiseBudget const& b, NoiseBudget const& a, double low, double high, bool common) {
+Change band_change(RunFile const& before, RunFile const& after, double low, double high, bool common) {
+  NoiseBudget const &b = *before.noise, &a = *after.noise;
   WithError const x = band_rms(b.total, b.grid, low, high), y = band_rms(a.total, a.grid, low, high);
-  double const error = common ? common_error(b, a, x, y, low, high) : error_of_change(x, y, false);
+  double const error = common ? common_error(before, after, x, y, low, high) : error_of_change(x, y, false);
   bool const open = !b.total.resolved || !a.total.resolved;
   return {fmt::format("{:g} to {:g} Hz", low, high), "", x, y, error, open, {}, held_change(x, y, common)};
 }
@@ -268,7 +291,8 @@ RunDifference run_differences(RunFile const& before, RunFile const& after) {
   for (double const f : ends)
     if (f > d.low && f < d.high) at.push_back(f);
   at.push_back(d.high);
-  for (std::size_t i = 0; i + 1 < at.size(); ++i) d.bands.push_back(band_change(b, a, at[i], at[i + 1], d.common));
+  for (std::size_t i = 0; i + 1 < at.size(); ++i)
+    d.bands.push_back(band_change(before, after, at[i], at[i + 1], d.common));
   d.routes = route_changes(before, after, d);
   return d;
 }

@@ -73,12 +73,11 @@ class Leftover {
  public:
   void take(CouplingClass const& c, Moments const& moments) {
     if (merged_.records.empty()) {
-      merged_.hash = c.hash;
+      merged_.hash = hash_of_other(c.port.value, c.reverse);
       merged_.port = c.port;
       merged_.reverse = c.reverse;
     }
     merged_.off_list += c.off_list;
-    merged_.hash = std::min(merged_.hash, c.hash);
     moments_ = merged(moments_, moments);
     for (int r = 0; r < replica_count; ++r) merged_.replica_sum[r] += c.replica_sum[r];
     merged_.records.insert(merged_.records.end(), c.records.begin(), c.records.end());
@@ -295,6 +294,11 @@ std::uint64_t hash_of_route(std::vector<PathStep> const& steps, std::uint32_t be
   std::uint64_t name = 0;
   for (PathStep const& s : steps) name = extended(name, s.group, s.event == Event::emit ? Event::scatter : s.event);
   return hash_of_ends(beam, name, end);
+}
+
+std::uint64_t hash_of_other(std::uint32_t end, double reverse) {
+  constexpr std::uint64_t word = 0x6f74686572;  // "other"
+  return mixed(hash_of_ends(0, mixed(word), end) + std::uint64_t(reverse));
 }
 
 std::vector<PathStep> backwards(std::vector<PathStep> steps) {

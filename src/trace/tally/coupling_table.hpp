@@ -28,6 +28,8 @@ struct MadeClass {
 
 // Hash of a route of these steps, as in the trace.
 std::uint64_t hash_of_route(std::vector<PathStep> const& steps, std::uint32_t beam, std::uint32_t end);
+// Of the row `other` of an end and a C_rev: the same in every run, whatever routes it sums.
+std::uint64_t hash_of_other(std::uint32_t end, double reverse);
 std::vector<PathStep> backwards(std::vector<PathStep> steps);
 
 // Replaces the numbers of every reversible route that is not trusted by those of its reverse if that has more scores;

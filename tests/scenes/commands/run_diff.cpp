@@ -93,6 +93,34 @@ TEST(RunDiff, ARouteOutOfOtherIsNoChange) {
   EXPECT_GT(std::fabs(5e-23 - 4e-23) / std::hypot(0.02 * 5e-23, 0.02 * 4e-23), 7) << "negative control";
 }
 
+// Old files name `other` by the least id of its routes: it varies, and may be that of a route of the other run. Rows
+// `other` are compared with each other, those of each C_rev, and nothing is compared with none. Controls: a route that
+// only one of the runs can have, and the ids differ.
+TEST(RunDiff, OtherIsComparedWithOtherWhateverItsId) {
+  auto const run = [](std::uint64_t seed, std::uint64_t id) {
+    RunFile r = run_of(seed, groups, {{{0, 1, 0}, 1e-22}, {{}, 5e-23}, {{}, 3e-23}});
+    for (std::size_t i : {1, 2}) {
+      r.trace.coupling.classes[i].reverse = double(i);
+      r.trace.coupling.classes[i].hash = r.noise->routes[i].hash = id + i;
+    }
+    return r;
+  };
+  RunFile const x = run(1, 500), y = run(2, run_of(1, groups, {{{0, 1, 0}, 1}}).trace.coupling.classes[0].hash - 1);
+  EXPECT_NE(x.noise->routes[1].hash, y.noise->routes[1].hash) << "control";
+  EXPECT_EQ(y.noise->routes[1].hash, y.noise->routes[0].hash) << "control";
+  RunDifference const d = run_differences(x, y);
+  EXPECT_EQ(d.routes.size(), 3u);
+  for (Change const& c : d.routes) EXPECT_EQ(c.sigmas(), 0) << c.what;
+  EXPECT_THAT(run_difference_text(d), ::testing::Not(HasSubstr("none")));
+
+  RunFile z = run_of(3, groups, {{{0, 1, 0}, 1e-22}, {{0, 2, 0}, 5e-23}, {{}, 3e-23}});
+  RunDifference const e = run_differences(x, z);  // 5^2 + 3^2 in both: each row of `other` once
+  EXPECT_EQ(e.routes.size(), 3u);
+  EXPECT_LT(std::fabs(row(e, "other > ITM and 1 route").sigmas()), 1e-6);
+  z.trace.coupling.groups = {"ITM", "wall", "plate"};
+  EXPECT_THAT(run_difference_text(run_differences(x, z)), HasSubstr("none")) << "control";
+}
+
 // A group with an upper bound and an unresolved member is no bound; controls: either alone.
 TEST(RunDiff, AGroupOfBothBoundsIsNeither) {
   auto const group = [](bool bound, bool unresolved) {

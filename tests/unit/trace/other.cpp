@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Verdict of rows `other`: summing routes does not remove their tails.
+// Rows `other`: summing routes does not remove their tails, and the id does not depend on the routes.
 #include <gmock/gmock.h>
+
+#include <algorithm>
+#include <set>
 
 #include "support/trace_support.hpp"
 #include "trace/tally/coupling_table.hpp"
@@ -18,15 +21,16 @@ double heavy(std::uint64_t i) {
   return std::pow(least + (1 - least) * u, -1 / 1.4);
 }
 
-// Two routes without kept paths, hence without names: `one(i)` and `two(i)` are the totals of history i.
+// Two routes without kept paths, hence without names, of ids `id` and `id` + 1: `one(i)` and `two(i)` are the totals of
+// history i.
 template <class One, class Two>
-CouplingClass other_of(One&& one, Two&& two) {
+CouplingClass other_of(One&& one, Two&& two, std::uint64_t id = 7) {
   SumTree tree;
   for (std::uint64_t b = 0; b < blocks; ++b) {
     BlockSums sums;
     sums.blocks = 1;
     sums.histories = per_block;
-    ClassSums &first = sums.classes[7], &second = sums.classes[8];
+    ClassSums &first = sums.classes[id], &second = sums.classes[id + 1];
     for (std::uint64_t i = b * per_block; i < (b + 1) * per_block; ++i) {
       first.moments.add_score(one(i), i);
       second.moments.add_score(two(i), i);
@@ -61,6 +65,25 @@ TEST(Other, OfAHeavyTailIsNotResolved) {
 TEST(Other, CountsItsHeavyTails) {
   Estimate const row = other_of(heavy, [](std::uint64_t i) { return 2 * heavy(i + 1); }).coupling;
   EXPECT_THAT(row.why_not, StartsWith("mostly long routes and 1 more: the largest"));
+}
+
+// Other routes in the row do not change its id, and it is the id of none of them; ends and C_rev do. Control: the least
+// id of its routes changes.
+TEST(Other, HasAnIdOfItsOwn) {
+  auto const one = [](std::uint64_t) { return 1.0; };
+  CouplingClass const a = other_of(one, one, 7), b = other_of(one, one, 70);
+  EXPECT_EQ(a.hash, b.hash);
+  EXPECT_EQ(a.hash, hash_of_other(0, a.reverse));
+  auto const least = [](CouplingClass const& c) {
+    std::uint64_t id = c.folded.at(0).hash;
+    for (FoldedRoute const& f : c.folded) {
+      EXPECT_NE(f.hash, c.hash);
+      id = std::min(id, f.hash);
+    }
+    return id;
+  };
+  EXPECT_NE(least(a), least(b)) << "negative control";
+  EXPECT_EQ((std::set{hash_of_other(0, 1), hash_of_other(0, 2), hash_of_other(1, 1), hash_of_other(1, 2)}.size()), 4u);
 }
 
 // Routes with too few scores are what the row is for.
