@@ -183,7 +183,7 @@ void add_apertures(CLI::App& app, int& exit_code) {
   auto* const profile =
       command->add_option("--profile", o.profile, "intensity across the beam behind an edge of this entry");
   command->add_option("--distance", o.distance, "of --profile, behind the edge, for example \"10 m\"")->needs(profile);
-  command->add_option("--points", o.points, "of --profile")->check(CLI::Range(3, 100001));
+  command->add_option("--points", o.points, "of --profile")->check(whole_between(3, 100001, "101"));
   command->footer(
       "Examples:\n"
       "  straytrace apertures examples/virgo_arm.yaml\n"

@@ -62,8 +62,9 @@ std::vector<double> parse_frequencies(std::string const& list, char const* optio
     double const value = std::strtod(item.c_str(), &end);
     auto const unit = parse_unit(trimmed(end));
     if (end == item.c_str() || !unit || !(unit->dimension == dim::frequency))
-      throw InputError(fmt::format("{}: '{}' is not a frequency", option, item),
-                       fmt::format("write {} \"10 Hz, 1 kHz\"", option));
+      throw InputError(
+          fmt::format("{}: '{}' is not a frequency", option, item),
+          fmt::format("write {} \"10.5 Hz, 1 kHz\": a unit for each, and decimal points, not commas", option));
     if (double const hz = to_si(value, *unit); !(hz >= lowest_hz && hz <= highest_hz))
       throw InputError(fmt::format("{}: '{}' is not between 1 uHz and 1 MHz", option, item),
                        fmt::format("write {} \"10 Hz, 1 kHz\"", option));
@@ -159,7 +160,7 @@ void add_budget(CLI::App& app, int& exit_code) {
   command->add_option("--at", o.at, "frequencies of the table")->default_str(o.at);
   command->add_option("--band", o.band, "of curves and picture (default: of the run, or \"5 Hz, 5 kHz\")");
   command->add_option("--points", r.points, "of the curves (default: the bins of the run, or 300)")
-      ->check(CLI::Range(2, 100000));
+      ->check(whole_between(2, 100000, "300"));
   command
       ->add_option("--compare", r.compare,
                    "design curves or files (two columns, runs, pygwinc budgets): several with commas, or one for "

@@ -110,6 +110,14 @@ double option_quantity(std::string const& text, Dimension dimension, std::string
   throw InputError(fmt::format("{}: {}", option, why), fmt::format("write {} \"{}\"", option, example));
 }
 
+double positive_quantity(std::string const& text, Dimension dimension, std::string const& option,
+                         std::string const& example) {
+  double const value = option_quantity(text, dimension, option, example);
+  if (value > 0) return value;
+  throw InputError(fmt::format("{}: '{}' is not positive", option, text),
+                   fmt::format("write {} \"{}\"", option, example));
+}
+
 CLI::Validator is_quantity(Dimension dimension, std::string const& option, std::string const& example) {
   return readable([=](std::string const& text) { option_quantity(text, dimension, option, example); });
 }

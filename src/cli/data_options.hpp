@@ -33,6 +33,8 @@ void add_output_options(CLI::App&, DataOptions&, char const* quiet = "--quiet");
 
 // A number with a unit of this dimension: "8 s", "20 Hz", "50 %", "sqrt(2)*1 um". InputError names the option.
 double option_quantity(std::string const& text, Dimension, std::string const& option, std::string const& example);
+// The same; InputError unless it is above zero.
+double positive_quantity(std::string const& text, Dimension, std::string const& option, std::string const& example);
 // Refuses other texts before any work.
 CLI::Validator is_quantity(Dimension, std::string const& option, std::string const& example);
 struct FrequencyBand {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <optional>
 #include <regex>
 
@@ -14,20 +15,20 @@
 #include "session/model.hpp"
 
 namespace straytrace::cli {
-namespace {
 
-// Numbers as users write them, including 1e6.
 CLI::Validator number_between(double low, double high, std::string const& example) {
   return {[=](std::string const& text) -> std::string {
             double value = 0;
             if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return {};
+            std::string pointed = text;
+            std::replace(pointed.begin(), pointed.end(), ',', '.');
+            if (pointed != text && CLI::detail::lexical_cast(pointed, value))
+              return fmt::format("'{}' has a decimal comma; write a decimal point: {}", text, pointed);
             return fmt::format("'{}' is not a number from {:g} to {:g}; write for example {}", text, low, high,
                                example);
           },
           ""};
 }
-
-}  // namespace
 
 CLI::Validator whole_between(double low, double high, std::string const& example) {
   return {[=](std::string const& text) -> std::string {

@@ -22,6 +22,8 @@ void refuse_two_formats(bool csv, PrintOptions const&);  // InputError for --csv
 
 void drop_slashes(std::string& folder);  // at its end
 
+// "'x' is not a number from 0.1 to 1000; write for example 20". In place of CLI::Range, which accepts nan.
+CLI::Validator number_between(double low, double high, std::string const& example);
 // "'x' is not a whole number from 1 to 1e6; write for example 20"
 CLI::Validator whole_between(double low, double high, std::string const& example);
 

@@ -276,8 +276,9 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--at", o.at, "frame this object instead of the whole scene")->group("Camera");
   command->add_option("--cut", o.cuts, "remove one side of a plane: x=0 (the side of the eye), \"y>5cm\"")
       ->allow_extra_args(false);
-  command->add_flag("--flash", o.flash, "show scattered light and glints of the camera's own flash");
-  command->add_option("--lamp", o.lamp, "radius of the flash around the eye; default: 5 mm");
+  auto* const flash =
+      command->add_flag("--flash", o.flash, "show scattered light and glints of the camera's own flash");
+  command->add_option("--lamp", o.lamp, "radius of the flash around the eye; default: 5 mm")->needs(flash);
   command->add_flag("--section", o.section,
                     "section along the axis, with separate scales for both sides of the picture");
   command->add_flag("--whole", o.whole, "also draw the back of walls without material there");

@@ -114,7 +114,7 @@ void add_invert_options(CLI::App& command, ScanCommandOptions& o) {
   command.add_flag("--per-frequency", o.invert.per_frequency,
                    "also derive the requirement at each frequency separately");
   command.add_option("--tolerance", o.invert.tolerance, "width of the result over the range, for param; default 0.01")
-      ->check(CLI::Range(1e-6, 0.5));
+      ->check(number_between(1e-6, 0.5, "0.01"));
 }
 
 }  // namespace

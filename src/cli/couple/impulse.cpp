@@ -11,6 +11,7 @@
 #include "base/errors.hpp"
 #include "base/files/text_file.hpp"
 #include "cli/couple/couple_data.hpp"
+#include "cli/options.hpp"
 #include "results/text/columns.hpp"
 #include "spectra/files/gps.hpp"
 
@@ -153,8 +154,11 @@ void add_couple_impulse(CLI::App& couple, int& exit_code) {
   command->add_option("--length", o.length, "length of the stretch after each start")->default_str(o.length);
   command->add_option("--before", o.before, "silence before each start")->default_str(o.before);
   command->add_option("--threshold", o.threshold, "threshold of an impulse, in standard deviations of the force")
-      ->default_str("8");
-  command->add_option("--modes", o.modes, "largest number of modes")->default_str("3")->check(CLI::Range(0, 100));
+      ->default_str("8")
+      ->check(number_between(0.0, 1e9, "8"));
+  command->add_option("--modes", o.modes, "largest number of modes")
+      ->default_str("3")
+      ->check(whole_between(0, 100, "3"));
   add_band_option(*command, o.data, "LOW..HIGH searched for modes");
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
@@ -179,12 +183,12 @@ void add_couple_events(CLI::App& couple, int& exit_code) {
   add_welch_options(*command, o.data);
   command->add_option("--averages", o.settings.averages, "segments of each stretch")
       ->default_str("20")
-      ->check(CLI::Range(2, 100000));
+      ->check(whole_between(2, 100000, "20"));
   command
       ->add_option("--significance", o.settings.overall_significance,
                    "significance of an event, corrected for all bins and stretches")
       ->default_str("3")
-      ->check(CLI::Range(0.0, 37.0));
+      ->check(number_between(0.0, 37.0, "3"));
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"

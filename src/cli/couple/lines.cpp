@@ -10,6 +10,7 @@
 #include "analysis/fringes/fringe_lines.hpp"
 #include "base/errors.hpp"
 #include "cli/couple/couple_data.hpp"
+#include "cli/options.hpp"
 #include "results/text/columns.hpp"
 
 namespace straytrace::cli {
@@ -43,10 +44,10 @@ void add_line_options(CLI::App& command, LineOptions& o) {
   command.add_option("--wavelength", o.wavelength, "of the light")->default_str(o.wavelength);
   command.add_option("--multiplicity", o.multiplicity, "bounces off the moving surface: phase over 4 pi x/lambda")
       ->default_str("1")
-      ->check(CLI::Range(1e-3, 1e6));
+      ->check(number_between(1e-3, 1e6, "2"));
   command.add_option("--z-max", o.z_max, "largest phase amplitude searched, rad")
       ->default_str("20")
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(number_between(0.1, 1000.0, "20"));
 }
 
 Driven follow_drive(LineOptions const& o) {
@@ -55,7 +56,7 @@ Driven follow_drive(LineOptions const& o) {
   FrequencyBand const band = option_band(o.data.band, "--band");
   Driven d;
   d.window = option_quantity(o.window, dim::time, "--window", "4 s");
-  d.wavelength = option_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
+  d.wavelength = positive_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
   d.pair = read_pair(o.pair, span_of(o.data));
   d.drive = track_line(d.pair.witness, {band.low, band.high, d.window});
   d.target = follow_line(d.pair.target, d.drive, d.window);
@@ -169,7 +170,7 @@ void add_couple_lines(CLI::App& couple, int& exit_code) {
   add_line_options(*command, o);
   command->add_option("--harmonics", o.harmonics, "number of harmonics, including the line itself")
       ->default_str("5")
-      ->check(CLI::Range(3, 100));
+      ->check(whole_between(3, 100, "5"));
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"
@@ -288,7 +289,7 @@ void add_couple_ramp(CLI::App& couple, int& exit_code) {
   add_line_options(*command, o);
   command->add_option("--significance", o.significance, "threshold for a fringe, standard deviations")
       ->default_str("3")
-      ->check(CLI::Range(0.0, 37.0));
+      ->check(number_between(0.0, 37.0, "3"));
   command->add_option("--save", o.save, "CSV of pemcoupling with the outcome as flag, for straytrace project");
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(

@@ -300,7 +300,7 @@ void add_couple_predict(CLI::App& couple, int& exit_code) {
   command->add_flag("--own-motion", o.own, "also the response to the body's own motion along this axis");
   add_band_option(*command, o.data, "LOW..HIGH; default: of the run");
   command->add_option("--points-per-decade", o.points, "default: bins of the run, 60 with --band")
-      ->check(CLI::Range(1.0, 10000.0));
+      ->check(number_between(1.0, 10000.0, "60"));
   command->add_option("--measured", o.measured, "CSV of pemcoupling to compare: ratio and significance")
       ->check(CLI::ExistingFile);
   command->add_option("--coupling-unit", o.unit, "unit of the measured factor, where the file has none: 1/m");

@@ -88,9 +88,11 @@ void add_couple_sweep(CLI::App& couple, int& exit_code) {
   command->add_option("--window", o.window, "length of the windows")->default_str(o.window);
   command->add_option("--resolution", o.resolution, "resolution of the coupling; default: 2 over the window");
   command->add_option("--witness-ratio", o.ridge.witness_ratio, "amplitude of the drive over the background")
-      ->default_str("10");
+      ->default_str("10")
+      ->check(number_between(1.0, 1e9, "10"));
   command->add_option("--significance", o.ridge.significance, "significance of the target; below: an upper limit")
-      ->default_str("3");
+      ->default_str("3")
+      ->check(number_between(0.0, 37.0, "3"));
   command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
   command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project");
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch

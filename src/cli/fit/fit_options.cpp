@@ -51,8 +51,7 @@ double option_share(std::string const& text, std::string const& option, std::str
 double wavelength_of(FitOptions const& o) {
   double const run = o.prediction.run.empty() ? 0 : read_run(o.prediction.run).trace.coupling.wavelength;
   if (o.wavelength.empty()) return run > 0 ? run : 1064e-9;
-  double const said = option_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
-  if (!(said > 0)) throw InputError("--wavelength must be positive", "write --wavelength \"1064 nm\"");
+  double const said = positive_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
   if (run > 0 && std::fabs(said / run - 1) > 1e-9)
     throw InputError(fmt::format("--wavelength: the run has {:g} nm", run * 1e9), "remove the option");
   return said;
@@ -123,7 +122,7 @@ FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
   // As far as a delay stays short against the taper of the stretch.
   if (!delay.free() && o.delay.empty()) s.clock = std::min(clock_range, s.train * records.target.duration() / 20);
   SearchRange const drift = range_or(o, o.drift, turning, "drift", "-1 rad/s..1 rad/s", {-1, 1}, 0);
-  double const gain = o.gain.empty() ? 0 : option_quantity(o.gain, dim::plain, "--gain-per-field", "1.1e-16");
+  double const gain = o.gain.empty() ? 0 : positive_quantity(o.gain, dim::plain, "--gain-per-field", "1.1e-16");
   for (std::size_t i = 0; i < std::max<std::size_t>(routes.size(), routes.empty() ? o.paths : 0); ++i) {
     RoutePrediction const* const route = routes.empty() ? nullptr : &routes[i];
     FringePath path{route ? fmt::format("path {}", route->rank) : fmt::format("path {}", i + 1),

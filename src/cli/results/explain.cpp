@@ -411,7 +411,8 @@ void add_explain(CLI::App& app, int& exit_code) {
       ->required();
   command->add_option("--path", o.path, "rank in the path table, for 'explain h'; default 1")
       ->check(whole_between(1, 1e6, "3"));
-  command->add_option("--at", o.hz, "frequency in Hz, for 'explain h'; default 30")->check(CLI::Range(1e-9, 1e9));
+  command->add_option("--at", o.hz, "frequency in Hz, for 'explain h'; default 30")
+      ->check(number_between(1e-9, 1e9, "30"));
   add_format_option(*command, o);
   command->footer(
       "Examples:\n"

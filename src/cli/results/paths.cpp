@@ -113,7 +113,7 @@ void add_paths(CLI::App& app, int& exit_code) {
       ->add_option_function<double>(
           "--histories", [options](double n) { options->histories = std::uint64_t(n); },
           "histories of --first-order, forward and backward from each end; default 131072")
-      ->check(CLI::Range(1.0, 1e12));
+      ->check(number_between(1.0, 1e12, "1e6"));
   command->add_option("-p,--param", o.overrides, "set a parameter of the scene, for example -p rim=48cm")
       ->allow_extra_args(false);
   command->add_flag("--csv", o.csv, "all rows, all columns, all digits");

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/errors.hpp"
+#include "cli/options.hpp"
 #include "cli/signal/signal.hpp"
 #include "session/options.hpp"
 #include "spectra/files/gps.hpp"
@@ -115,7 +116,7 @@ void add_signal_maps(CLI::App& signal, int& exit_code) {
   CLI::App& q = map_of_record(signal, "q", "Find short bursts by their energy in tiles of constant Q.", t);
   add_band_option(q, *t, "of the tiles");
   q.add_option("--q", t->q, "centre frequency of a tile over its bandwidth")
-      ->check(CLI::Range(3.4, 1000.0))
+      ->check(number_between(3.4, 1000.0, "12"))
       ->default_str("12");
   q.footer(
       "Examples:\n"

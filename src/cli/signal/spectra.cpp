@@ -7,6 +7,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "cli/options.hpp"
 #include "cli/signal/signal.hpp"
 #include "session/options.hpp"
 #include "spectra/files/unit_text.hpp"
@@ -156,7 +157,7 @@ CLI::App& common(CLI::App& signal, char const* name, char const* what, std::shar
   add_band_option(command, *o, "frequencies to show and write: \"10 Hz..1 kHz\"; default: all");
   add_welch_options(command, *o);
   command.add_option("--confidence", o->confidence, "of intervals and levels")
-      ->check(CLI::Range(0.01, 0.9999))
+      ->check(number_between(0.01, 0.9999, "0.95"))
       ->default_str("0.95");
   add_output_options(command, *o);
   return command;

@@ -92,7 +92,7 @@ FringePrediction from_channel(FringesOptions const& o) {
   replace_coordinate(set, BodyId{0}, 2, x);
   TimeSeries const& s = *x.displacement;
   MotionSeries const motion = draw_motion(set, {s.start, s.rate, s.samples.size()}, 1);
-  double const wavelength = option_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
+  double const wavelength = positive_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
   std::vector<double> hz = fringe_frequency(motion.coordinates[0].velocity, wavelength, o.bounces);
   return {motion.times, wavelength, {{s.name, fmt::format("{:g} bounces", o.bounces), hz}}, hz};
 }
@@ -193,7 +193,7 @@ void add_fringes(CLI::App& app, int& exit_code) {
   command->add_option("run", o.time.run, "run file (HDF5); without it, --wavelength and --channel are needed");
   command->add_option("--wavelength", o.wavelength, "wavelength of the light, without a run: 1064nm");
   command->add_option("--bounces", o.bounces, "number of bounces on the surface at normal incidence, without a run")
-      ->check(CLI::Range(1e-3, 1e4));
+      ->check(number_between(1e-3, 1e4, "2"));
   add_motion_options(*command, o.time);
   add_stretch_options(*command, o.time);
   add_route_options(*command, o.time);

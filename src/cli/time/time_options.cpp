@@ -32,7 +32,7 @@ void add_stretch_options(CLI::App& command, TimeOptions& o) {
   command.add_option("--gps", o.gps, "stretch A..B in GPS seconds or UTC; default: all recorded data");
   command.add_option("--duration", o.duration_text, "duration of the record; default: all recorded data, or 64 s");
   command.add_option("--rate", o.rate, "samples per second; default: chosen from the largest fringe frequency")
-      ->check(CLI::Range(1.0, 1048576.0));
+      ->check(number_between(1.0, 1048576.0, "4096"));
 }
 
 void add_route_options(CLI::App& command, TimeOptions& o) {

@@ -80,6 +80,8 @@ TEST(Couple, LinesAndRampFindThePhaseR6_03) {
     return words;
   };
   json const lines = answer(with({"couple", "lines"}, {"--gps", "20..28"}))["result"];
+  EXPECT_THAT(error_text(with({"couple", "lines"}, {"--wavelength", "-1064nm"})),
+              HasSubstr("--wavelength: '-1064nm' is not positive"));
   double const z = 4 * M_PI * 100e-9 / 1064e-9;
   EXPECT_EQ(lines["verdict"], "fringe");
   EXPECT_NEAR(lines["z"], z, 4 * (double(lines["z_high"]) - double(lines["z_low"])) / 2);

@@ -90,6 +90,8 @@ TEST(Fit, ImpossibleFitsAreErrors) {
   rejected({"--delay", "20..30"}, "--delay");
   rejected({"--ratio", "1"}, "--witness2");
   rejected({"--wavelength", "5"}, "--wavelength");
+  rejected({"--wavelength", "-1064nm"}, "--wavelength: '-1064nm' is not positive");
+  rejected({"--gain-per-field", "-1"}, "--gain-per-field: '-1' is not positive");
   rejected({"--target-unit", "m", "--gain-per-field", "1e-16"}, "--target-unit");
 }
 

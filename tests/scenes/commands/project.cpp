@@ -172,6 +172,9 @@ TEST_F(Projected, FringesOfARunAndOfAChannelAgree) {
                                           at("y.hdf5") + "::bench z", "-o", at("fringes.csv")});
   ASSERT_EQ(of_channel.code, 0) << of_channel.err;
   EXPECT_NE(of_channel.out.find("134.6"), of_channel.out.npos) << of_channel.out;  // two bounces
+  Finished const negative = straytrace({"fringes", "--wavelength", "-1064nm", "--channel", at("y.hdf5") + "::bench z"});
+  EXPECT_EQ(negative.code, 2) << negative.out;
+  EXPECT_NE(negative.err.find("--wavelength: '-1064nm' is not positive"), negative.err.npos) << negative.err;
 }
 
 // A long projection shows its progress; Ctrl-C ends it at once and leaves no file, not even part of one. Control: a

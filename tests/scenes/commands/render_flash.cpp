@@ -40,6 +40,8 @@ TEST(RenderFlash, ErrorsStateARemedy) {
   EXPECT_THAT(error_text({"render", virgo_arm, "-o", file, "--flash"}), HasSubstr("write --from NAME or --eye X,Y,Z"));
   EXPECT_THAT(error_text({"render", virgo_arm, "-o", file, "--from", "ITM", "--flash", "--lamp", "0"}),
               HasSubstr("write for example --lamp 5mm"));
+  EXPECT_THAT(error_text({"render", virgo_arm, "-o", file, "--from", "ITM", "--lamp", "-5mm"}),
+              HasSubstr("--lamp requires --flash"));
   EXPECT_FALSE(fs::exists(file));
 }
 

@@ -125,5 +125,77 @@ TEST(CommandLine, MistakesAreExplained) {
   EXPECT_EQ(fault(straytrace({"run"}), all[3]), "wrong reason");
 }
 
+// Every option that is a number refuses nan, which compares as within any range, and numbers beyond its range. The
+// negative control: a number within the range is not what the message is about.
+TEST(CommandLine, NumbersAreWithinTheirRange) {
+  struct Option {
+    Words command;
+    std::string option, below, good;
+  };
+  std::vector<Option> const all{
+      {{"apertures"}, "--points", "2", "101"},
+      {{"budget"}, "--points", "1", "300"},
+      {{"couple", "events"}, "--averages", "1", "20"},
+      {{"couple", "events"}, "--significance", "-1", "3"},
+      {{"couple", "impulse"}, "--modes", "-1", "3"},
+      {{"couple", "impulse"}, "--threshold", "-1", "8"},
+      {{"couple", "lines"}, "--harmonics", "2", "5"},
+      {{"couple", "lines"}, "--multiplicity", "0", "2"},
+      {{"couple", "lines"}, "--z-max", "0", "20"},
+      {{"couple", "noise"}, "--significance", "-1", "3"},
+      {{"couple", "noise"}, "--target-ratio", "0", "2"},
+      {{"couple", "noise"}, "--witness-ratio", "0", "2"},
+      {{"couple", "predict"}, "--points-per-decade", "0", "60"},
+      {{"couple", "ramp"}, "--significance", "-1", "3"},
+      {{"couple", "sweep"}, "--significance", "-1", "3"},
+      {{"couple", "sweep"}, "--witness-ratio", "0", "10"},
+      {{"couple", "taps"}, "--force-ratio", "0", "2"},
+      {{"couple", "taps"}, "--significance", "-1", "3"},
+      {{"couple", "taps"}, "--target-ratio", "0", "3"},
+      {{"explain"}, "--at", "0", "30"},
+      {{"fringes"}, "--bounces", "0", "2"},
+      {{"fringes"}, "--rate", "0", "4096"},
+      {{"paths"}, "--histories", "0", "1e6"},
+      {{"project"}, "--rate", "0", "4096"},
+      {{"scan"}, "--tolerance", "0", "0.01"},
+      {{"signal", "psd"}, "--confidence", "0", "0.95"},
+      {{"signal", "q"}, "--q", "1", "12"},
+  };
+  for (Option const& o : all)
+    for (std::string const& value : {std::string("nan"), o.below, o.good}) {
+      Words words = o.command;
+      words.insert(words.end(), {o.option, value});
+      Finished const f = straytrace(words);
+      EXPECT_EQ(f.code, 2) << ::testing::PrintToString(words);
+      bool const refused = f.err.starts_with("error: " + o.option + ": '" + value + "' is not a ");
+      EXPECT_EQ(refused, value != o.good) << ::testing::PrintToString(words) << f.err;
+    }
+}
+
+// CLI::Range accepts nan.
+TEST(CommandLine, NoOptionUsesCliRange) {
+  std::size_t files = 0, own = 0;
+  for (auto const& entry : fs::recursive_directory_iterator(source_folder + "/src/cli")) {
+    if (entry.path().extension() != ".cpp") continue;
+    std::string const text = text_of(entry.path());
+    EXPECT_EQ(text.find("CLI::Range("), text.npos) << entry.path() << ": use number_between or whole_between";
+    own += text.find("number_between(") != text.npos;
+    ++files;
+  }
+  EXPECT_GT(files, 40u);
+  EXPECT_GT(own, 10u) << "the search reads the files";
+}
+
+TEST(CommandLine, DecimalCommasAreNamed) {
+  EXPECT_THAT(straytrace({"project", "--rate", "1,5"}).err,
+              HasSubstr("--rate: '1,5' has a decimal comma; write a decimal point: 1.5"));
+  EXPECT_THAT(straytrace({"fringes", "--bounces", "2,5"}).err, HasSubstr("'2,5' has a decimal comma"));
+  EXPECT_THAT(straytrace({"fringes", "--bounces", "2;5"}).err, HasSubstr("'2;5' is not a number from"));
+  Finished const list = straytrace({"budget", "adv", "--at", "10,5Hz"});
+  EXPECT_EQ(list.code, 2);
+  EXPECT_THAT(list.err, HasSubstr("decimal points, not commas"));
+  EXPECT_EQ(straytrace({"budget", "adv", "--at", "10.5Hz,20Hz"}).code, 0);
+}
+
 }  // namespace
 }  // namespace straytrace::testing
