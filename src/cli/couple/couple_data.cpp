@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 
 #include "analysis/coupling/coupling.hpp"
@@ -47,6 +48,10 @@ StretchArgument parse_stretch(std::string const& text, std::string const& option
   if (a.file.empty())
     throw InputError(fmt::format("{}: '{}' is not a stretch", option, text),
                      fmt::format("write {} 1000000000..1000000060, or a file", option));
+  std::error_code unknown;
+  if (!std::filesystem::exists(a.file, unknown))
+    throw InputError(fmt::format("{}: '{}' is neither a stretch A..B nor a readable file", option, text),
+                     fmt::format("write {} 1000000000..1000000060, or check the name of the file", option));
   return a;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include "base/errors.hpp"
@@ -35,8 +36,24 @@ struct Spectra : StretchSpectra {
   FoundStretch found;
 };
 
-Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::string const& stretch, char const* option) {
+// InputError where the stretch names a file that no channel is read from.
+StretchArgument stretch_of(NoiseCoupling const& o, std::string const& witness, std::string const& stretch,
+                           std::string const& option) {
   StretchArgument const where = parse_stretch(stretch, option);
+  auto const elsewhere = [&](std::string const& channel) {
+    std::size_t const colons = channel.find("::");
+    std::error_code unknown;
+    return colons != channel.npos && !std::filesystem::equivalent(channel.substr(0, colons), where.file, unknown);
+  };
+  if (!where.file.empty() && elsewhere(witness) && elsewhere(o.target))
+    throw InputError(
+        fmt::format("{} {}: --witness {} and --target {} are in other files", option, stretch, witness, o.target),
+        fmt::format("write {} A..B, or --witness and --target without a file", option));
+  return where;
+}
+
+Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::string const& stretch, char const* option) {
+  StretchArgument const where = stretch_of(o, witness, stretch, option);
   auto const both = aligned({channel_in(where, witness, o.witness_unit, "--witness"),
                              channel_in(where, o.target, o.target_unit, "--target")});
   WelchSettings const w = welch_of(o.data, both[0]);
@@ -55,7 +72,7 @@ void settle_segment(NoiseCoupling& o, std::vector<std::string> const& witnesses)
   std::vector<std::string> stretches = o.injection;
   stretches.push_back(o.quiet);
   for (std::string const& s : stretches) {
-    StretchArgument const where = parse_stretch(s, s == o.quiet ? "--quiet" : "--injection");
+    StretchArgument const where = stretch_of(o, witnesses.front(), s, s == o.quiet ? "--quiet" : "--injection");
     shortest = std::min(shortest, channel_in(where, witnesses.front(), o.witness_unit, "--witness").duration());
   }
   o.data.segment = fmt::format("{} s", std::min(8.0, shortest / 16));
@@ -212,13 +229,13 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
   command->add_flag("--displacement", o.displacement, "convert the witness from m/s^2 or m/s to m");
   command->add_option("--witness-ratio", o.thresholds.witness, "amplitude of the witness over quiet")
       ->default_str("2")
-      ->check(CLI::Range(1.0, 1e9));
+      ->check(number_between(1.0, 1e9, "2"));
   command->add_option("--target-ratio", o.thresholds.target, "amplitude of the target over quiet")
       ->default_str("2")
-      ->check(CLI::Range(1.0, 1e9));
+      ->check(number_between(1.0, 1e9, "2"));
   command->add_option("--significance", o.thresholds.significance, "of both, standard deviations")
       ->default_str("3")
-      ->check(CLI::Range(0.0, 37.0));
+      ->check(number_between(0.0, 37.0, "3"));
   command->add_flag("--accept-incoherent", o.accept_incoherent,
                     "skip the check for fringe wrapping: the witness need not sense all that reaches the target");
   add_band_option(*command, o.data, "LOW..HIGH of the result: \"20 Hz..400 Hz\"");

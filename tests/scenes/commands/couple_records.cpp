@@ -43,6 +43,23 @@ TEST(CoupleRecords, OverlappingStretchesAreErrors) {
               HasSubstr("'tower'"));
 }
 
+// Where the channels name their file, a stretch that is no stretch and no file, or another file, does not pass for the
+// whole record.
+TEST(CoupleRecords, StretchesThatNoChannelUsesAreErrors) {
+  for (char const* wrong : {"nope.csv", "24-48", "24:48", "nope.csv@24..48"}) {
+    EXPECT_THAT(error_text(noise_words(wrong, "0..24", acc)),
+                HasSubstr(fmt::format("--injection: '{}' is neither a stretch A..B nor a readable file", wrong)));
+    EXPECT_THAT(error_text(noise_words("24..48", wrong, acc)),
+                HasSubstr(fmt::format("--quiet: '{}' is neither a stretch A..B nor a readable file", wrong)));
+  }
+  EXPECT_THAT(error_text(noise_words(data("sweep.csv") + "@24..48", "0..24", acc)), HasSubstr("are in other files"));
+  EXPECT_EQ(straytrace(noise_words(data("shaken.csv") + "@24..48", "0..24", acc)).code, 0) << "the same file, twice";
+  EXPECT_EQ(
+      straytrace(noise_words(data("shaken.csv") + "@24..48", data("shaken.csv") + "@0..24", {"--witness", "ACC"})).code,
+      0)
+      << "the witness in the file of the stretch, the target in its own";
+}
+
 TEST(CoupleRecords, UnitsThatContradictTheFileAreErrors) {
   Words words = noise_words("24..48", "0..24", acc);
   words.insert(words.end(), {"--witness-unit", "m/s^2"});
