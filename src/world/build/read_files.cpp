@@ -253,6 +253,10 @@ std::shared_ptr<LoadedMesh const> load(Node const& file, World& world, FileLibra
   }
   read_libraries(file, bytes, folder, mesh->file);
   MeshHealth const health = examine(mesh->file);
+  if (MeshFault const flat = without_area(health); !flat.what.empty()) {
+    file.file_problem(name, 0, 0, flat.what, flat.suggestion);
+    return slot;
+  }
   for (MeshAdvice const& a : advice(mesh->file, health)) warn_of_file(file, a.what, a.suggestion);
   repair(mesh->file, health);
   for (MeshPart& part : mesh->file.parts)

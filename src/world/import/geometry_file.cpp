@@ -151,6 +151,7 @@ void read_mesh(fs::path const& path, std::string const& bytes, std::string const
                                     : fmt::format("not in the file: {} as mm, {} as m", size_text(file.box(), 1e-3),
                                                   size_text(file.box(), 1));
   MeshHealth const health = examine(file);
+  refuse_mesh(file.name, without_area(health));
   for (MeshAdvice const& a : advice(file, health)) note(out, a);
   Box const box = file.box();
   out.box = {out.scale * box.lower, out.scale * box.upper};

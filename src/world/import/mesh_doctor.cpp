@@ -167,6 +167,13 @@ std::string some(std::vector<std::string> const& names) {
 
 MeshHealth examine(MeshFile const& file) { return Examination(file).run(); }
 
+MeshFault without_area(MeshHealth const& health) {
+  auto const has_area = [](MeshHealth::Part const& p) { return p.area > 0; };
+  if (std::ranges::any_of(health.parts, has_area)) return {};
+  return {"no triangle of the file has an area: each has two equal corners, or three in one line",
+          "export the faces of the parts again"};
+}
+
 bool repair(MeshFile& file, MeshHealth const& health) {
   bool done = false;
   for (std::size_t p = 0; p < file.parts.size(); ++p) {

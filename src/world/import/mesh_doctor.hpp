@@ -27,6 +27,8 @@ struct MeshHealth {
   Vec3 first_open;                    // middle of one open edge, unit of the file
 };
 MeshHealth examine(MeshFile const&);
+// When no triangle has an area.
+MeshFault without_area(MeshHealth const&);
 
 // Removes triangles with two equal corners and inverts closed bodies that are inside out; true: the mesh changed.
 bool repair(MeshFile&, MeshHealth const&);

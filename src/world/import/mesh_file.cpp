@@ -17,8 +17,11 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <string_view>
 #include <unordered_map>
+#include <utility>
 
+#include "base/files/text_file.hpp"
 #include "base/process/child_process.hpp"
 #include "base/text/words.hpp"
 
@@ -208,6 +211,30 @@ class Parts {
   bool finite_ = true;
 };
 
+// Errors of the library, by a piece of their text, in our words; never with bytes of the file.
+constexpr std::pair<std::string_view, char const*> explanations[] = {
+    {"std::bad_alloc", "it states more points or faces than its size allows"},
+    {"mNumMeshes is 0", "it contains no faces"},
+    {"contains no faces", "it contains no faces"},
+    {"is a POINT", "one of its faces has fewer than three corners"},
+    {"is a LINE", "one of its faces has fewer than three corners"},
+    {"out of range", "one of its faces names a corner that the file does not have"},
+    {"Invalid face index", "one of its faces names a corner that the file does not have"},
+    {"as a real number", "it contains a text that is not a number where a number must stand"},
+    {"storage representation", "it is neither text nor as long as a binary file of its number of triangles"},
+    {"Invalid number of vertices", "it is cut off, or one of its facets does not have three corners"},
+    {"No suitable reader", "its content has another format, or is cut off"},
+    {"too small", "it is cut off"},
+    {"is empty", "it is empty"},
+};
+
+std::string explained(std::string const& kind, std::string const& bytes, std::string const& said) {
+  if (kind == ".obj" && is_binary(bytes)) return "the file is binary, but this format is text";
+  for (auto const& [piece, meaning] : explanations)
+    if (said.find(piece) != said.npos) return meaning;
+  return said;
+}
+
 std::string ending(std::string const& name) {
   std::size_t const dot = name.find_last_of("./");
   if (dot == std::string::npos || name[dot] == '/') return "";
@@ -227,6 +254,9 @@ MeshFault import_mesh(std::string const& bytes, CompanionFile const& companion, 
   std::string const kind = ending(out.name);
   if (kind != ".stl" && kind != ".obj" && kind != ".ply" && kind != ".gltf" && kind != ".glb")
     return {fmt::format("'{}' is not a kind of mesh file", kind), "use .stl, .obj, .ply, .gltf, .glb or .step"};
+  std::string const fix = "check that the file is complete and that its ending matches its format";
+  if (kind == ".ply" && bytes.starts_with("ply") && bytes.find("end_header") == bytes.npos)  // the library never ends
+    return {"not a readable ply file: its header is cut off", fix};
   std::string const inside = out.name.substr(out.name.find_last_of('/') + 1);
   Assimp::Importer importer;
   importer.SetIOHandler(new MemoryFiles(inside, bytes, companion));  // the importer deletes it
@@ -234,10 +264,8 @@ MeshFault import_mesh(std::string const& bytes, CompanionFile const& companion, 
   importer.SetPropertyInteger(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
   aiScene const* scene =
       importer.ReadFile(inside, aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType);
-  std::string const fix = "check that the file is complete and that its ending matches its format";
   if (!scene || !scene->mRootNode) {
-    std::string why = printable(importer.GetErrorString());
-    if (why == "std::bad_alloc") why = "it states more points or faces than its size allows";
+    std::string const why = explained(kind, bytes, printable(importer.GetErrorString()));
     return {fmt::format("not a readable {} file: {}", kind.substr(1), why), fix};
   }
   Parts parts(out, kind == ".gltf" || kind == ".glb");

@@ -82,6 +82,15 @@ TEST(mesh_entry, instances_share_their_arrays_and_differ_in_the_fingerprint) {
   EXPECT_NE(built(two, {{"cad/cube.obj", other}}).world.fingerprint(), b.world.fingerprint());
 }
 
+TEST(mesh_entry, an_entry_without_area_is_an_error) {
+  std::string const corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 1 2\n", entry = "file: a.obj, units: mm, material: steel";
+  EXPECT_THAT(built(entry, {{"a.obj", corners}}).errors,
+              HasSubstr("a.obj: error: no triangle of the file has an area"));
+  Built const one_more = built(entry, {{"a.obj", corners + "f 1 2 3\n"}});
+  EXPECT_EQ(one_more.errors, "");
+  EXPECT_THAT(one_more.warnings, HasSubstr("1 triangle has no area"));
+}
+
 TEST(mesh_entry, a_missing_unit_is_an_error_that_shows_the_size) {
   EXPECT_THAT(built("file: cad/cube.obj, material: steel").errors,
               HasSubstr("'bench' has no 'units': its bounding box would be 1 mm x 1 mm x 1 mm as mm and "
