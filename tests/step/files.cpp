@@ -108,6 +108,7 @@ TEST(step_files, bad_files_are_errors_with_a_reason) {
   std::string const good = sample(step::add_solids);
   EXPECT_THAT(fault("solid cube\nendsolid\n"), HasSubstr("not a STEP file"));
   EXPECT_THAT(fault(good.substr(0, good.size() / 2)), HasSubstr("cut off"));
+  EXPECT_THAT(fault(with(good, "DATA;", std::string("DATA;\0", 6))), HasSubstr("contains a zero byte"));
   EXPECT_THAT(fault(with(good, "AUTOMOTIVE_DESIGN", "PLANT_SPATIAL")), HasSubstr("'PLANT_SPATIAL'"));
   EXPECT_THAT(fault(sample(step::add_wire)), HasSubstr("holds no faces"));
   EXPECT_NE(fault("ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AP214'));\nENDSEC;\nDATA;\n#1=GARB(;\nEND-ISO-10303-21;\n"),

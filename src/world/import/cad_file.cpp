@@ -221,9 +221,12 @@ class WorkFolder {
 };
 
 // "bench.step: error: WHAT\n  SUGGESTION\n"
-MeshFault said(std::string const& output) {
+MeshFault said(int status, std::string const& output) {
   constexpr std::string_view mark = ": error: ";
   std::size_t const at = output.find(mark);
+  if (output.empty())
+    return {fmt::format("straytrace-step ended without a message, with exit status {}", status),
+            "the file may be damaged: export it again"};
   if (at == std::string::npos)
     return {"straytrace-step failed: " + output.substr(0, 300), "run it on the file by hand"};
   std::size_t const begin = at + mark.size(), end = std::min(output.find('\n', begin), output.size());
@@ -245,13 +248,15 @@ StepConversion run(fs::path const& program, fs::path const& folder, std::string 
     return {"",
             {fmt::format("cannot start '{}': {}", program.string(), std::strerror(child.start_error)),
              "build straytrace-step again"}};
-  if (child.status != 0) return {"", said(child.output)};
+  if (child.status != 0) return {"", said(child.status, child.output)};
   return {bytes_of_file(to).bytes, {}};
 }
 
 }  // namespace
 
 StepConversion convert_step(std::string const& name, std::string const& bytes) {
+  if (bytes.find('\0') != bytes.npos)
+    return {"", {"the file contains a zero byte: it is binary or damaged, but STEP files are text", "export it again"}};
   fs::path const program = converter();
   if (program.empty())
     return {"",
