@@ -126,8 +126,7 @@ class Merger {
 
   void read(std::uint32_t file, std::size_t depth) {
     visiting_.push_back(file);
-    if (auto const root = read_yaml(document_, file)) {
-      check_version(*root, depth == 0);
+    if (auto const root = read_yaml(document_, file); root && version_read(*root, depth == 0)) {
       include(*root, depth);
       check_keys(*root);
       merge(*root);
@@ -138,13 +137,14 @@ class Merger {
     done_.push_back(file);
   }
 
-  void check_version(NodeData const& root, bool main) {
+  // Whether the version is the one that this program reads; a file without one counts as such.
+  bool version_read(NodeData const& root, bool main) {
     NodeData::Entry const* e = root.find("straytrace");
     if (!e) {
       if (main)
         document_.add({root.place, "the format version is missing",
                        fmt::format("begin the file with 'straytrace: {}'", format_version)});
-      return;
+      return true;
     }
     if (e != &root.entries.front())
       problem(*e, "'straytrace' must be the first key",
@@ -153,7 +153,7 @@ class Merger {
     bool const digits =
         !text.empty() && text.size() < 9 && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
     int const version = digits ? std::stoi(text) : 0;
-    if (e->value->kind == Node::Kind::none || version == format_version) return;
+    if (e->value->kind == Node::Kind::none || version == format_version) return true;
     if (version > format_version)
       node(e->value).problem(
           fmt::format("format version {} is newer than this program, which reads version {}", version, format_version),
@@ -161,6 +161,7 @@ class Merger {
     else
       node(e->value).problem(fmt::format("\"{}\" is not a format version", shortened(text)),
                              fmt::format("write 'straytrace: {}'", format_version));
+    return false;
   }
 
   void include(NodeData const& root, std::size_t depth) {

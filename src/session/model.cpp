@@ -167,7 +167,8 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   bool const noiseless = model.world.ports().empty() && model.scene.root().has("receivers") &&
                          !model.scene.root().has("interferometer") && !model.scene.root().has("ports");
   bool const without = !noiseless && !model.scene.root().has("interferometer");
-  if (without && !model.scene.root().data()->misspelt)  // otherwise it may be what is misspelt
+  bool const ports = !model.scene.table("ports").items().empty();
+  if (without && ports && !model.scene.root().data()->misspelt)  // otherwise it may be what is misspelt
     model.scene.root().problem(
         "the scene has ports but no 'interferometer' to convert their light to strain",
         "add 'interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, "

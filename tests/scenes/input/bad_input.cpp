@@ -29,6 +29,11 @@ std::vector<Case> const cases = {
     {"unknown table", "noise:", "nose:", "nose", "unknown key 'nose'", "did you mean 'noise'?"},
     {"no interferometer", "interferometer:", "interferometr:", "interferometr", "unknown key 'interferometr'",
      "did you mean 'interferometer'?"},
+    {"ports without an interferometer",
+     "interferometer:\n  preset: fabry-perot-michelson\n  arm_length: L\n  mirror_mass: 42 kg\n"
+     "  input_transmission: 1.4 %\n  end_transmission: 1 ppm\n  round_trip_loss: 75 ppm\n"
+     "  signal_recycling_transmission: 20 %\n  arms: 2\n",
+     "", "straytrace", "the scene has ports but no 'interferometer'", "add 'interferometer: {preset:"},
     {"key twice", "towers: {motion: still}", "towers: {motion: still}\n  ETM: {motion: still}",
      "ETM:", "key 'ETM' is written twice", "remove one of them"},
     {"name twice", "{name: link_in,", "{name: tube,", "tube,", "name 'tube' is used twice", "choose another name"},
@@ -165,6 +170,25 @@ TEST(BadInput, TheCheckCanFail) {
   Finished const r = failed_run(folder, text);
   c.at = "17.5";
   EXPECT_EQ(fault(c, text, r), "wrong place");
+}
+
+// A scene without ports is not told that it has some (the case 'ports without an interferometer' has them).
+TEST(BadInput, AnEmptySceneHasNoPorts) {
+  Folder const folder;
+  struct {
+    std::string text, says;
+    std::size_t errors;
+  } const files[] = {{"straytrace: 1\n", "the scene has no beam", 1},
+                     {"straytrace: 1\nscene: []\n", "the scene has no beam", 1},
+                     {"scene: []\n", "the format version is missing", 2},
+                     {"straytrace: 2\n", "format version 2 is newer", 1}};
+  for (auto const& file : files) {
+    Finished const r = failed_run(folder, file.text);
+    EXPECT_EQ(r.code, 2) << file.text;
+    EXPECT_EQ(messages_in(r.err).size(), file.errors) << r.err;
+    EXPECT_THAT(r.err, HasSubstr(file.says));
+    EXPECT_EQ(r.err.find("has ports"), r.err.npos) << r.err;
+  }
 }
 
 TEST(BadInput, AllErrorsAtOnceInOrderAndOnce) {

@@ -68,6 +68,10 @@ TEST(Syntax, HeadOfTheFile) {
   EXPECT_THAT(said("title: a\nstraytrace: 1\n"), HasSubstr("2:1: error: 'straytrace' must be the first key"));
   EXPECT_THAT(said("straytrace: 2\n"),
               HasSubstr("1:13: error: format version 2 is newer than this program, which reads version 1"));
+  // What another version means is unknown, so nothing else is reported; the same mistake counts in this version.
+  EXPECT_THAT(said("straytrace: 2\nnose: 1\n"),
+              ::testing::AllOf(HasSubstr("is newer"), HasSubstr("\n1 error. Nothing was run.")));
+  EXPECT_THAT(said("straytrace: 1\nnose: 1\n"), HasSubstr("unknown key 'nose'"));
   EXPECT_THAT(said("straytrace: one\n"), HasSubstr("\"one\" is not a format version"));
   EXPECT_THAT(said("straytrace: 0\n"), HasSubstr("\"0\" is not a format version"));
   EXPECT_THAT(said("straytrace: [1]\n"), HasSubstr("is not a format version"));
