@@ -113,6 +113,18 @@ void MotionReader::finish(std::vector<std::string> const* of_run) {
 
 namespace {
 
+constexpr std::array<std::string_view, 1> only_still = {"still"};
+constexpr char const* write_motion = "write 'motion: still' or 'motion: {x: ..., y: ..., z: ...}'";
+
+// `motion` of a body that is not a table; nothing is reported where there is none.
+void refuse_unless_still(Node const& motion) {
+  if (!motion || motion.text() == only_still[0]) return;
+  std::string const got =
+      motion.kind() == Node::Kind::list ? "a list" : fmt::format("\"{}\"", shortened(motion.text()));
+  std::array<std::string, 1> const known = {std::string(only_still[0])};
+  motion.problem(fmt::format("'motion' cannot be {}", got), did_you_mean(motion.text(), known, write_motion));
+}
+
 // Reports keys of one coordinate that are written where coordinates are named.
 bool report_misplaced(Node const& motion) {
   bool any = false;
@@ -139,19 +151,13 @@ void MotionReader::read_body(std::string const& name, Body& body) {
   body.node["modes"];
   body.node["pivot"];
   Node const motion = body.node["motion"];
+  if (!body.node.has("motion")) body.node.lack("motion", fmt::format("body '{}' has no 'motion'", name), write_motion);
   body.node.refuse_unknown(fmt::format("body '{}'", name));
-  bool const still = motion.kind() == Node::Kind::scalar && motion.text() == "still";
-  if (still) return;
-  if (motion.kind() != Node::Kind::table) {
-    Node const& where = motion ? motion : body.node;
-    where.problem(fmt::format("body '{}' has no 'motion'", name),
-                  "write 'motion: still' or 'motion: {x: ..., y: ..., z: ...}'");
-    return;
-  }
+  if (motion.kind() != Node::Kind::table) return refuse_unless_still(motion);
   Draft draft{name, {}, {}, {}};
   double const uncertainty = read_uncertainty(motion["uncertainty"]);
-  constexpr std::array<std::string_view, 1> only_still = {"still"};
-  bool const rest_still = motion.has("others") && !motion.choice("others", only_still).empty();
+  bool const rest_still = motion.has("others");
+  if (rest_still) motion.choice("others", only_still);
   bool const follows = motion.has("follows");
   std::array<bool, 6> hangs{};
   std::vector<std::string> untold;
@@ -182,12 +188,11 @@ void MotionReader::read_mode(std::string const& name, Body& body) {
   }
   body.node["shape"];
   Node const motion = body.node["motion"];
+  if (!body.node.has("motion"))
+    body.node.lack("motion", fmt::format("mode '{}' has no 'motion'", name),
+                   "write 'motion: still', or the motion of its one coordinate, as of 'x' of a body");
   body.node.refuse_unknown(fmt::format("mode '{}'", name));
-  if (!motion) {
-    body.node.problem(fmt::format("mode '{}' has no 'motion'", name),
-                      "write 'motion: still', or the motion of its one coordinate, as of 'x' of a body");
-    return;
-  }
+  if (!motion) return;
   Draft draft{name, {}, {}, {}};
   read_axis(motion, 0, 1, draft.written[0]);
   resolve_axis(draft, 0);

@@ -92,9 +92,13 @@ Place Node::key_place(std::string_view key) const {
 }
 
 void Node::missing(std::string_view key, std::string_view nature, std::string const& suggestion) const {
-  if (!document_) return;
   std::string const in = data_ && !data_->label.empty() ? fmt::format(" in '{}'", data_->label) : "";
-  Problem const problem{place(), fmt::format("key '{}' ({}) is missing{}", key, nature, in), suggestion};
+  lack(key, fmt::format("key '{}' ({}) is missing{}", key, nature, in), suggestion);
+}
+
+void Node::lack(std::string_view key, std::string what, std::string suggestion) const {
+  if (!document_) return;
+  Problem const problem{place(), std::move(what), std::move(suggestion)};
   document_->add(problem);
   if (data_) data_->missing.emplace(key, problem);
 }

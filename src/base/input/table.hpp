@@ -78,6 +78,9 @@ class Node {
   // the table ("shape 'cone'").
   void refuse_unknown(std::string_view what) const;
 
+  // Records that a required key is absent; refuse_unknown() withdraws this where the key is only misspelt.
+  void lack(std::string_view key, std::string what, std::string suggestion) const;
+
   // --- scalars and lists -----------------------------------------------------------------------------------------
   double as_number(Dimension, double low = -infinity, double high = infinity) const;
   Quantity as_quantity() const;  // any dimension; NaN and a problem when not a quantity

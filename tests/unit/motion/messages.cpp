@@ -150,7 +150,13 @@ TEST(MotionMessages, OfMatricesAndChains) {
 
 TEST(MotionMessages, OfBodies) {
   for (Mistake const& m : {
-           Mistake{"{motion: quiet}", "quiet", "has no 'motion'", "motion: still"},
+           Mistake{"{motion: quiet}", "quiet", "'motion' cannot be \"quiet\"", "motion: still"},
+           Mistake{"{motion: stil}", "stil}", "'motion' cannot be \"stil\"", "did you mean 'still'?"},
+           Mistake{"{motion: [still]}", "[still]", "'motion' cannot be a list", "motion: still"},
+           Mistake{"{}", "{}", "body 'd' has no 'motion'", "motion: still"},
+           Mistake{"{motoin: still}", "motoin", "unknown key 'motoin'", "did you mean 'motion'?"},
+           Mistake{"{motion: {z: still, others: stil}}", "stil}", "'others' cannot be \"stil\"",
+                   "did you mean 'still'?"},
            Mistake{"{motion: {z: {peterson: low}, y: still}}", "{z", "along x", "x: still"},
            Mistake{"{motion: {z: {peterson: low}}}", "{z", "along x and y", "x: still"},
            Mistake{"still", "still", "body 'd' is a table", "{motion: still}"},
@@ -159,6 +165,8 @@ TEST(MotionMessages, OfBodies) {
                "{motion: {suspended: {from: m, vertical: w, stages: {frequency: 1 Hz, quality: 9}}, others: still}}",
                "w,", "'vertical' cannot be \"w\"", "x, y, z"},
            Mistake{"{motion: still, modes: {bend: {shape: {}}}}", "{shape", "has no 'motion'", "motion: still"},
+           Mistake{"{motion: still, modes: {bend: {shape: {}, motoin: still}}}", "motoin", "unknown key 'motoin'",
+                   "did you mean 'motion'?"},
        })
     expect_one(m);
 }
