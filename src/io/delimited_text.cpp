@@ -225,6 +225,12 @@ class CsvReader {
 
 }  // namespace
 
+std::string wrong_unit(CsvTable::Column const& column, Dimension wanted) {
+  std::string const is = fmt::format("column '{}' is {}", shortened(column.name), described(wanted));
+  return column.written_unit.empty() ? is + " and needs its unit"
+                                     : fmt::format("{}, its unit is {}", is, described(column.unit.dimension));
+}
+
 int CsvTable::find(std::string_view column) const {
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (columns[i].name == column) return int(i);

@@ -76,6 +76,8 @@ struct CsvTable {
 
   int find(std::string_view column) const;  // -1: none
 };
+// Why a column does not have this dimension: "column 'z' is a length, its unit is a time", or it "needs its unit".
+std::string wrong_unit(CsvTable::Column const&, Dimension wanted);
 // Header, then rows of as many finite numbers. Adds the first ten problems; after one in the header there are no
 // columns. `example`: a header for messages. `numeric`: names of the columns of numbers, where the others are texts
 // that may be missing at the end of a row.

@@ -150,8 +150,7 @@ class OffsetTable {
       return false;
     }
     if (position && column.unit.dimension != dim::length) {
-      refuse(column.line, column.at, fmt::format("column '{}' is a length and needs its unit", column.name),
-             fmt::format("write '{} [m]'", column.name));
+      refuse(column.line, column.at, wrong_unit(column, dim::length), fmt::format("write '{} [m]'", column.name));
       return false;
     }
     if (position)

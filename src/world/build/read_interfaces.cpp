@@ -48,8 +48,9 @@ bool check_share_column(Node const& node, std::string const& file, CsvTable::Col
                      "transmit_p, scatter, absorb; separate them by commas"));
     return false;
   }
-  if (column.unit.dimension == (angle ? dim::angle : wavelength ? dim::length : dim::plain)) return true;
-  node.file_problem(file, column.line, column.at, fmt::format("column '{}' needs its unit", name),
+  Dimension const wanted = angle ? dim::angle : wavelength ? dim::length : dim::plain;
+  if (column.unit.dimension == wanted) return true;
+  node.file_problem(file, column.line, column.at, wrong_unit(column, wanted),
                     angle        ? "write 'angle [deg]'"
                     : wavelength ? "write 'wavelength [nm]'"
                                  : fmt::format("write '{}' or '{} [%]'", name, name));

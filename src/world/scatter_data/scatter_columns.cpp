@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
@@ -40,13 +41,22 @@ class Declarations {
     where_ = {key, number, std::uint32_t(text.find(key)) + 1};
     std::vector<std::string> const known{"wavelength",       "angles",      "polarisation_in",
                                          "polarisation_out", "noise_floor", "theta_i"};
-    if (std::ranges::find(known, key) != known.end()) return declare(key, std::string(value));
+    if (std::ranges::find(known, key) != known.end()) return declare_once(key, std::string(value));
     if (std::string const near = nearest_word(key, known); !near.empty())
       complain(problems_, where_, fmt::format("unknown declaration '{}'", key),
                fmt::format("did you mean '{}'?", near));
   }
 
  private:
+  void declare_once(std::string const& key, std::string const& value) {
+    auto const [first, fresh] = declared_.try_emplace(key, value, where_.line);
+    if (fresh) return declare(key, value);
+    auto const& [other, line] = first->second;
+    if (other != value)
+      complain(problems_, where_,
+               fmt::format("'{}' is '{}' here and '{}' in line {}", key, shortened(value), shortened(other), line),
+               "keep one of them");
+  }
   void declare(std::string const& key, std::string const& value) {
     if (key == "wavelength") number(value, dim::length, 1e-8, 1e-3, "1064 nm", out.wavelength);
     if (key == "theta_i") number(value, dim::angle, 0, 89.99 * degree, "5 deg", out.theta_i);
@@ -76,6 +86,7 @@ class Declarations {
              fmt::format("write '# {}: {}'", where_.text, choices[0]));
   }
   std::vector<Problem>& problems_;
+  std::map<std::string, std::pair<std::string, std::uint32_t>> declared_;  // values and lines
   TextCell where_;
 };
 
@@ -112,8 +123,9 @@ class Columns {
       return problem(c.line, c.at, fmt::format("unknown column '{}'", c.name),
                      fmt::format("known columns: {}", fmt::join(known, ", ")));
     bool const angle = c.name == "theta_i" || c.name == "theta_s" || c.name == "phi", offset = c.name == "offset";
-    if (c.unit.dimension == (angle ? dim::angle : offset ? dim::plain : dim::brdf)) return true;
-    return problem(c.line, c.at, fmt::format("column '{}' {}", c.name, offset ? "has no unit" : "needs its unit"),
+    Dimension const wanted = angle ? dim::angle : offset ? dim::plain : dim::brdf;
+    if (c.unit.dimension == wanted) return true;
+    return problem(c.line, c.at, wrong_unit(c, wanted),
                    fmt::format("write '{}{}'", c.name,
                                angle    ? " [deg]"
                                : offset ? ""

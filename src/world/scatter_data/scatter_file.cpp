@@ -171,7 +171,8 @@ ScatterFile read_scatter_file(std::string_view text, ScatterDeclared const& give
   ScatterFile file;
   if (!format) {
     complain(
-        problems, {}, "unknown format of measured scatter",
+        problems, {},
+        text_lines(text, Comments::kept).empty() ? "the file is empty" : "unknown format of measured scatter",
         fmt::format("Zemax tabular BSDF, ABg catalogue, ASTM text, SSDD, or laboratory CSV, which begins with\n    {}",
                     layout));
     return file;

@@ -84,7 +84,7 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
            Bad{"  m: {scatter: {" + table + ", file: negative.csv}}\n",
                "negative.csv:3:8: error: BRDF -2e-07 /sr at 71 deg"},
            Bad{"  m: {scatter: {" + table + ", file: bare.csv}}\n",
-               "bare.csv:1:1: error: column 'theta_i' needs its unit"},
+               "bare.csv:1:1: error: column 'theta_i' is an angle and needs its unit"},
            Bad{"  m: {scatter: {" + table + ", file: no_angle.csv}}\n",
                "no_angle.csv:1:1: error: the direction of scatter"},
            Bad{"  m: {scatter: {" + table + ", file: one.csv}}\n", "do not cover a range of angles"},

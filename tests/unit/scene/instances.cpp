@@ -150,6 +150,7 @@ TEST(Instances, RepeatFromATable) {
       {"z [m], aperture [cm]\n1,5, 50\n", "use decimal points, not decimal commas: 1.5, not 1,5"},
       {"z [m]; aperture [cm]\n1; 50\n", "b.csv:1:6: error: columns are separated by ';'"},
       {"z, aperture [cm]\n1, 50\n", "b.csv:1:1: error: column 'z' is a length and needs its unit"},
+      {"z [s], aperture [cm]\n1, 50\n", "b.csv:1:1: error: column 'z' is a length, its unit is a time"},
       {"z [m], x [m]\n1, 50\n", "b.csv:1:8: error: a second position column"},
       {"aperture [cm]\n50\n", "b.csv:1:1: error: no position column"},
       {"z [m], aperure [cm]\n1, 50\n", "did you mean 'aperture'?"},

@@ -249,10 +249,13 @@ TEST(WorldInterfaces, Errors) {
   FileTexts const files{{"x.csv", "angle [deg], reflect\n0, 0.5\n60; 1\n90, 1\n"}, {"y.csv", "angle, reflect\n0, 1\n"}};
   EXPECT_TRUE(rejected(material("specular: {coating: {file: x.csv}}", "", files), "x.csv:3"));
   FileTexts const both{{"z.csv", "angle, reflekt\n0, half\n90, 1\n"}};
-  for (char const* says : {"z.csv:1:1: error: column 'angle' needs its unit",
+  for (char const* says : {"z.csv:1:1: error: column 'angle' is an angle and needs its unit",
                            "z.csv:1:8: error: unknown column 'reflekt'", "z.csv:2:4: error: 'half' is not a number"})
     EXPECT_TRUE(rejected(material("specular: {coating: {file: z.csv}}", "", both), says));
   EXPECT_TRUE(rejected(material("specular: {coating: {file: y.csv}}", "", files), "needs its unit"));
+  FileTexts const watts{{"w.csv", "angle [deg], reflect [W]\n0, 1\n90, 1\n"}};
+  EXPECT_TRUE(rejected(material("specular: {coating: {file: w.csv}}", "", watts),
+                       "w.csv:1:14: error: column 'reflect' is a plain number, its unit is a power"));
   EXPECT_TRUE(rejected(material("specular: {coating: tube_steel}, scatter: [{model: lambertian, tis: 1 %}, {model: "
                                 "lambertian, tis: 1 %}]"),
                        "states the total scatter"));

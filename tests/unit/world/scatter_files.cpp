@@ -96,6 +96,13 @@ TEST(ScatterFiles, LaboratoryCsvMistakes) {
   EXPECT_THAT(error_text(edited(lab, "10, 20, 1e-4", "10, 20")), HasSubstr("8:1: 2 values, but the header has 3"));
   EXPECT_THAT(error_text(edited(lab, "10, 20, 1e-4", "10, 95, 1e-4")), HasSubstr("8:5: scatter at 95 deg"));
   EXPECT_THAT(error_text(lab, {.wavelength = 633e-9}), HasSubstr("declares wavelength 1064 nm, but 633 nm"));
+  std::string const twice = "# wavelength: 633 nm\n" + lab;
+  EXPECT_EQ(error_text(twice), "2:3: 'wavelength' is '1064 nm' here and '633 nm' in line 1 | keep one of them\n");
+  EXPECT_EQ(error_text("# wavelength: 1064 nm\n" + lab), "");  // the same, so not in doubt
+  EXPECT_THAT(error_text(edited(lab, "theta_s [deg]", "theta_s [m]")),
+              HasSubstr("6:16: column 'theta_s' is an angle, its unit is a length | write 'theta_s [deg]'"));
+  EXPECT_THAT(error_text(edited(lab, "theta_s [deg]", "theta_s")),
+              HasSubstr("6:16: column 'theta_s' is an angle and needs its unit | write 'theta_s [deg]'"));
   std::string const no_floor = edited(lab, "# noise_floor: 1e-7 /sr\n", "");
   EXPECT_THAT(error_text(edited(no_floor, "4e-8", "0")), HasSubstr("no noise floor"));
 }
@@ -245,7 +252,8 @@ TEST(ScatterFiles, OtherFormatsAreErrorsThatNameThem) {
   EXPECT_THAT(error_text("Symmetry PlaneSymmetrical\nSpectralContent Monochrome\nAOI 10\n"), HasSubstr("LightTools"));
   EXPECT_THAT(error_text(std::string("\x89HDF\r\n\0", 7)), HasSubstr("binary file of no known format"));
   EXPECT_THAT(error_text("hello\n"), HasSubstr("unknown format of measured scatter"));
-  EXPECT_THAT(error_text(""), HasSubstr("unknown format of measured scatter"));
+  for (char const* empty : {"", "\n \n"})
+    EXPECT_THAT(error_text(empty), AllOf(HasSubstr("0:0: the file is empty"), Not(HasSubstr("unknown format"))));
 }
 
 }  // namespace
