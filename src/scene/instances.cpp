@@ -234,14 +234,15 @@ class Expander {
 
  private:
   void expand_entry(Node const& entry) {
-    std::string const name = entry.word("name");
-    ProblemRedirect const here(document_, blame_at(entry, name));
+    std::string const written = entry.word("name");
+    ProblemRedirect const here(document_, blame_at(entry, written));
     bool const split = entry.flag("split", false);
-    bool const sound = check_what(entry, name.empty() ? "an entry" : fmt::format("entry '{}'", shortened(name)));
+    bool const sound = check_what(entry, written.empty() ? "an entry" : fmt::format("entry '{}'", shortened(written)));
     Repeat const repeat = read_repeat(entry);
-    if (!entry["name"] || !name_allowed(entry["name"], name) || !register_name(entry, name) || !sound) return;
+    std::string const name = name_of(entry, written);
+    if (!sound) return refuse(entry, name);
     Node const part = entry.has("use") ? find_part(entry["use"]) : Node();
-    if (entry.has("use") && !part) return emit({name, name, entry, {}, {}, 0, -1, true}, entry);
+    if (entry.has("use") && !part) return refuse(entry, name);
     std::size_t const faces = part ? faces_.count(entry["use"], most_instances) : 1;
     if (faces == 0) return;
     if (faces * repeat.offsets.size() > most_instances - out_.size()) return refuse_total(entry);
@@ -273,11 +274,23 @@ class Expander {
   bool check_what(Node const& n, std::string const& called) {
     int const kinds = n.has("use") + n.has("shape") + n.has("file");
     if (kinds == 1) return true;
-    n.problem(kinds == 0 ? fmt::format("{} has neither 'use' nor 'shape' nor 'file'", called)
-                         : fmt::format("{} has more than one of 'use', 'shape', 'file'", called),
-              kinds == 0 ? "add 'use: part' or 'shape: {disk: {outer_radius: 10 cm}}'" : "keep one of them");
+    if (kinds > 1) n.problem(fmt::format("{} has more than one of 'use', 'shape', 'file'", called), "keep one of them");
+    for (char const* key : {"use", "shape", "file"})  // one problem, whichever of them is misspelt
+      if (kinds == 0)
+        n.lack(key, fmt::format("{} has neither 'use' nor 'shape' nor 'file'", called),
+               "add 'use: part' or 'shape: {disk: {outer_radius: 10 cm}}'");
     return false;
   }
+
+  // For messages, and for those who use the entry; one by its line where its own name is missing, wrong or taken.
+  std::string name_of(Node const& entry, std::string const& written) {
+    std::string const line = fmt::format("line {}", entry.place().line);
+    if (!entry["name"] || !name_allowed(entry["name"], written)) return line;
+    return register_name(entry, written) ? written : fmt::format("{} ({})", written, line);
+  }
+
+  // What it names is checked all the same.
+  void refuse(Node const& entry, std::string const& name) { emit({name, name, entry, {}, {}, 0, -1, true}, entry); }
 
   bool register_name(Node const& entry, std::string const& name) {
     auto const [hit, fresh] = lines_.emplace(name, entry["name"].place());

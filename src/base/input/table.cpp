@@ -179,6 +179,15 @@ std::vector<Node> Node::as_list() const {
 void Node::refuse_unknown(std::string_view what) const {
   if (kind() != Kind::table) return;
   data_->role = what;
+  refuse_keys(what, false);
+}
+
+void Node::refuse_misspelt(std::string_view what) const {
+  if (kind() == Kind::table) refuse_keys(what, true);
+}
+
+// The keys that no reader requested, or only those that are like a missing one.
+void Node::refuse_keys(std::string_view what, bool only_misspelt) const {
   std::vector<std::string> known, missing;
   for (auto const& [key, how] : data_->asked) known.push_back(key);
   for (auto const& [key, problem] : data_->missing) missing.push_back(key);
@@ -186,6 +195,7 @@ void Node::refuse_unknown(std::string_view what) const {
   for (NodeData::Entry const& e : data_->entries) {
     if (e.value->known || ++reported > 100) continue;  // limits the messages of hostile input
     std::string near = nearest_word(e.key, missing);
+    if (near.empty() && only_misspelt) continue;
     if (near.empty())
       near = nearest_word(e.key, known);
     else

@@ -77,6 +77,8 @@ class Node {
   // Records a problem for every key that no reader requested, with the nearest known key as suggestion; `what` names
   // the table ("shape 'cone'").
   void refuse_unknown(std::string_view what) const;
+  // The same only for keys that a missing key explains, where not all keys of the table are known.
+  void refuse_misspelt(std::string_view what) const;
 
   // Records that a required key is absent; refuse_unknown() withdraws this where the key is only misspelt.
   void lack(std::string_view key, std::string what, std::string suggestion) const;
@@ -105,6 +107,7 @@ class Node {
 
  private:
   void missing(std::string_view key, std::string_view nature, std::string const& suggestion) const;
+  void refuse_keys(std::string_view what, bool only_misspelt) const;
   std::optional<Quantity> evaluated(Dimension) const;  // of this dimension, otherwise a problem
   bool within(double si, Dimension, double low, double high) const;
 

@@ -74,7 +74,8 @@ void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info
     info.laws.push_back(about);
   }
   info.spread.widen(read_spread(law));
-  if (!model.empty()) law.refuse_unknown(fmt::format("BSDF model '{}'", model));
+  if (!model.empty()) return law.refuse_unknown(fmt::format("BSDF model '{}'", model));
+  law.refuse_misspelt("a BSDF model");
 }
 
 // Dust scatters all light at grazing incidence: stated shares become a coating, which conserves power.

@@ -241,10 +241,12 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
       instance.node.refuse_unknown(fmt::format("'{}'", instance.group));
   }
   for (Scene::Instance const& instance : scene.instances()) {  // all faces have read what they share
-    if (instance.refused && is_entry(instance)) continue;      // without its part, not all keys are known
-    std::string const entry = entry_of(instance);
-    if (shared.complained.insert("entry keys of " + entry).second)
-      instance.placement.refuse_unknown(fmt::format("scene entry '{}'", entry));
+    std::string const entry = entry_of(instance), role = fmt::format("scene entry '{}'", entry);
+    if (instance.refused && is_entry(instance)) {  // without its part, not all keys are known
+      instance.placement.refuse_misspelt(role);
+      continue;
+    }
+    if (shared.complained.insert("entry keys of " + entry).second) instance.placement.refuse_unknown(role);
     if (shared.complained.insert("surfaces of " + instance.group.substr(0, instance.group.find('/'))).second)
       if (Node const by_face = instance.placement["surfaces"]; by_face.kind() == Node::Kind::table)
         by_face.refuse_unknown("'surfaces'");

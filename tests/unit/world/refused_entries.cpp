@@ -58,5 +58,44 @@ TEST(RefusedEntries, SoundEntriesHideNoError) {
               AllOf(HasSubstr("length zero"), HasSubstr("'EMT' is not a surface")));
 }
 
+// A name that is taken, missing or misspelt, and a misspelt 'shape', hide nothing else of their entries.
+TEST(RefusedEntries, AWrongNameHidesNoError) {
+  auto const said_of_entry = [](std::string const& keys) {
+    return testing::said_of(
+        "straytrace: 1\nmaterials: {m: {scatter: {model: lambertian, tis: 10 ppm}}}\nbodies: {b: {motion: still}}\n"
+        "scene:\n" +
+        mirror("M1", "0 m", "[0, 0, 1]", cap) + "  - {" + keys + ", at: [0 m, 0 m, 1 m], body: b, material: mm}\n" +
+        "beams: {spot: {on: M1, radius: 1 cm}}\nreceivers: {PD: {on: M1}}\n");
+  };
+  std::string const radus = "shape: {disk: {outer_radus: 5 cm}}", material = "material 'mm' is not defined";
+  auto const shape = AllOf(HasSubstr("unknown key 'outer_radus'"), HasSubstr("did you mean 'outer_radius'?"));
+  EXPECT_THAT(said_of_entry("name: M1, " + radus),
+              AllOf(HasSubstr("name 'M1' is used twice"), shape, HasSubstr(material), HasSubstr("3 errors.")));
+  EXPECT_THAT(said_of_entry(radus),
+              AllOf(HasSubstr("key 'name' (text) is missing"), shape, HasSubstr(material), HasSubstr("3 errors.")));
+  EXPECT_THAT(said_of_entry("nmae: M2, " + radus), AllOf(HasSubstr("unknown key 'nmae'"), HasSubstr("'name'?"), shape,
+                                                         HasSubstr(material), HasSubstr("3 errors.")));
+  EXPECT_THAT(said_of_entry("name: M2, shpe: {disk: {outer_radius: 5 cm}}"),
+              AllOf(HasSubstr("unknown key 'shpe'"), HasSubstr("did you mean 'shape'?"), HasSubstr(material),
+                    HasSubstr("2 errors.")));
+  EXPECT_THAT(said_of_entry("name: M2, outer_radius: 5 cm"),
+              AllOf(HasSubstr("entry 'M2' has neither 'use' nor"), HasSubstr(material), HasSubstr("2 errors.")));
+  EXPECT_THAT(said_of_entry("name: M2, shape: {disk: {outer_radius: 5 cm}}"),
+              AllOf(HasSubstr(material), HasSubstr("1 error.")));  // control
+}
+
+// Without the model, the other keys of the law are unknown: only the misspelt one is named.
+TEST(RefusedEntries, AMisspeltModelIsNamed) {
+  auto const said_of_law = [](std::string const& law) {
+    return testing::said_of("straytrace: 1\nmaterials: {m: {scatter: {" + law + "}}}\nbodies: {b: {motion: still}}\n" +
+                            "scene:\n" + mirror("M1", "0 m", "[0, 0, 1]", cap) +
+                            "beams: {spot: {on: M1, radius: 1 cm}}\nreceivers: {PD: {on: M1}}\n");
+  };
+  EXPECT_THAT(said_of_law("modle: lambertian, tis: 1 %"),
+              AllOf(HasSubstr("unknown key 'modle' in a BSDF model"), HasSubstr("did you mean 'model'?"),
+                    HasSubstr("1 error.")));
+  EXPECT_THAT(said_of_law("tis: 1 %"), AllOf(HasSubstr("key 'model' (a choice) is missing"), HasSubstr("1 error.")));
+}
+
 }  // namespace
 }  // namespace straytrace::world_refused
