@@ -48,7 +48,8 @@ def bits(value):
 
 def differences(old, new):
     for name in sorted(old.keys() | new.keys()):
-        if name not in old and (re.split("[/@]", name)[0] in ADDED or name.split("@")[-1] in ADDED_ATTRIBUTES):
+        item, _, attribute = name.partition("@")
+        if name not in old and (re.split("[/@]", name)[0] in ADDED or item in old and attribute in ADDED_ATTRIBUTES):
             continue
         if name not in old or name not in new:
             yield f"{name} is only in the {'new' if name in new else 'old'} file"

@@ -57,7 +57,7 @@ TEST(RoundCavity, LossesOfKilometreCavitiesV2) {
   EXPECT_LT(deviation(loss(virgo(), 0, 1), 35.322e-6), 2e-5);
   double const gaussian = 2 * clipped_share(0.05, cavity_mode(1000, 2500, 2500, nd_yag).w1);
   EXPECT_LT(deviation(gaussian, 14.85e-6), 1e-3);
-  EXPECT_GT(deviation(loss(cavity), gaussian), 1);                 // eq. 5.5 is 2.6 times too small
+  EXPECT_GT(deviation(loss(cavity), gaussian), 1);            // eq. 5.5 is 2.6 times too small
   EXPECT_GT(deviation(loss(virgo(1419)), 0.22828e-6), 1e-3);  // 1 m less RoC
 }
 
