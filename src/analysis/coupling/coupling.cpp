@@ -213,8 +213,8 @@ class Reader {
     return std::move(out_);
   }
 
-  [[noreturn]] void refuse(std::string const& what, std::string const& suggestion) const {
-    throw errors_in(file_, {{{0, line_, 0}, what, suggestion}});
+  [[noreturn]] void refuse(std::string const& what, std::string const& suggestion, std::uint32_t column = 0) const {
+    throw errors_in(file_, {{{0, line_, column}, what, suggestion}});
   }
 
  private:
@@ -241,21 +241,23 @@ class Reader {
         refuse(fmt::format("no column '{}'", name), fmt::format("the first line names the columns: {}", wanted));
   }
 
-  std::string_view text(char const* column) const {
+  TextCell cell(char const* column) const {
     auto const found = columns_.find(column);
-    return found == columns_.end() || found->second >= cells_.size() ? std::string_view() : cells_[found->second].text;
+    return found == columns_.end() || found->second >= cells_.size() ? TextCell() : cells_[found->second];
   }
   double number(char const* column) const {
-    std::string const word = plain(text(column));
+    TextCell const written = cell(column);
+    std::string const word = plain(written.text);
     if (word.empty() || word == "nan") return not_a_number;
     double value = 0;
     auto const [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (status != std::errc{} || end != word.data() + word.size())
-      refuse(fmt::format("'{}' is not a number in column '{}'", word, column), "write it as 1.5e-3");
+      refuse(fmt::format("'{}' is not a number in column '{}'", written.text, column), "write it as 1.5e-3",
+             written.column);
     return value;
   }
   void agree(std::string& kept, char const* column) const {
-    std::string_view const word = text(column);
+    std::string_view const word = cell(column).text;
     if (kept.empty()) kept = word;
     if (!word.empty() && word != kept)
       refuse(fmt::format("two different entries in column '{}'", column), "split the file");
@@ -265,18 +267,21 @@ class Reader {
     cells_ = comma_cells(line);
     if (cells_.size() > named_ && !plain(cells_[named_].text).empty())
       refuse(fmt::format("more values than the {} columns that have a name", named_), surplus_remedy(cells_));
-    auto const flag = flag_of(text("flag"));
+    TextCell const written = cell("flag");
+    auto const flag = flag_of(written.text);
     if (!flag)
-      refuse(fmt::format("'{}' is not a flag", plain(text("flag"))),
-             "flags are Real, Upper Limit, Thresholds not met, No data, Fringe wrapped");
+      refuse(fmt::format("'{}' is not a flag", written.text),
+             "flags are Real or Measured, Upper Limit, Thresholds not met, No data, Fringe wrapped", written.column);
     CouplingPoint p;
     p.hz = number("frequency");
     p.flag = *flag;
     if (!(p.hz >= 0) || (!out_.points.empty() && p.hz <= out_.points.back().hz))
-      refuse("the frequency does not increase", "sort the rows by frequency");
+      refuse("the frequency does not increase", "sort the rows by frequency", cell("frequency").column);
     bool const known = p.flag == CouplingFlag::measured || p.flag == CouplingFlag::upper_limit;
     double const factor = number("factor");
-    if (known && !(factor > 0 && std::isfinite(factor))) refuse("the factor is not positive", "or flag it 'No data'");
+    if (known && !(factor > 0 && std::isfinite(factor)))
+      refuse(std::isfinite(factor) ? "the factor is not positive" : "the factor is not a finite number",
+             "correct it, or flag it 'No data'", cell("factor").column);
     if (known || (p.flag == CouplingFlag::not_linear && factor > 0)) p.factor = factor;
     if (known) p.factor_counts = number("factor_counts");
     p.sigma = number("factor_error");

@@ -11,9 +11,9 @@
 #include "analysis/coupling/band_coupling.hpp"
 #include "analysis/coupling/coupling.hpp"
 #include "analysis/coupling/lines.hpp"
-#include "base/errors.hpp"
 #include "base/files/text_file.hpp"
 #include "io/delimited_text.hpp"
+#include "spectra/files/gps.hpp"
 #include "spectra/welch.hpp"
 
 namespace straytrace::analysis {
@@ -175,24 +175,28 @@ Quiet quiet_of(TapSeries const& s, GpsSpan span, WelchSettings const& w) {
 
 std::vector<Visit> visits_of(TapSeries const& s, std::span<TapPlace const> places, WelchSettings const& w) {
   std::vector<Visit> out;
-  std::vector<InputError> errors;
+  std::vector<Problem> problems;
   for (TapPlace const& p : places) {
     GpsSpan const span{p.start, p.start + p.duration};
     double const segments =
         (p.duration * s.target.rate - double(w.segment)) / (double(w.segment) * (1 - w.overlap)) + 1;
     if (span.from < s.target.start || span.to > s.target.end() + 1e-6)
-      errors.emplace_back(fmt::format("'{}' at {} is outside the data, which run from {} to {}", p.name, p.start,
-                                      s.target.start, s.target.end()));
+      problems.push_back(
+          {p.at,
+           fmt::format("'{}' from {} to {} is outside the data, which run from {} to {}", p.name, gps_text(span.from),
+                       gps_text(span.to), gps_text(s.target.start), gps_text(s.target.end())),
+           "correct its start and duration, or read data that contain it"});
     else if (segments < 6)
-      errors.emplace_back(
-          fmt::format("'{}' at {} lasts {} s, which is fewer than six segments", p.name, p.start, p.duration),
-          "choose a shorter --segment");
+      problems.push_back({p.at,
+                          fmt::format("'{}' at {} lasts {} s, which is fewer than six segments", p.name,
+                                      gps_text(p.start), p.duration),
+                          "choose a shorter --segment"});
     else {
       out.push_back({&p, stretch_of(s.force, span, w), stretch_of(s.target, span, w), {}});
       for (TimeSeries const& l : s.local) out.back().local.push_back(stretch_of(l, span, w));
     }
   }
-  throw_all(errors);
+  if (!problems.empty()) throw errors_in(places.front().file, std::move(problems));
   return out;
 }
 
@@ -236,7 +240,7 @@ class ListReader {
     static constexpr std::string_view numeric[] = {"start", "duration"};
     table_ = parse_csv_table(csv, Comments::whole_lines, "place,start,duration", problems_, numeric);
     if (!table_.columns.empty() && header_fits())
-      for (CsvTable::Row const& row : table_.rows) take(row);
+      for (CsvTable::Row const& row : table_.rows) take(row, file);
     if (problems_.empty()) return std::move(places_);
     std::ranges::stable_sort(problems_, {}, [](Problem const& p) { return p.place.line; });
     throw errors_in(file, std::move(problems_));
@@ -268,9 +272,14 @@ class ListReader {
     return row.values[std::size_t(table_.find(name))];
   }
 
-  void take(CsvTable::Row const& row) {
-    TapPlace p{std::string(cell(row, "place").text), number(row, "start"), number(row, "duration"),
-               std::string(cell(row, "strength").text)};
+  void take(CsvTable::Row const& row, std::string const& file) {
+    TextCell const start = cell(row, "start");
+    TapPlace p{std::string(cell(row, "place").text),
+               number(row, "start"),
+               number(row, "duration"),
+               std::string(cell(row, "strength").text),
+               file,
+               {0, start.line, start.column}};
     if (p.name.empty()) complain(problems_, cell(row, "place"), "a place without a name", "write it in column 'place'");
     if (p.duration <= 0)
       complain(problems_, cell(row, "duration"), fmt::format("a duration of {} s", p.duration),

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "spectra/series.hpp"
 #include "spectra/welch.hpp"
@@ -18,6 +19,8 @@ struct TapPlace {
   std::string name;
   double start = 0, duration = 0;  // GPS s, s
   std::string strength;            // "soft", "hard": only a label
+  std::string file = {};           // the list, and where the start is in it
+  Place at = {};
 };
 // CSV with a header: place, start, duration, optionally strength. Throws InputError with file and line.
 std::vector<TapPlace> parse_tap_list(std::string_view csv, std::string const& file);

@@ -69,6 +69,18 @@ TEST(Couple, TapsNameTheRightPlaceR6_02) {
   EXPECT_FALSE(j["result"][0]["places"][0]["not_linear"]);
 }
 
+// All places at once, each where the list names it. The negative control is the list as it is, above.
+TEST(Couple, TapsOutsideTheDataNameTheirLineR6_02) {
+  Folder const folder;
+  write_text(folder / "list.csv", "place,start,duration\ntower,8,6\nlink,5000,6\ndoor,14,6\nroof,-50,6\n");
+  std::string const said = error_text({"couple", "taps", "--force", data("taps.csv") + "::HAMMER", "--target",
+                                       data("taps.csv") + "::H", "--list", folder / "list.csv", "--quiet", "0..8"});
+  EXPECT_THAT(said, HasSubstr("list.csv:3:6: error: 'link' from 5000 to 5006 is outside the data, which run from "));
+  EXPECT_THAT(said, HasSubstr("list.csv:5:6: error: 'roof' from -50 to -44 is outside the data"));
+  EXPECT_THAT(said, HasSubstr("\n  correct its start and duration"));
+  EXPECT_THAT(said, ::testing::Not(HasSubstr("'tower'")));
+}
+
 TEST(Couple, LinesAndRampFindThePhaseR6_03) {
   Words const common{"--witness", data("shaker.csv") + "::DRIVE",
                      "--target",  data("shaker.csv") + "::H",

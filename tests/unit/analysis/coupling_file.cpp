@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files of couplings, and what is projected with them (R6.08).
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -126,10 +127,17 @@ TEST(CouplingFile, LayoutsOfPemcouplingRoundTripR6_08) {
 
 TEST(CouplingFile, ErrorsStatePlaceAndRemedy) {
   EXPECT_THAT(rejected("frequency,factor\n1,2\n"), HasSubstr("c.csv:1: error: no column 'flag'"));
-  EXPECT_THAT(rejected("frequency,factor,flag\n1,2,Perhaps\n"), HasSubstr("c.csv:2: error: 'perhaps' is not a flag"));
+  EXPECT_THAT(rejected("frequency,factor,flag\n1,2,Measurd\n"),
+              AllOf(HasSubstr("c.csv:2:5: error: 'Measurd' is not a flag"), HasSubstr("Measured")));
+  EXPECT_NO_THROW(read("frequency,factor,flag\n1,2,Measured\n"));
+  for (char const* factor : {"nan", "inf", ""})
+    EXPECT_THAT(rejected(fmt::format("frequency,flag,factor\n2,Real,{}\n", factor)),
+                HasSubstr("error: the factor is not a finite number"));
+  EXPECT_NO_THROW(read("frequency,flag,factor\n2,No data,nan\n"));
   EXPECT_THAT(rejected("frequency,factor,flag\n2,2,Real\n1,2,Real\n"),
-              HasSubstr("c.csv:3: error: the frequency does not"));
-  EXPECT_THAT(rejected("frequency,factor,flag\n2,-2,Real\n"), HasSubstr("c.csv:2: error: the factor is not positive"));
+              HasSubstr("c.csv:3:1: error: the frequency does not"));
+  EXPECT_THAT(rejected("frequency,factor,flag\n2,-2,Real\n"),
+              HasSubstr("c.csv:2:3: error: the factor is not positive"));
   EXPECT_THAT(rejected("frequency,factor,flag\n2,x,Real\n"), HasSubstr("'x' is not a number"));
   EXPECT_THAT(rejected("frequency,flag,factor\n2,Real,1,5\n"), HasSubstr("c.csv:2: error: more values than the 3"));
   EXPECT_THAT(rejected(theirs, ""), HasSubstr("c.csv: error: the file does not state the unit of its factors"));
