@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 namespace straytrace::results {
 namespace {
@@ -92,6 +93,28 @@ GhostFamilies::Key GhostFamilies::key_of(std::vector<PhaseSensitivity> const& ph
   return key;
 }
 
+// A weaker route makes room for a stronger one and joins the rest.
+void GhostFamilies::add_part(GhostFamily& f, GhostPart part) {
+  auto const same = std::ranges::find(f.parts, part.steps, &GhostPart::steps);
+  if (same != f.parts.end()) {
+    same->share += part.share;
+    if (part.largest > same->largest) std::tie(same->largest, same->path_length) = {part.largest, part.path_length};
+    return;
+  }
+  if (f.parts.empty() || (f.parts.size() < most_parts && parts_ < most)) {
+    f.parts.push_back(std::move(part));
+    ++parts_;
+    return;
+  }
+  auto const weakest = std::ranges::min_element(f.parts, {}, &GhostPart::share);
+  if (weakest->share < part.share) std::swap(*weakest, part);
+  ++f.others;
+  double const share = f.rest.share + part.reverse * part.share;
+  if (part.largest > f.rest.largest) f.rest = std::move(part);
+  f.rest.share = share;
+  f.rest.reverse = 1;
+}
+
 void GhostFamilies::add(Ghost const& g) {
   auto const share = share_at_port(g);
   if (!share || !(*share > 0)) return;
@@ -117,6 +140,7 @@ void GhostFamilies::add(Ghost const& g) {
   f.root_sum += std::sqrt(*share);
   ++f.ghosts;
   for_each_met(world_, g, [&](std::uint32_t group) { f.through[group] += reverse * *share; });
+  add_part(f, {steps, *share, reverse, *share, g.standing.difference});
   if (*share <= f.largest) return;
   f.largest = *share;
   f.strongest = g.number;

@@ -40,6 +40,13 @@ struct GhostSettings {
   }
 };
 
+// Ghosts of one route in a family.
+struct GhostPart {
+  std::vector<PathStep> steps;
+  double share = 0, reverse = 1;        // sum of the shares at the port, without C_rev; C_rev (eq. 1.5)
+  double largest = 0, path_length = 0;  // of the strongest
+};
+
 // Ghosts that return to the port with equal phase sensitivities: they move together (docs/theory/ghosts.md, eq. 10.5).
 struct GhostFamily {
   std::vector<PhaseSensitivity> phase_sensitivities;
@@ -49,16 +56,21 @@ struct GhostFamily {
   double largest = 0, path_length = 0;          // of the strongest
   std::vector<PathStep> steps;                  // all of the strongest, and its way back
   std::map<std::uint32_t, double> through;      // of `incoherent`, by group that a ghost has met or left
+  std::vector<GhostPart> parts;                 // the strongest routes
+  std::uint64_t others = 0;                     // ghosts of weaker routes, and
+  GhostPart rest;                               // their sum, C_rev in the share; its steps: of the strongest
   GhostStrain per_root_power = {not_a_number, not_a_number, not_a_number};  // strain over the root of the share
   GhostSum sum = GhostSum::independent;
   double coherent() const { return std::norm(field[0]) + std::norm(field[1]); }
   double share() const { return sum == GhostSum::coherent ? coherent() : incoherent; }
   double worst() const { return root_sum * root_sum; }
+  std::uint64_t routes() const { return parts.size() + others; }  // at most, if `others` have common routes
 };
 
 class GhostFamilies {
  public:
-  static constexpr std::size_t most = 4096;
+  static constexpr std::size_t most = 4096;      // also of routes, beyond one for each family
+  static constexpr std::size_t most_parts = 64;  // of one family
   GhostFamilies(World const&, BeamLaunch const&, MainBeam const&, std::optional<PortId>, GhostSum);
 
   void add(Ghost const&);
@@ -74,6 +86,7 @@ class GhostFamilies {
 
  private:
   using Key = std::vector<long long>;
+  void add_part(GhostFamily&, GhostPart);
   Key key_of(std::vector<PhaseSensitivity> const&) const;
   std::vector<PathStep> there_and_back(Ghost const&) const;  // of one that comes back along the main beam
   World const& world_;
@@ -83,6 +96,7 @@ class GhostFamilies {
   double beam_share_;  // q of the launched beam
   std::vector<GhostFamily> families_;
   std::map<Key, std::size_t> place_;
+  std::size_t parts_ = 0;  // of all families
 };
 // The port of the beam nearest to its launch: there light in the reversed main beam is counted.
 std::optional<PortId> ghost_port(World const&, BeamLaunch const&, MainBeam const&);

@@ -18,28 +18,76 @@ namespace straytrace::results {
 
 namespace {
 
-// Rows of routes that pass an object; a pattern without a match is a problem, since it would remove nothing.
-std::vector<std::size_t> passing(std::vector<std::string> const& patterns, PathTable const& table,
-                                 std::vector<InputError>& errors) {
-  std::set<std::size_t> rows;
-  std::set<std::string> names;
-  for (std::string const& pattern : patterns) {
-    bool found = false;
-    for (std::size_t i = 0; i < table.rows.size(); ++i)
-      for (std::string const& object : objects_of(table.rows[i].sequence)) {
-        names.insert(object);
-        if (!matches(pattern, object)) continue;
-        rows.insert(i);
-        found = true;
-      }
-    if (found) continue;
-    std::vector<std::string> const all(names.begin(), names.end());
-    std::string const near = nearest_word(pattern, all);
-    errors.emplace_back(fmt::format("--without: no route passes '{}'", pattern),
-                        near.empty() ? "objects of routes are " + fmt::format("{}", fmt::join(all, ", "))
-                                     : "did you mean '" + near + "'?");
+using Patterns = std::vector<std::string>;
+
+bool passes(std::string const& sequence, Patterns const& patterns) {
+  auto const objects = objects_of(sequence);
+  return std::ranges::any_of(patterns, [&](std::string const& pattern) {
+    return std::ranges::any_of(objects, [&](std::string const& object) { return matches(pattern, object); });
+  });
+}
+
+// A row `other`, or one of several ghosts.
+bool sums_routes(PathRow const& row) { return row.vertices == 0 || row.folded_routes > 1; }
+
+// Which routes of a row pass an object: none, all, some (of `other` also all), or perhaps some that are not listed.
+enum class Held { none, all, some, hidden };
+
+Held held_in(PathRow const& row, Patterns const& patterns) {
+  if (!sums_routes(row)) return passes(row.sequence, patterns) ? Held::all : Held::none;
+  std::size_t passing = 0, unknown = row.folded.size() < std::max<std::size_t>(row.folded_routes, 1);
+  for (FoldedRow const& f : row.folded) {
+    passing += passes(f.sequence, patterns);
+    unknown += objects_of(f.sequence).empty();  // "long routes"
   }
-  return {rows.begin(), rows.end()};
+  if (passing == 0) return unknown > 0 ? Held::hidden : Held::none;
+  return row.vertices > 0 && passing == row.folded_routes ? Held::all : Held::some;
+}
+
+InputError nothing_passes(std::string const& pattern, PathTable const& table) {
+  std::set<std::string> names;
+  std::vector<std::string> rows;
+  auto const add = [&](std::string const& sequence) {
+    for (std::string const& object : objects_of(sequence)) names.insert(object);
+  };
+  for (PathRow const& row : table.rows) {
+    if (held_in(row, {pattern}) == Held::some) rows.push_back("'" + row.sequence + "'");
+    add(row.sequence);
+    for (FoldedRow const& f : row.folded) add(f.sequence);
+  }
+  if (!rows.empty())
+    return InputError(fmt::format("--without: routes that pass '{}' are only in {}, which cannot be divided", pattern,
+                                  fmt::join(rows, ", ")),
+                      "remove the object from the scene and compare the runs with 'straytrace diff'");
+  std::vector<std::string> const all(names.begin(), names.end());
+  std::string const near = nearest_word(pattern, all);
+  return InputError(fmt::format("--without: no route passes '{}'", pattern),
+                    near.empty() ? "objects of routes are " + fmt::format("{}", fmt::join(all, ", "))
+                                 : "did you mean '" + near + "'?");
+}
+
+// Rows of routes that pass an object; a pattern without a match is a problem, since it would remove nothing, and so is
+// a row whose fields it would divide.
+std::vector<std::size_t> passing(Patterns const& patterns, PathTable const& table, std::vector<InputError>& errors) {
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    PathRow const& row = table.rows[i];
+    Held const held = held_in(row, patterns);
+    if (held == Held::all) rows.push_back(i);
+    if (held == Held::some && row.vertices > 0)
+      errors.emplace_back(fmt::format("--without: '{}' adds the fields of ghosts that pass {} to those of others, and "
+                                      "cannot be divided",
+                                      row.sequence, fmt::join(patterns, " and ")),
+                          "trace the scene with 'ghosts: {sum: independent}', or without the object");
+  }
+  for (std::string const& pattern : patterns) {
+    bool const found = std::ranges::any_of(table.rows, [&](PathRow const& row) {
+      Held const held = held_in(row, {pattern});
+      return held == Held::all || (held == Held::some && row.vertices > 0);
+    });
+    if (!found) errors.push_back(nothing_passes(pattern, table));
+  }
+  return rows;
 }
 
 void collect(std::string const& option, std::string const& text, FilterAnswer const& answer,
@@ -53,6 +101,22 @@ nlohmann::ordered_json json_of(WithError const& x) {
 
 std::string number_of(WithError const& x) { return std::isnan(x.value) ? "unresolved" : with_brackets(x); }
 
+// Rows that --without cannot divide.
+std::string staying(Patterns const& patterns, PathTable const& table) {
+  std::vector<std::string> some, hidden;
+  for (PathRow const& row : table.rows) {
+    Held const held = held_in(row, patterns);
+    if (held == Held::some) some.push_back("'" + row.sequence + "'");
+    if (held == Held::hidden) hidden.push_back("'" + row.sequence + "'");
+  }
+  std::string text;
+  if (!some.empty())
+    text += fmt::format("  Some routes in {} pass there, and stay in the sums.\n", fmt::join(some, ", "));
+  if (!hidden.empty())
+    text += fmt::format("  Some routes in {} may pass there, and stay in the sums.\n", fmt::join(hidden, ", "));
+  return text;
+}
+
 std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
   std::string text = fmt::format("Without {} ({} route{} left out):\n", fmt::join(choice.without, " and "),
                                  chosen.left_out, chosen.left_out == 1 ? "" : "s");
@@ -65,9 +129,7 @@ std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
   if (chosen.strain.empty())
     text += fmt::format("  sum of couplings {}, before {}\n", number_of(chosen.all.total_coupling),
                         number_of(chosen.coupling_before));
-  bool const others =
-      std::any_of(chosen.all.rows.begin(), chosen.all.rows.end(), [](PathRow const& row) { return row.vertices == 0; });
-  if (others) text += "  Rows 'other' stay in the sums: some of their routes may pass there as well.\n";
+  text += staying(choice.without, chosen.all);
   if (chosen.all.missing() > 0)
     text += fmt::format("  {}: the sums contain the observed part of unresolved routes, with an equal error\n",
                         bound_text(chosen.all.has_upper_bounds(), chosen.all.missing()));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <span>
@@ -17,22 +18,24 @@
 namespace straytrace::session {
 namespace {
 
-char const* statement_of(GhostFamily const& f) {
-  return f.sum == GhostSum::coherent
-             ? "ghosts with equal phase sensitivities, fields added with the phases of the geometry as it is written "
-               "(docs/theory/ghosts.md, eq. 10.5)"
-             : "ghosts with equal phase sensitivities, powers added: their static phases are independent "
-               "(docs/theory/ghosts.md, "
-               "eq. 10.5)";
-}
+constexpr char const* apart_text =
+    "ghosts of this route; powers of routes are added: their static phases are independent (docs/theory/ghosts.md, "
+    "eq. 10.5)";
+constexpr char const* rest_text =
+    "ghosts beyond the strongest routes, named by the strongest of them, powers added: their static phases are "
+    "independent (docs/theory/ghosts.md, eq. 10.5)";
+constexpr char const* fields_text =
+    "ghosts with equal phase sensitivities, fields added with the phases of the geometry as it is written "
+    "(docs/theory/ghosts.md, eq. 10.5)";
 
-PathRecord record_of(GhostFamily const& f) {
+PathRecord record_of(GhostFamily const& f, double share, double path_length) {
   PathRecord record;
-  record.coupling = record.weight = f.share();
-  record.path_length = f.path_length;
+  record.coupling = record.weight = share;
+  record.path_length = path_length;
   record.phase_sensitivities = f.phase_sensitivities;
   return record;
 }
+PathRecord record_of(GhostFamily const& f) { return record_of(f, f.share(), f.path_length); }
 
 // Number of families, strongest first, that add as fields.
 std::size_t coherent_of(std::span<GhostFamily const* const> by_share) {
@@ -59,17 +62,27 @@ void to_principal_states(std::vector<PathRecord>& records) {
   }
 }
 
+// The routes of families whose fields add, the strongest by power: a row cannot be divided into them.
+void list_parts(CouplingClass& c, std::span<GhostFamily const* const> members) {
+  for (GhostFamily const* f : members) {
+    c.folded_routes += f->routes();
+    for (GhostPart const& part : f->parts) {
+      std::uint64_t const hash = deterministic_class(ClassKind::ghost, part.steps, c.port, 1, {}, "").hash;
+      c.folded.push_back({hash, part.steps, part.reverse * part.share, 0, true, "added as a field"});
+    }
+  }
+  std::ranges::stable_sort(c.folded, std::greater{}, &FoldedRoute::mean);
+  if (c.folded.size() > folded_kept) c.folded.resize(folded_kept);
+}
+
 // All of them as one route, named by the strongest; its parts are in `folded`.
 CouplingClass family_class(std::span<GhostFamily const* const> members, PortId port) {
   std::vector<PathRecord> records;
-  std::vector<FoldedRoute> parts;
   std::uint64_t ghosts = 0;
   for (GhostFamily const* f : members) {
     records.push_back(record_of(*f));
     records.back().field = f->field;
     ghosts += f->ghosts;
-    std::uint64_t const hash = deterministic_class(ClassKind::ghost, f->steps, port, 1, {}, "").hash;
-    if (parts.size() < folded_kept) parts.push_back({hash, f->steps, f->share(), 0, true, "added as a field"});
   }
   to_principal_states(records);
   CouplingClass c = deterministic_class(
@@ -80,9 +93,38 @@ CouplingClass family_class(std::span<GhostFamily const* const> members, PortId p
           "it is written, their common phase averaged (docs/theory/ghosts.md, eq. 10.5); coupling: sum of powers",
           ghosts, members.size()));
   c.hash = ~c.hash;  // of the strongest alone it is another route
-  c.folded_routes = members.size();
-  c.folded = std::move(parts);
+  list_parts(c, members);
   return c;
+}
+
+// A class for each route of the family, and one for the rest; of a coherent one a single class.
+std::vector<CouplingClass> classes_of(GhostFamily const& f, PortId port) {
+  std::vector<CouplingClass> all;
+  if (f.sum == GhostSum::coherent) {
+    all.push_back(deterministic_class(ClassKind::ghost, f.steps, port, 1, {record_of(f)}, fields_text));
+    GhostFamily const* const one = &f;
+    if (f.routes() > 1) list_parts(all.back(), {&one, 1});
+    return all;
+  }
+  for (GhostPart const& part : f.parts)
+    all.push_back(deterministic_class(ClassKind::ghost, part.steps, port, part.reverse,
+                                      {record_of(f, part.share, part.path_length)}, apart_text));
+  if (f.others == 0) return all;
+  all.push_back(deterministic_class(ClassKind::ghost, f.rest.steps, port, 1,
+                                    {record_of(f, f.rest.share, f.rest.path_length)}, rest_text));
+  all.back().hash = ~all.back().hash;  // not the route of that name alone
+  all.back().folded_routes = f.others;
+  return all;
+}
+
+// Powers of two classes that share a name add.
+void merge_into(CouplingClass& sum, CouplingClass const& c) {
+  sum.records.insert(sum.records.end(), c.records.begin(), c.records.end());
+  sum.coupling.mean += c.coupling.mean;
+  sum.folded_routes += c.folded_routes;
+  sum.folded.insert(sum.folded.end(), c.folded.begin(), c.folded.end());
+  std::ranges::stable_sort(sum.folded, std::greater{}, &FoldedRoute::mean);
+  if (sum.folded.size() > folded_kept) sum.folded.resize(folded_kept);
 }
 
 }  // namespace
@@ -125,16 +167,14 @@ GhostClasses ghost_classes(GhostFamilies const& families) {
   std::size_t const fields = coherent_of(by_share);
   GhostClasses all;
   if (fields > 0) all.classes.push_back(family_class(std::span(by_share).first(fields), *families.port()));
-  std::map<std::uint64_t, CouplingClass> apart;  // by route: parts that share a name share a row, powers added
+  std::map<std::uint64_t, CouplingClass> apart;  // by route: families that share a name share a row, powers added
   double left = 0;
   for (GhostFamily const* f : std::span(by_share).subspan(fields)) {
-    CouplingClass made =
-        deterministic_class(ClassKind::ghost, f->steps, *families.port(), 1, {record_of(*f)}, statement_of(*f));
     left += f->share();
-    auto const [at, added] = apart.emplace(made.hash, made);
-    if (added) continue;
-    at->second.records.push_back(made.records.front());
-    at->second.coupling.mean += made.coupling.mean;
+    for (CouplingClass const& made : classes_of(*f, *families.port())) {
+      auto const [at, added] = apart.try_emplace(made.hash, made);
+      if (!added) merge_into(at->second, made);
+    }
   }
   for (auto& [hash, c] : apart) all.classes.push_back(std::move(c));
   if (fields > 0 && !apart.empty())

@@ -263,7 +263,7 @@ std::string name_of_steps(CouplingTable const& table, std::vector<PathStep> cons
 
 std::string route_name(CouplingTable const& table, CouplingClass const& c) {
   if (c.steps.empty()) return fmt::format("other > {}", table.ports[c.port.value]);
-  return name_of_steps(table, c.steps) + (c.adds_fields() ? fmt::format(" and {} more", c.records.size() - 1) : "");
+  return name_of_steps(table, c.steps) + (c.folded_routes > 1 ? fmt::format(" and {} more", c.folded_routes - 1) : "");
 }
 
 std::string folded_name(CouplingTable const& table, FoldedRoute const& route) {

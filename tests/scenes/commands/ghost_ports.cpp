@@ -85,6 +85,41 @@ TEST(GhostPorts, equal_phase_sensitivities_add_in_power_or_as_fields) {
   EXPECT_NEAR(powers["recoupled_as_drawn"].get<double>(), fields["recoupled"].get<double>(), 1e-12);
 }
 
+// Two faces on one body, of 1e-6 each: one row each, so that either can be left out, and h^2 falls to a half; 0.1 %.
+// Their static phases are independent. Control: as fields they are one row, which states its parts and is not divided.
+TEST(GhostPorts, each_ghost_is_a_row) {
+  Folder const folder;
+  std::string const scene = edited(line("entry", 1e-6, 4e-6), "motion: still",
+                                   "motion: {z: {power-law: {asd: 1e-14 m/sqrt(Hz), at: 10 Hz, exponent: 0, from: 1 "
+                                   "Hz, to: 1 kHz}}, others: still}") +
+                            detector;
+  auto const run = [&](std::string const& sum) {
+    write_text(folder / "a.yaml", "straytrace: 1\n" + scene + "ghosts: {sum: " + sum + "}\n");
+    Finished const done =
+        straytrace({"run", folder / "a.yaml", "-o", folder / sum, "--histories", "131072", "--quiet"});
+    EXPECT_EQ(done.code, 0) << done.err;
+    return std::string(folder / (sum + "/run.h5"));
+  };
+  std::string const apart = run("independent"), fields = run("coherent");
+  for (char const* face : {"entry·R", "sensor·R"}) {
+    std::size_t rows = 0;
+    for (json const& row : json::parse(straytrace({"paths", apart, "--format", "json"}).out)["routes"]) {
+      if (row["kind"] != "ghost" || row["sequence"].get<std::string>().find(face) == std::string::npos) continue;
+      EXPECT_NEAR(row["coupling"]["value"].get<double>() / 1e-6, 1, 1e-3) << face;
+      ++rows;
+    }
+    EXPECT_EQ(rows, 1u) << face;
+  }
+  json const less = json::parse(straytrace({"paths", apart, "--without", "sensor", "--format", "json"}).out);
+  EXPECT_NEAR(less["without"]["strain"][0]["factor"]["value"].get<double>() / std::sqrt(0.5), 1, 1e-3);
+  Finished const whole = straytrace({"paths", fields}), part = straytrace({"paths", fields, "--without", "sensor"});
+  EXPECT_THAT(whole.out, HasSubstr("entry·R and 1 more"));
+  EXPECT_THAT(whole.out,
+              HasSubstr("  entry·T > filter·T > sensor·R > filter·T > entry·T: 1e-06 computed: added as a field"));
+  EXPECT_EQ(part.code, 2) << "control";
+  EXPECT_THAT(part.err, HasSubstr("cannot be divided"));
+}
+
 // Faces on bodies of their own: the second moves half as far as the first, on one motion. Weak motion: h^2 goes with
 // |E_1 + E_2/2|^2 (eq. 10.5), through the run file and again without tracing. Control: powers added.
 TEST(GhostPorts, unequal_phase_sensitivities_add_as_fields_in_a_run) {
