@@ -46,7 +46,7 @@ struct ImportanceOptions : SceneOptions {
 
 std::vector<ImportanceRow> find_rows(ImportanceOptions const& options) {
   std::optional<RunFile> file;
-  if (options.input.ends_with(".h5")) {
+  if (names_run(options.input)) {
     file = read_run(options.input);
     bool const kept = !file->about.importance.strips.empty();
     if (kept && options.overrides.empty()) return rows_of(file->about.importance, file->trace.coupling.groups);

@@ -98,7 +98,7 @@ Problem SceneDocument::where_the_user_can_act(Problem p) const {
 void SceneDocument::add(Problem p) {
   if (p.place.line > 0 && is_binary(sources_[p.place.file].text)) {
     Severity const severity = p.severity;
-    p = binary_problem(p.place.file);
+    p = binary_problem(sources_[p.place.file].text, p.place.file);
     p.severity = severity;
   }
   p = where_the_user_can_act(std::move(p));

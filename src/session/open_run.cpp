@@ -66,10 +66,14 @@ Scene scene_of(RunFile const& file, std::vector<std::string> const& overrides) {
   return read_scene(file.about.main_file, all_overrides(file, overrides), &file.about.files);
 }
 
-RunFile read_run_file(std::string const& path) {
+void refuse_scene(std::string const& path) {
   if ((path.ends_with(".yaml") || path.ends_with(".yml")) && !is_run_file(path))
     throw InputError(fmt::format("'{}' is a scene, not a run", path),
                      fmt::format("trace it first: straytrace run {} -o out/, which writes out/run.h5", path));
+}
+
+RunFile read_run_file(std::string const& path) {
+  refuse_scene(path);
   return read_run(path);
 }
 
@@ -99,7 +103,7 @@ OpenRun::OpenRun(std::string const& path, std::string const& motion, FileTexts* 
 }
 
 RunInput::RunInput(std::string input) : input_(std::move(input)) {
-  if (input_.ends_with(".h5")) file_ = read_run(input_);
+  if (names_run(input_)) file_ = read_run(input_);
 }
 
 Model RunInput::read(std::vector<std::string> const& overrides) const {
@@ -136,6 +140,8 @@ bool is_run_file(std::string const& file) {
   std::string const head = head_of_file(file, seal.size());
   return head == seal || head.starts_with(hdf5);
 }
+
+bool names_run(std::string const& file) { return file.ends_with(".h5") || is_run_file(file); }
 
 bool only_motion(Scene const& scene) {
   return scene.table("bodies") && !scene.root().has("scene") && !scene.root().has("beams");

@@ -20,7 +20,8 @@ Model model_of(RunFile const&, std::vector<std::string> const& overrides = {});
 // The scene inside the file with the parameters of the run, then `overrides`. Refers to the texts in the file.
 Scene scene_of(RunFile const&, std::vector<std::string> const& overrides);
 
-// read_run(), which tells the way to a run where this is a scene.
+// Throws InputError, which tells the way to a run, where this is a scene by its name.
+void refuse_scene(std::string const& path);
 RunFile read_run_file(std::string const& path);
 
 // A run and what projects it: no surface is built.
@@ -39,7 +40,6 @@ struct OpenRun {
 };
 
 // The input of `run`: a scene file, or a run file that is repeated from the texts, seed and stop rule inside it.
-
 class RunInput {
  public:
   explicit RunInput(std::string input);
@@ -54,15 +54,16 @@ class RunInput {
   std::optional<RunFile> file_;
 };
 
-// A file of the language, a model or only motion, read by every module involved.
-
 // By its first bytes; whether it is sound read_run() tells.
 bool is_run_file(std::string const& file);
+// Where a command takes a scene or a run: also a name ending in .h5, so that a missing or damaged run is told as such.
+bool names_run(std::string const& file);
 
 // A file with nothing to trace holds motion for `straytrace noise --motion`.
 bool only_motion(Scene const&);
 
-// Throws one InputError with all problems. `texts`: of a run file, instead of disk.
+// A file of the language, a model or only motion, read by every module involved. Throws one InputError with all
+// problems. `texts`: of a run file, instead of disk.
 Scene read_by_all(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts = nullptr);
 
 }  // namespace straytrace::session

@@ -24,12 +24,14 @@ bool is_binary(std::string_view bytes) {
   return start.find('\0') != start.npos || std::size_t(controls) * 10 > start.size();
 }
 
-Problem binary_problem(std::uint32_t file) {
+Problem binary_problem(std::string_view bytes, std::uint32_t file) {
+  if (bytes.starts_with("straytrace-run "))
+    return {{file}, "this is a run file, but a text file is needed here", "see straytrace paths or straytrace report"};
   return {{file}, "this is a binary file, but a text file is needed here", "name a text file, or export it as text"};
 }
 
 void refuse_binary(std::string_view bytes, std::string const& file) {
-  if (is_binary(bytes)) throw errors_in(file, {binary_problem()});
+  if (is_binary(bytes)) throw errors_in(file, {binary_problem(bytes)});
 }
 
 std::string read_text(std::string const& file) {

@@ -13,7 +13,7 @@ namespace straytrace {
 InputError errors_in(std::string const& file, std::vector<Problem>);
 
 bool is_binary(std::string_view bytes);
-Problem binary_problem(std::uint32_t file = 0);
+Problem binary_problem(std::string_view bytes, std::uint32_t file = 0);
 // Throws InputError for a binary file.
 void refuse_binary(std::string_view bytes, std::string const& file);
 // Throws InputError when the file cannot be read or is binary.
