@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "base/errors.hpp"
+#include "cli/options.hpp"
 #include "scene/expression.hpp"
 #include "session/build_info.hpp"
 #include "spectra/files/gps.hpp"
@@ -87,9 +88,11 @@ void add_welch_options(CLI::App& command, DataOptions& o) {
 }
 
 void add_output_options(CLI::App& command, DataOptions& o, char const* quiet) {
-  command
-      .add_option("-o,--out", o.out, "file to write, by its ending: .txt .csv .hdf5 .json .png .html; may be repeated")
-      ->allow_extra_args(false);
+  CLI::Option& out = *command
+                          .add_option("-o,--out", o.out,
+                                      "file to write, by its ending: .txt .csv .hdf5 .json .png .html; may be repeated")
+                          ->allow_extra_args(false);
+  mark_output(command, out);
   command.add_option("--format", o.format, "text or json")->check(CLI::IsMember({"text", "json"}));
   command.add_flag(quiet, o.quiet, "results only");
 }

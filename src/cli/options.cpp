@@ -6,9 +6,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <regex>
 
+#include "base/files/read_write.hpp"
 #include "base/input/table.hpp"
 #include "base/math/constants.hpp"
 #include "base/text/bounded_regex.hpp"
@@ -42,6 +44,45 @@ CLI::Validator whole_between(double low, double high, std::string const& example
 
 void add_format_option(CLI::App& command, PrintOptions& options) {
   command.add_option("--format", options.format, "text or json")->check(CLI::IsMember({"text", "json"}));
+}
+
+void refuse_overwriting(std::string const& output, std::string const& input) {
+  std::error_code none;
+  if (std::filesystem::equivalent(output, input, none))
+    throw InputError(fmt::format("the output '{}' is also another file of this command", output),
+                     "choose another name for the output: an input is not overwritten");
+}
+
+namespace {
+
+// A folder that another option names, which the command makes itself.
+bool is_folder_of(std::filesystem::path const& file, std::string const& value) {
+  return !file.parent_path().empty() &&
+         (file.parent_path() / "").lexically_normal() == (std::filesystem::path(value) / "").lexically_normal();
+}
+
+void check_output(CLI::App const& command, CLI::Option const& option, std::string const& file) {
+  bool made = false;
+  for (CLI::Option const* other : command.get_options()) {
+    if (other == &option) continue;
+    for (std::string const& value : other->results()) {
+      for (char const* mark : {"", "::", "@"})  // FILE, FILE::CHANNEL, FILE@A..B
+        refuse_overwriting(file, *mark ? value.substr(0, value.find(mark)) : value);
+      made = made || is_folder_of(file, value);
+    }
+  }
+  if (!made) check_writable(file);
+}
+
+}  // namespace
+
+void mark_output(CLI::App& command, CLI::Option& option) {
+  option.check(CLI::Validator(
+      [&command, &option](std::string const& file) -> std::string {
+        check_output(command, option, file);
+        return {};
+      },
+      ""));
 }
 
 void drop_slashes(std::string& folder) {

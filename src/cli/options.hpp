@@ -20,6 +20,11 @@ void add_param_option(CLI::App&, SceneOptions&);  // -p, --param
 void add_format_option(CLI::App&, PrintOptions&);
 void refuse_two_formats(bool csv, PrintOptions const&);  // InputError for --csv with --format json
 
+// Marks an option for a file that the command writes. A file that cannot be written, or that another option or argument
+// of the command names as its input, is refused before any work.
+void mark_output(CLI::App& command, CLI::Option& option);
+void refuse_overwriting(std::string const& output, std::string const& input);  // InputError where both are one file
+
 void drop_slashes(std::string& folder);  // at its end
 
 // "'x' is not a number from 0.1 to 1000; write for example 20". In place of CLI::Range, which accepts nan.

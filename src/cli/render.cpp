@@ -235,7 +235,7 @@ void steer_as_traced(World& world, std::optional<RunFile> const& run, std::vecto
 int render(RenderOptions const& w) {
   check_picture_name(w.out);
   std::optional<RunFile> file;
-  if (w.input.ends_with(".h5")) file = read_run(w.input);
+  if (names_run(w.input)) file = read_run(w.input);
   Scene const scene = file ? scene_of(*file, w.overrides) : read_scene(w.input, w.overrides);
   World world = build_world(scene);
   scene.throw_if_problems();
@@ -264,7 +264,7 @@ void add_render(CLI::App& app, int& exit_code) {
   RenderOptions& o = *options;
   auto* const command = app.add_subcommand("render", "Draw a scene by ray casting, to check its geometry.");
   add_scene_options(*command, o, "scene (YAML), or run file (HDF5)");
-  command->add_option("-o,--out", o.out, "picture to write (PNG)")->required();
+  mark_output(*command, *command->add_option("-o,--out", o.out, "picture to write (PNG)")->required());
   command->add_option("--mode", o.mode, "shaded, id, normal, depth or importance")
       ->check(CLI::IsMember({"shaded", "id", "normal", "depth", "importance"}));
   command->add_option("--eye", o.eye, "position of the camera, for example 0,20cm,-1.5m");

@@ -154,8 +154,10 @@ void add_trace(CLI::App& app, int& exit_code) {
       exit_code = print_history(wanted, *wanted.history);
       return;
     }
-    if (out->count() == 0 && !wanted.input.ends_with(".h5")) throw CLI::RequiredError("--out");
+    bool const resumes = names_run(wanted.input);
+    if (out->count() == 0 && !resumes) throw CLI::RequiredError("--out");
     if (out->count() == 0) wanted.out = wanted.input;
+    if (!resumes) refuse_overwriting(wanted.out, wanted.input);
     exit_code = wanted.backend == "mpi" ? trace_by_mpi(wanted) : trace_only(wanted, nullptr);
   });
 }

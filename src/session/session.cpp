@@ -160,15 +160,11 @@ FolderLock::~FolderLock() {
 
 std::optional<RunFile> earlier_run(std::string const& run_file, std::string const& model_hash, std::uint64_t seed,
                                    bool force) {
-  std::filesystem::path const folder = std::filesystem::path(run_file).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder))
-    throw InputError(fmt::format("there is no folder '{}' to write to", folder.string()),
-                     "create it first, or choose another one with -o");
   if (std::filesystem::is_directory(run_file))
     throw InputError(fmt::format("'{}' is a folder", run_file),
                      fmt::format("name a file with -o, for example -o {}",
                                  (std::filesystem::path(run_file) / "run.h5").lexically_normal().string()));
-  AtomicFile const can_be_written(run_file);  // or hours of tracing would be lost
+  check_writable(run_file);  // or hours of tracing would be lost
   if (force || !std::filesystem::exists(run_file)) return {};
   RunFile earlier;
   try {

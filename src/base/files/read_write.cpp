@@ -182,4 +182,12 @@ void AtomicFile::give_name() {
   }
 }
 
+void check_writable(std::string const& file) {
+  fs::path const folder = fs::path(file).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder))
+    throw InputError(fmt::format("there is no folder '{}' to write to", folder.string()),
+                     "create it first, or choose another one");
+  AtomicFile const probe(file);
+}
+
 }  // namespace straytrace

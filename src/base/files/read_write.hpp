@@ -44,4 +44,7 @@ class AtomicFile {
   int descriptor_ = -1;
 };
 
+// Throws InputError where no file of this name can be written, for a refusal before the work; leaves nothing behind.
+void check_writable(std::string const& file);
+
 }  // namespace straytrace

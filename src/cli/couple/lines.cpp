@@ -290,7 +290,8 @@ void add_couple_ramp(CLI::App& couple, int& exit_code) {
   command->add_option("--significance", o.significance, "threshold for a fringe, standard deviations")
       ->default_str("3")
       ->check(number_between(0.0, 37.0, "3"));
-  command->add_option("--save", o.save, "CSV of pemcoupling with the outcome as flag, for straytrace project");
+  mark_output(*command, *command->add_option("--save", o.save,
+                                             "CSV of pemcoupling with the outcome as flag, for straytrace project"));
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"

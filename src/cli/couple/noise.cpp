@@ -241,7 +241,7 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
   add_band_option(*command, o.data, "LOW..HIGH of the result: \"20 Hz..400 Hz\"");
   add_welch_options(*command, o.data);
   command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
-  command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project");
+  mark_output(*command, *command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project"));
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"

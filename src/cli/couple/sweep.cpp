@@ -94,7 +94,7 @@ void add_couple_sweep(CLI::App& couple, int& exit_code) {
       ->default_str("3")
       ->check(number_between(0.0, 37.0, "3"));
   command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
-  command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project");
+  mark_output(*command, *command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project"));
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"

@@ -121,7 +121,8 @@ void add_fit(CLI::App& app, int& exit_code) {
       ->add_option("--false-alarm", o.false_alarm,
                    "largest false-alarm probability of a significant fringe, in the search and in the rest")
       ->default_str(o.false_alarm);
-  command->add_option("--subtract", o.subtract, "file for the target minus the fitted noise (gwpy HDF5), in the band");
+  mark_output(*command, *command->add_option("--subtract", o.subtract,
+                                             "file for the target minus the fitted noise (gwpy HDF5), in the band"));
   add_fit_edge(*command, exit_code);
   command->footer(
       "Examples:\n"

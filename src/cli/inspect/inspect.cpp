@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
+#include "base/files/read_write.hpp"
 #include "base/files/text_file.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -37,7 +38,12 @@ struct InspectOptions : ScatterRequest {
 };
 
 bool is_list(std::string const& name) { return name.ends_with(".mtl"); }
-bool is_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
+// By its name, or by its key 'straytrace' where it has another one.
+bool is_scene(std::string const& name) {
+  if (name.ends_with(".yaml") || name.ends_with(".yml")) return true;
+  std::string const head = "\n" + head_of_file(name, 1 << 16);
+  return head.find("\nstraytrace:") != head.npos;
+}
 
 bool is_preset(std::string const& name) {
   for (MaterialPreset const& p : material_presets())
@@ -240,12 +246,13 @@ void add_inspect(CLI::App& app, int& exit_code) {
       ->required();
   command->add_option("scene", o.scene, "scene that contains the material");
   command->add_option("-p,--param", o.overrides, "set a parameter, for example -p rim=48cm")->allow_extra_args(false);
-  command->add_option(
-      "--plot", o.plot,
-      "draw the parts, BSDF against |beta - beta0| and TIS against angle, measured scatter with fits and residuals, or "
-      "the ASDs of motion, into this PNG file");
+  mark_output(*command, *command->add_option("--plot", o.plot,
+                                             "draw the parts, BSDF against |beta - beta0| and TIS against angle, "
+                                             "measured scatter with fits and residuals, or "
+                                             "the ASDs of motion, into this PNG file"));
   command->add_option("--units", o.units, "unit of the numbers of a CAD or mesh file, for example mm");
-  command->add_option("--write", o.write, "convert a file of measured scatter into this SSDD file");
+  mark_output(*command,
+              *command->add_option("--write", o.write, "convert a file of measured scatter into this SSDD file"));
   command->add_option("--beyond", o.beyond, "extrapolation of measured scatter: constant, power or zero")
       ->check(CLI::IsMember({"constant", "power", "zero"}));
   command->add_option("--angles", o.angles, "angles of a CSV that does not declare them: from_normal or from_specular")

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -48,6 +49,8 @@ int noise(NoiseOptions const& options) {
     earlier_run(options.out, file.about.model_hash, file.trace.coupling.seed, options.force);
   else if (!options.out.empty() && std::filesystem::is_directory(options.out))
     earlier_run(options.out + "/run.h5", file.about.model_hash, file.trace.coupling.seed, options.force);
+  std::optional<OutputFolder> folder;
+  if (!alone && !options.out.empty()) folder.emplace(options.out);
   std::string replaced = run.projected_with;
   if (!options.response.empty()) {
     replace_motion(model, options.response, nullptr, &files, true);
@@ -78,7 +81,6 @@ int noise(NoiseOptions const& options) {
     return done;
   }
   warn_of_own_folder(options);
-  OutputFolder const folder(options.out);
   std::string const undrawn = write_results(options.out, content, paths, model);
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
   return done;

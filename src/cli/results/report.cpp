@@ -11,6 +11,7 @@
 #include "cli/options.hpp"
 #include "report/exports.hpp"
 #include "report/scene_drawing.hpp"
+#include "results/curves/curve_file.hpp"
 #include "results/text/picture.hpp"
 #include "session/diagnostics.hpp"
 #include "session/open_run.hpp"
@@ -20,8 +21,6 @@
 
 namespace straytrace::cli {
 namespace {
-
-bool names_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
 SteeredWorld steered_as_traced(RunFile const& file, Model& model) {
   model.world.block_size = file.trace.coupling.block_size;
@@ -68,9 +67,8 @@ struct ReportOptions {
 
 int report(ReportOptions const& options) {
   ReportWanted wanted = options.wanted;
-  if (names_scene(options.input))
-    throw InputError(fmt::format("'{}' is a scene, but a report needs a run", options.input),
-                     fmt::format("trace it first: straytrace run {} -o out/", options.input));
+  refuse_scene(options.input);
+  if (!options.out.empty()) check_ending(options.out, {".html", ".pdf", ".png", ".svg"}, "-o");
   std::string message;
   if (is_picture(options.out)) {
     if (!draw_picture(options.input, options.out, message))
@@ -128,7 +126,9 @@ void write_view(ViewOptions const& options, Model const& model, SteeredWorld con
 }
 
 int view(ViewOptions const& options) {
-  if (names_scene(options.input)) {
+  if (!options.out.empty()) check_ending(options.out, {".html"}, "-o");
+  if (!options.glb.empty()) check_ending(options.glb, {".glb"}, "--glb");
+  if (!names_run(options.input)) {
     Model model = read_model(options.input, options.overrides);
     print_warnings(model, options);
     write_view(options, model, steer(model.world), nullptr, nullptr);
@@ -149,8 +149,10 @@ void add_report(CLI::App& app, int& exit_code) {
   auto* const command =
       app.add_subcommand("report", "Write an HTML report of a run in one file, for a logbook; it works offline.");
   command->add_option("run", o.input, "run file (HDF5)")->required();
-  command->add_option("-o,--out", o.out,
-                      "HTML file; default: report.html next to the run; .pdf, .png, .svg: only the picture of the run");
+  mark_output(*command,
+              *command->add_option(
+                  "-o,--out", o.out,
+                  "HTML file; default: report.html next to the run; .pdf, .png, .svg: only the picture of the run"));
   command->add_option("--paths", o.wanted.rows, "number of rows of the path table whose paths are drawn; default 50")
       ->check(whole_between(0, 1e5, "20"));
   command->add_option("--show", o.wanted.paths, "number of paths drawn per row; default 12")
@@ -179,9 +181,10 @@ void add_view(CLI::App& app, int& exit_code) {
       "view", "Show a scene in three dimensions with beams, ghosts and sample rays, and the paths of a run.");
   command->add_option("scene", o.input, "scene file (YAML), or run file (HDF5)")->required();
   command->add_option("-p,--param", o.overrides, "set a parameter, for example -p rim=48cm")->allow_extra_args(false);
-  command->add_option("-o,--out", o.out, "HTML file; default: view.html, or none with --vtk or --glb");
+  mark_output(*command,
+              *command->add_option("-o,--out", o.out, "HTML file; default: view.html, or none with --vtk or --glb"));
   command->add_option("--vtk", o.vtk, "folder for straytrace.vtm, for ParaView: parts, paths, names");
-  command->add_option("--glb", o.glb, "binary glTF file, for slides: parts and paths");
+  mark_output(*command, *command->add_option("--glb", o.glb, "binary glTF file, for slides: parts and paths"));
   command->add_option("--rays", o.wanted.rays, "number of sample histories; default 200")
       ->check(whole_between(0, 1e5, "500"));
   command

@@ -403,14 +403,16 @@ void add_project(CLI::App& app, int& exit_code) {
   command->add_option("--threads", o.threads, "default: all cores; does not change the result")
       ->check(whole_between(1, 1024, "4"));
   command->add_option("--backend", o.backend, "cpu, or cuda: fields are summed on a GPU; the same bits");
-  command->add_option("-o,--out", o.files.strain, "file of h(t), first realisation: .hdf5, .txt, .csv, .png, .html");
-  command->add_option("--asd", o.files.asd, "file of the spectrum of h: .txt .csv .hdf5 .json .png .html");
-  command->add_option("--spectrogram", o.files.spectrogram,
-                      "file of the spectrogram of h, first realisation: .png .html .txt .hdf5");
+  mark_output(*command, *command->add_option("-o,--out", o.files.strain,
+                                             "file of h(t), first realisation: .hdf5, .txt, .csv, .png, .html"));
+  mark_output(*command, *command->add_option("--asd", o.files.asd,
+                                             "file of the spectrum of h: .txt .csv .hdf5 .json .png .html"));
+  mark_output(*command, *command->add_option("--spectrogram", o.files.spectrogram,
+                                             "file of the spectrogram of h, first realisation: .png .html .txt .hdf5"));
   command->add_option("--stride", o.files.stride, "stride of the spectrogram; default: 0.5 s")
       ->check(is_quantity(dim::time, "--stride", "0.5 s"));
-  command->add_option("--save-motion", o.files.motion,
-                      "file of the motion of the bodies, first realisation: .hdf5 .txt .csv");
+  mark_output(*command, *command->add_option("--save-motion", o.files.motion,
+                                             "file of the motion of the bodies, first realisation: .hdf5 .txt .csv"));
   add_welch_options(*command, o.data);
   command->add_option("--format", o.data.format, "text or json")->check(CLI::IsMember({"text", "json"}));
   command->add_flag("--quiet", o.data.quiet, "results only");

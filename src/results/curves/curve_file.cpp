@@ -2,6 +2,7 @@
 #include "results/curves/curve_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -49,12 +50,15 @@ void write_all(std::vector<std::string> const& files, Sheet const& sheet) {
 
 }  // namespace
 
-void check_curve_ending(std::string const& file, std::string const& option) {
-  std::string const ending = fs::path(file).extension().string();
-  for (char const* known : {".txt", ".csv", ".json", ".hdf5", ".h5", ".png", ".html"})
-    if (ending == known) return;
+void check_ending(std::string const& file, std::vector<std::string> const& known, std::string const& option) {
+  if (std::ranges::find(known, fs::path(file).extension().string()) != known.end()) return;
   throw InputError(fmt::format("{}{}'{}' does not have a known ending", option, option.empty() ? "" : ": ", file),
-                   "end it with .txt, .csv, .json, .hdf5, .png or .html");
+                   fmt::format("end it with {}{}", fmt::join(known.begin(), known.end() - 1, ", "),
+                               known.size() > 1 ? " or " + known.back() : known.back()));
+}
+
+void check_curve_ending(std::string const& file, std::string const& option) {
+  if (!file.ends_with(".h5")) check_ending(file, {".txt", ".csv", ".json", ".hdf5", ".png", ".html"}, option);
 }
 
 std::string curve_json(CurveSheet const& sheet) { return curve_format::json(sheet); }

@@ -41,6 +41,8 @@ void write_map(std::vector<std::string> const& files, MapSheet const&);
 // Content of the .json files, for standard output.
 std::string curve_json(CurveSheet const&);
 std::string curve_json(MapSheet const&);
+// Before anything is computed: throws InputError when the file has none of the `known` endings. `option`: in front.
+void check_ending(std::string const& file, std::vector<std::string> const& known, std::string const& option);
 // Before anything is computed: throws InputError when write_curves has no format for the ending. `option`: in front.
 void check_curve_ending(std::string const& file, std::string const& option = "");
 
