@@ -68,6 +68,8 @@ int scan(ScanCommandOptions const& options) {
   ScanTable table{std::filesystem::path(options.input).filename().string(), "", list.axes, {}, all.size()};
   if (options.jobs > 1 && options.out.empty())
     throw InputError("--jobs needs a folder for the traces", "name one with -o");
+  Scanner scanner(options, options.requirement, options.out);
+  scanner.check(list);
   std::optional<OutputFolder> folder;
   std::optional<FolderLock> lock;
   if (!options.out.empty()) {
@@ -75,18 +77,12 @@ int scan(ScanCommandOptions const& options) {
     lock.emplace(options.out);
   }
   InterruptGuard const guard;
-  Scanner scanner(options, options.requirement, options.out);
   if (options.jobs > 1) scanner.made(trace_together(all, options, options.requirement, options.jobs, guard.stop()));
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    auto const& settings = all[i];
+  for (auto const& settings : all) {
     if (guard.stop()) break;
     if (!options.quiet)
       std::cerr << fmt::format("scan  {} of {}: {}\n", table.points.size() + 1, all.size(), fmt::join(settings, ", "));
-    try {
-      table.points.push_back(scanner.at(settings));
-    } catch (InputError const& e) {
-      throw in_points(e, list, i, options.overrides.size());
-    }
+    table.points.push_back(scanner.at(settings));
     table.line = scanner.line();
     save(table, options, guard.stop() || !table.points.back().complete || table.points.size() == all.size());
     if (!table.points.back().complete) break;
@@ -130,7 +126,7 @@ void add_scan(CLI::App& app, int& exit_code) {
   command->add_option("-o,--out", o.out,
                       "folder for scan.csv, scan.json, scan.txt, scan.png and the runs; finished points are not traced "
                       "again");
-  command->add_option("--csv", o.csv, "file for the table, all digits");
+  mark_output(*command, *command->add_option("--csv", o.csv, "file for the table, all digits"));
   command
       ->add_option("--points", o.points,
                    "CSV of points instead of values: a header such as 'rim [cm], baffles', a row for each point")

@@ -52,20 +52,24 @@ struct Traced {
   bool complete = true;
 };
 
-// Rejects invalid requests before tracing.
-void ask(Question const& question, Requirement const& requirement, ProjectionModel& model, ScanOptions const& options) {
-  apply(requirement, model);
-  print_warnings(model, options);
+void refuse_without_line(ProjectionModel const& model) {
   if (!model.detector)
     throw InputError("a requirement needs noise, but the scene has no 'interferometer'", "add one, with 'ports'");
   if (model.design.empty())
     throw InputError("there is no line to compare with", "name a design curve, for example --against adv-lal");
+}
+
+// Rejects invalid requests before tracing.
+void ask(Question const& question, Requirement const& requirement, ProjectionModel& model, ScanOptions const& options) {
+  apply(requirement, model);
+  print_warnings(model, options);
+  refuse_without_line(model);
   subject_of(question, model);
 }
 
 Traced traced(Question const& question, ScanOptions const& options, Requirement const& requirement) {
   Traced t;
-  if (options.input.ends_with(".h5")) {
+  if (names_run(options.input)) {
     t.run = std::make_unique<OpenRun>(options.input);
     t.model = std::move(t.run->model);
     ask(question, requirement, t.model, options);
@@ -155,11 +159,16 @@ class Search {
   Search(Scanner& scanner, ScanAxis const& axis, bool quiet, std::atomic<bool> const& stop)
       : scanner_(scanner), axis_(axis), quiet_(quiet), stop_(stop) {}
 
+  // Of the models at both ends, before any trace.
+  void check() const {
+    for (double const number : {axis_.numbers.front(), axis_.numbers.back()})
+      refuse_without_line(scanner_.model_at({axis_.name + "=" + value_of(number)}));
+  }
+
   // None when stopped.
   std::optional<Probe> at(double number) {
     if (stop_) return {};
-    std::string const value =
-        axis_.unit.empty() ? fmt::format("{:.12g}", number) : fmt::format("{:.12g} {}", number, axis_.unit);
+    std::string const value = value_of(number);
     if (!quiet_) std::cerr << fmt::format("scan  {} = {}\n", axis_.name, value);
     Probe p{number, scanner_.at({axis_.name + "=" + value})};
     if (!p.point.complete) return {};
@@ -169,6 +178,10 @@ class Search {
   }
 
  private:
+  std::string value_of(double number) const {
+    return axis_.unit.empty() ? fmt::format("{:.12g}", number) : fmt::format("{:.12g} {}", number, axis_.unit);
+  }
+
   Scanner& scanner_;
   ScanAxis const& axis_;
   bool quiet_;
@@ -257,11 +270,12 @@ int invert_parameter(ScanOptions const& options, Requirement const& requirement,
     throw InputError(fmt::format("--invert \"param({})\" needs one search range", name),
                      fmt::format("write {}=lo..hi", name));
   ScanAxis const& axis = axes.front();
-  std::optional<OutputFolder> folder;
-  if (!options.out.empty()) folder.emplace(options.out + "/runs");
   InterruptGuard const guard;
   Scanner scanner(options, requirement, options.out);
   Search search(scanner, axis, options.quiet, guard.stop());
+  search.check();
+  std::optional<OutputFolder> folder;
+  if (!options.out.empty()) folder.emplace(options.out + "/runs");
   std::optional<Probe> const low = search.at(axis.numbers.front()),
                              high = low ? search.at(axis.numbers.back()) : std::nullopt;
   if (!high) return stopped_early(options);  // one end has no result

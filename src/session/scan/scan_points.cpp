@@ -120,9 +120,7 @@ std::shared_ptr<CouplingTable const> Scanner::trace_of(Model& model, ScanPoint& 
   return coupling;
 }
 
-ScanPoint Scanner::at(std::vector<std::string> const& settings) {
-  ScanPoint point;
-  point.settings = settings;
+Model Scanner::model_at(std::vector<std::string> const& settings) const {
   std::vector<std::string> overrides = options_.overrides;
   overrides.insert(overrides.end(), settings.begin(), settings.end());
   Model model;
@@ -135,6 +133,41 @@ ScanPoint Scanner::at(std::vector<std::string> const& settings) {
   }
   if (!model.detector)
     throw InputError("a scan needs noise, but the scene has no 'interferometer'", "add one, and 'ports'");
+  return model;
+}
+
+namespace {
+
+// The same problems at one more point.
+InputError also_at(InputError const& e, std::vector<std::string> const& point) {
+  return {e.problems, fmt::format("{}; {}", e.what(), fmt::join(point, ", ")), e.files};
+}
+
+}  // namespace
+
+void Scanner::check(ScanList const& list) const {
+  constexpr std::size_t most_told = 20;
+  std::vector<InputError> errors;
+  std::map<std::string, std::size_t> known;  // the error with these problems
+  std::size_t bad = 0;
+  for (std::size_t i = 0; i < list.points.size() && bad < most_told; ++i) try {
+      model_at(list.points[i]);
+    } catch (InputError const& e) {
+      ++bad;
+      InputError const here = in_points(e, list, i, options_.overrides.size());
+      auto const [same, is_new] = known.emplace(problems_as_json(here), errors.size());
+      if (is_new)
+        errors.push_back(here);
+      else if (!here.files.empty())
+        errors[same->second] = also_at(errors[same->second], list.points[i]);
+    }
+  throw_all(errors);
+}
+
+ScanPoint Scanner::at(std::vector<std::string> const& settings) {
+  ScanPoint point;
+  point.settings = settings;
+  Model model = model_at(settings);
   if (model.warnings != told_) print_warnings(model, options_);
   told_ = model.warnings;
   point.model_hash = model.hash();

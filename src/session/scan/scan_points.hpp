@@ -50,7 +50,10 @@ class Scanner {
 
   // `folder`: where runs are kept, by hash; empty: nowhere.
   Scanner(ScanOptions options, Requirement requirement, std::string folder);
-  // Throws InputError for a model that cannot be read, with the settings of the point in front.
+  // Before any trace: throws one InputError with all problems and the points that have them, of up to 20 points.
+  void check(ScanList const&) const;
+  // Throws InputError for a model that cannot be read or has no noise, with the settings of the point at the end.
+  Model model_at(std::vector<std::string> const& settings) const;
   ScanPoint at(std::vector<std::string> const& settings);
   // Runs that this scan has made already, by name: they count as traced, not as stored.
   void made(std::set<std::string> runs) { made_ = std::move(runs); }

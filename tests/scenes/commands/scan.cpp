@@ -11,6 +11,7 @@ namespace straytrace::testing::app_scan {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Json = nlohmann::json;
 
 // The scene with few rings, motion as a parameter, and its own line: 10 / f^2 in units of 1e-30.
@@ -98,6 +99,40 @@ TEST_F(Scan, WrongWords) {
     EXPECT_EQ(r.code, 2) << w.says;
     EXPECT_THAT(r.err, HasSubstr(w.says));
   }
+}
+
+// All points are read before the first is traced, which would not end. Control: sound points are traced.
+TEST_F(Scan, BadPointsAreToldBeforeAnyTrace) {
+  Finished const bad =
+      straytrace({"scan", scene, "rings=20,-5,-7", "black=1e-4/sr,-2/sr", "--histories", "1e12", "-o", folder / "out"});
+  EXPECT_EQ(bad.code, 2);
+  EXPECT_THAT(bad.err, HasSubstr("at the point rings=20, black=-2/sr"));
+  EXPECT_THAT(bad.err, HasSubstr("at the point rings=-5, black=1e-4/sr; rings=-7, black=1e-4/sr"));
+  EXPECT_THAT(bad.err, Not(HasSubstr("scan  1 of")));
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  write_text(folder / "points.csv", "rings\n20\n21\nnan\n");
+  Finished const row = straytrace({"scan", scene, "--points", folder / "points.csv", "--histories", "1e12"});
+  EXPECT_EQ(row.code, 2);
+  EXPECT_THAT(row.err, HasSubstr("at the point rings=nan"));
+  EXPECT_THAT(row.err, Not(HasSubstr("scan  1 of")));
+  Finished const good = straytrace({"scan", scene, "rings=20,21", "--histories", "4096"});
+  EXPECT_EQ(good.code, 0) << good.err;
+  EXPECT_THAT(good.err, HasSubstr("scan  1 of 2"));
+}
+
+// Without a design curve nothing is traced, which would not end. Control: with one, the search begins.
+TEST_F(Scan, InvertNeedsALineBeforeAnyTrace) {
+  Words words{"scan", et_hf, "--invert", "param(rings)", "rings=20..40"};
+  auto const with = [&](Words const& more) {
+    Words all = words;
+    all.insert(all.end(), more.begin(), more.end());
+    return straytrace(all);
+  };
+  Finished const bare = with({"--histories", "1e12"});
+  EXPECT_EQ(bare.code, 2);
+  EXPECT_THAT(bare.err, HasSubstr("there is no line to compare with\n  name a design curve, for example --against"));
+  EXPECT_THAT(bare.err, Not(HasSubstr("scan  rings")));
+  EXPECT_THAT(with({"--histories", "4096", "--against", "et-d"}).err, HasSubstr("scan  rings = 20"));
 }
 
 // The line at a factor of what the total is at its worst frequency.
