@@ -177,14 +177,30 @@ Complaint unknown_choice(std::string const& option, std::string const& word, std
                       fmt::join(known, ", "))};
 }
 
+// Of a value that a check of the option parser refuses; empty for other messages.
+std::optional<Complaint> unsuitable_value(std::string const& text) {
+  static std::regex const no_file(R"((.+): File does not exist: (.*))"),
+      folder(R"((.+): File is actually a directory: (.*))");
+  std::smatch m;
+  if (bounded_regex_match(text, m, no_file))
+    return Complaint{fmt::format("{}: there is no file '{}'", m[1].str(), m[2].str()), "check the name and the folder"};
+  if (bounded_regex_match(text, m, folder))
+    return Complaint{fmt::format("{}: '{}' is a folder", m[1].str(), m[2].str()), "name a file"};
+  return {};
+}
+
 // Messages of the option parser in our wording; empty for others.
 std::optional<Complaint> rewritten(std::string const& text, std::string const& named) {
+  if (auto const value = unsuitable_value(text)) return value;
   static std::regex const twice(R"((.+): At Most (\d+) required but received (\d+))"),
       value(R"((.+): \d+ required .*missing)"), choice(R"((.+): (.*) not in \{(.*)\})"), missing(R"((.+) is required)"),
-      number(R"(Could not convert: (.+) = (.*))");
+      number(R"(Could not convert: (.+) = (.*))"), few(R"((.+): At least (\d+) required but received (\d+))");
   std::smatch m;
   if (bounded_regex_match(text, m, twice))
     return Complaint{fmt::format("{} appears {} times", m[1].str(), m[3].str()), "give it once"};
+  if (bounded_regex_match(text, m, few))
+    return Complaint{fmt::format("'{}' needs {} values, but received {}", m[1].str(), m[2].str(), m[3].str()),
+                     "write all of them"};
   if (bounded_regex_match(text, m, value)) return Complaint{m[1].str() + " needs a value", "write it after the option"};
   if (bounded_regex_match(text, m, choice)) return unknown_choice(m[1], m[2], m[3]);
   if (bounded_regex_match(text, m, number))
@@ -207,7 +223,11 @@ InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::Parse
     auto const ours = rewritten(e.what(), named);
     return ours ? InputError(ours->what, ours->remedy + "; " + help) : InputError(e.what(), help);
   }
-  std::string const near = nearest_word(name, words_of(command));
+  auto const known = words_of(command);
+  if (std::ranges::find(known, name) != known.end())
+    return InputError(fmt::format("'{}' is written before its command", name),
+                      fmt::format("write straytrace {}... {}; {}", named, name, help));
+  std::string const near = nearest_word(name, known);
   std::string const what = name.starts_with('-') ? "an option" : takes_commands ? "a command" : "expected";
   return InputError(fmt::format("'{}' is not {} here", name, what),
                     near.empty() ? help : fmt::format("did you mean '{}'? {}", near, help));
