@@ -106,6 +106,7 @@ std::vector<double> by_list(Node const& repeat) {
     repeat["at"].problem("'at' needs between 1 and 1000000 positions", "write for example 'at: [50 m, 75 m, 120 m]'");
     return {};
   }
+  if (refuse_decimal_commas(positions, dim::length, false)) return {};
   std::vector<double> offsets;
   for (Node const& p : positions) offsets.push_back(p.as_number(dim::length));
   bool const bad = std::ranges::any_of(offsets, [](double z) { return std::isnan(z); });

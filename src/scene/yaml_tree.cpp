@@ -205,6 +205,8 @@ class TreeBuilder : public YAML::EventHandler {
     if (top.node->kind == Node::Kind::table) {
       if (follows_decimal_comma(top))
         refuse_decimal_comma(top);
+      else if (continues_list(top))
+        refuse_open_list(top);
       else if (!top.discard)
         guess(top.key_place, fmt::format("'{}' has no value", shortened(top.key)), "write a value, or remove the key",
               top.key_width);
@@ -255,6 +257,8 @@ class TreeBuilder : public YAML::EventHandler {
     std::string key{};
     Place key_place{};
     std::uint32_t key_width = 1;
+    std::size_t open_list = 0, open_list_guess = 0;  // entries when a list without brackets began, and its problem
+    std::string open_list_text{};
   };
 
   void problem(Place where, std::string what, std::string suggestion, std::uint32_t width = 1) {
@@ -373,6 +377,36 @@ class TreeBuilder : public YAML::EventHandler {
     problem(before.place, fmt::format("'{}' has a decimal comma", shortened(before.text + "," + top.key)),
             fmt::format("write '{}'", shortened(before.text + "." + top.key)), before.width + 1 + top.key_width);
     before.kind = Node::Kind::none;
+    top.discard = true;
+  }
+
+  static bool begins_number(std::string_view text) {
+    if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+    return text.find_first_of("0123456789") == 0;
+  }
+
+  // "{at: 0 m, 0 m, 1 m}" is a table with the keys 'at', '0 m' and '1 m'.
+  static bool continues_list(Frame const& top) {
+    if (top.node->entries.empty() || !begins_number(top.key)) return false;
+    NodeData const& before = *top.node->entries.back().value;
+    bool const first = before.kind == Node::Kind::scalar && begins_number(before.text);
+    return (first || top.open_list == top.node->entries.size()) && before.place.line == top.key_place.line;
+  }
+
+  void refuse_open_list(Frame& top) {
+    NodeData& before = *top.node->entries.back().value;
+    if (top.open_list != top.node->entries.size()) {
+      top.open_list = top.node->entries.size();
+      top.open_list_guess = guesses_.size();
+      top.open_list_text = before.text;
+      guess(before.place, fmt::format("'{}' is a list without brackets", shortened(before.label)), "", before.width);
+      before.kind = Node::Kind::none;
+    }
+    Problem& p = guesses_[top.open_list_guess];
+    bool const adjacent = p.place.column + p.width + 1 == top.key_place.column;
+    top.open_list_text += (adjacent ? "," : ", ") + top.key;
+    p.suggestion = fmt::format("write a list: [{}]", shortened(top.open_list_text));
+    p.width = top.key_place.column + top.key_width - p.place.column;
     top.discard = true;
   }
 

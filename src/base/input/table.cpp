@@ -429,15 +429,38 @@ Quantity Node::as_quantity() const {
   return value ? value->quantity : Quantity{not_a_number, {}, {}};
 }
 
+bool refuse_decimal_commas(std::span<Node const> elements, Dimension d, bool zero_is_value) {
+  bool any = false;
+  for (std::size_t i = 1; d != dim::plain && i < elements.size(); ++i) {
+    Node const &whole = elements[i - 1], &rest = elements[i];
+    std::string const &digits = whole.text(), &tail = rest.text();
+    bool const bare = !digits.empty() && digits.find_first_not_of("0123456789", digits[0] == '-') == digits.npos;
+    bool const with_unit_after = tail.find_first_of("0123456789") == 0 && !is_number(tail);
+    if (!bare || !with_unit_after || rest.place().line != whole.place().line) continue;
+    if (rest.place().column != whole.place().column + whole.data()->width + 1) continue;
+    if (zero_is_value && digits.find_first_not_of("-0") == digits.npos) continue;
+    whole.document()->add({whole.place(), fmt::format("'{},{}' has a decimal comma", digits, shortened(tail)),
+                           fmt::format("write '{}.{}'; two values are '{}, {}'", digits, shortened(tail),
+                                       with_unit(digits, d), shortened(tail)),
+                           Severity::error, whole.data()->width + 1 + rest.data()->width});
+    any = true;
+  }
+  return any;
+}
+
 std::vector<double> Node::as_numbers(Dimension d, std::size_t expected) const {
   std::vector<Node> const elements = as_list();
   if (data_) data_->read = {.form = KeyRequest::Form::numbers, .dimension = d, .count = expected};
-  if (elements.size() != expected && kind() != Kind::none) {
+  bool const fits = elements.size() == expected;
+  std::vector<double> out(expected, not_a_number);
+  if (refuse_decimal_commas(elements, d, fits)) return out;
+  if (!fits && kind() == Kind::scalar && text().find(',') != std::string::npos)
+    problem(fmt::format("'{}' is a list without brackets", data_->label),
+            fmt::format("write a list: [{}]", shortened(text())));
+  else if (!fits && kind() != Kind::none)
     problem(fmt::format("'{}' needs {} values, got {}", data_->label, expected, elements.size()),
             fmt::format("write a list of {}, each like '{}'", expected, example(d, -infinity, infinity)));
-  }
-  std::vector<double> out(expected, not_a_number);
-  if (elements.size() == expected)
+  if (fits)
     for (std::size_t i = 0; i < expected; ++i) out[i] = elements[i].as_number(d);
   return out;
 }

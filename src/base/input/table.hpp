@@ -122,6 +122,10 @@ void read_keys(Node const& table, std::span<Key<T> const> keys, T& into) {
   for (Key<T> const& k : keys) into.*(k.member) = table.number(k.name, k.dimension, k.fallback, k.low, k.high);
 }
 
+// Reports elements of a list such as "1" and "5 m" without a space between them: the decimal comma of "1,5 m". Zero
+// needs no unit, so "[0,5 m]" is in doubt unless `zero_is_value`.
+bool refuse_decimal_commas(std::span<Node const> elements, Dimension, bool zero_is_value);
+
 // How well an input is known, `uncertainty: 30 %` or `uncertainty: factor 1.5`: one standard deviation of the logarithm
 // as a factor of at least 1. 1.3 for 30 % means a value between 1/1.3 and 1.3 times the stated one. Returns `fallback`
 // for a missing or wrong value. A share is at most 100 %, so that 30 without the sign is not read as a factor of 31.

@@ -197,6 +197,8 @@ TEST(Instances, Errors) {
        "unknown key 'to' in this form of 'repeat'"},
       {"{name: a, use: panel, repeat: {cuont: 2, along: z, from: 0, to: 1 m}}", "did you mean 'count'?"},
       {"{name: a, use: panel, repeat: {at: [], along: z}}", "'at' needs between 1 and"},
+      {"{name: a, use: panel, repeat: {at: [1 m, 1,5 m], along: z}}", "'1,5 m' has a decimal comma"},
+      {"{name: a, use: panel, repeat: {at: [0,5 m], along: z}}", "write '0.5 m'; two values are '0 m, 5 m'"},
       {"{name: a, use: panel, repeat: {table: no.csv}}", "cannot read file 'no.csv'"},
       {"just text", "an entry of 'scene' is a table of keys"},
   };

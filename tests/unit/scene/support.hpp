@@ -36,6 +36,16 @@ inline std::string errors_of(std::string const& body, std::vector<std::string> c
   return errors_of(FileTexts{{"arm.yaml", "straytrace: 1\n" + body}}, overrides);
 }
 
+// The same after a reader has read the scene.
+inline std::string said_by(Scene const& scene) {
+  try {
+    scene.throw_if_problems();
+  } catch (InputError const& e) {
+    return e.what();
+  }
+  return {};
+}
+
 // The value of `x` as a parameter, read with a dimension; NaN and errors in `said` when rejected.
 inline double value_of(std::string const& expression, Dimension d, std::string const& params = "",
                        std::string* said = nullptr) {

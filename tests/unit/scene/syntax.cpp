@@ -45,6 +45,8 @@ TEST(Syntax, InvalidTextsNextToAcceptedOnes) {
       {"trace: {a: nil}\n", "trace: {a: null}\n", "2:9", "'a' has no value"},
       {"trace: {a: nil}\n", "trace: {a: ~}\n", "2:9", "'a' has no value"},
       {"trace: {a: 3.2 mm}\n", "trace: {a: 3,2 mm}\n", "2:12", "'3,2 mm' has a decimal comma"},
+      {"trace: {a: [0 m, 0 m, 1 m], b: 2}\n", "trace: {a: 0 m, 0 m, 1 m, b: 2}\n", "2:12",
+       "'a' is a list without brackets"},
       {"trace: {a: [b]}\n", "trace: {a: [b, ~]}\n", "2:16", "an empty element in a list"},
       {"title: \xc3\xa4\n", "title: \xc3\n", "2:8", "this is not UTF-8 text"},
       {"title: \xc3\xa4\n", "title: \xc0\x80\n", "2:8", "this is not UTF-8 text"},
@@ -83,6 +85,36 @@ TEST(Syntax, HeadOfTheFile) {
             "1 error. Nothing was run.\n");
   EXPECT_THAT(said("- a\n"), HasSubstr("a model file is a table of keys"));
   EXPECT_THAT(said("%YAML 1.2\n---\nstraytrace: 1\n"), HasSubstr("1:1: error: YAML directives are not part"));
+}
+
+// One message for the whole list; a key of numbers elsewhere, and one with a value, is none of it.
+TEST(Syntax, ListsWithoutBrackets) {
+  std::string const said = errors_of("trace: {a: 0 m, 0 m, -1 m, b: 2}\n");
+  EXPECT_THAT(said, ::testing::AllOf(HasSubstr("write a list: [0 m, 0 m, -1 m]"), HasSubstr("\n1 error.")));
+  EXPECT_THAT(said, HasSubstr(" ^^^^^^^^^^^^^^ write"));  // all of it
+  EXPECT_THAT(errors_of("trace: {a: 1, 5 m: 2}\n"), ::testing::Not(HasSubstr("brackets")));
+  EXPECT_THAT(errors_of("trace: {a: word, 5 m}\n"), HasSubstr("'5 m' has no value"));
+  Scene const scene = scene_of("trace:\n  at: 0 m, 0 m, 1 m\n");
+  scene.table("trace")["at"].as_numbers(dim::length, 3);
+  EXPECT_THAT(said_by(scene), ::testing::AllOf(HasSubstr("3:7: error: 'at' is a list without brackets"),
+                                               HasSubstr("write a list: [0 m, 0 m, 1 m]"), HasSubstr("\n1 error.")));
+}
+
+// "1,5 m" in a list is two elements. Of compact lists only those are refused that have another length with it.
+TEST(Syntax, DecimalCommasInLists) {
+  auto const said = [](std::string const& list) {
+    Scene const scene = scene_of("trace: {at: " + list + "}\n");
+    scene.table("trace")["at"].as_numbers(dim::length, 3);
+    return said_by(scene);
+  };
+  EXPECT_THAT(said("[0 m, 1,5 m, 1 m]"), ::testing::AllOf(HasSubstr("2:19: error: '1,5 m' has a decimal comma"),
+                                                          HasSubstr("write '1.5 m'"), HasSubstr("\n1 error.")));
+  EXPECT_THAT(said("[0 m, -0,5 m, 1 m]"), HasSubstr("'-0,5 m' has a decimal comma"));
+  EXPECT_THAT(said("[1,5 m, 1 m]"), HasSubstr("'1,5 m' has a decimal comma"));
+  EXPECT_EQ(said("[0,0,5 m]"), "");
+  EXPECT_EQ(said("[0 m,1 m,5 m]"), "");
+  EXPECT_THAT(said("[0 m, 1, 5 m]"), HasSubstr("got \"1\" without a unit"));
+  EXPECT_THAT(said("[0 m, 1 m]"), HasSubstr("'at' needs 3 values, got 2"));
 }
 
 TEST(Syntax, ColumnsCountCodePoints) {
