@@ -27,6 +27,8 @@ struct Repeat {
   std::vector<double> offsets{0};  // m along the axis, one per instance; empty when the input is wrong
   std::vector<RepeatColumn> columns{};
   std::vector<std::vector<Value>> rows{};  // one value per column, one row per instance
+  std::vector<std::uint32_t> lines{};      // of the rows, in this table
+  std::string table{};
 };
 
 constexpr std::size_t most_instances = 1000000;
@@ -124,6 +126,7 @@ class OffsetTable {
       if (name_) name_.problem("'table' takes the name of a file", "write 'table: baffles.csv'");
       return repeat_;
     }
+    repeat_.table = name_.text();
     CsvTable const table = read_csv_table(name_, name_.text(), Comments::whole_lines, "z [m], aperture [cm]");
     for (CsvTable::Column const& column : table.columns)
       if (!add_column(column)) return repeat_;
@@ -170,6 +173,7 @@ class OffsetTable {
       else
         values.push_back({{row.values[i], columns[i].unit.dimension, {}}, false});
     repeat_.rows.push_back(std::move(values));
+    repeat_.lines.push_back(row.line());
   }
 
   Node name_;
@@ -260,8 +264,9 @@ class Expander {
         continue;
       }
       if (!repeat.columns.empty()) {
+        std::string const from = fmt::format("line {} of {}", repeat.lines[i], repeat.table);
         for (std::size_t c = 0; c < repeat.columns.size(); ++c)
-          given[repeat.columns[c].name] = {repeat.rows[i][c], nullptr};
+          given[repeat.columns[c].name] = {repeat.rows[i][c], nullptr, from};
         scope = part_scope(part, given);
         sizes = within_limits(entry, instance, part, scope);
       }
@@ -338,7 +343,7 @@ class Expander {
         v = said_by_word(value, part["words"][p.key], entry.document());
       else if (value)
         value.problem(fmt::format("parameter '{}' must be one quantity", p.key), "write a number with a unit");
-      given[p.key] = {v, value.data().get()};
+      given[p.key] = {v, value.data().get(), fmt::format("line {}", value.place().line)};
     }
     return given;
   }

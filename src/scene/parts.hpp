@@ -79,6 +79,9 @@ class InPart : public Document {
     ProblemRedirect const now(whole_, blame_);
     return whole_.evaluate(node, scope);
   }
+  std::optional<std::string> origin(std::string_view expression, Scope const* scope) const override {
+    return whole_.origin(expression, scope);
+  }
   std::string data_file(Node const& from, std::string const& name) override { return whole_.data_file(from, name); }
   std::optional<std::string> optional_file(Node const& from, std::string const& name) override {
     return whole_.optional_file(from, name);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <set>
 
 #include "base/files/embedded.hpp"
 #include "base/files/read_write.hpp"
@@ -132,6 +133,18 @@ std::optional<Value> SceneDocument::evaluate(NodeData const& node, ParameterLook
     add(std::move(problem));
     return {};
   }
+}
+
+std::optional<std::string> SceneDocument::origin(std::string_view expression, Scope const* scope) const {
+  std::optional<std::string> found;
+  std::set<std::string_view> hidden;  // by those of the same name further inside
+  for (; scope; scope = scope->outer.get())
+    for (auto const& [name, value] : scope->own) {
+      if (!contains_word(expression, name) || !hidden.insert(name).second) continue;
+      if (auto const hit = scope->origins.find(name); hit != scope->origins.end()) return hit->second;
+      found = "";
+    }
+  return found;
 }
 
 std::uint32_t SceneDocument::add_source(std::string name, std::string text, bool stored) {

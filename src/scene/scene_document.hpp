@@ -43,6 +43,7 @@ class SceneDocument : public Document {
   std::size_t errors() const override { return errors_; }
   std::optional<Value> evaluate(NodeData const&, Scope const*) override;
   std::optional<Value> evaluate(NodeData const&, ParameterLookup const&);
+  std::optional<std::string> origin(std::string_view expression, Scope const*) const override;
   std::string data_file(Node const& from, std::string const& name) override;
   std::optional<std::string> optional_file(Node const& from, std::string const& name) override;
   std::optional<std::string> derived_file(Node const& from, std::string const& name,

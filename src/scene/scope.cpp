@@ -23,7 +23,10 @@ class ScopeBuilder {
   }
 
   // Values that are written as text and may refer to the parameters of this scope.
-  void replace(std::string const& name, NodeData const* node) { replaced_[name] = node; }
+  void replace(std::string const& name, NodeData const* node) {
+    replaced_[name] = node;
+    scope_->origins[name] = fmt::format("-p {}={}", name, shortened(node->text));
+  }
 
   std::shared_ptr<Scope const> build() {
     if (params_)
@@ -59,8 +62,10 @@ class ScopeBuilder {
     if (auto const hit = replaced_.find(e.key); hit != replaced_.end())
       value = agreeing(value, written(*hit->second), hit->second);
     if (given_)
-      if (auto const hit = given_->find(e.key); hit != given_->end())
+      if (auto const hit = given_->find(e.key); hit != given_->end()) {
         value = agreeing(value, hit->second.value, hit->second.node);
+        scope_->origins[e.key] = hit->second.from;
+      }
     chain_.pop_back();
     return scope_->own.emplace(e.key, value).first->second;
   }

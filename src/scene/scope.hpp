@@ -18,6 +18,7 @@ class SceneDocument;
 struct Scope {
   std::shared_ptr<Scope const> outer;
   std::map<std::string, std::optional<Value>, std::less<>> own;  // no value: its problem is recorded
+  std::map<std::string, std::string, std::less<>> origins{};     // where values from outside are set, for messages
 };
 
 ParameterLookup::Found find_parameter(Scope const*, std::string_view name);
@@ -27,6 +28,7 @@ std::vector<std::string> parameter_names(Scope const*);
 struct GivenParameter {
   std::optional<Value> value;      // evaluated where it is written
   NodeData const* node = nullptr;  // where it is written, for messages; null when the dimension is checked already
+  std::string from = {};           // "line 3 of rows.csv"
 };
 using GivenParameters = std::map<std::string, GivenParameter, std::less<>>;
 

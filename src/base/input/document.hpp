@@ -99,6 +99,9 @@ class Document {
   bool healthy() const { return errors() == 0; }
   // Value of a scalar with the parameters of a scope; records a problem when it has none.
   virtual std::optional<Value> evaluate(NodeData const&, scene::Scope const*) = 0;
+  // Where the parameters in an expression are set, "line 3 of rows.csv": empty where that is not known, nothing without
+  // parameters.
+  virtual std::optional<std::string> origin(std::string_view expression, scene::Scope const*) const = 0;
   virtual std::string data_file(Node const& from, std::string const& name) = 0;
   // The same for an optional file: empty and no problem when it is missing.
   virtual std::optional<std::string> optional_file(Node const& from, std::string const& name) = 0;

@@ -362,8 +362,11 @@ bool Node::within(double si, Dimension d, double low, double high) const {
   std::string const range = !std::isfinite(high)  ? fmt::format("at least {}", bound(low, d))
                             : !std::isfinite(low) ? fmt::format("at most {}", bound(high, d))
                                                   : fmt::format("between {} and {}", bound(low, d), bound(high, d));
+  std::string is;
+  if (auto const from = document_->origin(text(), scope_.get()))
+    is = fmt::format("it is {}{}: ", bound(si, d), from->empty() ? "" : fmt::format(" ({})", *from));
   problem(fmt::format("'{}' must be {}, got \"{}\"", data_->label, range, shortened(text())),
-          fmt::format("write a value {}", range));
+          is + fmt::format("write a value {}", range));
   return false;
 }
 

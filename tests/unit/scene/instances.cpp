@@ -167,6 +167,23 @@ TEST(Instances, RepeatFromATable) {
   for (Case const& c : cases) EXPECT_THAT(errors_of(read(c.csv)), HasSubstr(c.what)) << c.csv;
 }
 
+// A value out of range is printed with the row or the line that sets it.
+TEST(Instances, ValuesOutOfRangeNameTheirOrigin) {
+  auto const said = [](std::string const& entry, std::vector<std::string> const& overrides, std::size_t instance) {
+    FileTexts const texts{{"arm.yaml", "straytrace: 1\n" + baffle + "  - {name: b, use: panel, " + entry + "}\n"},
+                          {"b.csv", "z [m], r [cm]\n1, 5\n2, -5\n"}};
+    Scene const s = scene_of(texts, overrides);
+    Node const disk = s.instances().at(instance).node.table("shape").table("disk");
+    disk.number("outer_radius", dim::length, required, 0, 1);
+    return said_by(s);
+  };
+  std::string const table = "repeat: {table: b.csv}", range = "write a value between 0 and 1 m";
+  EXPECT_EQ(said(table, {}, 0), "");
+  EXPECT_THAT(said(table, {}, 1), HasSubstr("^ it is -0.05 m (line 3 of b.csv): " + range));
+  EXPECT_THAT(said("r: -3 cm", {}, 0), HasSubstr("^ it is -0.03 m (line 11): " + range));
+  EXPECT_THAT(said("r: L", {"L=-3km"}, 0), HasSubstr("^ it is -3000 m (line 11): " + range));
+}
+
 TEST(Instances, Errors) {
   struct Case {
     char const *entry, *what;

@@ -139,6 +139,17 @@ TEST(Messages, RangesChoicesAndKinds) {
   }
 }
 
+TEST(Messages, ValuesFromTheCommandLineAreNamed) {
+  auto const said = [](std::string const& value) {
+    Scene const scene = scene_of("params: {L: 3 km}\ntrace: {x: " + value + "}\n", {"L=-3km"});
+    scene.table("trace").number("x", dim::length, required, 0, 1e6);
+    return said_by(scene);
+  };
+  EXPECT_THAT(said("2*L"), HasSubstr("^ it is -6000 m (-p L=-3km): write a value between 0 and 1e+06 m"));
+  EXPECT_THAT(said("-3 km"), HasSubstr("^ write a value between 0 and 1e+06 m"));  // a literal is printed already
+  EXPECT_EQ(said("-L"), "");
+}
+
 TEST(Messages, RepeatedWarningsStayQuiet) {
   Scene const scene = scene_of("trace: {a: , b: 5}\n");
   scene.table("trace").number("a", dim::length);
