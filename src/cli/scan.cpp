@@ -63,6 +63,7 @@ ScanList points_of(ScanCommandOptions const& order) {
 }
 
 int scan(ScanCommandOptions const& options) {
+  if (!options.out.empty()) refuse_overwriting(options.out + "/scan.csv", options.points);
   ScanList const list = points_of(options);
   auto const& all = list.points;
   ScanTable table{std::filesystem::path(options.input).filename().string(), "", list.axes, {}, all.size()};

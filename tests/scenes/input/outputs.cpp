@@ -35,6 +35,7 @@ class Outputs : public ::testing::Test {
 TEST_F(Outputs, AreNoInputs) {
   fs::create_symlink(run, folder / "link.html");
   fs::create_symlink(scene, folder / "link.glb");
+  fs::copy_file(points, folder / "scan.csv");
   struct {
     Words words;
     std::string input;
@@ -47,6 +48,7 @@ TEST_F(Outputs, AreNoInputs) {
       {{"inspect", scatter, "--plot", scatter}, scatter},
       {{"inspect", scatter, "--write", scatter}, scatter},
       {{"scan", scene, "--points", points, "--csv", points}, points},
+      {{"scan", scene, "--points", folder / "scan.csv", "-o", folder.path()}, folder / "scan.csv"},
       {{"signal", "psd", record + "::any", "-o", record}, record},
       {{"signal", "convert", record, "-o", record}, record},
       {{"fringes", run, "--channel", record + "::any", "-o", record}, record},
