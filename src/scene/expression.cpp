@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <span>
+#include <string>
 
 namespace straytrace::scene {
 namespace {
@@ -419,10 +420,26 @@ class Parser {
   int depth_ = 0;
 };
 
+// With spaces in place of the no-break spaces that typeset text has before a unit; every byte keeps its place.
+std::string with_plain_spaces(std::string_view text) {
+  std::string out(text);
+  for (std::string_view const space : {"\xc2\xa0", "\xe2\x80\xaf"})
+    for (std::size_t at = out.find(space); at != out.npos; at = out.find(space, at))
+      out.replace(at, space.size(), space.size(), ' ');
+  return out;
+}
+
+constexpr std::string_view typeset_minus = "\xe2\x88\x92";
+
 }  // namespace
 
-std::optional<Value> evaluate_expression(std::string_view text, ParameterLookup const& lookup) {
+std::optional<Value> evaluate_expression(std::string_view written, ParameterLookup const& lookup) {
+  std::string const spaced = with_plain_spaces(written);
+  std::string_view text = spaced;
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  if (std::size_t const at = text.find(typeset_minus); at != text.npos)
+    refuse(fmt::format("'{}' (U+2212) is not the minus sign of the keyboard", typeset_minus), "write an ASCII '-'", at,
+           at + typeset_minus.size());
   try {
     return Parser(text, lookup).whole();
   } catch (BrokenParameter const&) {

@@ -39,6 +39,24 @@ TEST(Expression, QuantitiesAsWritten) {
   EXPECT_GT(deviation("3 um", dim::length, 3e-3), close);
 }
 
+// As copied from typeset text. The place of a later mistake counts code points.
+TEST(Expression, TypesetCharacters) {
+  EXPECT_DOUBLE_EQ(value_of("5\xc2\xa0km", dim::length), 5000);
+  EXPECT_DOUBLE_EQ(value_of("2*(5\xe2\x80\xafkm\xc2\xa0- 1 km)\xc2\xa0", dim::length), 8000);
+  EXPECT_NEAR(value_of("-10\xc2\xa0"
+                       "dB",
+                       dim::plain),
+              0.1, 1e-12);
+  EXPECT_THAT(error_text_of("5\xc2\xa0kn", dim::length),
+              ::testing::AllOf(HasSubstr("3:14:"), HasSubstr("'kn' is not a unit")));
+  EXPECT_THAT(error_text_of("1 m + \xe2\x88\x92"
+                            "3 m",
+                            dim::length),
+              ::testing::AllOf(HasSubstr("(U+2212)"), HasSubstr("3:18:"), HasSubstr("^ write an ASCII '-'"),
+                               HasSubstr("\n1 error.")));
+  EXPECT_DOUBLE_EQ(value_of("1 m + -3 m", dim::length), -2);  // control
+}
+
 TEST(Expression, OnlyZeroMayBeBare) {
   for (Dimension const d : {dim::length, dim::angle, dim::brdf, dim::plain}) {
     EXPECT_EQ(value_of("0", d), 0);
