@@ -87,22 +87,41 @@ std::optional<Explanation> explain_key(std::string const& what) {
   return a;
 }
 
-// A column of the path table, "coupling".
+// Whether an output names the column so, with or without the unit: "C_rev", "share/%", "sensitivity", "coupling_hint".
+bool is_named(TableColumn<RouteRow> const& c, std::string const& what) {
+  using Column = TableColumn<RouteRow>;
+  if (what == c.key || what == c.title) return true;
+  auto const outputs = {&Column::text, &Column::csv, &Column::json, &Column::page};
+  return std::any_of(outputs.begin(), outputs.end(), [&](InOutput Column::*output) {
+    std::string const& name = c.name_in(output);
+    return (c.*output).place > 0 && (what == name || what == name.substr(0, name.find('/')));
+  });
+}
+
+// A column of the path table, "coupling", or its error, "coupling_sigma".
 std::optional<Explanation> explain_column(std::string const& what) {
-  PathTable table;  // one empty row has all columns
+  PathTable table;
   table.has_noise = true;
-  table.rows.emplace_back();
-  RouteColumns const columns(table, nullptr);
-  auto const& all = columns.all();
-  auto const hit =
-      std::find_if(all.begin(), all.end(), [&](RouteColumn const& c) { return c.key == what || c.title == what; });
+  table.frequencies = TableSettings{}.frequencies;
+  table.rows.emplace_back().kind = ClassKind::ghost;  // with the column of kinds
+  auto const all = route_columns(table);
+  bool error = false;
+  auto const hit = std::find_if(all.begin(), all.end(), [&](TableColumn<RouteRow> const& c) {
+    error = c.kind == ColumnKind::estimate && what == c.key + "_sigma";
+    return error || is_named(c, what);
+  });
   if (hit == all.end()) return {};
+  std::string const unit = hit->shown_unit(), help = error ? "one standard error" : hit->help,
+                    key = error ? what : hit->key;
   Explanation a;
-  a.json = {{"column", hit->key}, {"title", hit->title}, {"unit", hit->unit}, {"text", hit->help}};
-  std::string const unit = hit->is_text ? "text" : hit->unit.empty() ? "number" : hit->unit;
-  a.text =
-      fmt::format("{}: column of the path table, {}\n  {}\n  used by straytrace paths RUN --where, --sort, --csv\n",
-                  hit->key, unit, hit->help);
+  a.json = {{"column", key}, {"title", error ? "± " + hit->title : hit->title}, {"unit", unit}, {"text", help}};
+  a.text = fmt::format(
+      "{}: column of the path table, {}\n  {}\n  {}\n", key,
+      hit->kind == ColumnKind::text ? "text"
+      : unit.empty()                ? "number"
+                                    : unit,
+      help,
+      hit->page.place > 0 ? "used by straytrace paths RUN --where, --sort, --csv" : "printed by straytrace paths RUN");
   a.text += "see docs/reference/run_file.md\n";
   return a;
 }
@@ -206,8 +225,12 @@ std::string parts_like(std::string const& what) {
   return fmt::format("parts of this name: {}, with numbers {}; ", fmt::join(parts, ", "), fmt::join(numbers, ", "));
 }
 
-// Words of tables in place of an error, or of a number.
-constexpr std::pair<std::string_view, std::string_view> marks[] = {
+// Words in tables of results that are no columns of the path table, with the page on them.
+struct Mark {
+  std::string_view name, text;
+  char const* page = "docs/theory/errors.md";
+};
+constexpr Mark marks[] = {
     {"at most", "an upper bound: light at rims, of kind edge, makes a part of the number, and speckle lowers it"},
     {"about",
      "a number without an error: of an unresolved route, or a total that contains upper bounds and lacks routes"},
@@ -215,15 +238,34 @@ constexpr std::pair<std::string_view, std::string_view> marks[] = {
     {"unresolved", "the histories do not suffice for an error; the status says why"},
     {"computed", "without a Monte-Carlo error, since it is not sampled"},
     {"still", "nothing on the route moves: it makes exactly no noise"},
-    {"too faint to matter", "unresolved, but the observed part is below 0.1 % of the noise power at any frequency"}};
+    {"too faint to matter", "unresolved, but the observed part is below 0.1 % of the noise power at any frequency"},
+    {"no light seen", "no history has brought light there: its power is unknown, and may be above zero"},
+    {"one realisation",
+     "range of h from 5 to 95 % of possible static phases of the paths; the printed h is the mean over them"},
+    {"input uncertainty", "range of h that stated brackets and uncertainties of materials and motion leave open"},
+    {"bound_share", "part of the PSD of the total that is an upper bound, of routes of kind edge"},
+    {"coherent",
+     "linear sum of the ASDs of the routes, as if all were in phase; of ghosts: fields added with known phases",
+     "docs/theory/spectra.md"},
+    {"scattered", "kind of a route: light that surfaces scatter, sampled by the histories", "docs/theory/sampling.md"},
+    {"ghost", "kind of a route: specular reflections that leave the main beam, computed, not sampled",
+     "docs/theory/ghosts.md"},
+    {"edge", "kind of a route: light diffracted at rims, computed, an upper bound", "docs/theory/diffraction.md"},
+    {"linear", "regime of a route: at least half of its noise power is to first order in the motion",
+     "docs/theory/spectra.md"},
+    {"wrapped",
+     "regime of a route: the phase moves by more than a fringe, and slow motion makes noise at higher "
+     "frequencies",
+     "docs/theory/spectra.md"},
+    {"mixed", "regime of a route: linear and wrapped by turns over the band", "docs/theory/spectra.md"},
+    {"beside", "share of the power of a beam that passes outside the edge of the surface", "docs/theory/ghosts.md"},
+    {"incidence", "angle between the chief ray of the beam and the normal of the surface", "docs/reference/scene.md"}};
 
 std::optional<Explanation> explain_mark(std::string const& what) {
-  for (auto const& [name, text] : marks)
-    if (what == name) {
-      std::string const page = "docs/theory/errors.md";
+  for (auto const& [name, text, page] : marks)
+    if (what == name)
       return Explanation{fmt::format("{}: in tables of results\n  {}\nsee {}\n", name, text, page),
                          {{"mark", name}, {"text", text}, {"page", page}}};
-    }
   return {};
 }
 
@@ -287,6 +329,8 @@ struct Factor {
   char const* name;
   double value;
   char const *unit, *what;
+  bool at_most = false;  // an upper bound
+  std::string text() const { return at_most ? with_error({value, 0, true}) : fmt::format("{:.4g}", value); }
 };
 
 std::size_t bin_at(FrequencyGrid const& grid, double hz) {
@@ -304,8 +348,9 @@ std::vector<Factor> chain(CouplingClass const& c, NoiseTrace const& trace, PathR
                amplitude = std::abs(ifo.strain_per_amplitude(c.port, centre)), copies = ifo.copies(c.port),
                both = phase * phase + amplitude * amplitude, h = trace.asd[bin],
                power = c.coupling.mean * c.reverse * copies;
+  bool const bound = row.upper_bound();
   return {
-      {"C", c.coupling.mean, "", "power that rejoins the mode on this route, of ordered paths, relative"},
+      {"C", c.coupling.mean, "", "power that rejoins the mode on this route, of ordered paths, relative", bound},
       {"C_rev", c.reverse, "", "the reverse route adds in amplitude: 2 where it is another route"},
       {"N", copies, "", "equal, independent copies of the port in the detector; powers add"},
       {"kappa", row.phase_sensitivity, "rad/m",
@@ -315,7 +360,22 @@ std::vector<Factor> chain(CouplingClass const& c, NoiseTrace const& trace, PathR
        "one-sided PSD of the quadrature of a unit field, mean over static phases (half of the PSD of a small phase)"},
       {"T_phase", phase, "1", "strain per relative field in quadrature with the main field (Im s)"},
       {"T_amplitude", amplitude, "1", "strain per relative field in phase (Re s): radiation pressure"},
-      {"h", h, "1/sqrt(Hz)", "sqrt(C C_rev N (T_phase^2 + T_amplitude^2) S): one-sided strain ASD"}};
+      {"h", h, "1/sqrt(Hz)", "sqrt(C C_rev N (T_phase^2 + T_amplitude^2) S): one-sided strain ASD", bound}};
+}
+
+// "h = 1.23e-24 ± 0.04e-24 /sqrt(Hz), Monte-Carlo error", "h = 1.2e-24 (computed) /sqrt(Hz)" or "h at most ...".
+std::string strain_with_error(WithError const& h, bool sampled) {
+  return fmt::format("h {}{} /sqrt(Hz){}", h.at_most ? "" : "= ", with_error(h), sampled ? ", Monte-Carlo error" : "");
+}
+
+void add_factors(Explanation& a, std::vector<Factor> const& factors) {
+  std::size_t width = 10;
+  for (Factor const& f : factors) width = std::max(width, f.text().size());
+  for (Factor const& f : factors) {
+    Json& one = a.json["factors"][f.name] = {{"value", f.value}, {"unit", f.unit}, {"what", f.what}};
+    if (f.at_most) one["at_most"] = true;
+    a.text += fmt::format("  {:<11} {:<{}} {:<11} {}\n", f.name, f.text(), width, f.unit, f.what);
+  }
 }
 
 // `path`: its rank in the path table.
@@ -343,15 +403,10 @@ Explanation explain_strain(std::string const& run_file, std::size_t path, double
             {"linear_share", trace.linear_share[bin]}};
   a.text = fmt::format("path {}: {}, port {}, bin {:.4g} to {:.4g} Hz\n", path, row.sequence, row.port,
                        budget.grid.edges[bin], budget.grid.edges[bin + 1]);
-  for (Factor const& f : chain(c, trace, row, *model.detector, centre, bin)) {
-    a.json["factors"][f.name] = {{"value", f.value}, {"unit", f.unit}, {"what", f.what}};
-    a.text += fmt::format("  {:<11} {:<10.4g} {:<11} {}\n", f.name, f.value, f.unit, f.what);
-  }
-  a.text += fmt::format(
-      "  h = {} /sqrt(Hz), Monte-Carlo error; moved by {}; {:.0f} % of its power to first order in the motion of the "
-      "bin\n",
-      with_error(trace.asd[bin], trace.sigma[bin]), row.moves.empty() ? "nothing" : row.moves,
-      100 * trace.linear_share[bin]);
+  add_factors(a, chain(c, trace, row, *model.detector, centre, bin));
+  a.text += fmt::format("  {}; moved by {}; {:.0f} % of its power to first order in the motion of the bin\n",
+                        strain_with_error({trace.asd[bin], trace.sigma[bin], row.upper_bound()}, !c.deterministic()),
+                        row.moves.empty() ? "nothing" : row.moves, 100 * trace.linear_share[bin]);
   if (!trace.resolved) a.text += fmt::format("  unresolved, the numbers are hints: {}\n", trace.why_not);
   a.text += "see docs/theory/spectra.md\n";
   return a;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Inner edges of baffles and apertures as a user meets them (docs/theory/diffraction.md, R2.27).
-#include "scenes/program.hpp"
+#include <set>
+
+#include "scenes/answers.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -47,6 +49,36 @@ TEST(EdgesCommand, RowsOfTheirOwnKind) {
                              "').routes; k = r.kind.index('edge'); assert r.sigma[k] == 0 and 'bound' in r.statement[k]"
                              " and 'scattered' in r.kind\"";
   EXPECT_EQ(std::system(reader.c_str()), 0);
+}
+
+// Numbers of the chain of factors are bounds where those of the row are, and only sampled ones have a Monte-Carlo
+// error. Control: a scattered route.
+TEST(EdgesCommand, TheChainOfABoundIsABound) {
+  Folder const folder;
+  ASSERT_EQ(straytrace({"run", et_edges, "-o", folder / "out", "--histories", "16384", "--quiet"}).code, 0);
+  auto const table = answer({"paths", folder / "out/run.h5"});
+  std::set<std::string> kinds;
+  for (auto const& row : table["routes"]) {
+    std::string const kind = row["kind"];
+    if (!row["resolved"].get<bool>() || !kinds.insert(kind).second) continue;
+    Words const words{"explain", "h", folder / "out/run.h5", "--path", row["rank"].dump(), "--at", "10"};
+    std::string const text = straytrace(words).out;
+    auto const factors = answer(words)["factors"];
+    bool const edge = kind == "edge";
+    EXPECT_EQ(factors["h"].contains("at_most"), edge);
+    EXPECT_EQ(factors["C"].contains("at_most"), edge);
+    EXPECT_FALSE(factors["C_rev"].contains("at_most"));
+    if (edge) {
+      EXPECT_THAT(text, HasSubstr("  h at most "));
+      EXPECT_THAT(text, HasSubstr("  C           at most "));
+      EXPECT_THAT(text, Not(HasSubstr("Monte-Carlo error")));
+    } else {
+      EXPECT_THAT(text,
+                  ::testing::AllOf(HasSubstr("  h = "), HasSubstr(" ± "), HasSubstr("/sqrt(Hz), Monte-Carlo error;")));
+      EXPECT_THAT(text, Not(HasSubstr("at most")));
+    }
+  }
+  EXPECT_EQ(kinds, (std::set<std::string>{"edge", "scattered"}));
 }
 
 TEST(AperturesCommand, TableAndProfile) {

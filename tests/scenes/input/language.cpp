@@ -105,6 +105,20 @@ TEST(Explain, MarksAndRemediesRead) {
   for (char const* raw : {"{}", "......", " | "}) EXPECT_THAT(said, Not(HasSubstr(raw)));
 }
 
+// Every column of the path table, by its key and as text prints it, and the words in its cells and beside it. Control:
+// a word of no table.
+TEST(Explain, WordsOfTablesAreKnown) {
+  EXPECT_THAT(answer({"explain", "C_rev"})["text"].get<std::string>(), HasSubstr("reversed route"));
+  EXPECT_EQ(answer({"explain", "sensitivity"})["column"], "phase_sensitivity");
+  EXPECT_EQ(answer({"explain", "coupling_sigma"})["text"], "one standard error");
+  EXPECT_EQ(answer({"explain", "edge"})["page"], "docs/theory/diffraction.md");
+  for (char const* word :
+       {"C_rev", "sensitivity", "moves", "mixed", "linear", "edge", "ghost", "hint", "beside", "incidence",
+        "no light seen", "one realisation", "input uncertainty", "bound_share", "coherent", "share/%", "h(10 Hz)"})
+    EXPECT_EQ(straytrace({"explain", word}).code, 0) << word;
+  EXPECT_EQ(straytrace({"explain", "C_reversed"}).code, 2) << "control";
+}
+
 // S = 1/2 kappa^2 S_x where motion is small (docs/theory/spectra.md, eq. 7.2): here S_x = (1e-12 (f/10 Hz)^-1)^2
 // m^2/Hz, of the one body that moves, and the paths of a flat baffle 100 m away have kappa within 1e-3 of their rms.
 // Their product is h.
@@ -121,6 +135,10 @@ TEST(Explain, TheChainOfAPathIsItsStrain) {
   EXPECT_NEAR(std::sqrt(product) / value("h"), 1, 1e-12);
   auto const routes = answer({"paths", folder / "a/run.h5"});
   EXPECT_EQ(a["route"], routes["routes"][0]["sequence"]);
+  for (auto const& column : routes["columns"]) {
+    std::string const key = column["key"];
+    EXPECT_EQ(straytrace({"explain", key}).code, 0) << key;
+  }
   EXPECT_THAT(error_text({"explain", "h", folder / "a/run.h5", "--path", "900"}), HasSubstr("has no path 900"));
   EXPECT_THAT(error_text({"explain", "h", folder / "a/run.h5", "--at", "1e5"}), HasSubstr("outside the band"));
 }
