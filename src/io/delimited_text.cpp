@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <set>
 
 #include "base/input/document.hpp"
@@ -292,7 +293,9 @@ std::string_view read_row(std::string_view line, std::vector<double>& row, NonFi
     std::string_view const digits = word.starts_with('+') ? word.substr(1) : word;
     double value = 0;
     auto const [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (status != std::errc{} || end != digits.data() + digits.size()) return word;
+    bool const tiny = status == std::errc::result_out_of_range &&
+                      std::fabs(std::strtod(std::string(digits).c_str(), nullptr)) < 1;  // the value stays 0
+    if ((status != std::errc{} && !tiny) || end != digits.data() + digits.size()) return word;
     if (words == NonFinite::refused && !std::isfinite(value)) return word;
     row.push_back(value);
   }
@@ -335,22 +338,21 @@ class NumberReader {
 
   NumberTable read(std::string_view text) {
     text = without_byte_order_mark(text);
-    for (std::uint32_t number = 1; table_.error.empty(); ++number) {
+    // Without a row of numbers before it, the first problem is the only one.
+    for (std::uint32_t number = 1; table_.problems.size() < (table_.line.empty() ? 1 : most_problems); ++number) {
       auto const line = take_line(text);
       if (!line) break;
       take(*line, number);
     }
-    if (table_.error.empty() && table_.line.empty()) table_.error = "no numbers in it";
-    if (table_.error.empty()) name_columns();
-    if (!table_.error.empty()) table_.column.clear(), table_.line.clear();
+    if (table_.problems.empty() && table_.line.empty()) fail("no numbers in it", 0, 0);
+    if (table_.problems.empty()) name_columns();
+    if (!table_.problems.empty()) table_.column.clear(), table_.line.clear();
     return std::move(table_);
   }
 
  private:
   void fail(std::string what, std::uint32_t line, std::uint32_t column = 1) {
-    table_.error = std::move(what);
-    table_.error_line = line;
-    table_.error_column = column;
+    table_.problems.push_back({{0, line, column}, std::move(what), ""});
   }
 
   void take(std::string_view line, std::uint32_t number) {
@@ -431,10 +433,6 @@ class NumberReader {
 
 }  // namespace
 
-std::string NumberTable::described_error() const {
-  return error.empty() || error_line == 0 ? error : fmt::format("line {}: {}", error_line, error);
-}
-
 NumberTable parse_numbers(std::string_view text, NonFinite words, HeaderRow header) {
   return NumberReader(words, header).read(text);
 }
@@ -445,13 +443,12 @@ std::optional<NumberTable> read_numbers(Node const& file, std::size_t columns, s
   std::string const text = file.data_file(name);
   if (text.empty() && !file.document()->optional_file(file, name)) return {};  // data_file() reports it
   NumberTable table = parse_numbers(text);
-  if (table.error.empty() && columns > 0 && table.column.size() != columns) {
-    table.error = fmt::format("this line has {}, not {}", counted(table.column.size(), "number"), columns);
-    table.error_line = table.line.front();
-    table.error_column = 1;
-  }
-  if (table.error.empty()) return table;
-  file.file_problem(name, table.error_line, table.error_column, table.error, remedy);
+  if (table.problems.empty() && columns > 0 && table.column.size() != columns)
+    table.problems.push_back({{0, table.line.front(), 1},
+                              fmt::format("this line has {}, not {}", counted(table.column.size(), "number"), columns),
+                              ""});
+  if (table.problems.empty()) return table;
+  for (Problem const& p : table.problems) file.file_problem(name, p.place.line, p.place.column, p.what, remedy);
   return {};
 }
 

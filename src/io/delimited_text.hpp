@@ -96,9 +96,8 @@ struct NumberTable {
   std::vector<std::vector<double>> column;
   std::vector<std::uint32_t> line;      // of each row, from 1
   std::vector<std::string> name, unit;  // of each column; empty without a title
-  // The problem and its line, 0 for the text as a whole. Then there are no columns.
-  std::string error;
-  std::uint32_t error_line = 0, error_column = 0;
+  // Up to ten, with their places (line 0: the text as a whole) and without remedies. Then there are no columns.
+  std::vector<Problem> problems;
 
   std::size_t rows() const { return line.size(); }
   std::vector<double> row(std::size_t i) const {
@@ -106,7 +105,6 @@ struct NumberTable {
     for (auto const& c : column) values.push_back(c[i]);
     return values;
   }
-  std::string described_error() const;  // "line 2: 'five' is not a number"
 };
 enum class NonFinite : bool { refused, kept };     // words such as nan and inf
 enum class HeaderRow : bool { refused, allowed };  // a first row of words

@@ -159,10 +159,8 @@ Spectrum read_spectrum_file(Node const& spec, bool rotation) {
     return {};
   }
   Curve curve = curve_of(*table, columns->frequency, columns->value);
-  if (!curve.error.empty()) {
-    file.file_problem(name, curve.error_line, 1, curve.error, remedy);
-    return {};
-  }
+  for (Problem const& p : curve.problems) file.file_problem(name, p.place.line, p.place.column, p.what, remedy);
+  if (!curve.problems.empty()) return {};
   for (std::size_t i = 0; i < curve.hz.size(); ++i) {
     curve.hz[i] *= columns->hz;
     curve.value[i] = psd(columns->calibration, curve.hz[i], curve.value[i]);

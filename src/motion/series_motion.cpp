@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "base/input/document.hpp"
 #include "motion/axis_motion.hpp"
@@ -102,17 +101,18 @@ std::string in_words_of_scene(std::string text, std::string const& file) {
   return text;
 }
 
-// Reports an error of reading a record at its place: "line 7: ..." in the file itself.
+// Reports the errors of reading a record at their places: those of a line in the file itself.
 void pass_on(InputError const& e, Node const& file, Node const& otherwise_at) {
   std::string const& name = file.text();
-  std::string const what = in_words_of_scene(e.reason(), name),
-                    remedy = e.remedy().empty() ? "give a record of samples" : in_words_of_scene(e.remedy(), name);
-  constexpr std::string_view mark = "line ";
-  auto const line = what.starts_with(mark) ? std::uint32_t(std::atoi(what.c_str() + mark.size())) : 0u;
-  if (auto const colon = what.find(": "); line > 0 && colon != what.npos)
-    file.file_problem(name, line, 1, what.substr(colon + 2), remedy);
-  else
-    otherwise_at.problem(e.files.empty() ? what : fmt::format("'{}': {}", name, what), remedy);
+  for (Problem const& p : e.problems) {
+    std::string const what = in_words_of_scene(p.what, name), remedy = p.suggestion.empty()
+                                                                           ? "give a record of samples"
+                                                                           : in_words_of_scene(p.suggestion, name);
+    if (p.place.line > 0)
+      file.file_problem(name, p.place.line, std::max(1U, p.place.column), what, remedy);
+    else
+      otherwise_at.problem(e.files.empty() ? what : fmt::format("'{}': {}", name, what), remedy);
+  }
 }
 
 std::optional<GpsSpan> read_span(Node const& spec) try {

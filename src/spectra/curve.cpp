@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "base/files/text_file.hpp"
 #include "base/math/constants.hpp"
 #include "base/text/words.hpp"
 #include "io/delimited_text.hpp"
@@ -25,26 +26,32 @@ double log_log_at(std::span<double const> hz, std::span<double const> value, dou
   return log_log_value(low, high, x);
 }
 
+namespace {
+
+Curve no_curve(std::string why, std::uint32_t line = 0) {
+  return {{}, {}, {{{0, line, line > 0 ? 1u : 0u}, std::move(why), ""}}};
+}
+
+}  // namespace
+
 Curve curve_of(NumberTable const& table, std::size_t frequency_column, std::size_t value_column) {
-  if (!table.error.empty()) return {{}, {}, table.described_error()};
+  if (!table.problems.empty()) return {{}, {}, table.problems};
   std::size_t const columns = table.column.size();
   if (frequency_column < 1 || value_column < 1 || std::max(frequency_column, value_column) > columns)
-    return {{},
-            {},
-            fmt::format("it has {}; columns {} and {} were requested", counted(columns, "column"), frequency_column,
-                        value_column)};
+    return no_curve(fmt::format("it has {}; columns {} and {} were requested", counted(columns, "column"),
+                                frequency_column, value_column));
   Curve curve;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     double const f = table.column[frequency_column - 1][i], v = table.column[value_column - 1][i];
     if (curve.hz.empty() && f == 0) continue;
     if (!(f > 0) || (!curve.hz.empty() && f <= curve.hz.back()))
-      return {{}, {}, fmt::format("the frequency does not increase at {} Hz", f), table.line[i]};
+      return no_curve(fmt::format("the frequency does not increase at {} Hz", f), table.line[i]);
     if (v < 0 || std::isinf(v))
-      return {{}, {}, fmt::format("{} value at {} Hz", v < 0 ? "negative" : "infinite", f), table.line[i]};
+      return no_curve(fmt::format("{} value at {} Hz", v < 0 ? "negative" : "infinite", f), table.line[i]);
     curve.hz.push_back(f);
     curve.value.push_back(v);
   }
-  if (curve.hz.size() < 2) return {{}, {}, "fewer than two rows with a frequency above zero"};
+  if (curve.hz.size() < 2) return no_curve("fewer than two rows with a frequency above zero");
   return curve;
 }
 
@@ -54,18 +61,23 @@ Curve parse_curve(std::string_view text, std::size_t frequency_column, std::size
 
 Curve parse_named_curve(std::string_view text, std::span<std::string_view const> names) {
   NumberTable const table = parse_numbers(text, NonFinite::kept);
-  if (!table.error.empty() || table.column.size() <= 2) return parse_curve(text);
+  if (!table.problems.empty() || table.column.size() <= 2) return parse_curve(text);
   std::vector<std::string> titles = table.name;
   for (std::string& title : titles) std::replace(title.begin(), title.end(), ' ', '_');
   for (std::string_view const name : names)
     for (std::size_t i = 1; i < titles.size(); ++i)
       if (titles[i] == name) return curve_of(table, 1, i + 1);
   bool const named = std::ranges::any_of(titles, [](std::string const& t) { return !t.empty(); });
-  return {
-      {},
-      {},
-      fmt::format("it has {} columns {}, and none is named {}", titles.size(),
-                  named ? fmt::format("({})", fmt::join(titles, ", ")) : "without names", fmt::join(names, " or "))};
+  return no_curve(fmt::format("it has {} columns {}, and none is named {}", titles.size(),
+                              named ? fmt::format("({})", fmt::join(titles, ", ")) : "without names",
+                              fmt::join(names, " or ")));
+}
+
+Curve read_named_curve(std::string const& file, std::span<std::string_view const> names, std::string const& remedy) {
+  Curve curve = parse_named_curve(read_text(file), names);
+  if (curve.problems.empty()) return curve;
+  for (Problem& p : curve.problems) p.suggestion = remedy;
+  throw errors_in(file, std::move(curve.problems));
 }
 
 }  // namespace straytrace::spectra

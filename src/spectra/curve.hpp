@@ -4,13 +4,12 @@
 #pragma once
 
 #include <cmath>
-#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "base/namespaces.hpp"
+#include "base/errors.hpp"
 
 namespace straytrace::io {
 struct NumberTable;  // io/delimited_text.hpp
@@ -29,8 +28,7 @@ double log_log_at(std::span<double const> hz, std::span<double const> value, dou
 // Two columns of a table. `hz` increases; a first row at 0 Hz is dropped.
 struct Curve {
   std::vector<double> hz, value;
-  std::string error;             // why there is no curve
-  std::uint32_t error_line = 0;  // its line, unless `error` states it
+  std::vector<Problem> problems;  // why there is no curve, at lines of the text, without remedies
   double at(double f) const { return log_log_at(hz, value, f); }
 };
 // Columns are counted from 1.
@@ -42,5 +40,7 @@ constexpr std::string_view strain_columns[] = {"total_strain", "h_mean"};
 // Two columns; of more, the one with the first of these names in a comment above the numbers (blanks as underscores),
 // where NaN means "not known". An error that lists the columns when there is no such name.
 Curve parse_named_curve(std::string_view text, std::span<std::string_view const> names);
+// The same of a file; throws InputError at its lines.
+Curve read_named_curve(std::string const& file, std::span<std::string_view const> names, std::string const& remedy);
 
 }  // namespace straytrace::spectra

@@ -57,10 +57,10 @@ DesignCurve from_file(Node const& where, std::string const& name, FrequencyGrid 
   std::string const text = where.data_file(name);
   if (text.empty() && !where.document()->optional_file(where, name)) return design;  // data_file() reported it
   Curve const curve = parse_named_curve(text, strain_columns);
-  if (!curve.error.empty())
-    where.problem(fmt::format("'{}' is not a design curve: {}", name, curve.error),
-                  "give two columns: frequency in Hz, strain in 1/sqrt(Hz)");
-  else
+  for (Problem const& p : curve.problems)
+    where.file_problem(name, p.place.line, p.place.column, p.what,
+                       "a design curve consists of two columns: frequency in Hz, strain in 1/sqrt(Hz)");
+  if (curve.problems.empty())
     for (std::size_t i = 0; i < grid.size(); ++i) design.asd[i] = curve.at(grid.centre(i));
   return design;
 }

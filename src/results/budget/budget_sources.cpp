@@ -135,10 +135,8 @@ BudgetEntry NoiseSource::on(std::vector<double> const& at) const {
 }
 
 Sampled two_columns(std::string const& file, std::string const& what, std::span<std::string_view const> names) {
-  Curve const curve = parse_named_curve(read_text(file), names);
-  if (!curve.error.empty())
-    throw InputError(fmt::format("'{}' is not {}: {}", file, what, curve.error),
-                     "give two columns: frequency in Hz and amplitude density");
+  Curve const curve = read_named_curve(
+      file, names, fmt::format("{} consists of two columns: frequency in Hz and amplitude density", what));
   return {curve.hz, curve.value, {}};
 }
 

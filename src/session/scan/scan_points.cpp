@@ -50,10 +50,8 @@ DesignCurve curve_named(std::string const& name, FrequencyGrid const& grid) {
     throw InputError(fmt::format("--against: '{}' is neither a design curve nor a file", name),
                      did_you_mean(name, known, fmt::format("known: {}", fmt::join(known, ", "))));
   }
-  Curve const table = parse_named_curve(read_text(name), strain_columns);
-  if (!table.error.empty())
-    throw InputError(fmt::format("--against: '{}' is not a design curve: {}", name, table.error),
-                     "give two columns: frequency in Hz, strain in 1/sqrt(Hz)");
+  Curve const table = read_named_curve(
+      name, strain_columns, "--against: a design curve consists of two columns: frequency in Hz, strain in 1/sqrt(Hz)");
   for (std::size_t i = 0; i < grid.size(); ++i) curve.asd.push_back(table.at(grid.centre(i)));
   return curve;
 }

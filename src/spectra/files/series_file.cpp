@@ -20,9 +20,8 @@
 namespace straytrace::spectra {
 namespace series_source {
 
-void refuse(std::string const& file, std::string const& what, std::string const& suggestion) {
-  Problem const problem{{1, 0, 0}, what, suggestion, Severity::error, 1};
-  throw InputError({problem}, placed_message(problem, file), {"", file});
+void refuse(std::string const& file, std::string const& what, std::string const& suggestion, std::uint32_t line) {
+  throw errors_in(file, {{{0, line, 0}, what, suggestion}});
 }
 
 namespace {
@@ -163,8 +162,8 @@ namespace {
 
 NumberTable read_columns(std::string const& text, std::string const& file) {
   NumberTable table = parse_numbers(text, NonFinite::kept, HeaderRow::allowed);
-  if (!table.error.empty())
-    refuse(file, table.described_error(), "a series consists of columns of numbers; the first is time in s");
+  for (Problem& p : table.problems) p.suggestion = "a series consists of columns of numbers; the first is time in s";
+  if (!table.problems.empty()) throw errors_in(file, std::move(table.problems));
   if (table.column.size() < 2)
     refuse(file, "it has one column; a series also needs the times", "write two columns: time in s, value");
   if (auto const unit = parse_unit(table.unit[0]); !table.unit[0].empty() && !(unit && unit->dimension == dim::time))
@@ -198,14 +197,12 @@ std::size_t column_of(NumberTable const& table, std::string const& file, std::st
          did_you_mean(wanted, names, "there are " + choices(names)));
 }
 
-std::string at_line(NumberTable const& table, std::size_t row) { return fmt::format("line {}: ", table.line[row]); }
-
 // Errors: NaN, times that do not increase, gaps, and steps that vary by more than a quarter of one.
 double regular_step(NumberTable const& table, std::vector<double> const& t, std::string const& file) {
   std::vector<double> steps;
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (!std::isfinite(t[i]))
-      refuse(file, at_line(table, i) + "the time is not a number", "remove the row, or choose a span without it");
+      refuse(file, "the time is not a number", "remove the row, or choose a span without it", table.line[i]);
     if (i > 0) steps.push_back(t[i] - t[i - 1]);
   }
   std::vector<double> sorted = steps;
@@ -213,26 +210,23 @@ double regular_step(NumberTable const& table, std::vector<double> const& t, std:
   double const usual = sorted[sorted.size() / 2];
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (steps[i] <= 0)
-      refuse(file,
-             fmt::format("{}the time {} s does not come after {} s", at_line(table, i + 1), gps_text(t[i + 1]),
-                         gps_text(t[i])),
-             "times must increase from row to row; write them with enough digits");
+      refuse(file, fmt::format("the time {} s does not come after {} s", gps_text(t[i + 1]), gps_text(t[i])),
+             "times must increase from row to row; write them with enough digits", table.line[i + 1]);
     if (steps[i] > 1.5 * usual)
       refuse(file,
-             fmt::format("{}a gap of {:.6g} s after {} s; the sample step is {:.6g} s", at_line(table, i + 1), steps[i],
-                         gps_text(t[i]), usual),
-             fmt::format("choose a span without it, for example --gps {}..{}", gps_text(t[0]), gps_text(t[i])));
+             fmt::format("a gap of {:.6g} s after {} s; the sample step is {:.6g} s", steps[i], gps_text(t[i]), usual),
+             fmt::format("choose a span without it, for example --gps {}..{}", gps_text(t[0]), gps_text(t[i])),
+             table.line[i + 1]);
     if (std::abs(steps[i] / usual - 1) > 0.25)
       refuse(file,
-             fmt::format("{}the times are not regular: {:.6g} s after steps of {:.6g} s", at_line(table, i + 1),
-                         steps[i], usual),
-             "resample the record at a constant rate, or write the times with more digits");
+             fmt::format("the times are not regular: a step of {:.6g} s; the median step is {:.6g} s", steps[i], usual),
+             "resample the record at a constant rate, or write the times with more digits", table.line[i + 1]);
   }
   double const mean = (t.back() - t.front()) / double(t.size() - 1);
   for (std::size_t i = 0; i < t.size(); ++i)
     if (std::abs(t[i] - t[0] - double(i) * mean) > 0.5 * mean)
-      refuse(file, at_line(table, i) + "the clock drifts by more than half a sample",
-             "resample the record at a constant rate");
+      refuse(file, "the clock drifts by more than half a sample", "resample the record at a constant rate",
+             table.line[i]);
   if (!(mean >= shortest_step && mean <= longest_step))
     refuse(file, fmt::format("its step is {:g} s", mean), "times are in seconds; state any other unit: time [ms]");
   return mean;
@@ -279,8 +273,8 @@ TimeSeries from_text(std::string const& text, std::string const& file, SeriesReq
                     meant_rate(step, table.line.size()), std::move(table.column[channel])};
   for (std::size_t i = 0; i < series.samples.size(); ++i)
     if (!std::isfinite(series.samples[i]))
-      refuse(file, fmt::format("{}{} is not a number at {} s", at_line(table, i), place, gps_text(series.time(i))),
-             "choose a span without such samples with --gps A..B");
+      refuse(file, fmt::format("{} is not a number at {} s", place, gps_text(series.time(i))),
+             "choose a span without such samples with --gps A..B", table.line[i]);
   return cut(series, wanted.span);
 }
 

@@ -218,6 +218,15 @@ TEST(Budget, TablesOfManyColumnsAreReadByName) {  // budget.txt: its total, not 
     EXPECT_EQ(rejected.code, 2);
     EXPECT_THAT(rejected.err, HasSubstr("3 columns (Hz, one, two), and none is named total_strain or h_mean"));
   }
+  write_text(folder / "wrong.txt", "10 1e-22\n20 x\n30 1e-22\n40 y\n");  // places are fields, for editors
+  Finished const wrong = straytrace({"budget", "aligo", "--compare", folder / "wrong.txt", "--format", "json"});
+  Json const list = Json::parse(wrong.err);
+  ASSERT_EQ(list.size(), 2u) << wrong.err;
+  EXPECT_EQ(list[0]["file"], folder / "wrong.txt");
+  EXPECT_EQ(list[0]["line"], 2);
+  EXPECT_EQ(list[0]["column"], 4);
+  EXPECT_EQ(list[0]["what"], "'x' is not a number (comments start with #)");
+  EXPECT_EQ(list[1]["line"], 4);
 }
 
 TEST(Budget, AComputedZeroIsKnown) {  // control: beyond the curve nothing is known

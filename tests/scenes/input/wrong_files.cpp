@@ -45,6 +45,22 @@ TEST(WrongFiles, BytesOfBinaryFilesAreNotPrinted) {
   }
 }
 
+// In JSON the place is in fields of its own, not in the text.
+TEST(WrongFiles, PlacesInRecordsAreFields) {
+  Folder const folder;
+  write_text(folder / "record.csv", "time [s],x [m]\n0,1\n1,2\n2,x\n3,y\n");
+  Finished const r = straytrace({"signal", "psd", folder / "record.csv", "--format", "json"});
+  EXPECT_EQ(r.code, 2);
+  auto const list = nlohmann::json::parse(r.err);
+  ASSERT_EQ(list.size(), 2u) << r.err;
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(list[i]["file"], "record.csv");
+    EXPECT_EQ(list[i]["line"], 4 + i);
+    EXPECT_EQ(list[i]["column"], 3);
+    EXPECT_EQ(list[i]["what"], std::string(i ? "'y'" : "'x'") + " is not a number (comments start with #)");
+  }
+}
+
 TEST(WrongFiles, DecimalCommasAreNamed) {
   Folder const folder;
   write_text(folder / "list.csv", "place;start;duration\ntower;8,5;6\n");

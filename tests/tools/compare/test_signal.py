@@ -272,13 +272,13 @@ class Files(unittest.TestCase):
         (self.folder / "good.txt").write_text(good)
         self.assertEqual(len(self.record(self.folder / "good.txt")[0]), 64)
         gap = ["# time [s], x [um]", *rows[:20], *rows[25:]]
-        self.rejected("\n".join(gap), "bad.txt: error: line 22: a gap of 0.375 s", "--gps")
+        self.rejected("\n".join(gap), "bad.txt:22: error: a gap of 0.375 s", "--gps")
         jitter = [*rows[:20], f"{START + 20.4 / 16} 1", *rows[21:]]
-        self.rejected("\n".join(jitter), "line 21: the times are not regular", more=("--unit", "um"))
-        self.rejected("\n".join([*rows[:20], f"{START + 20 / 16} nan", *rows[21:]]), "line 21", "not a number", more=("--unit", "um"))
+        self.rejected("\n".join(jitter), "bad.txt:21: error: the times are not regular", more=("--unit", "um"))
+        self.rejected("\n".join([*rows[:20], f"{START + 20 / 16} nan", *rows[21:]]), "bad.txt:21: error: ", "not a number", more=("--unit", "um"))
         self.rejected("\n".join([*rows[:20], f"{START + 18 / 16} 1", *rows[21:]]), "does not come after", more=("--unit", "um"))
-        self.rejected("0,00 1,5\n0,25 2,5\n", "line 1", "decimal commas", "0.5")
-        self.rejected("time;x\n0,00;1,5\n0,25;2,5\n", "line 2", "decimal commas", name="bad.csv")
+        self.rejected("0,00 1,5\n0,25 2,5\n", "bad.txt:1:1: error: ", "decimal commas", "0.5")
+        self.rejected("time;x\n0,00;1,5\n0,25;2,5\n", "bad.csv:2:1: error: ", "decimal commas", name="bad.csv")
         self.rejected("\n".join(rows), "has no unit", "--unit um/s^2")
         self.rejected("\n".join(rows), "'metre'", "did you mean 'm'", more=("--unit", "metre"))
         self.rejected("0 1\n", "one row", more=("--unit", "m"))

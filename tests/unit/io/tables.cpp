@@ -86,7 +86,7 @@ TEST(BinaryFiles, AreToldFromText) {
 // Decimal commas are blamed only for numbers without points.
 TEST(NumberTables, SurplusNumbersUnderTheNames) {
   auto const said = [](char const* text) {
-    return parse_numbers(text, NonFinite::kept, HeaderRow::allowed).described_error();
+    return parse_numbers(text, NonFinite::kept, HeaderRow::allowed).problems.at(0).what;
   };
   EXPECT_THAT(said("time value\n0.1 2 3\n"), AllOf(HasSubstr("3 numbers"), Not(HasSubstr("comma"))));
   EXPECT_THAT(said("time value\n1 2 3\n"), HasSubstr("not with a comma"));

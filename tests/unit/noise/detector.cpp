@@ -100,7 +100,8 @@ TEST(ReadNoise, BandAndDesignCurves) {
 TEST(ReadNoise, Problems) {
   EXPECT_THAT(settings("noise: {band: [100 Hz, 10 Hz]}\n").problems, HasSubstr("from a low to a higher frequency"));
   EXPECT_THAT(settings("noise: {compare: [adv-lall]}\n").problems, HasSubstr("did you mean 'adv-lal'?"));
-  EXPECT_THAT(settings("noise: {compare: bad.txt}\n", {{"bad.txt", "a b"}}).problems, HasSubstr("not a design curve"));
+  EXPECT_THAT(settings("noise: {compare: bad.txt}\n", {{"bad.txt", "a b"}}).problems,
+              AllOf(HasSubstr("bad.txt:1:1: error: 'a' is not a number"), HasSubstr("a design curve consists of")));
   EXPECT_THAT(settings("noise: {compare: bad.txt}\n", {{"bad.txt", "10,5;1e-23\n20,5;1e-24\n"}}).problems,
               HasSubstr("decimal commas"));
   EXPECT_THAT(settings("noise: {compare: none.txt}\n", {{"none.txt", ""}}).problems, HasSubstr("no numbers in it"));

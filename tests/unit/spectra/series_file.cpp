@@ -23,6 +23,9 @@ std::string message(std::function<void()> const& action) {
   return "no error was reported";
 }
 
+// Of the first problem of a table or curve; empty without one.
+std::string error_of(auto const& read) { return read.problems.empty() ? "" : read.problems.front().what; }
+
 TEST(SeriesFile, CsvWithUnitsAndComments) {
   std::string const text = "# a title, with commas\ntime [ms],\"x [um]\",y [V]\n0,1,5\n250,2,6 # aside\n500,3,7\n";
   TimeSeries const x = parse_series(text, "a.csv", {.channel = "x", .unit = "", .span = {}});
@@ -46,11 +49,11 @@ TEST(SeriesFile, ByteOrderMarkIsNoName) {  // or the first row would be taken fo
 TEST(SeriesFile, NamesInCommentsOfText) {  // the comment with units goes before the one without
   NumberTable const t = parse_numbers("# made today by us\n# time [s], x [m/s^2]\n# time x\n0 1\n1 2\n",
                                       NonFinite::kept, HeaderRow::allowed);
-  EXPECT_EQ(t.error, "");
+  EXPECT_EQ(error_of(t), "");
   EXPECT_EQ(t.name, (std::vector<std::string>{"time", "x"}));
   EXPECT_EQ(t.unit, (std::vector<std::string>{"s", "m/s^2"}));
   NumberTable const blank = parse_numbers("# t [s] bench z [um]\n", NonFinite::kept, HeaderRow::allowed);
-  EXPECT_EQ(blank.error, "no numbers in it");
+  EXPECT_EQ(error_of(blank), "no numbers in it");
 }
 
 TEST(SeriesFile, FewDigitsStillGiveTheRate) {  // 1/128 s printed to 0.1 ms; a gap of one sample is still found
@@ -59,9 +62,10 @@ TEST(SeriesFile, FewDigitsStillGiveTheRate) {  // 1/128 s printed to 0.1 ms; a g
   TimeSeries const s = parse_series(text, "a.txt", {.channel = "", .unit = "m", .span = {}});
   EXPECT_EQ(s.rate, 128);
   text += std::to_string(1e6 + 1001.0 / 128) + " 1\n";
-  EXPECT_NE(
-      message([&] { parse_series(text, "a.txt", {.channel = "", .unit = "m", .span = {}}); }).find("line 1001: a gap"),
-      std::string::npos);
+  EXPECT_NE(message([&] {
+              parse_series(text, "a.txt", {.channel = "", .unit = "m", .span = {}});
+            }).find("a.txt:1001: error: a gap"),
+            std::string::npos);
   // outside of the span nobody minds
   EXPECT_EQ(parse_series(text, "a.txt", {.channel = "", .unit = "m", .span = {1e6, 1e6 + 5}}).samples.size(), 640u);
 }
@@ -73,7 +77,7 @@ TEST(SeriesFile, DecimalCommasAreNamed) {
         std::string::npos)
         << text;
   EXPECT_NE(
-      parse_numbers("t,x\n0,0,1,5\n0,1,2,5\n", NonFinite::kept, HeaderRow::allowed).error.find("not with a comma"),
+      error_of(parse_numbers("t,x\n0,0,1,5\n0,1,2,5\n", NonFinite::kept, HeaderRow::allowed)).find("not with a comma"),
       std::string::npos);
   EXPECT_EQ(parse_numbers("0,1\n1,2\n", NonFinite::kept, HeaderRow::allowed).column.size(), 2u)
       << "whole numbers between commas";
@@ -85,12 +89,52 @@ TEST(NumberTable, DecimalCommasAreErrorsForEveryReader) {
   for (std::string const line : {"10,5;1e-9", "10,5;1,2e-9", "10;1,5", "10,5\t1e-9", "10,5 1e-9 # 10,5", "-1,5 2"}) {
     std::string const text = line + "\n" + line + "\n";
     for (std::string const& error :
-         {parse_numbers(text).error, parse_numbers(text, NonFinite::kept, HeaderRow::allowed).error,
-          parse_curve(text).error, parse_named_curve(text, names).error})
+         {error_of(parse_numbers(text)), error_of(parse_numbers(text, NonFinite::kept, HeaderRow::allowed)),
+          error_of(parse_curve(text)), error_of(parse_named_curve(text, names))})
       EXPECT_NE(error.find("decimal commas"), std::string::npos) << line << ": " << error;
   }
   for (std::string const line : {"10,5", "10, 5,1", "10,5 ,1", "10; 5; 1e-9", "10.5;1e-9", "1,2 # 3,4", "10 1e-9"})
-    EXPECT_EQ(parse_numbers(line + "\n").error, "") << "control: " << line << " is not meant";
+    EXPECT_EQ(error_of(parse_numbers(line + "\n")), "") << "control: " << line << " is not meant";
+}
+
+// Each wrong row at its place, up to ten; before the first row of numbers one problem stands for all.
+TEST(NumberTable, AllWrongRowsAreReported) {
+  NumberTable const t = parse_numbers("0 1\n1 x\n2 2\n3\n4 4\n5 y\n");
+  ASSERT_EQ(t.problems.size(), 3u);
+  EXPECT_EQ(t.problems[0].place.line, 2u);
+  EXPECT_EQ(t.problems[0].place.column, 3u);
+  EXPECT_EQ(t.problems[0].what, "'x' is not a number (comments start with #)");
+  EXPECT_EQ(t.problems[1].place.line, 4u);
+  EXPECT_EQ(t.problems[1].what, "this line has 1 number, the lines before have 2");
+  EXPECT_EQ(t.problems[2].place.line, 6u);
+  EXPECT_EQ(t.rows(), 0u);
+  std::string many = "0 1\n", words;
+  for (int i = 0; i < 20; ++i) many += "1 x\n", words += "one two\n";
+  EXPECT_EQ(parse_numbers(many).problems.size(), 10u);
+  EXPECT_EQ(parse_numbers(words).problems.size(), 1u);
+  EXPECT_TRUE(parse_numbers("0 1\n1 2\n").problems.empty());
+  std::string const said =
+      message([&] { parse_series("0 1\n1 x\n2 2\n3 y\n", "a.txt", {.channel = "", .unit = "m", .span = {}}); });
+  EXPECT_NE(said.find("a.txt:2:3: error: 'x' is not a number"), std::string::npos) << said;
+  EXPECT_NE(said.find("a.txt:4:3: error: 'y' is not a number"), std::string::npos) << said;
+}
+
+// Below the smallest double a number is 0; above the largest it is an error.
+TEST(NumberTable, NumbersTooSmallForADoubleAreZero) {
+  NumberTable const t = parse_numbers("0 1e-999\n1 -1e-999\n2 1e-300\n");
+  ASSERT_EQ(error_of(t), "");
+  EXPECT_EQ(t.column[1], (std::vector<double>{0, 0, 1e-300}));
+  for (NonFinite const words : {NonFinite::refused, NonFinite::kept})
+    EXPECT_NE(error_of(parse_numbers("0 1\n1 1e999\n", words)).find("'1e999' is not a number"), std::string::npos);
+  EXPECT_NE(error_of(parse_numbers("0 1\n1 1e-999x\n")).find("'1e-999x' is not a number"), std::string::npos);
+}
+
+TEST(SeriesFile, StepsThatVaryStateTheMedian) {
+  std::string const said =
+      message([&] { parse_series("1 1\n10 2\n100 3\n", "a.txt", {.channel = "", .unit = "m", .span = {}}); });
+  EXPECT_NE(said.find("a.txt:2: error: the times are not regular: a step of 9 s; the median step is 90 s"),
+            std::string::npos)
+      << said;
 }
 
 TEST(SeriesFile, ErrorsStateARemedy) {
@@ -100,9 +144,8 @@ TEST(SeriesFile, ErrorsStateARemedy) {
   EXPECT_EQ(error_text("0 1\n1 2\n", {}),
             "a.txt: error: column 2 has no unit\n  give --unit, or the option for the unit of this record, for "
             "example --unit um/s^2");
-  EXPECT_EQ(
-      error_text("0 1\n1 nan\n", {"", "m", {}}),
-      "a.txt: error: line 2: column 2 is not a number at 1 s\n  choose a span without such samples with --gps A..B");
+  EXPECT_EQ(error_text("0 1\n1 nan\n", {"", "m", {}}),
+            "a.txt:2: error: column 2 is not a number at 1 s\n  choose a span without such samples with --gps A..B");
   EXPECT_EQ(error_text("0 1\n1 2\n2 3\n3 4\n", {"", "m", {7, 8}}).substr(0, 54),
             "error: 'a.txt' covers GPS 0..4, not the requested 7..8");
   EXPECT_EQ(error_text("5\n6\n", {"", "m", {}}),

@@ -82,11 +82,14 @@ TEST(Shapes, ResonanceKeepsItsPower) {  // white motion through a mode: pi/2 f0 
   }
 }
 
+// Of the first problem of a curve; empty without one.
+std::string error_of(Curve const& read) { return read.problems.empty() ? "" : read.problems.front().what; }
+
 TEST(TextTable, ReadsColumns) {
   Curve const c = parse_curve("# Hz, m\n0 5\n1\t2 7\n10, 3e-2; 8 % end\n\n+20 1E-3 9\n", 1, 2);
-  EXPECT_NE(c.error, "");  // the first row has two columns, the others three
+  EXPECT_NE(error_of(c), "");  // the first row has two columns, the others three
   Curve const d = parse_curve("# Hz, m\r\n0 5 1\r\n1\t2 7\r\n10, 3e-2; 8 % end\n\n+20 1E-3 9", 1, 3);
-  ASSERT_EQ(d.error, "");
+  ASSERT_EQ(error_of(d), "");
   EXPECT_EQ(d.hz, (std::vector<double>{1, 10, 20}));
   EXPECT_EQ(d.value, (std::vector<double>{7, 8, 9}));
 }
@@ -96,24 +99,25 @@ TEST(TextTable, TakesTheNamedColumnOfMany) {
   std::string const rows = "1 5 nan 7\n10 5 8 nan\n";
   Curve const total =
       parse_named_curve("# a b c d\n# Hz Quantum_strain dark_strain total_strain\n" + rows, strain_columns);
-  ASSERT_EQ(total.error, "");
+  ASSERT_EQ(error_of(total), "");
   EXPECT_EQ(total.value[0], 7);
   EXPECT_TRUE(std::isnan(total.value[1]));
   EXPECT_EQ(parse_named_curve("# frequency_Hz h_mean sigma\n1 2 3\n4 5 nan\n", strain_columns).value,
             (std::vector<double>{2, 5}));
   EXPECT_EQ(parse_named_curve("# Hz much\n1 2\n4 5\n", strain_columns).value, (std::vector<double>{2, 5}));
-  std::string const other = parse_named_curve("# Hz Quantum_strain dark_strain sum\n" + rows, strain_columns).error;
+  std::string const other = error_of(parse_named_curve("# Hz Quantum_strain dark_strain sum\n" + rows, strain_columns));
   EXPECT_EQ(other, "it has 4 columns (Hz, Quantum_strain, dark_strain, sum), and none is named total_strain or h_mean");
-  EXPECT_NE(parse_named_curve(rows, strain_columns).error.find("4 columns without names"), std::string::npos);
+  EXPECT_NE(error_of(parse_named_curve(rows, strain_columns)).find("4 columns without names"), std::string::npos);
 }
 
 TEST(TextTable, ErrorsAreExplained) {
-  EXPECT_EQ(parse_curve("1 2\nf x").error, "line 2: 'f' is not a number (comments start with #)");
-  EXPECT_NE(parse_curve("1 2\n1 3").error.find("does not increase"), std::string::npos);
-  EXPECT_NE(parse_curve("1 2\n2 -3").error.find("negative"), std::string::npos);
-  EXPECT_NE(parse_curve("1 2\n2 3", 1, 3).error.find("2 columns"), std::string::npos);
-  EXPECT_NE(parse_curve("").error, "");
-  EXPECT_NE(parse_curve("1 nan\n2 3").error, "");
+  EXPECT_EQ(parse_curve("1 2\nf x").problems.at(0).place.line, 2u);
+  EXPECT_EQ(error_of(parse_curve("1 2\nf x")), "'f' is not a number (comments start with #)");
+  EXPECT_NE(error_of(parse_curve("1 2\n1 3")).find("does not increase"), std::string::npos);
+  EXPECT_NE(error_of(parse_curve("1 2\n2 -3")).find("negative"), std::string::npos);
+  EXPECT_NE(error_of(parse_curve("1 2\n2 3", 1, 3)).find("2 columns"), std::string::npos);
+  EXPECT_NE(error_of(parse_curve("")), "");
+  EXPECT_NE(error_of(parse_curve("1 nan\n2 3")), "");
 }
 
 }  // namespace
