@@ -22,10 +22,12 @@
 namespace straytrace::cli {
 namespace {
 
-// As text, or as the list for scripts.
+// As text, as the list for scripts, or as an event.
 void print_error(InputError const& e, bool json) {
-  std::cerr << (json ? problems_as_json(e) : printable(e.what())) << '\n';
-  print_problems(e);
+  if (events_on())
+    print_problems(e);
+  else
+    std::cerr << (json ? problems_as_json(e) : printable(e.what())) << '\n';
 }
 
 // One sentence and what to write instead; the exit code.

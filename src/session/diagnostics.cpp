@@ -58,7 +58,7 @@ void print_progress(TraceProgress const& p, std::string const& line) {
 }
 
 void print_problems(InputError const& e) {
-  if (told) tell({{"event", "problems"}, {"text", e.what()}, {"problems", SortedJson::parse(problems_as_json(e))}});
+  tell({{"event", "problems"}, {"text", e.what()}, {"problems", SortedJson::parse(problems_as_json(e))}});
 }
 
 }  // namespace straytrace::session

@@ -17,7 +17,8 @@ void print_warnings(Scene const&, PrintOptions const&);
 void print_warning(std::string const& sentence, PrintOptions const&);
 
 // Lines of JSON on stderr for a program that runs this one (straytrace --events): progress of a trace, and problems of
-// the input. Each is an object with the key `event`; all other lines are plain text.
+// the input, which are then printed in no other form. Each is an object with the key `event`; all other lines are plain
+// text.
 
 void print_events();  // from now on
 bool events_on();
