@@ -64,7 +64,8 @@ def trace_words(histories: int | float | None = None, until: str | None = None, 
     if until is not None and not isinstance(until, str):
         raise TypeError(f"until is {until!r}; write a rule such as 'h_total < 5 %' or '10 min'")
     given = {"--histories": _count(histories, "histories"), "--until": until, "--seed": _count(seed, "seed"),
-             "--threads": _count(threads, "threads"), "--max-time": max_time}
+             "--threads": _count(threads, "threads"),
+             "--max-time": f"{max_time}s" if isinstance(max_time, (int, float)) else max_time}
     words = [f"{name}={value}" for name, value in given.items() if value is not None]
     return words + (["--force"] if force else [])
 

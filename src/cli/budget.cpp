@@ -169,8 +169,7 @@ void add_budget(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   command->add_option("--margin", o.margin,
                       "ratio to the first design curve that counts as small enough (default 1/10)");
-  command->add_option("-p,--param", r.overrides, "change a parameter of the detector, in SI: -p Laser.Power=25")
-      ->allow_extra_args(false);
+  add_overrides(*command, r.overrides, "change a parameter of the detector, in SI: -p Laser.Power=25");
   command->add_option("--export", o.export_as, "pygwinc: also write budget.hdf5, which pygwinc reads")
       ->check(CLI::IsMember({"pygwinc"}));
   command->add_option("-o,--out", o.out, "folder for budget.txt, budget.json, budget.png");

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <regex>
+#include <set>
 
 #include "base/files/read_write.hpp"
 #include "base/input/table.hpp"
@@ -93,9 +94,19 @@ void refuse_two_formats(bool csv, PrintOptions const& options) {
   if (csv && options.json()) throw InputError("--csv and --format json exclude each other", "choose one of them");
 }
 
+void add_overrides(CLI::App& command, std::vector<std::string>& overrides, std::string const& help) {
+  auto const take = [&overrides](std::vector<std::string> const& given) {
+    std::set<std::string> names;
+    for (std::string const& text : given)
+      if (std::string const name = text.substr(0, text.find('=')); !names.insert(name).second)
+        throw InputError(fmt::format("-p sets '{}' twice", name), "keep one of them");
+    overrides = given;
+  };
+  command.add_option_function<std::vector<std::string>>("-p,--param", take, help)->allow_extra_args(false);
+}
+
 void add_param_option(CLI::App& command, SceneOptions& options) {
-  command.add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
-      ->allow_extra_args(false);
+  add_overrides(command, options.overrides, "set a parameter, for example -p rim=48cm");
 }
 
 void add_scene_options(CLI::App& command, SceneOptions& options, char const* input) {

@@ -16,7 +16,8 @@ void add_scene_options(CLI::App&, SceneOptions&,
 void add_history_options(CLI::App&, TraceOptions&);               // --histories, --seed
 void add_trace_options(CLI::App&, TraceOptions&);  // these, --until, --threads, --max-time, --checkpoint, --force
 void add_force_option(CLI::App&, bool& force);
-void add_param_option(CLI::App&, SceneOptions&);  // -p, --param
+void add_overrides(CLI::App&, std::vector<std::string>& overrides, std::string const& help);  // -p, --param
+void add_param_option(CLI::App&, SceneOptions&);                                              // the same of a scene
 void add_format_option(CLI::App&, PrintOptions&);
 void refuse_two_formats(bool csv, PrintOptions const&);  // InputError for --csv with --format json
 

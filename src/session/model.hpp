@@ -41,7 +41,7 @@ struct StopRule {
 // "h_total < 5 %" (or "h < 5 %"), "routes < 10 %", "receiver:PD1 < 5 %", "class:* < 10 %", "10 min", or several with
 // commas. Throws InputError.
 StopRule parse_stop_rule(std::string const&);
-// "50min", "1 h", "90 s" or bare seconds, in s. Throws InputError.
+// "50min", "1 h" or "90 s", in s. Throws InputError.
 double parse_duration(std::string const&);
 
 inline constexpr std::uint64_t no_limit = 1ull << 36;   // histories

@@ -176,7 +176,7 @@ std::optional<StopRule::Complaint> complaint_about(StopRule const& rule, Model c
 }
 
 double parse_duration(std::string const& text) {
-  static std::regex const duration(R"(\s*([0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?)\s*(s|min|h|)\s*)");
+  static std::regex const duration(R"(\s*([0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?)\s*(s|min|h)\s*)");
   std::smatch m;
   double seconds = 0;
   if (bounded_regex_match(text, m, duration)) seconds = std::strtod(m[1].str().c_str(), nullptr) * seconds_in(m[2]);

@@ -57,6 +57,10 @@ int fit(FitOptions const& o) {
                      "the residual is HDF5 for gwpy");
   if (!o.prediction.run.empty() && !o.gain.empty())
     throw InputError("--gain-per-field: the run has the responses of its ports", "remove one of the two");
+  PredictedRoutes const& wanted = o.prediction;
+  if (wanted.run.empty() && (!wanted.rows.empty() || !wanted.body.empty() || !wanted.axis.empty()))
+    throw InputError("--path, --body and --axis choose from a run, but none is given",
+                     "name the run file, or remove them");
   FringeRecords const records = records_of(o);
   std::vector<RoutePrediction> routes;
   if (!o.prediction.run.empty()) routes = route_predictions(o.prediction, is_rotation(records));

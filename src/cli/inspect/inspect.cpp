@@ -245,7 +245,7 @@ void add_inspect(CLI::App& app, int& exit_code) {
           "scene, or motion file")
       ->required();
   command->add_option("scene", o.scene, "scene that contains the material");
-  command->add_option("-p,--param", o.overrides, "set a parameter, for example -p rim=48cm")->allow_extra_args(false);
+  add_overrides(*command, o.overrides, "set a parameter, for example -p rim=48cm");
   mark_output(*command, *command->add_option("--plot", o.plot,
                                              "draw the parts, BSDF against |beta - beta0| and TIS against angle, "
                                              "measured scatter with fits and residuals, or "

@@ -57,8 +57,33 @@ void print_ports(PathsOptions const& options, RunContent const& content, PathTab
   }
 }
 
+// Of a run; `grid` is that of its noise.
+TableSettings table_settings(std::string const& band_text, FrequencyGrid const& grid) {
+  TableSettings settings;
+  if (band_text.empty()) return settings;
+  FrequencyBand const band = option_band(band_text, "--band");
+  if (double const low = grid.edges.front(), high = grid.edges.back(); band.low >= high || band.high <= low)
+    throw InputError(
+        fmt::format("--band: the noise of the run covers {:g} to {:g} Hz, nothing of '{}'", low, high, band_text),
+        fmt::format("choose a band within it, for example --band \"{:g} Hz..{:g} Hz\"", low, high));
+  settings.low = band.low;
+  settings.high = band.high;
+  std::erase_if(settings.frequencies, [&](double f) { return f < band.low || f > band.high; });
+  if (settings.frequencies.empty()) settings.frequencies = {std::sqrt(band.low * band.high)};
+  return settings;
+}
+
+void refuse_options_of_first_order(PathsOptions const& options) {
+  if (options.first_order) return;
+  if (options.histories)
+    throw InputError("--histories: the histories of a run are fixed", "remove it, or add --first-order");
+  if (!options.overrides.empty())
+    throw InputError("the parameters of a run are fixed", "remove -p, or add --first-order");
+}
+
 int paths(PathsOptions const& options) {
   refuse_two_formats(options.csv, options);
+  refuse_options_of_first_order(options);
   if (options.any() && (options.first_order || options.census || options.by == "receiver" || options.by == "source"))
     throw InputError("--where, --without, --sort and --band apply to routes to ports",
                      "remove --by, --census and --first-order, or these");
@@ -77,14 +102,9 @@ int paths(PathsOptions const& options) {
     return done;
   }
   NoiseBudget const* const budget = file.noise ? &*file.noise : nullptr;
-  TableSettings settings;
-  if (!options.band.empty()) {
-    FrequencyBand const band = option_band(options.band, "--band");
-    settings.low = band.low;
-    settings.high = band.high;
-    std::erase_if(settings.frequencies, [&](double f) { return f < band.low || f > band.high; });
-    if (settings.frequencies.empty()) settings.frequencies = {std::sqrt(band.low * band.high)};
-  }
+  if (!options.band.empty() && !budget)
+    throw InputError("--band: this run has no noise", "remove it, or compute the noise: straytrace noise");
+  TableSettings const settings = budget ? table_settings(options.band, budget->grid) : TableSettings{};
   print_ports(options, content, path_table(file.trace.coupling, budget, budget ? &model.motion : nullptr, settings),
               show);
   return done;
@@ -114,8 +134,7 @@ void add_paths(CLI::App& app, int& exit_code) {
           "--histories", [options](double n) { options->histories = std::uint64_t(n); },
           "histories of --first-order, forward and backward from each end; default 131072")
       ->check(number_between(1.0, 1e12, "1e6"));
-  command->add_option("-p,--param", o.overrides, "set a parameter of the scene, for example -p rim=48cm")
-      ->allow_extra_args(false);
+  add_overrides(*command, o.overrides, "with --first-order: set a parameter, for example -p rim=48cm");
   command->add_flag("--csv", o.csv, "all rows, all columns, all digits");
   add_format_option(*command, o);
   command->footer(

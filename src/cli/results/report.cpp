@@ -180,7 +180,7 @@ void add_view(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand(
       "view", "Show a scene in three dimensions with beams, ghosts and sample rays, and the paths of a run.");
   command->add_option("scene", o.input, "scene file (YAML), or run file (HDF5)")->required();
-  command->add_option("-p,--param", o.overrides, "set a parameter, for example -p rim=48cm")->allow_extra_args(false);
+  add_param_option(*command, o);
   mark_output(*command,
               *command->add_option("-o,--out", o.out, "HTML file; default: view.html, or none with --vtk or --glb"));
   command->add_option("--vtk", o.vtk, "folder for straytrace.vtm, for ParaView: parts, paths, names");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/errors.hpp"
 #include "cli/data_options.hpp"
 #include "cli/options.hpp"
 #include "spectra/files/series_file.hpp"
@@ -46,6 +47,8 @@ void add_route_options(CLI::App& command, TimeOptions& o) {
 }
 
 TimeRequest request_of(TimeOptions const& o) {
+  if (!o.unit.empty() && o.channel.empty())
+    throw InputError("--unit: no --channel has samples of this unit", "remove it, or give a --channel");
   TimeRequest r = o;
   if (!o.gps.empty()) r.span = parse_gps(o.gps);
   if (!o.duration_text.empty()) r.duration = option_quantity(o.duration_text, dim::time, "--duration", "64 s");

@@ -175,6 +175,10 @@ TEST(NoiseAndPaths, OfOneRun) {
 
   expect_other_motion(folder, own);
   expect_shares(run);
+  Finished const outside = straytrace({"paths", run, "--band", "1.5 kHz..2 kHz"});
+  EXPECT_EQ(outside.code, 2);
+  EXPECT_THAT(outside.err, HasSubstr("--band: the noise of the run covers 5 to"));
+  EXPECT_EQ(straytrace({"paths", run, "--band", "900 Hz..2 kHz"}).code, 0);  // negative control
 }
 
 // A coupling table alone, and noise from it: the same as both at once.

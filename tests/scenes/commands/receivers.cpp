@@ -165,7 +165,7 @@ TEST(ReceiversCommand, InterruptedRunsResumeWithTheSameBits) {
     words.insert(words.end(), more.begin(), more.end());
     return straytrace(words).code;
   };
-  EXPECT_EQ(trace("a.h5", {"--until", "receiver:PD < 1e-9", "--max-time", "0.3"}), 85);
+  EXPECT_EQ(trace("a.h5", {"--until", "receiver:PD < 1e-9", "--max-time", "0.3s"}), 85);
   std::string const n = std::to_string(read_run(folder / "a.h5").trace.total.histories + 10 * largest_block);
   EXPECT_EQ(trace("a.h5", {"--histories", n}), 0);
   EXPECT_EQ(trace("b.h5", {"--histories", n, "--threads", "1"}), 0);

@@ -52,7 +52,7 @@ TEST(Resume, InterruptedAndContinuedIsOneLongRun) {
 
 TEST(Resume, MaxTime) {
   Folder const folder;
-  Finished const r = straytrace(run_into(folder / "a", {"--until", never, "--max-time", "0.3", "--quiet"}));
+  Finished const r = straytrace(run_into(folder / "a", {"--until", never, "--max-time", "0.3s", "--quiet"}));
   EXPECT_EQ(r.code, 85);
   RunFile const run = read_run(folder / "a/run.h5");
   EXPECT_FALSE(run.complete);
