@@ -3,8 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <string_view>
+#include <utility>
 
 #include "base/errors.hpp"
 #include "cli/commands.hpp"
@@ -15,6 +18,8 @@
 
 namespace straytrace::cli {
 namespace {
+
+namespace fs = std::filesystem;
 
 nlohmann::ordered_json as_json(std::vector<Difference> const& all) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
@@ -62,9 +67,39 @@ void read_scene_of(Side& side) {
   side.scene = read_by_all(about.main_file, about.overrides, &about.files);
 }
 
+// Names the files of a scene by their folder too: scenes of one name, in two folders, are told apart.
+InputError with_folder(InputError const& e, fs::path const& folder) {
+  std::vector<std::string> names = e.files;
+  std::string text = "\n" + std::string(e.what());
+  for (std::string& name : names) {
+    if (name.empty() || folder.empty() || !fs::exists(folder / name)) continue;
+    std::string const begin = "\n" + name + ":", whole = (folder / name).string();
+    for (std::size_t at = 0; (at = text.find(begin, at)) != text.npos; at += whole.size())
+      text.replace(at + 1, name.size(), whole);
+    name = whole;
+  }
+  return {e.problems, text.substr(1), names};
+}
+
+// Both, or the errors of both.
+std::pair<Side, Side> read_sides(DiffOptions const& options) {
+  std::pair<Side, Side> sides;
+  std::vector<InputError> errors;
+  for (std::size_t i = 0; i < 2; ++i) {
+    try {
+      (i == 0 ? sides.first : sides.second) = read_side(options.files[i], options.overrides);
+    } catch (InputError const& e) {
+      errors.push_back(with_folder(e, fs::path(options.files[i]).parent_path()));
+    }
+  }
+  if (errors.size() == 2 && std::string_view(errors[0].what()) == errors[1].what()) errors.pop_back();
+  throw_all(errors);
+  return sides;
+}
+
 int diff(DiffOptions const& options) {
   std::vector<std::string> const& files = options.files;
-  Side before = read_side(files[0], options.overrides), after = read_side(files[1], options.overrides);
+  auto [before, after] = read_sides(options);
   std::vector<Difference> models;
   if (!same_texts(before, after)) {
     read_scene_of(before);
@@ -100,8 +135,7 @@ void add_diff(CLI::App& app, int& exit_code) {
   DiffOptions& o = *options;
   auto* const command = app.add_subcommand("diff", "Show the physical differences between two models or two runs.");
   command->add_option("files", o.files, "two scenes, or two run files (HDF5); or one of each")->required()->expected(2);
-  command->add_option("-p,--param", o.overrides, "set a parameter of both scenes, for example -p rim=48cm")
-      ->allow_extra_args(false);
+  add_overrides(*command, o.overrides, "set a parameter of both scenes, for example -p rim=48cm");
   add_format_option(*command, o);
   command->footer(
       "Examples:\n"

@@ -2,6 +2,8 @@
 // The command line: help that is true, and one clear sentence when it is wrong (docs/reference/commands.md).
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <set>
 #include <sstream>
 
 #include "scenes/program.hpp"
@@ -120,6 +122,15 @@ TEST(CommandLine, MistakesAreExplained) {
       {{"noise", folder / "text.h5"}, "is not a straytrace run file", "\n  name the run.h5"},
       {{"paths", folder / "cut.h5"}, "is damaged: its content does not match its checksum", "\n  copy it again"},
       {{"paths", virgo_arm}, "is a scene, not a run", "trace it first"},
+      {{"paths", folder / "run.h5", "-p", "rim=48cm"}, "the parameters of a run are fixed", "or add --first-order"},
+      {{"paths", folder / "run.h5", "--histories", "5"}, "the histories of a run are fixed", "or add --first-order"},
+      {{"paths", folder / "run.h5", "--band", "20 Hz..80 Hz"}, "--band: this run has no noise", "straytrace noise"},
+      {{"project", folder / "run.h5", "--gps", "5..8", "--unit", "kg"}, "--unit: no --channel", "remove it"},
+      {{"fit", "--path", "9"}, "choose from a run, but none is given", "name the run file"},
+      {{"fit", "--body", "x"}, "choose from a run, but none is given", "name the run file"},
+      {{"run", virgo_arm, "-o", out, "-p", "rim=48cm", "-p", "rim=49cm"}, "-p sets 'rim' twice", "keep one of them"},
+      {{"budget", "adv", "-p", "Laser.Power=2", "-p", "Laser.Power=3"}, "-p sets 'Laser.Power' twice", "keep one"},
+      {{"run", virgo_arm, "-o", out, "--max-time", "5"}, "'5' is not a time", "90s, 50min or 1h"},
   };
   for (Wrong const& w : all) {
     Finished const r = straytrace(w.words);
@@ -132,6 +143,8 @@ TEST(CommandLine, MistakesAreExplained) {
     EXPECT_NE(nlohmann::json::parse(r.err).at(0).at("suggestion"), "") << r.err;
   }
   EXPECT_EQ(fault(straytrace({"check", virgo_arm}), all[0]), "exit code 0");
+  Words const first_order{"paths", virgo_arm, "--first-order", "--histories", "4096", "-p", "rim=48cm"};
+  EXPECT_EQ(straytrace(first_order).code, 0);  // negative control
   EXPECT_EQ(fault(straytrace({"run"}), all[3]), "wrong reason");
 }
 
@@ -194,6 +207,43 @@ TEST(CommandLine, NoOptionUsesCliRange) {
   }
   EXPECT_GT(files, 40u);
   EXPECT_GT(own, 10u) << "the search reads the files";
+}
+
+// One line of JSON, and no second form of the same problem. Control: without the option, text.
+TEST(CommandLine, EventsAreTheOnlyFormOfProblems) {
+  for (Words const& words :
+       {Words{"check", "none.yaml"}, Words{"check", "none.yaml", "--format", "json"}, Words{"chek", "none.yaml"}}) {
+    Words with{"--events"};
+    with.insert(with.end(), words.begin(), words.end());
+    Finished const r = straytrace(with);
+    EXPECT_EQ(r.code, 2);
+    EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
+    auto const event = nlohmann::json::parse(r.err);
+    EXPECT_EQ(event.at("event"), "problems");
+    EXPECT_NE(event.at("problems").at(0).at("suggestion"), "");
+  }
+  EXPECT_TRUE(straytrace({"check", "none.yaml"}).err.starts_with("none.yaml: error: "));
+}
+
+// Errors of both models in one run, each with the path as written. Control: a sound model beside a wrong one.
+TEST(CommandLine, DiffTellsFilesOfOneNameApart) {
+  Folder const folder;
+  std::string const a = folder / "A/arm.yaml", b = folder / "B/arm.yaml";
+  for (std::string const& file : {a, b}) {
+    fs::create_directory(fs::path(file).parent_path());
+    write_text(file, "straytrace: 1\nbafles: 1\n");
+  }
+  Finished const both = straytrace({"diff", a, b});
+  EXPECT_EQ(both.code, 2);
+  EXPECT_THAT(both.err, HasSubstr(a + ":2:1: error: "));
+  EXPECT_THAT(both.err, HasSubstr(b + ":2:1: error: "));
+  std::set<std::string> files;
+  for (auto const& problem : nlohmann::json::parse(straytrace({"diff", a, b, "--format", "json"}).err))
+    files.insert(problem.at("file"));
+  EXPECT_TRUE(files.contains(a) && files.contains(b));
+  Finished const one = straytrace({"diff", virgo_arm, b});
+  EXPECT_THAT(one.err, HasSubstr(b + ":2:1: error: "));
+  EXPECT_THAT(one.err, ::testing::Not(HasSubstr("virgo_arm")));
 }
 
 TEST(CommandLine, DecimalCommasAreNamed) {
