@@ -142,6 +142,13 @@ void add_rest(std::map<std::string, Rest>& rests, std::string const& port, Noise
   ++rest.routes;
 }
 
+struct Compared {
+  RunFile const &b, &a;
+  RunDifference const& d;
+  std::map<std::string, Rest> rests{};    // by port
+  std::vector<Change> named{}, others{};  // routes; rows `other`
+};
+
 // The sums of `rests` take the place of their rows in `others`.
 void put_rests(std::vector<Change>& others, std::map<std::string, Rest> const& rests, RunFile const& b,
                RunFile const& a) {
@@ -156,36 +163,40 @@ void put_rests(std::vector<Change>& others, std::map<std::string, Rest> const& r
   }
 }
 
+// A row that only one of the runs has.
+void add_only(Change c, Listed const& one, bool is_before, Compared& to) {
+  RunFile const &own = is_before ? to.b : to.a, &other = is_before ? to.a : to.b;
+  if (one.route->steps.empty()) {
+    to.others.push_back(std::move(c));
+    return;
+  }
+  std::string const port = port_of(own, *one.route);
+  auto const rows = others_of(other, port);
+  if (!rows.empty() && exists_in(other, own, *one.route)) {
+    c.within = rows.front()->name;
+    add_rest(to.rests, port, *one.noise, is_before, to.b, to.a, to.d);
+  }
+  to.named.push_back(std::move(c));
+}
+
 std::vector<Change> route_changes(RunFile const& b, RunFile const& a, RunDifference const& d) {
   ByKey const x = by_key(b), y = by_key(a);
-  std::map<std::string, Rest> rests;
-  std::vector<Change> all, others;
-  auto const list_of = [&](Listed const& one) -> std::vector<Change>& {
-    return one.route->steps.empty() ? others : all;
-  };
-  auto const only_one = [&](Listed const& one, bool is_before) {
-    RunFile const &own = is_before ? b : a, &other = is_before ? a : b;
-    std::string const port = port_of(own, *one.route);
-    Change c =
-        route_change(is_before ? one.noise : nullptr, is_before ? nullptr : one.noise, b.noise->grid, a.noise->grid, d);
-    auto const rows = others_of(other, port);
-    if (!rows.empty() && !one.route->steps.empty() && exists_in(other, own, *one.route)) {
-      c.within = rows.front()->name;
-      add_rest(rests, port, *one.noise, is_before, b, a, d);
-    }
-    list_of(one).push_back(std::move(c));
+  Compared to{b, a, d};
+  auto const change_of = [&](NoiseTrace const* before, NoiseTrace const* after) {
+    return route_change(before, after, b.noise->grid, a.noise->grid, d);
   };
   for (auto const& [key, one] : x) {
     auto const hit = y.find(key);
     if (hit == y.end())
-      only_one(one, true);
+      add_only(change_of(one.noise, nullptr), one, true, to);
     else
-      list_of(one).push_back(route_change(one.noise, hit->second.noise, b.noise->grid, a.noise->grid, d));
+      (one.route->steps.empty() ? to.others : to.named).push_back(change_of(one.noise, hit->second.noise));
   }
   for (auto const& [key, one] : y)
-    if (!x.contains(key)) only_one(one, false);
-  put_rests(others, rests, b, a);
-  all.insert(all.end(), others.begin(), others.end());
+    if (!x.contains(key)) add_only(change_of(nullptr, one.noise), one, false, to);
+  put_rests(to.others, to.rests, b, a);
+  std::vector<Change> all = std::move(to.named);
+  all.insert(all.end(), to.others.begin(), to.others.end());
   auto const change = [](Change const& c) {
     return std::fabs(c.after.value * c.after.value - c.before.value * c.before.value);
   };
