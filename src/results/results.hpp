@@ -175,7 +175,7 @@ struct PathRow {
   WithError coupling_with_error() const { return {coupling.mean, coupling.std_error, upper_bound()}; }
   double rms_phase = 0;           // rad, of the strongest independent motion; above 1: fringes wrap
   std::string regime;             // results/curves/band.hpp, over the band; empty without a budget
-  std::size_t folded_routes = 0;  // of `other`: how many it sums
+  std::size_t folded_routes = 0;  // of `other` and rows of several ghosts: how many
   std::vector<FoldedRow> folded;  // the largest of them, descending
   double length_mean = 0, length_min = 0, length_max = 0;  // m, optical; NaN without records
 };
