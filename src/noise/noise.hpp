@@ -38,7 +38,8 @@ struct NoiseTrace {
   // Of routes: the range allowed by stated brackets and uncertainties of materials and motion; empty when not computed.
   // NoiseBands holds that of the total.
   std::vector<double> input_low, input_high;
-  double mean_square_phase = 0;  // rad^2, mean over the paths by power: linear below 1e-2, fringe wrapping above 1
+  // rad^2, mean over the paths by power, of a row `other` by noise: linear below 1e-2, fringe wrapping above 1.
+  double mean_square_phase = 0;
   bool resolved = true;
   std::string why_not;
   bool faint = false;               // unresolved, but its observed part is below `faint_limit`

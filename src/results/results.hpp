@@ -169,7 +169,7 @@ struct PathRow {
   WithError share;               // of the resolved strain noise power in the band [1]; NaN without a budget
   std::string body;              // whose motion contributes most; without motion, of the largest phase sensitivity
   std::string moves;             // without motion: all bodies of nearly the largest phase sensitivity; else `body`
-  double phase_sensitivity = 0;  // rad/m, rms over the paths of that body's translations
+  double phase_sensitivity = 0;  // rad/m, of that body's translations: rms over the paths by power, of `other` by noise
   double sensitivity() const { return body.empty() ? not_a_number : phase_sensitivity; }  // rad/m
   bool upper_bound() const { return kind == ClassKind::edge; }
   WithError coupling_with_error() const { return {coupling.mean, coupling.std_error, upper_bound()}; }

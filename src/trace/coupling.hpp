@@ -97,6 +97,8 @@ struct CouplingClass {
   std::uint64_t folded_routes = 0;  // of `other` and of coherent families: number of terms
   std::vector<FoldedRoute> folded;  // the largest of them, descending
 
+  // A row `other`: bright still light and faint moving light may lie in it together.
+  bool mixes_routes() const { return steps.empty() && !deterministic(); }
   bool deterministic() const { return kind != ClassKind::scattered; }
   // Whether its paths add as fields with known relative phases (docs/theory/ghosts.md, eq. 10.5), not in power.
   bool adds_fields() const {

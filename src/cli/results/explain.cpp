@@ -354,7 +354,8 @@ std::vector<Factor> chain(CouplingClass const& c, NoiseTrace const& trace, PathR
       {"C_rev", c.reverse, "", "the reverse route adds in amplitude: 2 where it is another route"},
       {"N", copies, "", "equal, independent copies of the port in the detector; powers add"},
       {"kappa", row.phase_sensitivity, "rad/m",
-       "rms phase sensitivity of the body that moves it: single path, all bounces counted"},
+       "rms phase sensitivity of the body that moves it: single path, all bounces counted; of 'other' weighted by "
+       "noise"},
       {"phase", std::sqrt(trace.mean_square_phase), "rad", "rms; above 1 fringes wrap"},
       {"S", power > 0 && both > 0 ? h * h / (power * both) : not_a_number, "1/Hz",
        "one-sided PSD of the quadrature of a unit field, mean over static phases (half of the PSD of a small phase)"},

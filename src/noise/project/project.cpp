@@ -203,6 +203,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
       doubtful.emplace_back(r, own);
     budget.routes.push_back(finished(name, why_not.empty() ? own : hint_of(own)));
     NoiseTrace& trace = budget.routes.back();
+    if (c.mixes_routes()) trace.mean_square_phase = route.mean_square_phase_of_noise;
     trace.hash = c.hash;
     trace.resolved = why_not.empty();
     trace.why_not = why_not;

@@ -139,6 +139,7 @@ class EffectiveNumber {
     sum_ += x;
     squares_ += x * x;
   }
+  double sum() const { return sum_; }
   double value() const { return squares_ > 0 ? sum_ * sum_ / squares_ : 0; }
 
  private:
@@ -177,8 +178,11 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
     weight += w;
     route.mean_square_phase += w * strength;
     power.add(w);
-    noise.add(w * strength / (1 + strength));  // the power of wrapped fringes is bounded
+    double const loud = w * strength / (1 + strength);  // the power of wrapped fringes is bounded
+    noise.add(loud);
+    route.mean_square_phase_of_noise += loud * strength;
   }
+  if (noise.sum() > 0) route.mean_square_phase_of_noise /= noise.sum();
   route.paths_of_power = power.value();
   route.paths_of_noise = noise.value();
   route.psd = sum_of(histogram.all, nodes.basis(), &SpectrumInterpolator::Basis::psd);

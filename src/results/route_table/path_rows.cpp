@@ -34,18 +34,27 @@ Shaking shaking_of(MotionSet const& motion, double low, double high) {
   return s;
 }
 
+// Sums over paths, weighted by power: rad^2, without motion (rad/m)^2; (rad/m)^2. Weighted by noise: weights;
+// (rad/m)^2.
 struct BodyPart {
-  double phase2 = 0, lever2 = 0;  // rad^2; (rad/m)^2; weighted sums over paths
+  double strength = 0, lever2 = 0, noise = 0, lever2_of_noise = 0;
 };
 
 void add_phase_sensitivity(BodyPart& part, double weight, PhaseSensitivity const& phase_sensitivity,
                            Shaking const* shaking) {
-  part.lever2 +=
-      weight * (phase_sensitivity.d[0] * phase_sensitivity.d[0] + phase_sensitivity.d[1] * phase_sensitivity.d[1] +
-                phase_sensitivity.d[2] * phase_sensitivity.d[2]);
-  if (!shaking) return;
-  std::vector<double> const kappa = kappa_of(*shaking->motion, shaking->classes, {&phase_sensitivity, 1});
-  for (std::size_t i = 0; i < kappa.size(); ++i) part.phase2 += weight * shaking->power[i] * kappa[i];
+  double const lever2 = phase_sensitivity.d[0] * phase_sensitivity.d[0] +
+                        phase_sensitivity.d[1] * phase_sensitivity.d[1] +
+                        phase_sensitivity.d[2] * phase_sensitivity.d[2];
+  double strength = shaking ? 0 : lever2;
+  if (shaking) {
+    std::vector<double> const kappa = kappa_of(*shaking->motion, shaking->classes, {&phase_sensitivity, 1});
+    for (std::size_t i = 0; i < kappa.size(); ++i) strength += shaking->power[i] * kappa[i];
+  }
+  double const noise = weight * strength / (shaking ? 1 + strength : 1);  // bounded where fringes wrap
+  part.strength += weight * strength;
+  part.lever2 += weight * lever2;
+  part.noise += noise;
+  part.lever2_of_noise += noise * lever2;
 }
 
 // The body with the largest phase noise. Without motion, the one with the largest phase sensitivity, named with those
@@ -58,19 +67,18 @@ void find_body(PathRow& row, CouplingClass const& c, std::vector<std::string> co
     for (PhaseSensitivity const& phase_sensitivity : r.phase_sensitivities)
       add_phase_sensitivity(parts[phase_sensitivity.body.value], r.weight, phase_sensitivity, shaking);
   }
-  auto const size = [&](BodyPart const& part) { return shaking ? part.phase2 : part.lever2; };
   double best = 0;
   for (auto const& [body, part] : parts) {
-    if (size(part) <= best || body >= names.size()) continue;
-    best = size(part);
+    if (part.strength <= best || body >= names.size()) continue;
+    best = part.strength;
     row.body = names[body];
-    row.phase_sensitivity = std::sqrt(part.lever2 / weights);
+    row.phase_sensitivity = std::sqrt(c.mixes_routes() ? part.lever2_of_noise / part.noise : part.lever2 / weights);
   }
   row.moves = row.body;
   if (shaking || best == 0) return;
   row.moves.clear();
   for (auto const& [body, part] : parts)
-    if (body < names.size() && size(part) > 0.98 * best) row.moves += (row.moves.empty() ? "" : ", ") + names[body];
+    if (body < names.size() && part.strength > 0.98 * best) row.moves += (row.moves.empty() ? "" : ", ") + names[body];
 }
 
 void find_lengths(PathRow& row, CouplingClass const& c) {

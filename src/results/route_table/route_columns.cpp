@@ -178,7 +178,7 @@ void add_noise_columns(RouteList& all, bool has_noise) {
     .value = [](RouteRow const& r) { return r.row.body; },
     .csv = {120, "moving_body"}, .json = {160, "moving_body"}, .page = {160}, .shown_first = true});
   all.push_back({.key = "phase_sensitivity", .title = "phase sensitivity", .unit = "rad/m",
-    .help = "phase per displacement of that body, rms over paths",
+    .help = "phase per displacement of that body, rms over paths, of rows 'other' weighted by noise",
     .value = [](RouteRow const& r) { return r.row.sensitivity(); },
     .text = {100, "sensitivity/(rad/m)"}, .csv = {130, "phase_sensitivity_rad_per_m"},
     .json = {170, "phase_sensitivity_rad_per_m"}, .page = {170}, .shown_first = !has_noise});

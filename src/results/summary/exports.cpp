@@ -149,7 +149,8 @@ std::string path_csv(PathTable const& table, RunContent const& run) {
   text +=
       fmt::format("# share_percent: of the resolved strain noise power between {} and {} Hz\n", table.low, table.high);
   text +=
-      "# sigma: one standard error; phase_sensitivity: rms over paths; nan: not resolved or not computed, see status\n";
+      "# sigma: one standard error; phase_sensitivity: rms over paths, of rows 'other' weighted by noise; "
+      "nan: not resolved or not computed, see status\n";
   text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open of h\n";
   TableWriter<RouteRow> const list(route_columns(table));
   text += list.csv_head();

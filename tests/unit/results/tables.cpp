@@ -208,6 +208,21 @@ TEST_F(ReportTables, BandsAreInReportAndSummary) {
   EXPECT_THAT(text_report(content(trace, &noise), table(), 3), Not(HasSubstr("speckle 5 %")));
 }
 
+// Still light 1e14 times brighter than light from the tube. Control: a route of one sequence, by power.
+TEST(ReportRoutes, ARowOtherShowsTheSensitivityOfItsNoise) {
+  CouplingTable t = coupling_table();
+  t.classes.resize(1);
+  CouplingClass& c = t.classes[0];
+  PathRecord still, moving;
+  still.weight = 1e-15;
+  moving.weight = 1e-29;
+  moving.phase_sensitivities = {{BodyId{0}, {0, 0, 1.18e7}}};
+  c.records = {still, moving};
+  EXPECT_NEAR(path_table(t, nullptr, nullptr, {}).rows[0].phase_sensitivity, 1.18, 1e-6);
+  c.steps.clear();
+  EXPECT_NEAR(path_table(t, nullptr, nullptr, {}).rows[0].phase_sensitivity, 1.18e7, 1);
+}
+
 TEST(ReportRegime, NamesTheFrequencyOfTheChange) {
   FrequencyGrid const grid{{10, 20, 40, 80, 160}};
   NoiseTrace t;
