@@ -15,6 +15,7 @@
 #include "cli/couple/couple_data.hpp"
 #include "cli/options.hpp"
 #include "noise/project/predicted_coupling.hpp"
+#include "results/curves/band.hpp"
 #include "results/text/columns.hpp"
 #include "scene/expression.hpp"
 #include "session/open_run.hpp"
@@ -82,25 +83,44 @@ std::vector<double> told_frequencies(FrequencyGrid const& grid) {
   return out;
 }
 
+bool has_bounds(PredictedCoupling const& p) { return std::ranges::any_of(p.routes, &PredictedRoute::upper_bound); }
+
+std::string bound_of(PredictedCoupling const& p) {
+  std::string const text = bound_text(has_bounds(p), p.unresolved.size());
+  return text.empty() ? "" : fmt::format(" ({})", text);
+}
+
+std::string factor_text(PredictedCoupling const& p, std::size_t i) {
+  if (!(p.factor[i] > 0)) return "unresolved";
+  bool const incomplete = !p.unresolved.empty();  // the error of what was seen hides no bound
+  bool const bound = results::at_most(p.factor[i], incomplete ? 0 : p.sigma[i], p.bound_share[i]);
+  return bound ? with_error(WithError{p.factor[i], p.sigma[i], bound, incomplete})
+               : plus_minus(p.factor[i], p.sigma[i]);
+}
+
+std::string share_text(PredictedRoute const& r) {
+  if (!r.resolved) return "unresolved";
+  return r.upper_bound ? with_error(WithError{100 * r.share, 0, true}) + " %" : fmt::format("{:.3g} %", 100 * r.share);
+}
+
 std::string linear_text(PredictOptions const& o, PredictedCoupling const& p, bool rotation) {
   char const* const unit = rotation ? "rad" : "m";
   if (p.routes.empty()) return fmt::format("no route moves with '{}'\n", o.body);
-  std::string text = fmt::format("coupling of {} {} to h, mean over static phases, small motion\n", o.body, o.axis);
+  std::string text =
+      fmt::format("coupling of {} {} to h, mean over static phases, small motion{}\n", o.body, o.axis, bound_of(p));
   Columns curve{{"frequency", fmt::format("coupling [1/{}]", unit)}, {}, {}};
   for (double const f : told_frequencies(p.grid))
     for (std::size_t i = 0; i < p.grid.size(); ++i)
       if (f >= p.grid.edges[i] && f < p.grid.edges[i + 1])
-        curve.rows.push_back(
-            {fmt::format("{:.4g} Hz", f), p.factor[i] > 0 ? plus_minus(p.factor[i], p.sigma[i]) : "unresolved"});
+        curve.rows.push_back({fmt::format("{:.4g} Hz", f), factor_text(p, i)});
   Columns routes{
       {"route", "share", fmt::format("phase [rad/{}]", unit), "multiplicity", fmt::format("linear to [{} peak]", unit)},
       {true},
       {}};
   for (std::size_t i = 0; i < std::min(o.show, p.routes.size()); ++i) {
     PredictedRoute const& r = p.routes[i];
-    routes.rows.push_back({r.name, r.resolved ? fmt::format("{:.3g} %", 100 * r.share) : "unresolved",
-                           fmt::format("{:.4g}", r.phase), rotation ? "" : fmt::format("{:.3g}", r.multiplicity),
-                           fmt::format("{:.3g}", 1 / r.phase)});
+    routes.rows.push_back({r.name, share_text(r), fmt::format("{:.4g}", r.phase),
+                           rotation ? "" : fmt::format("{:.3g}", r.multiplicity), fmt::format("{:.3g}", 1 / r.phase)});
   }
   text += aligned(curve) + aligned(routes);
   if (p.routes.size() > o.show)
@@ -141,6 +161,7 @@ nlohmann::json routes_json(PredictedCoupling const& p) {
                     {"multiplicity", r.multiplicity},
                     {"linear_to", 1 / r.phase},
                     {"resolved", r.resolved},
+                    {"upper_bound", r.upper_bound},
                     {"why_not", r.why_not}});
   return list;
 }
@@ -264,13 +285,12 @@ int run_predict(PredictOptions const& o) {
   out.sheet.notes = {"predicted by the coupling table: mean over static phases, small motion; one Monte-Carlo sigma"};
   out.sheet.x = {"frequency", "Hz", {}};
   for (std::size_t i = 0; i < grid.size(); ++i) out.sheet.x.values.push_back(grid.centre(i));
+  if (std::string const bound = bound_of(p); !bound.empty()) out.sheet.notes.push_back("predicted" + bound);
   add_curve(out.sheet, "predicted", unit, p.factor, p.sigma);
   out.text = linear_text(o, p, where.axis > 2);
-  out.result = {{"body", o.body},
-                {"axis", o.axis},
-                {"linear_to", p.linear_to},
-                {"routes", routes_json(p)},
-                {"unresolved", p.unresolved}};
+  out.result = {{"body", o.body},           {"axis", o.axis},
+                {"linear_to", p.linear_to}, {"bound", bound_name(has_bounds(p), !p.unresolved.empty())},
+                {"routes", routes_json(p)}, {"unresolved", p.unresolved}};
   add_motion(out, o, file, model, where, grid);
   if (!o.measured.empty()) {
     Overlay const overlay = overlay_of(parse_coupling(read_text(o.measured), o.measured, o.unit, o.witness_unit),

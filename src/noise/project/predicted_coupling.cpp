@@ -13,6 +13,8 @@ namespace {
 // exact to a part in 1e8.
 constexpr double test_phase_squared = 1e-8, many_bounces = 100;
 
+constexpr double shows_from = 0.01;  // of the observed coupling power: routes below it do not bend the coupling
+
 NoiseBudget project_alone(CouplingTable const& table, MotionInput input, std::vector<std::string> const& bodies,
                           Interferometer const& ifo, FrequencyGrid const& grid) {
   MotionSet motion;
@@ -44,8 +46,9 @@ PredictedCoupling predict_coupling(CouplingTable const& table, std::vector<std::
   out.grid = grid;
   out.factor = scaled(budget.total.asd, scale);
   out.sigma = scaled(budget.total.sigma, scale);
+  out.bound_share = budget.total.bound_share;
   out.unresolved = budget.unresolved;
-  double all = 0;
+  double all = 0, observed = 0;
   for (NoiseTrace const& t : budget.routes) {
     PredictedRoute r;
     r.name = t.name;
@@ -54,17 +57,22 @@ PredictedCoupling predict_coupling(CouplingTable const& table, std::vector<std::
     r.phase = std::sqrt(t.mean_square_phase) / rms;
     r.multiplicity = r.phase * table.wavelength / (4 * pi);
     r.resolved = t.resolved;
+    r.upper_bound = t.upper_bound;
     r.why_not = t.why_not;
     for (std::size_t i = 0; i < grid.size(); ++i) r.share += r.factor[i] * r.factor[i] * grid.width(i);
     if (r.share == 0) continue;  // does not touch the body
     if (r.resolved) all += r.share;
+    observed += r.share;
     out.routes.push_back(std::move(r));
   }
+  double steepest = 0;
+  for (PredictedRoute const& r : out.routes)
+    if (r.share >= shows_from * observed) steepest = std::max(steepest, r.phase);
+  if (steepest > 0) out.linear_to = 1 / steepest;
   for (PredictedRoute& r : out.routes) r.share = all > 0 ? r.share / all : not_a_number;
   std::ranges::stable_sort(out.routes, [](PredictedRoute const& a, PredictedRoute const& b) {
     return std::pair(a.resolved, a.share) > std::pair(b.resolved, b.share);
   });
-  if (!out.routes.empty()) out.linear_to = 1 / out.routes.front().phase;
   return out;
 }
 

@@ -18,20 +18,22 @@ struct BodyAxis {
 struct PredictedRoute {
   std::string name;
   std::vector<double> factor, sigma;  // strain per m (per rad for rotations); one standard error, Monte Carlo
-  double phase = 0;                   // rms over its paths, by recoupled power, of the phase per m (per rad): |J|
+  double phase = 0;         // rms of the phase per m (per rad), |J|: over its paths by power, of a row `other` by noise
   double multiplicity = 0;  // |J| lambda/4 pi: equivalent number of normal-incidence bounces; translations only
   bool resolved = true;
+  bool upper_bound = false;
   std::string why_not;
   double share = 0;  // of the coupling power of all resolved routes, summed over the band
 };
 
 struct PredictedCoupling {
   FrequencyGrid grid;
-  std::vector<double> factor, sigma;   // all resolved routes: mean over static phases of small motion
+  std::vector<double> factor, sigma;   // as the total of a budget: mean over static phases of small motion
+  std::vector<double> bound_share;     // of factor^2, by routes computed as upper bounds
   std::vector<PredictedRoute> routes;  // those that move with the body, the largest share first
   std::vector<std::string> unresolved;
-  // Peak motion at which the strongest route has a phase of 1 rad: 1/|J|, lambda/4 pi over its multiplicity. Beyond it
-  // coupling is not linear; m (rad).
+  // Smallest peak motion at which a route with 1 % of the observed coupling power has a phase of 1 rad: 1/|J|,
+  // lambda/4 pi over its multiplicity. Beyond it coupling is not linear; m (rad).
   double linear_to = 0;
 };
 

@@ -66,6 +66,47 @@ TEST(PredictedCoupling, DrivenBodyHasLinesAndAShelfEq7_2) {
   EXPECT_LT(outside, 0.05 * inside);
 }
 
+// A bound on rims that hardly moves, and a row `other` of still bright light with faint light from a moving surface,
+// which carries most of the noise: 1e-29 (2k)^2 against 3e-17 (2.45 rad/m)^2.
+CouplingTable bound_and_other() {
+  CouplingClass edge = known_class(1, 3e-17, {record(0, 3e-17, {phase_sensitivity(0, 2, 2.45)})});
+  edge.kind = ClassKind::edge;
+  edge.steps = {{GroupId{0}, Event::emit}, {GroupId{0}, Event::couple}};
+  CouplingClass other =
+      known_class(2, 1e-15, {record(0, 1e-15, {}), record(1, 1e-29, {phase_sensitivity(0, 2, two_k)})});
+  other.coupling.trusted = false;
+  other.coupling.why_not = "only 2 effective scores";
+  CouplingTable table = known_table({edge, other});
+  table.groups = {"mirror"};
+  return table;
+}
+
+TEST(PredictedCoupling, TheLimitIsThatOfTheLightThatCarriesTheNoise) {
+  PredictedCoupling const p = predict_coupling(bound_and_other(), bodies, UnitDetector(), grid, {BodyId{0}, 2});
+  ASSERT_EQ(p.routes.size(), 2u);
+  EXPECT_TRUE(p.routes[0].upper_bound);
+  EXPECT_FALSE(p.routes[1].resolved);
+  EXPECT_LT(deviation(p.routes[1].phase, two_k), 1e-6);
+  EXPECT_GT(p.routes[1].phase, 1e5 * std::sqrt(1e-14) * two_k) << "control: the mean over its coupling";
+  EXPECT_LT(deviation(p.linear_to, 1 / two_k), 1e-6);
+  EXPECT_GT(1 / p.routes[0].phase, 1e6 * p.linear_to) << "control: the limit of the first row";
+  EXPECT_GT(p.bound_share.at(0), 0.05);
+  EXPECT_EQ(p.unresolved.size(), 1u);
+  DrivenResponse const d = drive_body(bound_and_other(), bodies, UnitDetector(), grid, {BodyId{0}, 2}, 1e-6, 20);
+  ASSERT_EQ(d.routes.size(), 2u);
+  EXPECT_LT(deviation(d.routes[1].phase_peak, two_k * 1e-6), 1e-3);
+}
+
+TEST(PredictedCoupling, FaintRoutesDoNotLimitIt) {  // two bounces, with 0.4 % of the power
+  CouplingTable const table =
+      known_table({known_class(1, 1e-20, {record(0, 1e-20, {phase_sensitivity(0, 2, two_k)})}),
+                   known_class(2, 1e-23, {record(1, 1e-23, {phase_sensitivity(0, 2, 2 * two_k)})})});
+  PredictedCoupling const p = predict_coupling(table, bodies, UnitDetector(), grid, {BodyId{0}, 2});
+  ASSERT_EQ(p.routes.size(), 2u);
+  EXPECT_LT(deviation(p.routes[1].phase, 2 * two_k), 1e-6);
+  EXPECT_LT(deviation(p.linear_to, 1 / two_k), 1e-6);
+}
+
 TEST(PredictedCoupling, MotionOfOneCoordinateIsTakenAlone) {
   MotionSet motion = moving({power_law_asd(1e-8, 1, 0, 1, 2), power_law_asd(1e-9, 1, 0, 1, 2)});
   motion.inputs.push_back(tone(3, 1e-7));

@@ -159,6 +159,25 @@ TEST(CoupleRecords, FinishedSweepsGiveTheModeR6_03) {
   EXPECT_NEAR(r["modes"][0]["quality"], M_PI * 31 * 0.3, 0.02 * M_PI * 31 * 0.3);
 }
 
+// With few histories the resolved routes are bounds on rims, and rows `other` hold the light that moves by 2k.
+TEST(CoupleRecords, APredictionKeepsItsBoundsAndTheLimitOfItsNoise) {
+  Folder const folder;
+  std::string const run = folder / "run.h5";
+  ASSERT_EQ(straytrace({"trace", source_folder + "/examples/et_hf_edges.yaml", "--histories", "300", "-o", run}).code,
+            0);
+  Words const words{"couple", "predict", run, "--body", "tube", "--amplitude", "1 um peak", "--frequency", "0.5 Hz"};
+  json const r = answer(words)["result"];
+  EXPECT_LT(r["linear_to"].get<double>(), 1e-7) << "control: 0.4 m, of the rims";
+  EXPECT_EQ(r["bound"], "neither");
+  EXPECT_EQ(r["routes"][0]["upper_bound"], true);
+  EXPECT_GT(r["routes"][0]["linear_to"].get<double>(), 0.1);
+  std::string const text = straytrace(words).out;
+  EXPECT_THAT(text, HasSubstr("small motion (contains upper bounds; 2 routes unresolved)"));
+  EXPECT_THAT(text, HasSubstr(" about 1.2e-17"));
+  EXPECT_THAT(text, HasSubstr("at most 2"));  // per cent
+  EXPECT_THAT(text, HasSubstr("fringe wrapped"));
+}
+
 // Measured twice what is predicted, with 10 % of error each, and one limit far below the prediction.
 TEST(CoupleRecords, MeasuredAgainstPredictedR6_08) {
   Folder const folder;
