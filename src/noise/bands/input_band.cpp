@@ -72,13 +72,15 @@ class Spread {
   }
   void note(Doubles const& psd, InputSource& source) const {
     for (std::size_t i = 0; i < mean_.size(); ++i) {
-      if (!(mean_[i] > 0)) continue;
+      if (!(mean_[i] > 0) || std::isnan(psd[i])) continue;
       source.low = std::min(source.low, std::sqrt(psd[i] / mean_[i]));
       source.high = std::max(source.high, std::sqrt(psd[i] / mean_[i]));
     }
   }
   Doubles mean_, squares_low_, squares_high_;
 };
+
+bool stated(MaterialSpread const& m) { return m.low < 1 || m.high > 1 || m.factor > 1; }
 
 std::string words(MaterialSpread const& m) {
   std::string text;
@@ -93,11 +95,31 @@ struct Materials {
   double factor(std::size_t m, std::size_t route, double ratio) const {
     return coupling_factor(list[m], table.classes[route], ratio);
   }
+  bool known(std::size_t m, std::size_t route) const {
+    return !stated(list[m]) || composition_known(list[m], table.classes[route]);
+  }
 };
 
 double share_of(NoiseBudget const& b, Materials const& all, std::size_t m, double total) {
   Doubles const through = total_psd(b, [&](std::size_t r) { return all.factor(m, r, 2) != 1 ? 1.0 : 0.0; });
   return total > 0 ? band_power(b.grid, through) / total : 0;
+}
+
+// Bins where the effect of the material is not known.
+std::vector<bool> unknown_bins(NoiseBudget const& b, Materials const& all, std::size_t m) {
+  Doubles const mixed = total_psd(b, [&](std::size_t r) { return all.known(m, r) ? 0.0 : 1.0; }),
+                total = total_psd(b, [](std::size_t) { return 1.0; });
+  std::vector<bool> unknown;
+  for (std::size_t i = 0; i < total.size(); ++i) unknown.push_back(mixed[i] > composition_limit * total[i]);
+  return unknown;
+}
+
+bool none(std::vector<bool> const& bins) { return std::ranges::find(bins, true) == bins.end(); }
+
+Doubles without(Doubles curve, std::vector<bool> const& bins) {
+  for (std::size_t i = 0; i < curve.size(); ++i)
+    if (bins[i]) curve[i] = not_a_number;
+  return curve;
 }
 
 // Of the total and of each route alone.
@@ -115,19 +137,21 @@ void add_materials(NoiseBudget& b, Materials const& all, Spreads& spreads) {
     for (std::size_t r = 0; one.factor > 1 && r < b.routes.size(); ++r)
       spreads.routes[r].sigma(psd_of(b.routes[r], all.factor(m, r, 1 / one.factor)),
                               psd_of(b.routes[r], all.factor(m, r, one.factor)), of_route);
-    double const share = share_of(b, all, m, total);
-    if (!(share > 0)) continue;  // the route carries no noise
-    if (!(one.low < 1 || one.high > 1 || one.factor > 1)) {
+    std::vector<bool> const unknown = unknown_bins(b, all, m);
+    double const share = none(unknown) ? share_of(b, all, m, total) : not_a_number;
+    if (share == 0) continue;  // the route carries no noise
+    if (!stated(one)) {
       b.bands.taken_as_exact.push_back(
           fmt::format("material {}{}", one.name, one.status.empty() ? "" : " (" + one.status + ")"));
       continue;
     }
     InputSource source{"material " + one.name, words(one), 1, 1, share};
     auto const scaled = [&](double ratio) {
-      return total_psd(b, [&](std::size_t r) { return all.factor(m, r, ratio); });
+      return without(total_psd(b, [&](std::size_t r) { return all.factor(m, r, ratio); }), unknown);
     };
     spread.range(scaled(one.low), scaled(one.high), source);
     if (one.factor > 1) spread.sigma(scaled(1 / one.factor), scaled(one.factor), source);
+    if (std::ranges::find(unknown, false) == unknown.end()) source.low = source.high = not_a_number;
     b.bands.sources.push_back(std::move(source));
   }
 }
@@ -213,6 +237,29 @@ double coupling_factor(MaterialSpread const& m, CouplingClass const& c, double r
   return weight > 0 ? sum / weight : ratio;
 }
 
+bool composition_known(MaterialSpread const& m, CouplingClass const& c) {
+  if (!c.mixes_routes()) return true;
+  if (c.folded.empty() || c.folded.size() != c.folded_routes) return false;
+  int const first = scatters_on(m, c.folded.front().steps);
+  return std::ranges::all_of(
+      c.folded, [&](FoldedRoute const& f) { return !f.steps.empty() && scatters_on(m, f.steps) == first; });
+}
+
+namespace {
+
+void hide_unknown(NoiseBudget& b, Materials const& all) {
+  for (std::size_t m = 0; m < all.list.size(); ++m) {
+    std::vector<bool> const unknown = unknown_bins(b, all, m);
+    for (Doubles* const curve : {&b.bands.input_low, &b.bands.input_high}) *curve = without(std::move(*curve), unknown);
+    for (std::size_t r = 0; r < b.routes.size(); ++r)
+      if (!all.known(m, r))
+        for (Doubles* const curve : {&b.routes[r].input_low, &b.routes[r].input_high})
+          curve->assign(b.grid.size(), not_a_number);
+  }
+}
+
+}  // namespace
+
 void add_input_band(NoiseBudget& b, CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
                     NoiseSettings const& settings, std::vector<MaterialSpread> const& materials) {
   b.bands.sources.clear();
@@ -237,6 +284,7 @@ void add_input_band(NoiseBudget& b, CouplingTable const& table, MotionSet const&
     b.routes[r].input_low = spreads.routes[r].band(psd_of(b.routes[r], low_end(r)), -1);
     b.routes[r].input_high = spreads.routes[r].band(psd_of(b.routes[r], high_end(r)), 1);
   }
+  hide_unknown(b, all);
 }
 
 }  // namespace straytrace::noise

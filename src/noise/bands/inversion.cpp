@@ -70,6 +70,11 @@ void decide(Inversion& out) {
   for (std::size_t i = 0; i < out.bins.size(); ++i) {
     Allowed const& a = out.bins[i];
     if (a.verdict == Verdict::no_answer) continue;
+    if (a.verdict == Verdict::unknown) {
+      out.all = a;
+      out.decides = i;
+      return;
+    }
     bool const worse_rest = a.verdict == Verdict::never && out.all.verdict == Verdict::never && a.rest > out.all.rest;
     if (out.all.verdict == Verdict::no_answer || a.scale < out.all.scale || worse_rest) {
       out.all = a;
@@ -99,6 +104,23 @@ std::map<int, double> scatters(CouplingClass const& c, MaterialSpread const& mat
   if (!(weight > 0)) return {{1, 1.0}};
   for (auto& [n, share] : shares) share /= weight;
   return shares;
+}
+
+// Replaces answers that rows of unknown composition could change: `mixed` is their PSD, `untouched` that of other rows
+// which do not scatter on the material.
+void admit_unknown(Inversion& out, std::vector<Powers> const& bins, Doubles const& mixed, Doubles const& untouched) {
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    double const all = bins[i].at(1);
+    if (!(all > 0)) continue;
+    out.touched = std::max(out.touched, 1 - untouched[i] / all);
+    out.mixed = std::max(out.mixed, mixed[i] / all);
+    Allowed& one = out.bins[i];
+    if (one.verdict != Verdict::no_answer && mixed[i] > composition_limit * all)
+      one = {.verdict = Verdict::unknown, .rest = one.rest};
+  }
+  decide(out);
+  if (out.all.verdict == Verdict::always && out.mixed > 0)
+    out.all = {.verdict = Verdict::unknown, .rest = out.all.rest};
 }
 
 struct Crossed {
@@ -193,18 +215,22 @@ Inversion invert_scatter(NoiseBudget const& b, CouplingTable const& table, Mater
                          Doubles const& line) {
   Inversion out;
   std::vector<Powers> bins(b.grid.size());
+  Doubles mixed(bins.size()), untouched(bins.size());
   for (std::size_t r = 0; r < b.routes.size(); ++r) {
     bool guessed = false;
-    for (auto const& [n, share] : scatters(table.classes[r], material, guessed)) add_route(bins, b.routes[r], n, share);
+    auto const shares = scatters(table.classes[r], material, guessed);
+    for (auto const& [n, share] : shares) add_route(bins, b.routes[r], n, share);
+    bool const known = composition_known(material, table.classes[r]);
+    double const still = known && shares.contains(0) ? shares.at(0) : 0;
+    for (std::size_t i = 0; i < bins.size(); ++i) {
+      mixed[i] += known ? 0 : b.routes[r].psd(i);
+      untouched[i] += still * b.routes[r].psd(i);
+    }
     bool const loud = std::ranges::any_of(b.routes[r].asd, [](double h) { return h > 0; });
     out.first_order = out.first_order || (guessed && loud);
   }
-  for (std::size_t i = 0; i < bins.size(); ++i) {
-    out.bins.push_back(crossing(bins[i], line[i]));
-    double const all = bins[i].at(1), rest = bins[i].psd.contains(0) ? bins[i].psd.at(0) : 0;
-    if (all > 0) out.touched = std::max(out.touched, 1 - rest / all);
-  }
-  decide(out);
+  for (std::size_t i = 0; i < bins.size(); ++i) out.bins.push_back(crossing(bins[i], line[i]));
+  admit_unknown(out, bins, mixed, untouched);
   return out;
 }
 

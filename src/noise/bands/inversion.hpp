@@ -14,6 +14,7 @@ struct Allowed {
     found,     // `scale` meets the line, larger ones do not
     always,    // every scale tested meets it: no limit
     never,     // none does: other noise alone exceeds it
+    unknown,   // rows `other` could decide, and it is not known how often their light scatters on the material
     no_answer  // no line here
   };
   Verdict verdict = Verdict::no_answer;
@@ -26,12 +27,14 @@ struct Inversion {
   std::vector<Allowed> bins;  // each frequency alone
   Allowed all;                // every frequency at once
   std::size_t decides = 0;    // bin that determines `all`
-  double touched = 0;         // largest share of the PSD, over the bins, of affected routes
-  bool first_order = false;   // rows `other` without named routes contribute
+  double touched = 0;         // largest share of the PSD, over the bins, of routes that are or may be affected
+  double mixed = 0;           // largest share of the PSD, over the bins, of rows whose composition is not known
+  bool first_order = false;   // rows `other` contribute
 };
 
 // Largest factor on the BRDF of a material: total(s) = sum over n of s^n A_n, A_n the routes with n scatters on it.
 // `line`: ASD per bin, NaN: not compared. Monte-Carlo errors of routes are taken as common to a route and its reverse.
+// Unknown where rows of unknown composition exceed composition_limit or, without a limit by the others, carry noise.
 Inversion invert_scatter(NoiseBudget const&, CouplingTable const&, MaterialSpread const&,
                          std::vector<double> const& line);
 

@@ -127,7 +127,8 @@ std::vector<TableColumn<SourceRow>> source_columns() {
     .text = {20, "stated"}, .json = {20}, .page = {30, "stated"}, .left = true});
   all.push_back({.key = "factor_on_total", .kind = ColumnKind::list, .unit = "1",
     .help = "least and largest factor on h of the total, over the band", .text = {30, "h(total) x"}, .json = {30},
-    .as_text = [](SourceRow const& r) { return fmt::format("{:.3g} to {:.3g}", r.source.low, r.source.high); },
+    .as_text = [](SourceRow const& r) {
+      return std::isnan(r.source.low) ? "not known" : fmt::format("{:.3g} to {:.3g}", r.source.low, r.source.high); },
     .as_json = [](SourceRow const& r) { return Json{r.source.low, r.source.high}; }});
   all.push_back({.key = "low", .unit = "1", .help = "least factor on h of the total",
     .value = [](SourceRow const& r) { return r.source.low; }, .page = {40, "least factor on h"}});
@@ -180,15 +181,20 @@ std::string sources(NoiseBands const& bands) {
   return text;
 }
 
+constexpr char const* composition_note =
+    " (rows 'other' carry too much of the noise, and it is not known on which materials their light scatters)";
+
 std::string ranges(NoiseBudget const& b, std::vector<double> const& frequencies, std::vector<double> const& low,
                    std::vector<double> const& high) {
   std::string text;
   for (double const hz : frequencies) {
     double const from = band_at(low, b.grid, hz), to = band_at(high, b.grid, hz);
     text += text.empty() ? "" : ", ";
-    text += from == 0 && to == 0 ? strain_number(b, 0)
-            : from == 0          ? fmt::format("up to {}", strain_number(b, to))
-                                 : fmt::format("{} to {}", strain_number(b, from), strain_number(b, to));
+    bool const unknown = std::isnan(from) && std::isfinite(strain_at(b.total, b.grid, hz).value);
+    text += unknown                ? "not known"
+            : from == 0 && to == 0 ? strain_number(b, 0)
+            : from == 0            ? fmt::format("up to {}", strain_number(b, to))
+                                   : fmt::format("{} to {}", strain_number(b, from), strain_number(b, to));
   }
   return text;
 }
@@ -222,7 +228,11 @@ std::string band_summary(NoiseBudget const& b, std::vector<double> const& freque
     return text + fmt::format("inputs{} are taken as exact: no bracket or uncertainty is stated{}\n",
                               b.unresolved.empty() ? "" : " of the resolved routes",
                               b.unresolved.empty() ? "" : " for them");
-  return text + fmt::format("input uncertainty: {}\n", ranges(b, frequencies, d.input_low, d.input_high));
+  bool const unknown = std::any_of(frequencies.begin(), frequencies.end(), [&](double hz) {
+    return std::isnan(band_at(d.input_low, b.grid, hz)) && std::isfinite(strain_at(b.total, b.grid, hz).value);
+  });
+  return text + fmt::format("input uncertainty{}: {}{}\n", b.unresolved.empty() ? "" : " of the light observed so far",
+                            ranges(b, frequencies, d.input_low, d.input_high), unknown ? composition_note : "");
 }
 
 std::string band_text(NoiseBudget const& b, std::vector<double> const& frequencies) {

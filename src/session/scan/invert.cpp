@@ -312,7 +312,7 @@ using Verdict = Allowed::Verdict;
 std::string hertz(double hz) { return fmt::format("{:.3g} Hz", hz); }
 
 char const* word_of(Verdict verdict) {
-  constexpr char const* words[] = {"found", "always", "never", "no line"};
+  constexpr char const* words[] = {"found", "always", "never", "not known", "no line"};
   return words[std::size_t(verdict)];
 }
 
@@ -350,6 +350,11 @@ std::string sentence(Answer const& a) {
     case Verdict::never:
       return fmt::format("{}: no factor suffices: other light alone is a factor {:.3g} above {} at {}.\n", a.what,
                          all.rest, a.line, at);
+    case Verdict::unknown:
+      return fmt::format(
+          "{}: not known. Rows 'other' carry up to {:.3g} % of the noise power at a frequency, and it is not known how "
+          "often their light scatters on the material. Trace longer.\n",
+          a.what, 100 * a.inversion.mixed);
     default:
       return fmt::format("{}: {} has no value in the band: nothing was compared.\n", a.what, a.line);
   }
@@ -369,7 +374,8 @@ std::string table(Answer const& a) {
       c.rows.back().push_back(found && a.motion[i] > 0 ? fmt::format("{:.3e}", one.scale * a.motion[i]) : "-");
   }
   return "\n" + aligned(c) +
-         "\nEach frequency separately. never: the rest is above the line; always: every factor meets it.\n";
+         "\nEach frequency separately. never: the rest is above the line; always: every factor meets it; "
+         "not known: rows 'other' carry too much of the noise.\n";
 }
 
 Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
@@ -418,8 +424,11 @@ std::string answer_text(Answer const& a, bool per_frequency) {
                         100 * a.inversion.touched);
   else
     text += "No resolved route is affected.\n";
-  if (a.inversion.first_order)
-    text += "Rows 'other' are scaled like their named routes; without any, as one scatter: first order.\n";
+  if (a.inversion.first_order && a.inversion.all.verdict != Verdict::unknown)
+    text += fmt::format(
+        "Rows 'other' are scaled like their named routes; without any, as one scatter: first order, for up to {:.3g} % "
+        "of the noise power.\n",
+        100 * a.inversion.mixed);
   text += fmt::format("Errors: {}one standard error, Monte Carlo only.\n",
                       a.subject == Answer::Subject::scatter ? "at most " : "");
   if (!a.unresolved.empty())
@@ -437,6 +446,7 @@ std::string answer_json(Answer const& a) {
   j["decides_Hz"] = a.grid.centre(a.inversion.decides);
   j["touched_share"] = a.inversion.touched;
   j["first_order"] = a.inversion.first_order;
+  j["mixed_share"] = a.inversion.mixed;
   j["scattered_share"] = finite_or_null(a.tis);
   j["unresolved"] = a.unresolved;
   j["complete"] = a.complete;

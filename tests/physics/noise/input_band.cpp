@@ -90,6 +90,38 @@ TEST(InputBand, OtherIsScaledAsItsNamedRoutes) {
   EXPECT_EQ(coupling_factor(bracket("steel", steel, 1, 4), other, 4), 4);
 }
 
+// A row `other` of `routes` routes that names some, with these numbers of scatters on steel; its noise is that of the
+// whole row.
+CouplingClass other_row(double mean, std::vector<int> const& scatters, std::uint64_t routes) {
+  CouplingClass other = by_steel(1, 1, mean);
+  other.steps.clear();
+  other.folded_routes = routes;
+  for (int const n : scatters) other.folded.push_back({std::uint64_t(n), by_steel(1, n, 1).steps, mean, 0, true, ""});
+  return other;
+}
+
+// The named routes of a row `other` are the brightest, not those that carry its noise.
+TEST(InputBand, IsUnknownWhereRowsOfUnknownCompositionCarryTheNoise) {
+  MaterialSpread const uncertain = bracket("steel", steel, 0.25, 4);
+  auto const with = [&](CouplingClass const& other) {
+    return banded(table_of({other, by_steel(2, 1, 5e-21)}), moving({linear_motion()}), {uncertain});
+  };
+  for (CouplingClass const& other : {other_row(1e-20, {0}, 2), other_row(1e-20, {0, 1}, 2), other_row(1e-20, {}, 1)}) {
+    NoiseBudget const b = with(other);
+    EXPECT_TRUE(std::isnan(b.bands.input_low[0]) && std::isnan(b.bands.input_high[0]));
+    EXPECT_TRUE(std::isnan(b.routes[0].input_high[0]));
+    EXPECT_NEAR(b.routes[1].input_high[0] / b.routes[1].asd[0], 2, 1e-9);
+    ASSERT_EQ(b.bands.sources.size(), 1u);
+    EXPECT_TRUE(std::isnan(b.bands.sources[0].low) && std::isnan(b.bands.sources[0].share));
+  }
+  NoiseBudget const known = with(other_row(1e-20, {1, 1}, 2));  // control: all its routes scatter once
+  EXPECT_NEAR(high(known), 2, 1e-9);
+  EXPECT_NEAR(known.routes[0].input_high[0] / known.routes[0].asd[0], 2, 1e-9);
+  NoiseBudget const faint = with(other_row(1e-22, {0}, 2));  // control: it carries 2 %
+  EXPECT_LT(deviation(high(faint), 2), 0.02);
+  EXPECT_TRUE(std::isnan(faint.routes[0].input_high[0]));
+}
+
 TEST(InputBand, LinearMotionScalesTheNoiseWrappedDoesNot) {
   CouplingTable const table = table_of({by_steel(1, 1, 1e-20)});
   MotionSet motion = moving({linear_motion()});

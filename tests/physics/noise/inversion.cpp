@@ -80,6 +80,42 @@ TEST(Inversion, TheErrorIsThatOfTheTotalOverTheSlope) {  // h known to 3 %, h ~ 
   EXPECT_NEAR(i.all.sigma / i.all.scale, std::sqrt(2.0) * 0.06, 1e-6);
 }
 
+// A row `other` of two routes, of which it names the brightest: without a scatter on steel.
+CouplingClass other_row(double mean, std::uint64_t routes = 2) {
+  CouplingClass other = by_steel(1, 0, mean);
+  other.folded.push_back({1, other.steps, mean, 0, true, ""});
+  other.folded_routes = routes;
+  other.steps.clear();
+  return other;
+}
+
+TEST(Inversion, IsUnknownWhereRowsOfUnknownCompositionDecide) {
+  auto const answer = [](CouplingClass const& other, double line) {
+    Case const c = of({other, by_steel(2, 1, 1e-21)});
+    return invert_scatter(c.budget, c.table, material(steel), times(line, c.budget.total.asd));
+  };
+  Inversion const loud = answer(other_row(9e-21), 2);
+  EXPECT_EQ(loud.all.verdict, Verdict::unknown);
+  EXPECT_EQ(loud.bins[0].verdict, Verdict::unknown);
+  EXPECT_NEAR(loud.mixed, 0.9, 1e-9);
+  EXPECT_NEAR(loud.touched, 1, 1e-9);                      // at most
+  Inversion const known = answer(other_row(9e-21, 1), 2);  // control: its only route is named
+  EXPECT_NEAR(known.all.scale, 31, 1e-6);                  // 9 + s = 4 * 10
+  EXPECT_NEAR(known.touched, 0.1, 1e-9);
+  EXPECT_EQ(answer(other_row(1e-24), 2).all.verdict, Verdict::found);  // control: it carries 0.1 %
+}
+
+TEST(Inversion, SetsNoLimitOnlyWhereEveryRouteIsKnown) {
+  auto const answer = [](std::uint64_t routes) {
+    Case const c = of({other_row(1e-24, routes), by_steel(2, 0, 1e-20)});
+    return invert_scatter(c.budget, c.table, material(steel), times(10, c.budget.total.asd));
+  };
+  EXPECT_EQ(answer(2).all.verdict, Verdict::unknown);
+  EXPECT_NEAR(answer(2).mixed, 1e-4, 1e-7);
+  EXPECT_EQ(answer(1).all.verdict, Verdict::always);  // control
+  EXPECT_EQ(answer(1).touched, 0);
+}
+
 Inversion by_motion(Case const& c, MotionSet const& motion, std::vector<double> const& line) {
   return invert_motion(
       [&](double scale) {

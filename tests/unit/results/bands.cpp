@@ -48,5 +48,23 @@ TEST(ReportBands, ABandOfZeroIsNotANumber) {
   EXPECT_THAT(band_summary(b, {30}), AllOf(HasSubstr(": up to 2.00e-24"), Not(HasSubstr("0.00e+00"))));
 }
 
+// A band that is not known is not printed as numbers. Control: the other frequency.
+TEST(ReportBands, ABandThatIsNotKnownSaysSo) {
+  NoiseBudget b;
+  b.grid.edges = {10, 20, 40};
+  b.total.asd = {1e-23, 2e-24};
+  b.total.sigma = {1e-25, 2e-26};
+  b.bands.input_low = b.bands.input_high = b.bands.speckle_05 = b.bands.speckle_50 = b.bands.speckle_95 = b.total.asd;
+  b.bands.sources = {{"material steel", "bracket: x 0.25 to 4", not_a_number, not_a_number, not_a_number}};
+  EXPECT_THAT(band_summary(b, {14.14, 28.28}), HasSubstr("\ninput uncertainty: 1.00e-23 to 1.00e-23, "));
+  b.bands.input_low[0] = b.bands.input_high[0] = not_a_number;
+  b.unresolved = {"other > B: only 3 histories have scored"};
+  EXPECT_THAT(band_summary(b, {14.14, 28.28}),
+              AllOf(HasSubstr("\ninput uncertainty of the light observed so far: not known, "),
+                    HasSubstr("it is not known on which materials their light scatters")));
+  b.bands.coherent = b.total.asd;
+  EXPECT_THAT(band_text(b, {14.14}), AllOf(HasSubstr(" not known "), Not(HasSubstr("nan"))));
+}
+
 }  // namespace
 }  // namespace straytrace::test
