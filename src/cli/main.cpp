@@ -60,6 +60,13 @@ void add_unsaved(std::string const& pair) {
   set_unsaved(pair.substr(0, equal), read_file(pair.substr(equal + 1)));
 }
 
+void warn_of_unread_texts(bool json) {
+  PrintOptions options;
+  options.format = json ? "json" : "text";
+  for (std::string const& name : unread_unsaved())
+    print_warning(fmt::format("--unsaved: nothing read '{}'\n  name a file that the command reads", name), options);
+}
+
 std::string version_text() {
   return std::string("straytrace ") + build_info::version + " (" + build_info::commit + ")\n" + devices_text();
 }
@@ -115,6 +122,7 @@ int answer(int argc, char** argv) {
                 json);
     return numerical_failure;
   }
+  if (exit_code == done) warn_of_unread_texts(json);
   if (!std::cout.flush()) {
     print_error(
         InputError("cannot write the results to the standard output", "check the disk or the program that reads them"),

@@ -306,7 +306,11 @@ std::vector<Problem> SceneDocument::problems(Severity severity) const {
 
 namespace {
 
-std::map<std::filesystem::path, std::string> texts;
+struct UnsavedText {
+  std::string name, text;  // as given
+  bool read = false;
+};
+std::map<std::filesystem::path, UnsavedText> texts;
 
 std::filesystem::path key(std::filesystem::path const& file) {
   return std::filesystem::absolute(file).lexically_normal();
@@ -314,12 +318,23 @@ std::filesystem::path key(std::filesystem::path const& file) {
 
 }  // namespace
 
-void set_unsaved(std::filesystem::path const& file, std::string text) { texts[key(file)] = std::move(text); }
+void set_unsaved(std::filesystem::path const& file, std::string text) {
+  texts[key(file)] = {file.string(), std::move(text)};
+}
 
 std::optional<std::string> unsaved_text(std::filesystem::path const& file) {
   if (texts.empty()) return {};
   auto const hit = texts.find(key(file));
-  return hit == texts.end() ? std::nullopt : std::optional(hit->second);
+  if (hit == texts.end()) return {};
+  hit->second.read = true;
+  return hit->second.text;
+}
+
+std::vector<std::string> unread_unsaved() {
+  std::vector<std::string> names;
+  for (auto const& [file, unsaved] : texts)
+    if (!unsaved.read) names.push_back(unsaved.name);
+  return names;
 }
 
 }  // namespace straytrace::scene

@@ -246,6 +246,15 @@ TEST(CommandLine, DiffTellsFilesOfOneNameApart) {
   EXPECT_THAT(one.err, ::testing::Not(HasSubstr("virgo_arm")));
 }
 
+// Control: a text that is read in place of the scene.
+TEST(CommandLine, UnsavedTextsThatNothingReadsAreNamed) {
+  std::string const warning = "warning: --unsaved: nothing read 'other.yaml'";
+  Finished const unread = straytrace({"--unsaved", "other.yaml=" + virgo_arm, "check", virgo_arm});
+  EXPECT_EQ(unread.code, 0);
+  EXPECT_THAT(unread.err, HasSubstr(warning));
+  EXPECT_EQ(straytrace({"--unsaved", virgo_arm + "=" + virgo_arm, "check", virgo_arm}).err, "");
+}
+
 TEST(CommandLine, DecimalCommasAreNamed) {
   EXPECT_THAT(straytrace({"project", "--rate", "1,5"}).err,
               HasSubstr("--rate: '1,5' has a decimal comma; write a decimal point: 1.5"));
