@@ -185,7 +185,9 @@ double parse_duration(std::string const& text) {
   return seconds;
 }
 
-StopRule parse_stop_rule(std::string const& text) try {
+namespace {
+
+StopRule parse_all(std::string const& text) {
   StopRule rule;
   for (std::size_t at = 0; at <= text.size();) {
     std::size_t const comma = std::min(text.find(',', at), text.size());
@@ -193,11 +195,20 @@ StopRule parse_stop_rule(std::string const& text) try {
     at = comma + 1;
   }
   return rule;
-} catch (InputError const&) {
+}
+
+}  // namespace
+
+StopRule parse_stop_rule(std::string const& text) try { return parse_all(text); } catch (InputError const&) {
   std::string const meant = with_decimal_points(text);
   if (meant == text) throw;
-  throw InputError(fmt::format("'{}' is not a stop rule: it has a decimal comma", text),
-                   fmt::format("write '{}'", meant));
+  std::string remedy = fmt::format("write '{}'", meant);
+  try {
+    parse_all(meant);
+  } catch (InputError const& other) {  // more is wrong with it
+    remedy = other.remedy();
+  }
+  throw InputError(fmt::format("'{}' is not a stop rule: it has a decimal comma", text), remedy);
 }
 
 }  // namespace straytrace::session

@@ -34,6 +34,12 @@ std::string written(double value, std::string const& unit) {
   return unit.empty() ? fmt::format("{:.12g}", value) : fmt::format("{:.12g} {}", value, unit);
 }
 
+// With the decimal commas of a range as points.
+std::string pointed(std::string text) {
+  static std::regex const comma("([0-9]),([0-9])");
+  return text.size() > longest_match ? text : std::regex_replace(text, comma, "$1.$2");
+}
+
 std::string example(std::string const& name) {
   return fmt::format("write {0}=50cm..80cm:7, {0}=50cm..80cm:7:log or {0}=50cm,60cm,80cm", name);
 }
@@ -43,7 +49,12 @@ std::string example(std::string const& name) {
 }
 
 void add_range(ScanAxis& axis, std::string const& word, std::smatch const& m, bool open) {
+  if (std::string const meant = pointed(word); meant != word)
+    throw InputError(fmt::format("'{}' has a decimal comma", word), fmt::format("write '{}'", meant));
   Number const low = number_in(m[1]), high = number_in(m[2]);
+  if (std::size_t const colon = high.unit.find(':'); colon != high.unit.npos)
+    refuse_range(word, fmt::format("'{}' is not a number of values, with or without ':log'", high.unit.substr(colon)),
+                 axis.name);
   if (!std::isfinite(low.value) || !std::isfinite(high.value))
     refuse_range(word, "a range runs from a number to a number", axis.name);
   if (low.unit != high.unit) refuse_range(word, "both ends of a range must have the same unit", axis.name);

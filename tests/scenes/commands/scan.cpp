@@ -84,6 +84,8 @@ TEST_F(Scan, WrongWords) {
   } const wrong[] = {{{}, "nothing to scan"},
                      {{"black=1e-4/sr..4e-4/sr"}, "number of values"},
                      {{"black=1e-4/sr..4 cm:3"}, "same unit"},
+                     {{"black=1e-4/sr..4e-4/sr:3:lg"}, "':3:lg' is not a number of values, with or without ':log'"},
+                     {{"black=1,5e-4/sr..4e-4/sr:3"}, "write 'black=1.5e-4/sr..4e-4/sr:3'"},
                      {{"=3"}, "does not name a parameter"},
                      {{"black=1e-4/sr,"}, "a value is missing"},
                      {{"black=1e-4/sr,2e-4/sr", "black=1e-3/sr"}, "given twice"},

@@ -73,6 +73,10 @@ TEST(WrongFiles, DecimalCommasAreNamed) {
   EXPECT_THAT(until.err, AllOf(HasSubstr("decimal comma"), HasSubstr("write 'h_total < 0.5 %, 10 min'")));
   Finished const other = straytrace({"run", virgo_arm, "-o", folder / "out", "--until", "h_total < 5,10 min"});
   EXPECT_THAT(other.err, HasSubstr("decimal comma"));
+  // Without the comma this is no stop rule either, so that it is not suggested.
+  Finished const more =
+      straytrace({"run", virgo_arm, "-o", folder / "out", "--until", "h_total < 5 %; foo; bar < 3,5 %"});
+  EXPECT_THAT(more.err, AllOf(HasSubstr("decimal comma"), HasSubstr("write 'h_total < 5 %', 'routes < 10 %'")));
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
