@@ -73,6 +73,11 @@ class FilterWords {
     }
     return longest;
   }
+  // Of the number just read, with its decimals, where a decimal comma follows; otherwise "".
+  withComma(number) {
+    const comma = number.begin + number.text.length, decimals = /^,[0-9]+/.exec(this.text.slice(comma));
+    return decimals ? number.text + decimals[0] : "";
+  }
   read() {
     const begin = this.at + this.text.slice(this.at).search(/\S|$/), rest = this.text.slice(begin);
     const forms = [["quoted", /^"([^"]*)"|^'([^']*)'/], ["number", /^[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?/],
@@ -107,6 +112,10 @@ class Predicate {
     if (this.words.here.kind !== "end") this.unexpected("join conditions with 'and' or 'or'");
   }
   fail(word, what, suggestion) { throw new FilterProblem(this.words.text, word, what, suggestion); }
+  refuseDecimalComma(number) {
+    const written = this.words.withComma(number);
+    if (written) this.fail(number, "'" + written + "' has a decimal comma", "write " + written.replace(",", "."));
+  }
   unexpected(suggestion) {
     const word = this.words.here;
     if (word.kind === "end") this.fail(word, "the condition ends too early", suggestion);
@@ -169,6 +178,7 @@ class Predicate {
     const number = this.words.here;
     if (number.kind !== "number") this.unexpected("write h(30 Hz)");
     this.words.next();
+    this.refuseDecimalComma(number);
     const unit = this.words.unit(this.hertz), word = this.words.here;
     if (!unit && word.kind === "name") this.fail(word, "'" + word.text + "' is not a unit of a frequency", "write " + unitNames(this.hertz));
     if (!unit) this.fail(number, "the frequency has no unit", "write h(" + number.text + " Hz)");
@@ -200,6 +210,7 @@ class Predicate {
     const sign = this.words.next().text, number = this.words.here;
     if (number.kind !== "number") this.unexpected("write for example " + shown);
     this.words.next();
+    this.refuseDecimalComma(number);
     const limit = Number(number.text) * factorOf(this.unitBehind(number, name, column), column.units);
     return Predicate.ordered(column, sign, column.whole ? limit : sixDigits(limit));
   }

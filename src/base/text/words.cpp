@@ -17,13 +17,22 @@ bool controls(std::string_view text, std::size_t at) {
   return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7F;
 }
 
+// Of the UTF-8 sequence at a byte; 0: it is broken.
+std::size_t bytes_of_letter(std::string_view text, std::size_t at) {
+  auto const lead = static_cast<unsigned char>(text[at]);
+  std::size_t const bytes = lead < 0x80 ? 1 : lead < 0xC2 ? 0 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : lead < 0xF5 ? 4 : 0;
+  for (std::size_t i = 1; i < bytes; ++i)
+    if (at + i >= text.size() || !continues(text[at + i])) return 0;
+  return bytes;
+}
+
 std::string printable_line(std::string_view line) {
   std::string out;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (out.size() >= longest_line && !continues(line[i])) return out + " ...";
-    bool const control = controls(line, i);
-    out += control ? '?' : line[i];
-    if (control && line[i] == '\xC2') ++i;
+  for (std::size_t i = 0; i < line.size();) {
+    if (out.size() >= longest_line) return out + " ...";
+    std::size_t const bytes = bytes_of_letter(line, i);
+    out += bytes == 0 || controls(line, i) ? "?" : line.substr(i, bytes);
+    i += std::max<std::size_t>(bytes, 1);
   }
   return out;
 }

@@ -31,8 +31,8 @@ inline std::string lower_case(std::string_view text) {
 // Whether `text` fits `pattern`, in which each * stands for any characters.
 bool matches(std::string_view pattern, std::string_view text);
 
-// Escapes untrusted text for terminal output: control characters except line ends and tabs become '?', and lines are
-// cut after 8000 bytes.
+// Escapes untrusted text for terminal output: control characters except line ends and tabs, and broken UTF-8, become
+// '?'; lines are cut after 8000 bytes.
 std::string printable(std::string_view text);
 
 }  // namespace straytrace

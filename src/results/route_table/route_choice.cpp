@@ -168,7 +168,7 @@ std::string choice_text(PathsChoice const& choice, ChosenPaths const& chosen) {
     text += fmt::format("{} of {} routes: {}\n", chosen.shown.rows.size(), chosen.all.rows.size(), choice.where);
   if (!choice.sort.empty()) text += "Sorted by " + choice.sort + "\n";
   for (std::string const& note : chosen.notes) text += "note: " + note + "\n";
-  return text;
+  return printable(text);
 }
 
 std::string with_choice(std::string const& json, PathsChoice const& choice, ChosenPaths const& chosen) {
@@ -185,7 +185,7 @@ std::string with_choice(std::string const& json, PathsChoice const& choice, Chos
                         {"factor", json_of(s.factor)}});
     j["without"] = {{"objects", choice.without}, {"routes", chosen.left_out}, {"strain", strain}};
   }
-  return j.dump(2) + "\n";
+  return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace straytrace::results

@@ -49,6 +49,8 @@ class FilterWords {
   bool takes(std::string_view w);  // in any case; advances on a match
   // The longest of `units` directly behind the number just read; empty: none.
   std::string unit(FilterUnits const& units);
+  // Of the number just read, with its decimals, where a decimal comma follows; otherwise empty.
+  std::string with_comma(FilterWord const& number) const;
 
  private:
   void read();
@@ -90,6 +92,13 @@ std::string FilterWords::unit(FilterUnits const& units) {
   at_ = begin + longest.size();
   read();
   return longest;
+}
+
+std::string FilterWords::with_comma(FilterWord const& number) const {
+  std::size_t const comma = number.begin + number.width;
+  if (here_.text != "," || here_.begin != comma) return "";
+  std::size_t const end = std::min(text_.find_first_not_of("0123456789", comma + 1), text_.size());
+  return end > comma + 1 ? std::string(text_.substr(number.begin, end - number.begin)) : "";
 }
 
 void FilterWords::read() {
@@ -212,6 +221,14 @@ class Filter {
     all.emplace_back("resolved");
     return all;
   }
+  void refuse_decimal_comma(FilterWord const& number) {
+    std::string const written = words_.with_comma(number);
+    if (written.empty()) return;
+    std::string pointed = written;
+    pointed[pointed.find(',')] = '.';
+    fail({number.kind, written, number.begin, written.size()}, "'" + written + "' has a decimal comma",
+         "write " + pointed);
+  }
   void unknown(FilterWord const& word, std::string const& name) {
     problem(word, "'" + word.text + "' is not known",
             did_you_mean(name, all_names(), fmt::format("known are {}", fmt::join(all_names(), ", "))));
@@ -291,6 +308,7 @@ class Filter {
     FilterWord const number = words_.here();
     if (number.kind != Kind::number) unexpected("write h(30 Hz)");
     words_.next();
+    refuse_decimal_comma(number);
     FilterUnits const units = frequency_units();
     std::string const unit = words_.unit(units);
     if (unit.empty() && words_.here().kind == Kind::name)
@@ -342,6 +360,7 @@ class Filter {
     FilterWord const number = words_.here();
     if (number.kind != Kind::number) unexpected("write for example " + shown);
     words_.next();
+    refuse_decimal_comma(number);
     double const limit = std::strtod(number.text.c_str(), nullptr) * factor_of(unit_behind(number, name, c), c.units);
     return ordered(c, sign, c.whole ? limit : six_digits(limit));
   }
@@ -463,8 +482,10 @@ FilterAnswer sorted_by(std::string_view key, std::vector<std::size_t> rows, Rout
 InputError error_in_filter(std::string const& option, std::string const& text, FilterProblem const& p) {
   std::size_t const column = width_of(text.substr(0, p.begin));
   std::size_t const wide = std::max<std::size_t>(1, width_of(text.substr(std::min(p.begin, text.size()), p.width)));
-  return InputError(fmt::format("{}, column {}: {}", option, column + 1, p.what),
-                    fmt::format("{}\n  {}{} {}", text, std::string(column, ' '), std::string(wide, '^'), p.suggestion));
+  std::string const drawn = fmt::format("error: {}, column {}: {}\n  {}\n  {}{} {}", option, column + 1, p.what, text,
+                                        std::string(column, ' '), std::string(wide, '^'), p.suggestion);
+  Place const place{0, 1, std::uint32_t(column + 1)};
+  return InputError({{place, p.what, p.suggestion, Severity::error, std::uint32_t(wide)}}, drawn, {option});
 }
 
 }  // namespace straytrace::results

@@ -170,6 +170,14 @@ TEST_F(ReportFilter, several_mistakes_are_reported_at_once_with_carets) {
             "error: --where, column 54: 's' is not a unit of opl\n"
             "  kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
             "                                                       ^ write m, km, cm, mm, um, nm, in\n");
+  // In JSON the place is in its fields, and the sentences are plain.
+  auto const json = nlohmann::json::parse(problems_as_json(error_in_filter("--where", text, ask(text).problems.at(0))));
+  EXPECT_EQ(json.at(0)["file"], "--where");
+  EXPECT_EQ(json.at(0)["column"], 15);
+  EXPECT_EQ(json.at(0)["width"], 7);
+  EXPECT_EQ(json.at(0)["what"], "'scaters' is not known");
+  EXPECT_EQ(json.at(0)["suggestion"], "did you mean 'scatters'?");
+  EXPECT_THAT(ask("share > 5,5 % and opl > 3,2 m").problems, ::testing::SizeIs(1));  // the first ends the reading
   std::string const deep = std::string(100000, '(') + "resolved";
   EXPECT_THAT(ask(deep).problems.at(0).what, HasSubstr("too deeply"));
   EXPECT_THAT(ask("via(\"bafles\")").notes, ElementsAre("no route has via(\"bafles\"); did you mean \"baffles\"?"));

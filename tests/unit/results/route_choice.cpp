@@ -50,6 +50,13 @@ class RouteChoice : public ::testing::Test {
 
 // Routes listed in `other` pass the object: an error says so, or the sums say that they stay. Controls: before, and a
 // name that nothing has.
+TEST_F(RouteChoice, ControlCharactersAndBrokenLettersAreEscaped) {
+  PathsChoice const choice{"\x01\xffµ", "", {}};
+  ChosenPaths const chosen = without({});
+  EXPECT_THAT(choice_text(choice, chosen), HasSubstr("routes: ??µ\n"));
+  EXPECT_THAT(with_choice("{}", choice, chosen), HasSubstr("\\u0001\xef\xbf\xbdµ"));  // not an exception
+}
+
 TEST_F(RouteChoice, OtherContainsRoutesThatPass) {
   EXPECT_THAT(error({"mount*"}), HasSubstr("no route passes 'mount*'"));
   EXPECT_THAT(text({"baffles"}), HasSubstr("Some routes in 'other > arm' may pass there"));
