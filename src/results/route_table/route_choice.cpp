@@ -75,10 +75,11 @@ std::vector<std::size_t> passing(Patterns const& patterns, PathTable const& tabl
     Held const held = held_in(row, patterns);
     if (held == Held::all) rows.push_back(i);
     if (held == Held::some && row.vertices > 0)
-      errors.emplace_back(fmt::format("--without: '{}' adds the fields of ghosts that pass {} to those of others, and "
-                                      "cannot be divided",
-                                      row.sequence, fmt::join(patterns, " and ")),
-                          "trace the scene with 'ghosts: {sum: independent}', or without the object");
+      errors.push_back(InputError(
+          fmt::format(
+              "--without: '{}' adds the fields of ghosts that pass {} to those of others, and cannot be divided",
+              row.sequence, fmt::join(patterns, " and ")),
+          "trace the scene with 'ghosts: {sum: independent}', or without the object"));
   }
   for (std::string const& pattern : patterns) {
     bool const found = std::ranges::any_of(table.rows, [&](PathRow const& row) {

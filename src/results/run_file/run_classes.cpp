@@ -150,7 +150,8 @@ void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable con
 
 void write_folded(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
   Owned<FoldedRoute> const folded(table.*at.list, &CouplingClass::folded);
-  out.group(at.folded, "the largest routes in rows 'other', and why they have no row of their own");
+  out.group(at.folded,
+            "the largest routes in rows 'other' and rows of several ghosts, and why they have no row of their own");
   out.array(at.folded + "/class", folded.owner, "row of " + at.classes);
   ColumnWriter column(out, at.folded + "/", folded.rows);
   folded_columns(column);
