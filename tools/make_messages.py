@@ -11,7 +11,7 @@ import pathlib
 import re
 import sys
 
-CALL = re.compile(r"(?<![\w:])(?:(?:[\w\]\[\"\.\(\)]+(?:\.|->))?(problem|file_problem|warning|refuse)|(InputError))(\(|\{)")
+CALL = re.compile(r"(?<![\w:])(?:(?:[\w\]\[\"\.\(\)]+(?:\.|->))?(problem|file_problem|warning|refuse|lack)|(InputError))(\(|\{)")
 FORMAT = "fmt::format("
 WORD = re.compile(r"[A-Za-z]{2}")
 LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
@@ -87,7 +87,7 @@ def messages_of(file, room):
                 yield from thrown(arguments[0], arguments[1] if len(arguments) == 2 else "", room)
             continue
         kind = call.group(1)
-        if kind in ("problem", "warning") and len(arguments) == 2 or kind == "file_problem" and len(arguments) == 5:
+        if len(arguments) == {"problem": 2, "warning": 2, "lack": 3, "file_problem": 5}.get(kind):
             what, remedy = said(arguments[-2]), arguments[-1]
             if what:
                 variable = not LITERAL.search(remedy) and bool(re.search(r"[a-z]", remedy))
