@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `paths --without` and rows that sum routes: `other`, and ghosts whose fields add, are not divided.
+// `paths --without` and rows that sum routes: `other`, and ghosts whose fields add, are not divided. What is echoed.
 #include "results/route_table/route_choice.hpp"
 
 #include <gmock/gmock.h>
@@ -48,8 +48,6 @@ class RouteChoice : public ::testing::Test {
   PathTable table = path_table(trace.coupling, &noise, &shake, {{10, 30, 100}, 10, 500, 12});
 };
 
-// Routes listed in `other` pass the object: an error says so, or the sums say that they stay. Controls: before, and a
-// name that nothing has.
 TEST_F(RouteChoice, ControlCharactersAndBrokenLettersAreEscaped) {
   PathsChoice const choice{"\x01\xffµ", "", {}};
   ChosenPaths const chosen = without({});
@@ -57,6 +55,8 @@ TEST_F(RouteChoice, ControlCharactersAndBrokenLettersAreEscaped) {
   EXPECT_THAT(with_choice("{}", choice, chosen), HasSubstr("\\u0001\xef\xbf\xbdµ"));  // not an exception
 }
 
+// Routes listed in `other` pass the object: an error says so, or the sums say that they stay. Controls: before, and a
+// name that nothing has.
 TEST_F(RouteChoice, OtherContainsRoutesThatPass) {
   EXPECT_THAT(error({"mount*"}), HasSubstr("no route passes 'mount*'"));
   EXPECT_THAT(text({"baffles"}), HasSubstr("Some routes in 'other > arm' may pass there"));
