@@ -101,9 +101,10 @@ TEST(GhostPorts, each_ghost_is_a_row) {
     return std::string(folder / (sum + "/run.h5"));
   };
   std::string const apart = run("independent"), fields = run("coherent");
+  json const table = json::parse(straytrace({"paths", apart, "--format", "json"}).out);
   for (char const* face : {"entry·R", "sensor·R"}) {
     std::size_t rows = 0;
-    for (json const& row : json::parse(straytrace({"paths", apart, "--format", "json"}).out)["routes"]) {
+    for (json const& row : table["routes"]) {
       if (row["kind"] != "ghost" || row["sequence"].get<std::string>().find(face) == std::string::npos) continue;
       EXPECT_NEAR(row["coupling"]["value"].get<double>() / 1e-6, 1, 1e-3) << face;
       ++rows;
