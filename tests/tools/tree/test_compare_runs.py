@@ -43,6 +43,12 @@ class Files(unittest.TestCase):
     def test_equal_but_for_the_build(self):
         self.assertEqual(self.differences(lambda file: None), [])     # other times, NaN equal to itself
 
+    def test_attributes_that_old_programs_do_not_write(self):
+        def described(name):
+            return lambda file: file["names/ports"].attrs.create(name, "port of the interferometer")
+        self.assertEqual(self.differences(described("meaning")), [])
+        self.assertEqual(len(self.differences(described("unit"))), 1)     # negative control
+
     def test_groups_that_old_programs_do_not_write(self):
         def added(name):
             def change(file):
