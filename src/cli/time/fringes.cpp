@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "base/text/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/data_options.hpp"
 #include "cli/options.hpp"
@@ -37,6 +38,7 @@ struct FringePrediction {
   double wavelength = 0;
   std::vector<Line> lines;      // largest first
   std::vector<double> largest;  // of all lines, sample by sample
+  std::size_t not_shown = 0;    // routes of lower coupling beyond --show
 };
 
 // Motion other than that of the channels would mask their fringes.
@@ -56,7 +58,7 @@ MotionSeries motion_of(TimeOptions const& o, TimeInputs& in) {
 FringePrediction from_run(FringesOptions const& o) {
   TimeInputs in(request_of(o.time));
   MotionSeries const motion = motion_of(o.time, in);
-  FringePrediction p{motion.times, in.coupling().wavelength, {}, std::vector<double>(motion.times.samples)};
+  FringePrediction p{motion.times, in.coupling().wavelength, {}, std::vector<double>(motion.times.samples), 0};
   std::vector<std::pair<double, std::uint32_t>> order;  // by coupling
   for (std::uint32_t r : in.routes) {
     CouplingClass const& c = in.coupling().classes[r];
@@ -64,9 +66,12 @@ FringePrediction from_run(FringesOptions const& o) {
   }
   std::sort(order.begin(), order.end());
   for (auto const& [coupling, r] : order) {
+    if (p.lines.size() >= o.show) {
+      ++p.not_shown;
+      continue;
+    }
     FringeCurve curve = fringe_curve(in.coupling(), r, motion);
     if (curve.bodies.empty()) continue;
-    if (p.lines.size() >= o.show) break;
     for (std::size_t i = 0; i < curve.hz.size(); ++i) p.largest[i] = std::max(p.largest[i], curve.hz[i]);
     std::vector<std::string> seen;
     for (Multiplicity const& m : curve.bodies)
@@ -94,7 +99,7 @@ FringePrediction from_channel(FringesOptions const& o) {
   MotionSeries const motion = draw_motion(set, {s.start, s.rate, s.samples.size()}, 1);
   double const wavelength = positive_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
   std::vector<double> hz = fringe_frequency(motion.coordinates[0].velocity, wavelength, o.bounces);
-  return {motion.times, wavelength, {{s.name, fmt::format("{:g} bounces", o.bounces), hz}}, hz};
+  return {motion.times, wavelength, {{s.name, fmt::format("{:g} bounces", o.bounces), hz}}, hz, 0};
 }
 
 std::string quantile_text(std::vector<double> hz, double below) {
@@ -112,7 +117,10 @@ std::string lines_text(FringePrediction const& p) {
     columns.rows.push_back({quantile_text(line.hz, 0.5), quantile_text(line.hz, 0.95), fmt::format("{:.4g}", *top),
                             fmt::format("{:.2f}", when), line.bodies, line.name});
   }
-  return aligned(columns);
+  std::string const text = aligned(columns);
+  if (p.not_shown == 0) return text;
+  return text + fmt::format("{} of lower coupling may be faster and are not shown; --show lists more\n",
+                            counted(p.not_shown, "route"));
 }
 
 std::string strides_text(std::vector<FringeStride> const& strides, double above) {
@@ -173,7 +181,7 @@ int fringes(FringesOptions const& o) {
       for (StretchAbove const& s : stretches)
         text += fmt::format("above {:g} Hz from GPS {} to {}, at most {:.4g} Hz\n", above, gps_text(s.from),
                             gps_text(s.to), s.largest);
-      if (stretches.empty()) text += fmt::format("never above {:g} Hz\n", above);
+      if (stretches.empty()) text += fmt::format("never above {:g} Hz in these routes\n", above);
     }
   }
   if (o.overlay.empty())
