@@ -142,7 +142,7 @@ void add_rest(std::map<std::string, Rest>& rests, std::string const& port, Noise
   ++rest.routes;
 }
 
-struct Compared {
+struct ComparedRows {
   RunFile const &b, &a;
   RunDifference const& d;
   std::map<std::string, Rest> rests{};    // by port
@@ -164,7 +164,7 @@ void put_rests(std::vector<Change>& others, std::map<std::string, Rest> const& r
 }
 
 // A row that only one of the runs has.
-void add_only(Change c, Listed const& one, bool is_before, Compared& to) {
+void add_only(Change c, Listed const& one, bool is_before, ComparedRows& to) {
   RunFile const &own = is_before ? to.b : to.a, &other = is_before ? to.a : to.b;
   if (one.route->steps.empty()) {
     to.others.push_back(std::move(c));
@@ -181,7 +181,7 @@ void add_only(Change c, Listed const& one, bool is_before, Compared& to) {
 
 std::vector<Change> route_changes(RunFile const& b, RunFile const& a, RunDifference const& d) {
   ByKey const x = by_key(b), y = by_key(a);
-  Compared to{b, a, d};
+  ComparedRows to{b, a, d};
   auto const change_of = [&](NoiseTrace const* before, NoiseTrace const* after) {
     return route_change(before, after, b.noise->grid, a.noise->grid, d);
   };

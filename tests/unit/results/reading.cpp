@@ -153,8 +153,9 @@ TEST_F(ReportReading, ATotalThatMixesBothBoundsIsNeither) {
                           AllOf(HasSubstr("NO BOUNDS"), HasSubstr("no bound, since"), Not(HasSubstr("at most"))),
                           AllOf(HasSubstr("# NO BOUND:"), HasSubstr("# CONTAINS UPPER BOUNDS: in ")), "neither",
                           AllOf(HasSubstr("\"bound\":\"neither\""), Not(HasSubstr("at_most")))));
-  if (noise.bands.made())
+  if (noise.bands.made()) {
     EXPECT_THAT(band_summary(noise, {noise.grid.centre(0)}), Not(HasSubstr("of the upper bound")));
+  }
   trace.coupling.classes[0].kind = ClassKind::scattered;
   find_bounds(noise, trace.coupling);
   EXPECT_THAT(said(), ElementsAre(HasSubstr("total (lower bound)"), HasSubstr("LOWER BOUNDS"),
