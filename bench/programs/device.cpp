@@ -36,7 +36,8 @@ Rate rate_of(Backend const& backend, World const& world, std::uint64_t first, st
     std::vector<std::jthread> callers;
     for (unsigned i = 0; i < std::max(1u, backend.callers()); ++i)
       callers.emplace_back([&] {
-        for (std::uint64_t b = next++; b < first + count; b = next++) rays += backend.run_block(SteeredWorld::as_given(world), 1, b).rays;
+        for (std::uint64_t b = next++; b < first + count; b = next++)
+          rays += backend.run_block(SteeredWorld::as_given(world), 1, b).rays;
       });
   }
   double const seconds = now() - start;

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "support/exact_tube.hpp"
 #include "scenes.hpp"
+#include "support/exact_tube.hpp"
 
 namespace straytrace::bench {
 namespace {

@@ -91,8 +91,8 @@ MotionSet motion(int classes) {
   return set;
 }
 
-// One route of equal weights; phase sensitivities along the axes scatter by a factor e^0.3 about 2k times the sine or cosine of a
-// small angle of scattering.
+// One route of equal weights; phase sensitivities along the axes scatter by a factor e^0.3 about 2k times the sine or
+// cosine of a small angle of scattering.
 CouplingTable table(std::size_t count) {
   CouplingTable t;
   CouplingClass c;

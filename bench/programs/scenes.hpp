@@ -47,8 +47,9 @@ std::vector<BenchRay> walk_rays(BenchScene const&, std::size_t count, std::uint6
 std::size_t bounce(BenchScene const&, std::size_t count, std::uint64_t seed = 5);
 // Such walks eight at a time, one stage of all of them after the other: what hiding the latency of one path gains.
 std::size_t bounce_together(BenchScene const&, std::size_t count, std::uint64_t seed = 5);
-// Sixteen such walks together with all the work of a bounce of a trace: in addition to the above, half of the light by ABg, its
-// weight, and the weight added to the sums of one of 256 classes that is found by hash. Returns the sum of all weights.
+// Sixteen such walks together with all the work of a bounce of a trace: in addition to the above, half of the light by
+// ABg, its weight, and the weight added to the sums of one of 256 classes that is found by hash. Returns the sum of all
+// weights.
 double full_bounces(BenchScene const& scene, std::size_t count, std::uint64_t seed = 5);
 // From a mirror of radius 0.17 m near z = 0, polar angle log-uniform from 1e-6 to 0.3 rad: the small-angle scatter of
 // an arm.

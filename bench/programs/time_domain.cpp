@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/every_module.hpp"
 #include "time_domain.hpp"
 
 #include <nlohmann/json.hpp>
@@ -8,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 #include "noise/time_domain/phase_sum.hpp"
@@ -39,7 +39,8 @@ Problem problem(std::size_t paths, std::size_t coordinates, std::size_t samples,
   for (std::size_t j = 0; j < paths; ++j) {
     p.terms.amplitude.push_back(1 / std::sqrt(double(paths)));
     p.terms.turns.push_back(rng.uniform());
-    for (std::size_t c = 0; c < coordinates; ++c) p.terms.phase_sensitivity.push_back(two_over_lambda * (2 * rng.uniform() - 1));
+    for (std::size_t c = 0; c < coordinates; ++c)
+      p.terms.phase_sensitivity.push_back(two_over_lambda * (2 * rng.uniform() - 1));
   }
   return p;
 }

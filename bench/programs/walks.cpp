@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "base/math/rng.hpp"
-#include "optics/scatter/shift_invariant.hpp"
 #include "optics/scatter/diffuse.hpp"
+#include "optics/scatter/shift_invariant.hpp"
 #include "scenes.hpp"
 #include "trace/step/path.hpp"
 
