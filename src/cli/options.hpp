@@ -22,7 +22,7 @@ void add_format_option(CLI::App&, PrintOptions&);
 void refuse_two_formats(bool csv, PrintOptions const&);  // InputError for --csv with --format json
 
 // Marks an option for a file that the command writes. A file that cannot be written, or that another option or argument
-// of the command names as its input, is refused before any work.
+// of the command names as its input, is an error before any work.
 void mark_output(CLI::App& command, CLI::Option& option);
 void refuse_overwriting(std::string const& output, std::string const& input);  // InputError where both are one file
 

@@ -67,7 +67,7 @@ void read_scene_of(Side& side) {
   side.scene = read_by_all(about.main_file, about.overrides, &about.files);
 }
 
-// Names the files of a scene by their folder too: scenes of one name, in two folders, are told apart.
+// Names the files of a scene with their folder, which distinguishes scenes of one name.
 InputError with_folder(InputError const& e, fs::path const& folder) {
   std::vector<std::string> names = e.files;
   std::string text = "\n" + std::string(e.what());

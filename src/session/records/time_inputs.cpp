@@ -190,7 +190,7 @@ void choose_routes(TimeRequest const& o, TimeInputs& in) {
     if (!at_port || !moved || !asked(table, c) || c.records.empty()) continue;
     if (usable)
       in.routes.push_back(r);
-    else
+    else if (!in.exact.routes[r].faint)  // faint: they cannot move the total
       ++unresolved;
   }
   warn_of_unresolved(unresolved, in);

@@ -187,15 +187,15 @@ TEST(Budget, BadInput) {
   };
   rejected({"alogo"}, "neither a detector nor a file", "did you mean 'aligo'?");
   rejected({"aligo", "adv"}, "second detector", "any number of runs");
-  rejected({"aligo", "--at", "10"}, "'10' is not a frequency", "10 Hz");
-  rejected({"aligo", "--at", "10 m"}, "not a frequency", "10 Hz");
+  rejected({"aligo", "--at", "10"}, "'10' is not a frequency", "10.5 Hz");
+  rejected({"aligo", "--at", "10 m"}, "not a frequency", "10.5 Hz");
   rejected({"aligo", "--margin", "0"}, "not a positive ratio", "1/10");
   rejected({"aligo", "--band", "10 Hz"}, "not a band", "5 Hz, 5 kHz");
   rejected({"aligo", "--compare", "adv-lla"}, "neither a design curve nor a file", "did you mean 'adv-lal'?");
   rejected({"aligo", "--export", "pygwinc"}, "needs a folder", "-o DIR");
   rejected({"aligo", "-p", "Laser.Power"}, "sets nothing", "Laser.Power=25");
   rejected({"aligo", "-p", "Laser.Powr=25"}, "unknown key", "did you mean 'Laser.Power'?");
-  rejected({virgo_arm}, "missing", "SI units");
+  rejected({virgo_arm}, "this is a scene, not a detector", "name its run");
 }
 
 TEST(Budget, TablesOfManyColumnsAreReadByName) {  // budget.txt: its total, not its second column, quantum noise

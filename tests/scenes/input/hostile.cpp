@@ -133,7 +133,7 @@ TEST(Hostile, TextsForTheTerminal) {
              "31m\n1\n");  // a control character that is text in UTF-8
   Finished const orders = straytrace(scan);
   EXPECT_EQ(orders.code, 2);
-  EXPECT_THAT(orders.err, AllOf(HasSubstr("cannot read the column name 'a?31m'"), Not(HasSubstr("\xc2\x9b"))));
+  EXPECT_THAT(orders.err, AllOf(HasSubstr("parameter 'a?31m' is not defined"), Not(HasSubstr("\xc2\x9b"))));
   write_text(folder / "points.csv", std::string(1000000, ',') + "\n1\n");
   EXPECT_EQ(straytrace(scan, {".", false, 20}).code, 2);
   write_text(folder / "points.csv", std::string(1000000, '[') + "\n1\n");

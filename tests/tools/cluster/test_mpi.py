@@ -95,7 +95,7 @@ class Mpi(unittest.TestCase):
         _, said = child.communicate(timeout=60)
         self.assertEqual(child.returncode, 2)
         self.assertEqual(said.count("error: there is no folder"), 1, said)
-        child = mpi(2, self.folder / "x.h5", "-p", "rings=-1")
+        child = mpi(2, self.folder / "x.h5", "-p", "R_t=-1 m")
         _, said = child.communicate(timeout=60)
         self.assertEqual(child.returncode, 2)
         self.assertEqual(said.count("Nothing was run"), 1, said)

@@ -27,7 +27,7 @@ class Tables(unittest.TestCase):
         noise, table = self.run_.noise, self.run_.noise.table()
         np.testing.assert_array_equal(table["h"], noise.total.mean)
         np.testing.assert_array_equal(table.index, noise.frequency)
-        self.assertEqual(list(table.columns[-3:]), ["adv-lal", "bound"])
+        self.assertEqual(list(table.columns[-2:]), ["adv-lal", "bound"])
         balance = self.run_.energy_balance.table()
         terms = balance.drop(index="emitted")
         self.assertAlmostEqual(terms["share"].sum(), 1, places=9)

@@ -87,7 +87,7 @@ TEST(Syntax, HeadOfTheFile) {
   EXPECT_THAT(said("%YAML 1.2\n---\nstraytrace: 1\n"), HasSubstr("1:1: error: YAML directives are not part"));
 }
 
-// One message for the whole list; a key of numbers elsewhere, and one with a value, is none of it.
+// One message for the whole list, without keys of numbers elsewhere and keys with a value.
 TEST(Syntax, ListsWithoutBrackets) {
   std::string const said = errors_of("trace: {a: 0 m, 0 m, -1 m, b: 2}\n");
   EXPECT_THAT(said, ::testing::AllOf(HasSubstr("write a list: [0 m, 0 m, -1 m]"), HasSubstr("\n1 error.")));
@@ -100,7 +100,7 @@ TEST(Syntax, ListsWithoutBrackets) {
                                                HasSubstr("write a list: [0 m, 0 m, 1 m]"), HasSubstr("\n1 error.")));
 }
 
-// "1,5 m" in a list is two elements. Of compact lists only those are refused that have another length with it.
+// "1,5 m" in a list is two elements. A compact list is an error only where it has another length with it.
 TEST(Syntax, DecimalCommasInLists) {
   auto const said = [](std::string const& list) {
     Scene const scene = scene_of("trace: {at: " + list + "}\n");
