@@ -56,7 +56,8 @@ class RunInput {
 
 // By its first bytes; whether it is sound read_run() tells.
 bool is_run_file(std::string const& file);
-// Where a command takes a scene or a run: also a name ending in .h5, so that the error of a missing or damaged run says so.
+// Where a command takes a scene or a run: also a name ending in .h5, so that the error of a missing or damaged run says
+// so.
 bool names_run(std::string const& file);
 
 // A file with nothing to trace holds motion for `straytrace noise --motion`.

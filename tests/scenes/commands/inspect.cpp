@@ -125,8 +125,7 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
   }
   EXPECT_THAT(straytrace({"inspect", "oxydised_steel"}).err, HasSubstr("did you mean 'oxidised_steel'?"));
   EXPECT_THAT(straytrace({"inspect", "test_mas", virgo_arm}).err, HasSubstr("did you mean 'test_mass'?"));
-  EXPECT_THAT(straytrace({"inspect", "x", "--plot", folder / "none/a.png"}).err,
-              HasSubstr("there is no folder"));
+  EXPECT_THAT(straytrace({"inspect", "x", "--plot", folder / "none/a.png"}).err, HasSubstr("there is no folder"));
 }
 
 // What check finds wrong with a model; control: a list of materials alone.

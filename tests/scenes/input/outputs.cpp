@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An output that cannot be written, would overwrite an input, or has an ending that no command writes is an error before
-// any work.
+// An output that cannot be written, would overwrite an input, or has an ending that no command writes is an error
+// before any work.
 #include "scenes/answers.hpp"
 
 namespace straytrace::testing {
