@@ -194,7 +194,8 @@ std::optional<Complaint> unsuitable_value(std::string const& text) {
       folder(R"((.+): File is actually a directory: (.*))");
   std::smatch m;
   if (bounded_regex_match(text, m, no_file))
-    return Complaint{fmt::format("{}: there is no file '{}'", m[1].str(), m[2].str()), "check the name and the folder"};
+    return Complaint{fmt::format("{}: file '{}' does not exist", m[1].str(), m[2].str()),
+                     "check the name and the folder"};
   if (bounded_regex_match(text, m, folder))
     return Complaint{fmt::format("{}: '{}' is a folder", m[1].str(), m[2].str()), "name a file"};
   return {};

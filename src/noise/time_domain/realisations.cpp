@@ -110,9 +110,9 @@ double second_order_of(CouplingTable const& table, StrayLight const& light) {
   return power > 0 ? phase / power : 0;
 }
 
-// Uncertainty of h at 100 Hz by the delays, relative to the noise of one body. `retarded`: half of the path is the
-// mean delay of a body on a path and its reverse, of others it may be the whole or nothing
-// (docs/theory/time_domain.md).
+// Uncertainty of h at 100 Hz due to the delays, relative to the noise of one body. `retarded`: half of the path is the
+// mean delay over a path and its reverse. A path without its reverse is delayed by anything from nothing to its whole
+// length (docs/theory/time_domain.md).
 double delay_error_of(CouplingTable const& table, std::vector<std::uint32_t> const& routes, bool retarded) {
   double largest = 0;
   for (std::uint32_t const r : routes) {

@@ -76,9 +76,8 @@ std::vector<std::size_t> passing(Patterns const& patterns, PathTable const& tabl
     if (held == Held::all) rows.push_back(i);
     if (held == Held::some && row.vertices > 0)
       errors.push_back(InputError(
-          fmt::format(
-              "--without: '{}' adds the fields of ghosts that pass {} to those of others, and cannot be divided",
-              row.sequence, fmt::join(patterns, " and ")),
+          fmt::format("--without: '{}' is a coherent sum of ghosts, of which only some pass {}; it cannot be divided",
+                      row.sequence, fmt::join(patterns, " and ")),
           "trace the scene with 'ghosts: {sum: independent}', or without the object"));
   }
   for (std::string const& pattern : patterns) {

@@ -109,7 +109,7 @@ TEST(CommandLine, MistakesAreExplained) {
        "'--quiet' is written before its command",
        "write straytrace check ... --quiet; see"},
       {{"couple", "taps", "--force", "a", "--target", "b", "--list", folder / "none.csv"},
-       "--list: there is no file '" + folder / "none.csv'",
+       "--list: file '" + folder / "none.csv' does not exist",
        "check the name and the folder; see"},
       {{"couple", "taps", "--force", "a", "--target", "b", "--list", folder.path()},
        "--list: '" + folder.path() + "' is a folder",
