@@ -2,13 +2,14 @@
 #include "beams/round_cavity.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <boost/math/special_functions/bessel.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <vector>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
@@ -65,25 +66,56 @@ Eigen::MatrixXcd half_trip(RoundCavity const& cavity, GaussPoints const& gauss, 
   return mirror(at, k, cavity.curvature2).asDiagonal() * half;
 }
 
-using Solved = Eigen::ComplexEigenSolver<Eigen::MatrixXcd>;
+struct Eigenpair {
+  Complex value;
+  Eigen::VectorXcd vector;  // of norm 1
+};
 
-// Indices of the modes p = 0, 1, ...: those that resemble the Laguerre-Gauss modes most, or those of least loss.
-std::vector<Eigen::Index> ordered(RoundCavity const& cavity, Solved const& solved, Nodes const& nodes, int l,
-                                  int count) {
-  std::vector<Eigen::Index> order(std::size_t(solved.eigenvalues().size()));
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, std::ranges::greater{}, [&](auto i) { return std::abs(solved.eigenvalues()[i]); });
-  double const L = cavity.length(), g1 = 1 - L * cavity.curvature1, g2 = 1 - L * cavity.curvature2;
-  if (!(g1 * g2 > 1e-6 && g1 * g2 < 1 - 1e-6)) return order;
-  double const w = cavity_mode(L, 1 / cavity.curvature1, 1 / cavity.curvature2, cavity.wavelength).w1;
-  for (int p = 0; p < count; ++p) {
-    Eigen::VectorXd const shape = (nodes.root * nodes.r.unaryExpr([&](double r) {
-                                    return laguerre_function(p, l, 2 * r * r / (w * w));
-                                  })).matrix();
-    auto const likeness = [&](auto i) { return std::abs(solved.eigenvectors().col(i).dot(shape.cast<Complex>())); };
-    std::iter_swap(order.begin() + p, std::ranges::max_element(order.begin() + p, order.end(), {}, likeness));
+// The mode of the round trip next to `start`, by Rayleigh quotient iteration, which converges cubically. The quotient
+// is bilinear, without conjugation, because the matrix is symmetric and not Hermitian.
+Eigenpair next_to(Eigen::MatrixXcd const& round, Eigen::VectorXcd const& start) {
+  auto const quotient = [&](Eigen::VectorXcd const& v) {
+    return Complex((v.transpose() * (round * v)).value()) / Complex((v.transpose() * v).value());
+  };
+  Eigenpair pair{quotient(start), start};
+  for (int step = 0; step < 12; ++step) {
+    Eigen::MatrixXcd shifted = round;
+    shifted.diagonal().array() -= pair.value;
+    Eigen::VectorXcd const v = shifted.partialPivLu().solve(pair.vector);
+    if (!v.allFinite()) break;  // the shift is the eigenvalue
+    Complex const before = pair.value;
+    pair = {quotient(v.normalized()), v.normalized()};
+    if (std::abs(pair.value - before) < 1e-15) break;
   }
-  return order;
+  return pair;
+}
+
+// The modes p = 0, 1, ... next to the Laguerre-Gauss modes; empty if one shares less than half of its power with its
+// own.
+std::vector<Complex> near_gaussian(RoundCavity const& cavity, Eigen::MatrixXcd const& round, Nodes const& nodes, int l,
+                                   int count) {
+  double const L = cavity.length(), g1 = 1 - L * cavity.curvature1, g2 = 1 - L * cavity.curvature2;
+  if (!(g1 * g2 > 1e-6 && g1 * g2 < 1 - 1e-6)) return {};
+  double const w = cavity_mode(L, 1 / cavity.curvature1, 1 / cavity.curvature2, cavity.wavelength).w1;
+  std::vector<Complex> values;
+  for (int p = 0; p < count; ++p) {
+    Eigen::VectorXd const shape =
+        (nodes.root * nodes.r.unaryExpr([&](double r) { return laguerre_function(p, l, 2 * r * r / (w * w)); }))
+            .matrix()
+            .normalized();
+    Eigenpair const mode = next_to(round, shape.cast<Complex>());
+    if (std::abs(mode.vector.dot(shape.cast<Complex>())) < std::sqrt(0.5)) return {};
+    values.push_back(mode.value);
+  }
+  return values;
+}
+
+// In the order of their loss.
+std::vector<Complex> least_loss(Eigen::MatrixXcd const& round) {
+  Eigen::VectorXcd const all = Eigen::ComplexEigenSolver<Eigen::MatrixXcd>(round, false).eigenvalues();
+  std::vector<Complex> values(all.begin(), all.end());
+  std::ranges::sort(values, std::ranges::greater{}, [](Complex z) { return std::abs(z); });
+  return values;
 }
 
 }  // namespace
@@ -104,11 +136,11 @@ std::vector<RoundMode> round_modes(RoundCavity const& cavity, int azimuthal, int
     throw NumericalError(
         fmt::format("the Fresnel number of a leg is {:.3g}, more than {:g}", fresnel, largest_fresnel_number));
   GaussPoints const gauss(40 + int(std::ceil(2 * pi * fresnel)));  // the phases of legs and mirrors, to rounding
-  Eigen::MatrixXcd const half = half_trip(cavity, gauss, azimuthal);
-  Solved const solved(half.transpose() * half);
+  Eigen::MatrixXcd const half = half_trip(cavity, gauss, azimuthal), round = half.transpose() * half;
+  std::vector<Complex> values = near_gaussian(cavity, round, {cavity.openings.front(), gauss}, azimuthal, count);
+  if (values.empty()) values = least_loss(round);
   std::vector<RoundMode> modes;
-  for (Eigen::Index const i : ordered(cavity, solved, {cavity.openings.front(), gauss}, azimuthal, count))
-    if (int(modes.size()) < count) modes.push_back({int(modes.size()), azimuthal, solved.eigenvalues()[i]});
+  for (int p = 0; p < count; ++p) modes.push_back({p, azimuthal, values[std::size_t(p)]});
   return modes;
 }
 

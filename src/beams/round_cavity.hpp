@@ -25,8 +25,8 @@ struct RoundCavity {
 // A mode that varies as exp(i l phi) about the axis.
 struct RoundMode {
   int radial = 0, azimuthal = 0;  // p and l of the Laguerre-Gauss mode that it resembles most
-  std::complex<double>
-      eigenvalue;  // amplitude after a round trip without transmission over that before, exp(2ikL) taken out
+  // Amplitude after a round trip without transmission over that before, without exp(2ikL).
+  std::complex<double> eigenvalue;
   double loss() const { return 1 - std::norm(eigenvalue); }  // of power per round trip; rounding is some 1e-13
 };
 
@@ -34,8 +34,9 @@ struct RoundMode {
 double fresnel_number(RoundCavity const&);
 constexpr double largest_fresnel_number = 30;
 
-// The modes p = 0 ... count - 1 of one l >= 0. A cavity without Gaussian modes (g1 g2 not between 0 and 1) has them in
-// the order of their loss. NumericalError beyond `largest_fresnel_number`.
+// The modes p = 0 ... count - 1 of one l >= 0. A cavity whose modes do not resemble Laguerre-Gauss modes (g1 g2 not
+// between 0 and 1, or rims too narrow) has them in the order of their loss. NumericalError beyond
+// `largest_fresnel_number`.
 std::vector<RoundMode> round_modes(RoundCavity const&, int azimuthal, int count);
 
 }  // namespace straytrace::beams
