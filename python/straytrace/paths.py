@@ -38,13 +38,10 @@ class PathColumn:
 
 
 @dataclass
-class Path:
-    """One route: a row of `straytrace paths`. Its columns are attributes, among them rank, id, port, sequence, kind,
-    resolved, coupling, coupling_sigma, share, share_sigma, body and opl; `Paths.columns` lists all with unit and
-    meaning. Numbers that are not resolved are NaN."""
+class ByColumn:
+    """A row or table whose columns are attributes."""
 
-    values: dict[str, Any]            # by the key of their column
-    strain: Callable[[float], float]  # Hz to 1/sqrt(Hz)
+    values: dict[str, Any]  # by the name of their column
 
     def __getattr__(self, key: str) -> Any:
         if key.startswith("__") or key == "values":
@@ -52,7 +49,16 @@ class Path:
         try:
             return self.values[key]
         except KeyError:
-            raise AttributeError(f"a path has no column '{key}'; it has: {', '.join(self.values)}") from None
+            raise AttributeError(f"there is no column '{key}'; there are: {', '.join(self.values)}") from None
+
+
+@dataclass
+class Path(ByColumn):
+    """One route: a row of `straytrace paths`. Its columns are attributes, among them rank, id, port, sequence, kind,
+    resolved, coupling, coupling_sigma, share, share_sigma, body and opl; `Paths.columns` lists all with unit and
+    meaning. Numbers that are not resolved are NaN."""
+
+    strain: Callable[[float], float]  # Hz to 1/sqrt(Hz)
 
     @property
     def at_most(self) -> bool:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from .paths import ByColumn
+
 if TYPE_CHECKING:
     import pandas
 
@@ -16,21 +18,12 @@ Array = npt.NDArray[np.float64]
 
 
 @dataclass
-class Routes:
+class Routes(ByColumn):
     """The routes of light to ports as the run file holds them: one entry per ordered route. Its columns are attributes, among
     them hash, name, port, kind, mean, std_error, reverse, trusted, why_not and statement; `columns` lists all with unit and
     meaning."""
 
-    values: dict[str, Any]                    # by the name of their column
     columns: dict[str, tuple[str, str]]       # unit and meaning
-
-    def __getattr__(self, key: str) -> Any:
-        if key.startswith("__") or key == "values":
-            raise AttributeError(key)
-        try:
-            return self.values[key]
-        except KeyError:
-            raise AttributeError(f"routes have no column '{key}'; they have: {', '.join(self.values)}") from None
 
     @property
     def coupling(self) -> Array:
