@@ -59,10 +59,9 @@ struct RouteSpectrum {
   Bins linear;  // part of psd, as in PhaseSpectrum
   std::array<Replicas, error_parts> without;
   Bins drawn;  // variance of psd by drawn paths, SpectrumInterpolator::add_variance; empty where all are computed
-  bool exact = false;            // of a deterministic class: no replica changes it, so `without` is empty
-  double mean_square_phase = 0;  // rad^2, mean over the paths, weighted by power
-  double mean_square_phase_of_noise =
-      0;  // the same, weighted by noise: power times phase^2, bounded where fringes wrap
+  bool exact = false;                     // of a deterministic class: no replica changes it, so `without` is empty
+  double mean_square_phase = 0;           // rad^2, mean over the paths, weighted by power
+  double mean_square_phase_of_noise = 0;  // the same by noise: power times phase^2, bounded where fringes wrap
   // Kept paths, counted as equal ones, that carry the power and that carry the noise: (sum x)^2 / sum x^2. A row of
   // bright static light with a few faint moving paths has a precise power and an imprecise noise.
   double paths_of_power = 0, paths_of_noise = 0;
