@@ -73,7 +73,7 @@ TEST_F(RouteChoice, OtherContainsRoutesThatPass) {
 TEST_F(RouteChoice, FieldsAreNotDivided) {
   make_coherent();
   for (char const* face : {"lens/front", "lens/back"})
-    EXPECT_THAT(error({face}), HasSubstr("adds the fields of ghosts that pass " + std::string(face)));
+    EXPECT_THAT(error({face}), HasSubstr("is a coherent sum of ghosts, of which only some pass " + std::string(face)));
   for (std::vector<std::string> const& all : {std::vector<std::string>{"lens/*"}, {"lens/front", "lens/back"}}) {
     EXPECT_EQ(without(all).left_out, 1u);
     EXPECT_THAT(text(all), Not(HasSubstr("and 1 more'")));
