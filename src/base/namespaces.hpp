@@ -34,11 +34,21 @@ using namespace optics;
 using namespace beams;
 using namespace scene;
 }  // namespace world
+namespace wave {
+using namespace io;
+using namespace geometry;
+using namespace optics;
+using namespace beams;
+using namespace spectra;
+using namespace scene;
+using namespace world;
+}  // namespace wave
 namespace trace {
 using namespace geometry;
 using namespace optics;
 using namespace beams;
 using namespace world;
+using namespace wave;
 }  // namespace trace
 namespace ifo {
 using namespace beams;

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The stray field that a rim couples back into the mode of a cavity, and its derivatives by the motion of the rim
+// (docs/theory/wave.md, eq. W.11 to W.16, W.22).
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "base/math/vec3.hpp"
+#include "wave/sampler.hpp"
+
+namespace straytrace::wave {
+
+// Frame of the cavity: z from mirror 1 to mirror 2, x and y across. `place` on the rim, `step` along it,
+// counter-clockwise about +z. m
+struct RimPoint {
+  Vec3 place, step;
+};
+std::vector<RimPoint> round_rim(double radius, Vec3 centre, int count);
+
+// Derivatives of s = d(gamma)/gamma, the stray field over that of the mode per round trip with both directions in it,
+// by the displacement [1/m] and by the rotation about `reference` [1/rad] of the body of the rim along x, y, z.
+struct RimLevers {
+  Complex displacement[3], rotation[3];
+};
+
+// Fields that arrive at the plane of the rim from both sides, before its mask, at a point of the rim.
+using WaveAt = std::function<WaveValue(Vec3 const&)>;
+// eq. W.14; `overlap` is B of eq. W.11.
+RimLevers rim_levers(std::vector<RimPoint> const&, WaveAt const& from_mirror1, WaveAt const& from_mirror2,
+                     double wavelength, Complex overlap, Vec3 const& reference);
+
+// eq. W.22: means over speckle of a round rim between two mirrors that scatter.
+struct SpeckledRim {
+  double wavelength = 0, radius = 0;           // m
+  double distance1 = 0, distance2 = 0;         // to the mirrors, m
+  double spot1 = 0, spot2 = 0;                 // 1/e^2 radii on the mirrors, m
+  double brdf1 = 0, brdf2 = 0;                 // 1/sr, at the angle of the rim
+  double kappa() const;                        // 1; its root is the number of patches of speckle, up to sqrt(2 pi)
+};
+struct SpeckleMeans {
+  double field = 0;         // <|s|^2>
+  double transverse = 0;    // <|A_x|^2> = <|A_y|^2>, 1/m^2
+  double longitudinal = 0;  // <|A_z|^2>, 1/m^2
+};
+SpeckleMeans speckle_means(SpeckledRim const&);
+
+}  // namespace straytrace::wave
