@@ -32,11 +32,11 @@ RimLevers rim_levers(std::vector<RimPoint> const&, WaveAt const& from_mirror1, W
 
 // eq. W.22: means over speckle of a round rim between two mirrors that scatter.
 struct SpeckledRim {
-  double wavelength = 0, radius = 0;           // m
-  double distance1 = 0, distance2 = 0;         // to the mirrors, m
-  double spot1 = 0, spot2 = 0;                 // 1/e^2 radii on the mirrors, m
-  double brdf1 = 0, brdf2 = 0;                 // 1/sr, at the angle of the rim
-  double kappa() const;                        // 1; its root is the number of patches of speckle, up to sqrt(2 pi)
+  double wavelength = 0, radius = 0;    // m
+  double distance1 = 0, distance2 = 0;  // to the mirrors, m
+  double spot1 = 0, spot2 = 0;          // 1/e^2 radii on the mirrors, m
+  double brdf1 = 0, brdf2 = 0;          // 1/sr, at the angle of the rim
+  double kappa() const;                 // 1; its root is the number of patches of speckle, up to sqrt(2 pi)
 };
 struct SpeckleMeans {
   double field = 0;         // <|s|^2>
