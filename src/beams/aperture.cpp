@@ -236,24 +236,4 @@ Complex128 free_field(BeamInPlane const& beam, double z, double x, double y) {
   return std::exp(0.5 * imaginary * k * (q / spread) * (x * x + y * y)) / spread;
 }
 
-double axis_factor(BeamInPlane const& beam, Opening const& a, double z) {
-  return std::norm(field_behind(beam, a, z, 0, 0) / free_field(beam, z, 0, 0));
-}
-
-double far_axis_factor(BeamInPlane const& beam, Opening const& a) {
-  double const g = 1 / (beam.w * beam.w);
-  return std::norm(g / pi * integral({g, -a.x, -a.y, 0}, a, pi / g));
-}
-
-double axis_ripple(BeamInPlane const& beam, Opening const& a) {
-  constexpr int points = 256;
-  double sum = 0;
-  for (int j = 0; j < points; ++j) {
-    double const angle = 2 * pi * j / points;
-    double const x = a.x + inner(a) * std::cos(angle), y = a.y + inner(a) * std::sin(angle);
-    sum += std::exp(-(x * x + y * y) / (beam.w * beam.w));
-  }
-  return 2 * sum / points;
-}
-
 }  // namespace straytrace::beams

@@ -51,10 +51,4 @@ double clipped_share(BeamInPlane const&, Opening const&);  // of the power (eq. 
 std::complex<double> field_behind(BeamInPlane const&, Opening const&, double distance, double x, double y);
 std::complex<double> free_field(BeamInPlane const&, double distance, double x, double y);  // without the aperture
 
-// Intensity on the axis of the beam over that without the aperture.
-double axis_factor(BeamInPlane const&, Opening const&, double distance);
-double far_axis_factor(BeamInPlane const&, Opening const&);  // in the far field or a focus (eq. 5.7)
-// Largest relative change of that intensity at any distance, to first order in the wave from the rim.
-double axis_ripple(BeamInPlane const&, Opening const&);
-
 }  // namespace straytrace::beams

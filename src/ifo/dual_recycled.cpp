@@ -162,15 +162,13 @@ std::unique_ptr<DualRecycled> DualRecycled::without_radiation_pressure() const {
   return std::make_unique<DualRecycled>(heavy, modulations_);
 }
 
-StrayGain DualRecycled::stray_gain(double hz) const {
+Phasor DualRecycled::stray_gain(double hz) const {
   auto const heavy = without_radiation_pressure();
   Injection const arm = injection(InjectionPoint::arm);
-  StrayGain gain;
+  Phasor gain = 0;
   for (char const* end : {"ETM x", "ETM y"}) {
     LinearResponse const r = heavy->response(Readout::power(network_.number_of({network_.find(end), 0})), hz);
-    double const factor = (end[4] == 'x' ? 0.5 : -0.5) / arm_power();
-    gain.amplitude += factor * r.to_amplitude(arm);
-    gain.phase += factor * r.to_phase(arm);
+    gain += (end[4] == 'x' ? 0.5 : -0.5) / arm_power() * r.to_amplitude(arm);
   }
   return gain;
 }
@@ -445,7 +443,7 @@ std::string RecycledInterferometer::description() const {
              "eq. 9.2 {:.4g} and gain of a field in the arm without radiation pressure {:.4g}, f_p {:.4g} Hz",
              name_, readout, p.wavelength * 1e9, p.arm_length, model_->arm_power(), p.input_power, p.mirror_mass,
              100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi, hz, gain,
-             std::abs(model_->stray_gain(hz).amplitude), model_->pole()) +
+             std::abs(model_->stray_gain(hz)), model_->pole()) +
          describe(ports_, *this, band_);
 }
 

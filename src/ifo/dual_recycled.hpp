@@ -81,12 +81,6 @@ struct Modulation {
   double hz = 0, index = 0;  // rad
 };
 
-// Power fluctuation in the arms by stray light in an arm: (dPx - dPy)/P = 2 (amplitude Re s + phase Im s), eq. 8.6.
-struct StrayGain {
-  Phasor amplitude = 0, phase = 0;
-  double total() const { return std::sqrt(std::norm(amplitude) + std::norm(phase)); }  // random static phase
-};
-
 class DualRecycled {
  public:
   explicit DualRecycled(DualRecycledParameters const&, std::vector<Modulation> const& = {});
@@ -111,7 +105,9 @@ class DualRecycled {
   double reference(InjectionPoint) const;
   // Whether DARM appears in the read-out; otherwise its response there is rounding.
   bool sees_darm(double hz) const;
-  StrayGain stray_gain(double hz) const;
+  // Power fluctuation in the arms by stray light s in an arm, (dPx - dPy)/P, over 2 Re s; eq. 8.6, without radiation
+  // pressure.
+  Phasor stray_gain(double hz) const;
   double pole() const;  // Hz where the response to DARM without radiation pressure is 1/sqrt(2) of its largest
   // One-sided ASD of the strain, 1/sqrt(Hz), from the vacuum at all open ports and losses, squeezed as stated.
   double quantum_noise(double hz) const;

@@ -4,6 +4,7 @@
 #include <Eigen/SparseLU>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 #include "base/errors.hpp"
@@ -419,24 +420,6 @@ Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const
 }
 
 }  // namespace
-
-double demodulated(std::span<double const> carriers, std::span<Phasor const> light, double hz, double phase) {
-  double sum = 0;
-  for_each_beat(carriers, hz, [&](std::size_t m, std::size_t n) {
-    sum += std::real(light[m] * std::conj(light[n]) * std::polar(1.0, phase));
-  });
-  return sum;
-}
-double demodulated(SteadyField const& field, std::uint32_t port, double hz, double phase) {
-  std::vector<Phasor> light;
-  for (std::size_t n = 0; n < field.carriers().size(); ++n) light.push_back(field.in(port, n));
-  return demodulated(field.carriers(), light, hz, phase);
-}
-double demodulated(std::span<double const> power, double rate, double hz, double phase) {
-  double sum = 0;
-  for (std::size_t i = 0; i < power.size(); ++i) sum += power[i] * std::cos(2 * pi * hz * double(i) / rate + phase);
-  return sum / double(power.size());
-}
 
 LinearResponse::LinearResponse(Network const& network, SteadyField const& field, Readout const& readout, double hz)
     : network_(network), field_(field) {

@@ -168,12 +168,6 @@ struct Readout {
   std::vector<std::pair<ComponentId, double>> moving{};
 };
 
-// The demodulated light itself, W: the error signal of a lock. Light by carriers, sqrt(W) and Hz.
-double demodulated(std::span<double const> carriers, std::span<Phasor const> light, double hz, double phase);
-double demodulated(SteadyField const&, std::uint32_t port, double hz, double phase);
-// The same of a sampled power, W, at a constant rate, Hz: mean of P cos(2 pi hz t + phase) over whole periods.
-double demodulated(std::span<double const> power, double rate, double hz, double phase);
-
 // Squeezed vacuum instead of the vacuum that leaves a dump (or laser) at this port of it, about carrier 0. Its first
 // quadrature is the one at `angle`, rad.
 struct Squeezing {

@@ -96,6 +96,24 @@ void add_local(TapAnswer& a, Visit const& v, Quiet const& q, std::size_t k, std:
   }
 }
 
+struct Slope {
+  double value = 0, sigma = 0;  // dy/dx; from the errors stated
+};
+// NaN or infinite when all x are equal.
+Slope weighted_slope(std::span<double const> x, std::span<double const> y, std::span<double const> sigma) {
+  double s = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    double const w = 1 / (sigma[i] * sigma[i]);
+    s += w;
+    sx += w * x[i];
+    sy += w * y[i];
+    sxx += w * x[i] * x[i];
+    sxy += w * x[i] * y[i];
+  }
+  double const d = s * sxx - sx * sx;
+  return {(s * sxy - sx * sy) / d, std::sqrt(s / d)};
+}
+
 struct Answered {
   TapAnswer answer;
   double log_sigma = 0;  // of the coupling, without the error common to all places
@@ -131,10 +149,10 @@ Answered answer(std::vector<Visit const*> const& visits, Quiet const& q, std::si
   a.ratio = std::exp(plain.value) * quiet;
   a.sigma = a.ratio * std::sqrt(squared(plain.sigma) + 0.25 / q.force.averages + 0.25 / q.target.averages);
   if (visits.size() > 1) {
-    WeightedLine const line = weighted_line(force, excess, sigma);
-    a.slope = 1 + line.slope;
-    a.slope_sigma = line.slope_sigma;
-    a.not_linear = std::fabs(line.slope) > t.not_linear * line.slope_sigma;
+    auto const [slope, slope_sigma] = weighted_slope(force, excess, sigma);
+    a.slope = 1 + slope;
+    a.slope_sigma = slope_sigma;
+    a.not_linear = std::fabs(slope) > t.not_linear * slope_sigma;
   }
   return out;
 }

@@ -66,7 +66,6 @@ struct TriangleMesh {
 #else
   STRAY_HD Crossing crossing(Ray const& ray, std::uint32_t leaving) const { return crossing_with<1>(ray, leaving); }
 #endif
-  STRAY_HD Crossing crossing_by_force(Ray const& ray, std::uint32_t leaving) const;  // every triangle: the same bits
 
   STRAY_HD Vec3 normal(Vec3, std::uint32_t piece) const {
     return straytrace::unit(pose.direction(facet_normal(corner(piece, 0), corner(piece, 1), corner(piece, 2))));
@@ -259,14 +258,6 @@ STRAY_INLINE Crossing TriangleMesh::crossing_with(Ray const& ray, std::uint32_t 
   content.tree.traverse(local, search.limit, leaf, [&](std::uint32_t first) STRAY_INLINE_LAMBDA {
     bvh8_detail::fetch_early<sizeof(TrianglePack)>(&content.packs[first]);
   });
-  return search.result();
-}
-
-STRAY_HD Crossing TriangleMesh::crossing_by_force(Ray const& ray, std::uint32_t leaving) const {
-  Ray const local = in_file(ray);
-  Search search(*this, local.origin, local.dir, ray.t_max, leaving);
-  for (std::uint32_t i = 0; i < content.triangles.size; ++i)
-    search.try_triangle(i, corner(i, 0), corner(i, 1), corner(i, 2));
   return search.result();
 }
 

@@ -118,10 +118,6 @@ double number_law(Cleanliness const& c, double diameter) {
 
 }  // namespace
 
-double Cleanliness::more_than(double diameter) const {
-  return diameter >= level * 1e-6 ? 0 : number_law(*this, diameter);
-}
-
 std::vector<Grain> grains(Cleanliness const& c, int classes) {
   double const last = c.largest > 0 ? c.largest : c.level * 1e-6;
   std::vector<Grain> all;

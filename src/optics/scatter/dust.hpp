@@ -81,11 +81,10 @@ struct Dust : SampledByLobe<Dust> {
 
 // Particles per area and size: IEST-STD-CC1246 (docs/theory/surfaces.md, eq. 3.21). Host only.
 struct Cleanliness {
-  double level = 0, slope = 0.926;          // level: size in um at which one particle per 0.1 m^2 is larger
-  double smallest = 1e-6, largest = 0;      // m; 0: the level
-  double more_than(double diameter) const;  // particles per m^2 larger than this (m)
-  double covered() const;                   // share of the area, by integration
-  double covered_by_fit() const;            // 10^(-7.245 + 0.926 log10^2 level) %
+  double level = 0, slope = 0.926;      // level: size in um at which one particle per 0.1 m^2 is larger
+  double smallest = 1e-6, largest = 0;  // m; 0: the level
+  double covered() const;               // share of the area, by integration
+  double covered_by_fit() const;        // 10^(-7.245 + 0.926 log10^2 level) %
 };
 
 struct Grain {

@@ -51,8 +51,6 @@ struct ScatterFile {
 // Incidence and scatter in rad from the normal, azimuth of scatter (0: on the side of the specular direction).
 ScatterPoint scatter_point(double theta_i, double theta_s, double phi, double value);
 
-// Name of the format, by content; empty: unknown.
-std::string scatter_format(std::string_view text);
 // Problems carry line and column. `given` counts where the file declares nothing, and must not contradict the file.
 ScatterFile read_scatter_file(std::string_view text, ScatterDeclared const& given, std::vector<Problem>& problems);
 

@@ -8,10 +8,13 @@
 #include "base/every_module.hpp"
 #include "ifo/network.hpp"
 #include "spectra/transfer_function.hpp"
+#include "support/demodulated.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_loops {
 namespace {
+
+using straytrace::testing::demodulated;
 
 // A = 1, B = 0.1, phase 0.3 between carrier and sideband: I, Q and the phase, in time and in frequency.
 TEST(Demodulation, HeterodyneR2_12) {

@@ -7,10 +7,13 @@
 #include "base/every_module.hpp"
 #include "ifo/network.hpp"
 #include "physics/ifo/exact_arm.hpp"
+#include "support/demodulated.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_response {
 namespace {
+
+using straytrace::testing::demodulated;
 
 constexpr double wavelength = 1.064e-6, k = 2 * pi / wavelength;
 
