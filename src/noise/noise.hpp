@@ -18,6 +18,7 @@ struct FrequencyGrid {
   std::size_t size() const { return edges.empty() ? 0 : edges.size() - 1; }
   double centre(std::size_t i) const;  // geometric mean of the edges
   double width(std::size_t i) const { return edges[i + 1] - edges[i]; }
+  std::size_t bin_of(double hz) const;  // the bin that holds hz; size() outside the grid
 };
 FrequencyGrid logarithmic_grid(double low_hz, double high_hz, double points_per_decade);
 

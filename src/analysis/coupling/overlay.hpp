@@ -30,5 +30,8 @@ struct PredictedCurve {
 };
 // Throws InputError for another dimension or a coupling that is fringe wrapped all over the band.
 Overlay overlay_of(CouplingFunction const&, PredictedCurve const&);
+// For each frequency, Hz, the most significant point nearest to it on a logarithmic axis, a measured one before a
+// limit; null where none is.
+std::vector<OverlayPoint const*> nearest_points(Overlay const&, std::vector<double> const& hz);
 
 }  // namespace straytrace::analysis

@@ -83,10 +83,8 @@ std::vector<double> told_frequencies(FrequencyGrid const& grid) {
   return out;
 }
 
-bool has_bounds(PredictedCoupling const& p) { return std::ranges::any_of(p.routes, &PredictedRoute::upper_bound); }
-
 std::string bound_of(PredictedCoupling const& p) {
-  std::string const text = bound_text(has_bounds(p), p.unresolved.size());
+  std::string const text = bound_text(p.has_bounds(), p.unresolved.size());
   return text.empty() ? "" : fmt::format(" ({})", text);
 }
 
@@ -110,9 +108,7 @@ std::string linear_text(PredictOptions const& o, PredictedCoupling const& p, boo
       fmt::format("coupling of {} {} to h, mean over static phases, small motion{}\n", o.body, o.axis, bound_of(p));
   Columns curve{{"frequency", fmt::format("coupling [1/{}]", unit)}, {}, {}};
   for (double const f : told_frequencies(p.grid))
-    for (std::size_t i = 0; i < p.grid.size(); ++i)
-      if (f >= p.grid.edges[i] && f < p.grid.edges[i + 1])
-        curve.rows.push_back({fmt::format("{:.4g} Hz", f), factor_text(p, i)});
+    curve.rows.push_back({fmt::format("{:.4g} Hz", f), factor_text(p, p.grid.bin_of(f))});
   Columns routes{
       {"route", "share", fmt::format("phase [rad/{}]", unit), "multiplicity", fmt::format("linear to [{} peak]", unit)},
       {true},
@@ -130,13 +126,9 @@ std::string linear_text(PredictOptions const& o, PredictedCoupling const& p, boo
 }
 
 std::string driven_text(DrivenResponse const& d, double peak, double hz, char const* unit) {
-  double most = 0, cutoff = 0;
-  for (DrivenRoute const& r : d.routes) {
-    most = std::max(most, r.phase_peak);
-    cutoff = std::max(cutoff, r.cutoff);
-  }
   return fmt::format("driven with {:.4g} {} peak at {:g} Hz: phase up to {:.3g} rad, {} {:.4g} Hz\n", peak, unit, hz,
-                     most, most > 1 ? "fringe wrapped, shelf up to" : "linear; fastest fringe", cutoff);
+                     d.phase_peak, d.phase_peak > 1 ? "fringe wrapped, shelf up to" : "linear; fastest fringe",
+                     d.cutoff);
 }
 
 void add_curve(CurveSheet& sheet, std::string const& name, std::string const& unit, std::vector<double> const& value,
@@ -208,7 +200,7 @@ nlohmann::json overlay_json(Overlay const& o) {
           {"above_limit", o.above_limit}};
 }
 
-// Measured points and limits on the axis of the sheet: each in its bin, the most significant one.
+// Measured points and limits on the axis of the sheet.
 void add_overlay(CurveSheet& sheet, Overlay const& o) {
   std::size_t const n = sheet.x.values.size();
   CurveColumn value{"measured", o.unit, std::vector<double>(n, not_a_number), "points"}, limit = value, sigma = value;
@@ -216,21 +208,13 @@ void add_overlay(CurveSheet& sheet, Overlay const& o) {
   limit.style = "upper-limit";
   sigma.name = "measured_sigma";
   sigma.style = "hidden";
-  std::vector<double> sure(n, -1);
-  for (OverlayPoint const& p : o.points) {
-    auto const near = std::min_element(sheet.x.values.begin(), sheet.x.values.end(), [&](double a, double b) {
-      return std::fabs(std::log(a / p.measured.hz)) < std::fabs(std::log(b / p.measured.hz));
-    });
-    auto const i = std::size_t(near - sheet.x.values.begin());
-    double const rank = p.measured.flag == CouplingFlag::measured
-                            ? 1 + (std::isfinite(p.measured.sigma) ? p.measured.factor / p.measured.sigma : 0)
-                            : 0;
-    if (rank <= sure[i]) continue;
-    sure[i] = rank;
-    bool const measured = p.measured.flag == CouplingFlag::measured;
-    value.values[i] = measured ? p.measured.factor : not_a_number;
-    sigma.values[i] = measured ? p.measured.sigma : not_a_number;
-    limit.values[i] = measured ? not_a_number : p.measured.factor;
+  std::vector<OverlayPoint const*> const shown = nearest_points(o, sheet.x.values);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (shown[i] == nullptr) continue;
+    CouplingPoint const& p = shown[i]->measured;
+    bool const measured = p.flag == CouplingFlag::measured;
+    (measured ? value : limit).values[i] = p.factor;
+    if (measured) sigma.values[i] = p.sigma;
   }
   for (CurveColumn const& c : {value, limit, sigma}) sheet.y.push_back(c);
 }
@@ -289,7 +273,7 @@ int run_predict(PredictOptions const& o) {
   add_curve(out.sheet, "predicted", unit, p.factor, p.sigma);
   out.text = linear_text(o, p, where.axis > 2);
   out.result = {{"body", o.body},           {"axis", o.axis},
-                {"linear_to", p.linear_to}, {"bound", bound_name(has_bounds(p), !p.unresolved.empty())},
+                {"linear_to", p.linear_to}, {"bound", bound_name(p.has_bounds(), !p.unresolved.empty())},
                 {"routes", routes_json(p)}, {"unresolved", p.unresolved}};
   add_motion(out, o, file, model, where, grid);
   if (!o.measured.empty()) {

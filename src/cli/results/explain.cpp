@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -20,7 +19,7 @@
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/route_table/route_columns.hpp"
-#include "results/route_table/route_sums.hpp"
+#include "results/route_table/strain_factors.hpp"
 #include "session/language.hpp"
 #include "session/library_entries.hpp"
 #include "session/open_run.hpp"
@@ -321,61 +320,21 @@ std::optional<Explanation> explain_message(std::string const& text) {
   return a;
 }
 
-// h^2(f) = C C_rev N (|T_phase|^2 + |T_amplitude|^2) S(f), with S the one-sided PSD of the quadrature of a unit field
-// whose phase moves as the paths of the route do, mean over static phases: 1/2 of the PSD of the phase where motion is
-// small (docs/theory/spectra.md, eq. 7.2, section 9).
-
-struct Factor {
-  char const* name;
-  double value;
-  char const *unit, *what;
-  bool at_most = false;  // an upper bound
-  std::string text() const { return at_most ? with_error({value, 0, true}) : fmt::format("{:.4g}", value); }
-};
-
-std::size_t bin_at(FrequencyGrid const& grid, double hz) {
-  auto const above = std::upper_bound(grid.edges.begin(), grid.edges.end(), hz);
-  if (above == grid.edges.begin() || above == grid.edges.end())
-    throw InputError(fmt::format("{:g} Hz is outside the band of the noise, {:g} Hz to {:g} Hz", hz, grid.edges.front(),
-                                 grid.edges.back()),
-                     "write --at with a frequency inside it");
-  return std::size_t(above - grid.edges.begin()) - 1;
-}
-
-std::vector<Factor> chain(CouplingClass const& c, NoiseTrace const& trace, PathRow const& row,
-                          Interferometer const& ifo, double centre, std::size_t bin) {
-  double const phase = std::abs(ifo.strain_per_phase(c.port, centre)),
-               amplitude = std::abs(ifo.strain_per_amplitude(c.port, centre)), copies = ifo.copies(c.port),
-               both = phase * phase + amplitude * amplitude, h = trace.asd[bin],
-               power = c.coupling.mean * c.reverse * copies;
-  bool const bound = row.upper_bound();
-  return {
-      {"C", c.coupling.mean, "", "power that rejoins the mode on this route, of ordered paths, relative", bound},
-      {"C_rev", c.reverse, "", "the reverse route adds in amplitude: 2 where it is another route"},
-      {"N", copies, "", "equal, independent copies of the port in the detector; powers add"},
-      {"kappa", row.phase_sensitivity, "rad/m",
-       "rms phase sensitivity of the body that moves it: single path, all bounces counted; of 'other' weighted by "
-       "noise"},
-      {"phase", std::sqrt(trace.mean_square_phase), "rad", "rms; above 1 fringes wrap"},
-      {"S", power > 0 && both > 0 ? h * h / (power * both) : not_a_number, "1/Hz",
-       "one-sided PSD of the quadrature of a unit field, mean over static phases (half of the PSD of a small phase)"},
-      {"T_phase", phase, "1", "strain per relative field in quadrature with the main field (Im s)"},
-      {"T_amplitude", amplitude, "1", "strain per relative field in phase (Re s): radiation pressure"},
-      {"h", h, "1/sqrt(Hz)", "sqrt(C C_rev N (T_phase^2 + T_amplitude^2) S): one-sided strain ASD", bound}};
-}
-
 // "h = 1.23e-24 ± 0.04e-24 /sqrt(Hz), Monte-Carlo error", "h = 1.2e-24 (computed) /sqrt(Hz)" or "h at most ...".
 std::string strain_with_error(WithError const& h, bool sampled) {
   return fmt::format("h {}{} /sqrt(Hz){}", h.at_most ? "" : "= ", with_error(h), sampled ? ", Monte-Carlo error" : "");
 }
 
-void add_factors(Explanation& a, std::vector<Factor> const& factors) {
+void add_factors(Explanation& a, std::vector<StrainFactor> const& factors) {
+  auto const value_text = [](StrainFactor const& f) {
+    return f.upper_bound ? with_error({f.value, 0, true}) : fmt::format("{:.4g}", f.value);
+  };
   std::size_t width = 10;
-  for (Factor const& f : factors) width = std::max(width, f.text().size());
-  for (Factor const& f : factors) {
-    Json& one = a.json["factors"][f.name] = {{"value", f.value}, {"unit", f.unit}, {"what", f.what}};
-    if (f.at_most) one["at_most"] = true;
-    a.text += fmt::format("  {:<11} {:<{}} {:<11} {}\n", f.name, f.text(), width, f.unit, f.what);
+  for (StrainFactor const& f : factors) width = std::max(width, value_text(f).size());
+  for (StrainFactor const& f : factors) {
+    Json& one = a.json["factors"][f.name] = {{"value", f.value}, {"unit", f.unit}, {"what", f.meaning}};
+    if (f.upper_bound) one["at_most"] = true;
+    a.text += fmt::format("  {:<11} {:<{}} {:<11} {}\n", f.name, value_text(f), width, f.unit, f.meaning);
   }
 }
 
@@ -383,32 +342,28 @@ void add_factors(Explanation& a, std::vector<Factor> const& factors) {
 Explanation explain_strain(std::string const& run_file, std::size_t path, double hz) {
   OpenRun const run(run_file);
   ProjectionModel const& model = run.model;
-  NoiseBudget const budget = model.project(run.file.trace.coupling);
   CouplingTable const& table = run.file.trace.coupling;
+  NoiseBudget const budget = model.project(table);
   PathTable const paths = table_for(table, &budget, model);
   if (path < 1 || path > paths.rows.size())
     throw InputError(fmt::format("the run has no path {}; it has {}", path, paths.rows.size()),
                      fmt::format("see straytrace paths {}", run_file));
   PathRow const& row = paths.rows[path - 1];
-  std::size_t const index = class_of(table, row), bin = bin_at(budget.grid, hz);
-  CouplingClass const& c = table.classes[index];
-  NoiseTrace const& trace = budget.routes[index];
-  double const centre = budget.grid.centre(bin);
+  StrainFactors const s = strain_factors(table, budget, row, *model.detector, hz);
   Explanation a;
   a.json = {{"path", path},
             {"route", row.sequence},
             {"port", row.port},
-            {"hz", centre},
-            {"resolved", trace.resolved},
-            {"sigma", trace.sigma[bin]},
-            {"linear_share", trace.linear_share[bin]}};
-  a.text = fmt::format("path {}: {}, port {}, bin {:.4g} to {:.4g} Hz\n", path, row.sequence, row.port,
-                       budget.grid.edges[bin], budget.grid.edges[bin + 1]);
-  add_factors(a, chain(c, trace, row, *model.detector, centre, bin));
-  a.text += fmt::format("  {}; moved by {}; {:.0f} % of its power to first order in the motion of the bin\n",
-                        strain_with_error({trace.asd[bin], trace.sigma[bin], row.upper_bound()}, !c.deterministic()),
-                        row.moves.empty() ? "nothing" : row.moves, 100 * trace.linear_share[bin]);
-  if (!trace.resolved) a.text += fmt::format("  unresolved, the numbers are hints: {}\n", trace.why_not);
+            {"hz", s.centre},
+            {"resolved", s.resolved},
+            {"sigma", s.h.sigma},
+            {"linear_share", s.linear_share}};
+  a.text = fmt::format("path {}: {}, port {}, bin {:.4g} to {:.4g} Hz\n", path, row.sequence, row.port, s.low, s.high);
+  add_factors(a, s.factors);
+  a.text +=
+      fmt::format("  {}; moved by {}; {:.0f} % of its power to first order in the motion of the bin\n",
+                  strain_with_error(s.h, s.sampled), row.moves.empty() ? "nothing" : row.moves, 100 * s.linear_share);
+  if (!s.resolved) a.text += fmt::format("  unresolved, the numbers are hints: {}\n", s.why_not);
   a.text += "see docs/theory/spectra.md\n";
   return a;
 }

@@ -41,38 +41,14 @@ struct FringePrediction {
   std::size_t not_shown = 0;    // routes of lower coupling beyond --show
 };
 
-// Motion other than that of the channels would mask their fringes.
-MotionSeries motion_of(TimeOptions const& o, TimeInputs& in) {
-  double fastest = 0;
-  if (!o.channel.empty()) std::erase_if(in.model.motion.inputs, [](MotionInput const& i) { return !i.recorded; });
-  for (MotionInput const& i : in.model.motion.inputs)
-    if (i.recorded) fastest = std::max(fastest, i.recorded->rate);
-  double const least = highest_motion(in.model.motion);
-  double const rate = o.rate > 0 ? o.rate : least > 0 ? SamplingRule{0, least}.automatic() : fastest;
-  double const samples = std::round(in.duration * rate);
-  if (samples > 1 << 28)
-    throw InputError("more than 2^28 samples", "choose a shorter --duration or, with --channel, a lower --rate");
-  return draw_motion(in.model.motion, {in.start, rate, std::size_t(samples)}, o.seed);
-}
-
 FringePrediction from_run(FringesOptions const& o) {
   TimeInputs in(request_of(o.time));
-  MotionSeries const motion = motion_of(o.time, in);
-  FringePrediction p{motion.times, in.coupling().wavelength, {}, std::vector<double>(motion.times.samples), 0};
-  std::vector<std::pair<double, std::uint32_t>> order;  // by coupling
-  for (std::uint32_t r : in.routes) {
-    CouplingClass const& c = in.coupling().classes[r];
-    order.emplace_back(-c.reverse * c.coupling.mean, r);
-  }
-  std::sort(order.begin(), order.end());
-  for (auto const& [coupling, r] : order) {
-    if (p.lines.size() >= o.show) {
-      ++p.not_shown;
-      continue;
-    }
-    FringeCurve curve = fringe_curve(in.coupling(), r, motion);
-    if (curve.bodies.empty()) continue;
-    for (std::size_t i = 0; i < curve.hz.size(); ++i) p.largest[i] = std::max(p.largest[i], curve.hz[i]);
+  MotionSeries const motion = fringe_motion(in, !o.time.channel.empty(), o.time.rate, o.time.seed);
+  FringeCurves found = fringe_curves(in.coupling(), in.routes, motion, o.show);
+  if (found.curves.empty())
+    throw InputError("no body of these routes moves", "give --motion, or --body, --axis and --channel");
+  FringePrediction p{motion.times, in.coupling().wavelength, {}, std::move(found.largest), found.left_out};
+  for (FringeCurve& curve : found.curves) {
     std::vector<std::string> seen;
     for (Multiplicity const& m : curve.bodies)
       seen.push_back(fmt::format(
@@ -80,8 +56,6 @@ FringePrediction from_run(FringesOptions const& o) {
           m.spread > 5e-4 * m.bounces ? with_brackets(m.bounces, m.spread) : fmt::format("{:.3f}", m.bounces)));
     p.lines.push_back({curve.name, fmt::format("{}", fmt::join(seen, ", ")), std::move(curve.hz)});
   }
-  if (p.lines.empty())
-    throw InputError("no body of these routes moves", "give --motion, or --body, --axis and --channel");
   return p;
 }
 

@@ -82,11 +82,14 @@ DrivenResponse drive_body(CouplingTable const& table, std::vector<std::string> c
   input.name = "drive";
   input.tone_frequency = hz;
   input.gains = {{where.body, where.axis, peak}};
-  DrivenResponse out{project_alone(table, input, bodies, ifo, grid), {}};
+  DrivenResponse out;
+  out.budget = project_alone(table, input, bodies, ifo, grid);
   for (NoiseTrace const& t : out.budget.routes) {
     double const z = std::sqrt(2 * t.mean_square_phase);  // of a sine
     if (z > 0) out.routes.push_back({t.name, z, z * hz, t.resolved});
+    out.phase_peak = std::max(out.phase_peak, z);
   }
+  out.cutoff = out.phase_peak * hz;
   return out;
 }
 

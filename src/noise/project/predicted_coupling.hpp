@@ -3,6 +3,7 @@
 // response to a large one (docs/theory/spectra.md, eq. 7.2, 7.4, 7.9).
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct PredictedCoupling {
   // Smallest peak motion at which a route with 1 % of the observed coupling power has a phase of 1 rad: 1/|J|,
   // lambda/4 pi over its multiplicity. Beyond it coupling is not linear; m (rad).
   double linear_to = 0;
+  bool has_bounds() const { return std::ranges::any_of(routes, &PredictedRoute::upper_bound); }
 };
 
 // h^2(f)/x^2(f) = sum over paths of f_p |J_p|^2/2 (|T_phase|^2 + |T_amplitude|^2): exact for motion so small that no
@@ -51,6 +53,7 @@ struct DrivenRoute {
 struct DrivenResponse {
   NoiseBudget budget;  // with the sine alone: averages over bins, 1/sqrt(Hz)
   std::vector<DrivenRoute> routes;
+  double phase_peak = 0, cutoff = 0;  // the largest of the routes
 };
 // The same body driven by a sine of this peak amplitude (m, rad) at f_m, others at rest: exact at any amplitude.
 DrivenResponse drive_body(CouplingTable const&, std::vector<std::string> const& bodies, Interferometer const&,

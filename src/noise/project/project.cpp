@@ -254,6 +254,11 @@ constexpr double lowest_hz = 1e-9, highest_hz = 1e12;  // of the band; the grid 
 
 double FrequencyGrid::centre(std::size_t i) const { return std::sqrt(edges[i] * edges[i + 1]); }
 
+std::size_t FrequencyGrid::bin_of(double hz) const {
+  if (size() == 0 || !(hz >= edges.front() && hz < edges.back())) return size();
+  return std::size_t(std::ranges::upper_bound(edges, hz) - edges.begin()) - 1;
+}
+
 FrequencyGrid logarithmic_grid(double low_hz, double high_hz, double points_per_decade) {
   double const n = std::max(1.0, std::round(points_per_decade * std::log10(high_hz / low_hz)));
   FrequencyGrid grid;

@@ -255,6 +255,26 @@ FringeCurve fringe_curve(CouplingTable const& table, std::uint32_t route, Motion
   return out;
 }
 
+FringeCurves fringe_curves(CouplingTable const& table, std::span<std::uint32_t const> routes,
+                           MotionSeries const& motion, std::size_t most) {
+  std::vector<std::uint32_t> by_coupling(routes.begin(), routes.end());
+  std::ranges::stable_sort(by_coupling, std::greater(),
+                           [&](std::uint32_t r) { return table.classes[r].reverse * table.classes[r].coupling.mean; });
+  FringeCurves out;
+  out.largest.resize(motion.times.samples);
+  for (std::uint32_t const r : by_coupling) {
+    if (out.curves.size() >= most) {
+      ++out.left_out;
+      continue;
+    }
+    FringeCurve curve = fringe_curve(table, r, motion);
+    if (curve.bodies.empty()) continue;
+    for (std::size_t i = 0; i < curve.hz.size(); ++i) out.largest[i] = std::max(out.largest[i], curve.hz[i]);
+    out.curves.push_back(std::move(curve));
+  }
+  return out;
+}
+
 std::vector<FringeStride> by_stride(std::span<double const> hz, SampleTimes const& times, double stride,
                                     double threshold) {
   auto const n = std::max<std::size_t>(1, std::size_t(std::llround(stride * times.rate)));

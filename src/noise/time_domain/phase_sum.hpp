@@ -56,6 +56,15 @@ struct FringeCurve {
 };
 FringeCurve fringe_curve(CouplingTable const&, std::uint32_t route, MotionSeries const&);
 
+struct FringeCurves {
+  std::vector<FringeCurve> curves;  // of routes that move, the largest coupling first
+  std::vector<double> largest;      // Hz, of these curves, sample by sample
+  std::size_t left_out = 0;         // routes of lower coupling
+};
+// The curves of `most` of these routes.
+FringeCurves fringe_curves(CouplingTable const&, std::span<std::uint32_t const> routes, MotionSeries const&,
+                           std::size_t most);
+
 // A frequency in one stride of time.
 struct FringeStride {
   double from = 0, to = 0;                  // GPS s

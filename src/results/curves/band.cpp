@@ -18,12 +18,6 @@ namespace {
 
 using Values = std::vector<double>;
 
-// The bin that holds hz; the number of bins outside them.
-std::size_t bin_of(FrequencyGrid const& grid, double hz) {
-  if (grid.size() == 0 || !(hz >= grid.edges.front() && hz < grid.edges.back())) return grid.size();
-  return std::size_t(std::upper_bound(grid.edges.begin(), grid.edges.end(), hz) - grid.edges.begin()) - 1;
-}
-
 // Above twice the geometric mean of its neighbours, whatever the slope there.
 bool stands_out(Values const& curve, std::size_t i) {
   return i > 0 && i + 1 < curve.size() && curve[i] * curve[i] > 4 * curve[i - 1] * curve[i + 1];
@@ -36,7 +30,7 @@ bool is_line(Values const& curve, std::size_t i) {
 }
 
 WithError curve_at(Values const& mean, Values const& sigma, FrequencyGrid const& grid, double hz) {
-  std::size_t const n = grid.size(), own = bin_of(grid, hz);
+  std::size_t const n = grid.size(), own = grid.bin_of(hz);
   if (own == n) return {not_a_number, not_a_number};
   std::size_t low = 0;
   while (low + 2 < n && grid.centre(low + 1) <= hz) ++low;
@@ -76,13 +70,13 @@ std::size_t bound_bins(NoiseBudget const& b) {
 
 WithError strain_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
   WithError h = curve_at(trace.asd, trace.sigma, grid, hz);
-  h.at_most = !std::isnan(h.value) && at_most(trace, bin_of(grid, hz));
+  h.at_most = !std::isnan(h.value) && at_most(trace, grid.bin_of(hz));
   h.incomplete = !trace.resolved;
   return h;
 }
 
 BinLine line_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
-  std::size_t const i = bin_of(grid, hz);
+  std::size_t const i = grid.bin_of(hz);
   if (i == grid.size() || !is_line(trace.asd, i)) return {};
   double const width = std::sqrt(grid.width(i));
   return {{trace.asd[i] * width, trace.sigma.at(i) * width, at_most(trace, i), !trace.resolved},

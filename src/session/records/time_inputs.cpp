@@ -12,6 +12,7 @@
 #include "base/text/words.hpp"
 #include "motion/axis_motion.hpp"
 #include "motion/series_motion.hpp"
+#include "noise/time_domain/time_domain.hpp"
 #include "session/session.hpp"
 #include "spectra/files/series_file.hpp"
 
@@ -209,6 +210,20 @@ TimeInputs::TimeInputs(TimeRequest const& o) : OpenRun(o.run, o.motion) {
   choose_times(o, *this);
   exact = model.project(coupling());
   choose_routes(o, *this);
+}
+
+MotionSeries fringe_motion(TimeInputs& in, bool channels, double rate, std::uint64_t seed) {
+  MotionSet& motion = in.model.motion;
+  if (channels) std::erase_if(motion.inputs, [](MotionInput const& i) { return !i.recorded; });
+  double const least = highest_motion(motion);
+  if (rate == 0 && least > 0) rate = SamplingRule{0, least}.automatic();
+  if (rate == 0)
+    for (MotionInput const& i : motion.inputs)
+      if (i.recorded) rate = std::max(rate, i.recorded->rate);
+  double const samples = std::round(in.duration * rate);
+  if (samples > 1 << 28)
+    throw InputError("more than 2^28 samples", "choose a shorter --duration or, with --channel, a lower --rate");
+  return draw_motion(motion, {in.start, rate, std::size_t(samples)}, seed);
 }
 
 }  // namespace straytrace::session

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "noise/time_domain/motion_series.hpp"
 #include "session/open_run.hpp"
 #include "spectra/series.hpp"
 
@@ -28,5 +29,9 @@ struct TimeInputs : OpenRun {
   double start = 0, duration = 0;     // GPS s, s
   CouplingTable const& coupling() const { return file.trace.coupling; }
 };
+
+// The motion drawn for fringe frequencies, at this rate in Hz; 0: a rate that suits the motion. With `channels` it
+// contains recordings only: other motion would mask their fringes.
+MotionSeries fringe_motion(TimeInputs&, bool channels, double rate, std::uint64_t seed);
 
 }  // namespace straytrace::session

@@ -79,6 +79,17 @@ TEST(FringeCurve, CountsBouncesByThePhaseSensitivities) {
   EXPECT_LT(deviation(largest(twice.hz), 2 * 69.446), 1e-4);
   EXPECT_TRUE(still.bodies.empty());
   EXPECT_EQ(largest(still.hz), 0);
+
+  table.classes[1].reverse = 4;
+  std::vector<std::uint32_t> const routes = {0, 1, 2};
+  FringeCurves const all = fringe_curves(table, routes, m, 3), first = fringe_curves(table, routes, m, 1);
+  ASSERT_EQ(all.curves.size(), 2u) << "the third does not move";
+  EXPECT_EQ(all.curves[0].route, 1u) << "the largest coupling first";
+  EXPECT_EQ(all.left_out, 0u);
+  EXPECT_EQ(all.largest, twice.hz);
+  ASSERT_EQ(first.curves.size(), 1u);
+  EXPECT_EQ(first.left_out, 2u);
+  EXPECT_NE(fringe_curves(table, std::span(routes).first(1), m, 3).largest, all.largest) << "control: one route";
 }
 
 TEST(FringeStrides, PercentilesAndCrossings) {  // R6.10
