@@ -10,7 +10,7 @@
 
 #include "base/every_module.hpp"
 #include "ifo/cavity.hpp"
-#include "support/demodulated.hpp"
+#include "physics/ifo/demodulated.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_dual_recycled {

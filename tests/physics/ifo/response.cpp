@@ -6,8 +6,8 @@
 
 #include "base/every_module.hpp"
 #include "ifo/network.hpp"
+#include "physics/ifo/demodulated.hpp"
 #include "physics/ifo/exact_arm.hpp"
-#include "support/demodulated.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_response {
