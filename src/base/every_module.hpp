@@ -16,6 +16,7 @@ using namespace analysis;
 using namespace motion;
 using namespace scene;
 using namespace world;
+using namespace wave;
 using namespace trace;
 using namespace ifo;
 using namespace noise;

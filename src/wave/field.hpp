@@ -5,11 +5,17 @@
 #include <complex>
 #include <vector>
 
+#include "base/math/functions.hpp"
 #include "base/namespaces.hpp"
 
 namespace straytrace::wave {
 
 using Complex = std::complex<double>;
+
+inline Complex turned(double turns) {  // exp(2 pi i turns)
+  SinCos const at = sincos_turn(turns);
+  return {at.cos, at.sin};
+}
 
 // N x N points of one pitch. Point (row, column) is at y = at(row), x = at(column); point N/2 is on the axis.
 struct Grid {

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "wave/cavity.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "base/math/functions.hpp"
+#include "beams/cavity_mode.hpp"
+#include "beams/higher_modes.hpp"
+
+namespace straytrace::wave {
+namespace {
+
+double sum_of_squares(Field const& field) {
+  double sum = 0;
+  for (Complex z : field.values) sum += std::norm(z);
+  return sum;
+}
+
+// The elements of a spectrum below an angle, as a vector.
+class Disc {
+ public:
+  Disc() = default;
+  Disc(Grid const& grid, double largest_frequency) {
+    for (int row = 0; row < grid.points; ++row)
+      for (int column = 0; column < grid.points; ++column)
+        if (std::hypot(grid.frequency(row), grid.frequency(column)) < largest_frequency)
+          at_.push_back(std::size_t(row) * std::size_t(grid.points) + std::size_t(column));
+  }
+  Eigen::VectorXcd pack(Field const& spectrum) const {
+    Eigen::VectorXcd packed(Eigen::Index(at_.size()));
+    for (std::size_t i = 0; i < at_.size(); ++i) packed[Eigen::Index(i)] = spectrum.values[at_[i]];
+    return packed;
+  }
+  void unpack(Eigen::VectorXcd const& packed, Field& spectrum) const {
+    std::ranges::fill(spectrum.values, Complex{});
+    for (std::size_t i = 0; i < at_.size(); ++i) spectrum.values[at_[i]] = packed[Eigen::Index(i)];
+  }
+
+ private:
+  std::vector<std::size_t> at_;
+};
+
+// Arnoldi's orthonormal vectors of start, G start, G^2 start, ... and the matrix of G between them.
+class Krylov {
+ public:
+  explicit Krylov(Eigen::VectorXcd const& start) { vectors_.push_back(start.normalized()); }
+
+  int steps() const { return int(vectors_.size()) - 1; }
+  Eigen::VectorXcd const& last() const { return vectors_.back(); }
+  // `image` is G times `last()`. False when nothing new is in it.
+  bool extend(Eigen::VectorXcd image) {
+    auto const m = Eigen::Index(vectors_.size());
+    matrix_.conservativeResizeLike(Eigen::MatrixXcd::Zero(m + 1, m));
+    for (int pass = 0; pass < 2; ++pass)  // the second removes the rounding of the first
+      for (Eigen::Index i = 0; i < m; ++i) {
+        Complex const share = vectors_[std::size_t(i)].dot(image);
+        matrix_(i, m - 1) += share;
+        image -= share * vectors_[std::size_t(i)];
+      }
+    double const rest = image.norm();
+    matrix_(m, m - 1) = rest;
+    vectors_.push_back(rest > 0 ? Eigen::VectorXcd(image / rest) : image);
+    return rest > 1e-14;
+  }
+
+  struct Ritz {
+    Complex value;
+    double residual = 0, overlap = 0;  // eq. W.9; share of amplitude of the start
+    Eigen::VectorXcd coordinates;
+  };
+  std::vector<Ritz> ritz() const {  // by overlap with the start, largest first
+    Eigen::Index const m = matrix_.cols();
+    Eigen::ComplexEigenSolver<Eigen::MatrixXcd> const solved(matrix_.topRows(m));
+    std::vector<Ritz> pairs;
+    for (Eigen::Index i = 0; i < m; ++i) {
+      Eigen::VectorXcd const y = solved.eigenvectors().col(i).normalized();
+      pairs.push_back({solved.eigenvalues()[i], std::abs(matrix_(m, m - 1) * y[m - 1]), std::abs(y[0]), y});
+    }
+    std::ranges::stable_sort(pairs, std::ranges::greater{}, &Ritz::overlap);
+    return pairs;
+  }
+  Eigen::VectorXcd vector(Ritz const& pair) const {
+    Eigen::VectorXcd sum = Eigen::VectorXcd::Zero(vectors_.front().size());
+    for (Eigen::Index i = 0; i < pair.coordinates.size(); ++i) sum += pair.coordinates[i] * vectors_[std::size_t(i)];
+    return sum;
+  }
+
+ private:
+  std::vector<Eigen::VectorXcd> vectors_;
+  Eigen::MatrixXcd matrix_;  // Hessenberg, one row more than columns
+};
+
+}  // namespace
+
+double PowerLedger::total() const {
+  double sum = mirror1 + mirror2 + beyond_band;
+  for (double p : towards_mirror2) sum += p;
+  for (double p : towards_mirror1) sum += p;
+  return sum;
+}
+
+struct CavityWaves::Parts {
+  WaveCavity cavity;
+  Transform transform;
+  Mask outline1, outline2;
+  Field mirror1, mirror2;
+  std::vector<Mask> masks;              // one of each kind of rim
+  std::vector<std::size_t> mask_index;  // of each baffle
+  std::vector<Leg> legs;                // in order of place
+  Disc disc;                            // of the first leg: the fields of which modes are made
+
+  Parts(WaveCavity c, int threads)
+      : cavity(std::move(c)),
+        transform(cavity.grid.points, threads),
+        outline1(cavity.mirror1.outline, cavity.grid, transform),
+        outline2(cavity.mirror2.outline, cavity.grid, transform),
+        mirror1(reflection(cavity.mirror1, outline1, cavity.wavelength, cavity.grid)),
+        mirror2(reflection(cavity.mirror2, outline2, cavity.wavelength, cavity.grid)) {
+    make_masks();
+    make_legs();
+    disc = Disc(cavity.grid, legs.front().cut() / cavity.wavelength);
+  }
+
+  void make_masks() {
+    std::vector<RoundHole> kinds;
+    for (WaveBaffle const& baffle : cavity.baffles) {
+      auto const known = std::ranges::find(kinds, baffle.rim);
+      mask_index.push_back(std::size_t(known - kinds.begin()));
+      if (known != kinds.end()) continue;
+      kinds.push_back(baffle.rim);
+      masks.emplace_back(baffle.rim, cavity.grid, transform);
+    }
+  }
+  void make_legs() {
+    std::size_t const n = cavity.baffles.size();
+    for (std::size_t j = 0; j <= n; ++j)
+      legs.emplace_back(place(j + 1) - place(j), std::max(opening(j) + lit(j + 1), lit(j) + opening(j + 1)),
+                        cavity.wavelength, cavity.grid);
+  }
+
+  // Planes: mirror 1, baffles, mirror 2.
+  double place(std::size_t plane) const {
+    return plane == 0 ? 0 : plane <= cavity.baffles.size() ? cavity.baffles[plane - 1].place : cavity.length;
+  }
+  RoundHole const& hole(std::size_t plane) const {
+    return plane == 0                       ? cavity.mirror1.outline
+           : plane <= cavity.baffles.size() ? cavity.baffles[plane - 1].rim
+                                            : cavity.mirror2.outline;
+  }
+  double opening(std::size_t plane) const {  // the farthest point of the opening from the axis
+    return hole(plane).radius + std::hypot(hole(plane).x, hole(plane).y);
+  }
+  double lit(std::size_t plane) const {
+    bool const is_baffle = plane > 0 && plane <= cavity.baffles.size();
+    return std::max(opening(plane), is_baffle ? cavity.baffles[plane - 1].lit_radius : 0);
+  }
+
+  void travel(Field& spectrum, Observer const&, PowerLedger*) const;
+  double pass(std::size_t plane, Field&, bool wanted) const;
+};
+
+// Through the opening of a baffle or back from a mirror. The power that does not go on, as a sum of |values|^2, if it
+// is wanted.
+double CavityWaves::Parts::pass(std::size_t plane, Field& field, bool wanted) const {
+  std::size_t const n = cavity.baffles.size();
+  if (plane > 0 && plane <= n) {
+    Mask const& mask = masks[mask_index[plane - 1]];
+    double const lost = wanted ? mask.clipped(field) : 0;
+    mask.apply(field);
+    return lost;
+  }
+  Field const& factor = plane == 0 ? mirror1 : mirror2;
+  double lost = 0;
+  if (wanted) {
+    double const scattered = (plane == 0 ? cavity.mirror1 : cavity.mirror2).scattered;
+    double const clipped = (plane == 0 ? outline1 : outline2).clipped(field);
+    lost = clipped + scattered * (sum_of_squares(field) - clipped);
+  }
+  for (std::size_t i = 0; i < field.values.size(); ++i) field.values[i] *= factor.values[i];
+  return lost;
+}
+
+void CavityWaves::Parts::travel(Field& spectrum, Observer const& observer, PowerLedger* ledger) const {
+  int const N = cavity.grid.points;
+  std::size_t const n = cavity.baffles.size(), last = n + 1;
+  double const plane_power = cavity.grid.pitch() * cavity.grid.pitch(), spectral_power = plane_power / double(N) / N;
+  Field arriving(observer ? cavity.grid : Grid{});
+  double left = ledger ? sum_of_squares(spectrum) * spectral_power : 0;
+  for (std::size_t step = 1; step <= 2 * last; ++step) {
+    bool const outward = step <= last;
+    std::size_t const plane = outward ? step : 2 * last - step;
+    Leg const& leg = legs[outward ? plane - 1 : plane];
+    leg.apply(spectrum);
+    if (observer) arriving.values = spectrum.values;
+    transform.inverse(spectrum, leg.columns(), N);
+    Travel const travel = outward ? Travel::towards_mirror2 : Travel::towards_mirror1;
+    if (observer) observer({int(plane), travel, arriving, leg.columns(), spectrum});
+    if (ledger) {
+      double const arrived = sum_of_squares(spectrum) * plane_power;
+      ledger->beyond_band += left - arrived;
+      left = arrived;
+    }
+    double const lost = pass(plane, spectrum, ledger) * plane_power;
+    left -= lost;
+    if (ledger) {
+      double& entry = plane == 0      ? ledger->mirror1
+                      : plane == last ? ledger->mirror2
+                      : outward       ? ledger->towards_mirror2[plane - 1]
+                                      : ledger->towards_mirror1[plane - 1];
+      entry += lost;
+    }
+    std::size_t const next = outward && plane < last ? plane : plane == 0 ? 0 : plane - 1;
+    transform.forward(spectrum, N, legs[next].columns());
+  }
+  if (ledger) ledger->beyond_band += left - disc.pack(spectrum).squaredNorm() * spectral_power;
+}
+
+CavityWaves::CavityWaves(WaveCavity cavity, int threads)
+    : parts_(std::make_unique<Parts>(std::move(cavity), threads)) {}
+CavityWaves::~CavityWaves() = default;
+WaveCavity const& CavityWaves::cavity() const { return parts_->cavity; }
+Transform const& CavityWaves::transform() const { return parts_->transform; }
+
+void CavityWaves::round_trip(Field& spectrum, Observer const& observer) const {
+  parts_->travel(spectrum, observer, nullptr);
+}
+
+Field CavityWaves::hermite_gauss(int n, int m) const {
+  WaveCavity const& c = parts_->cavity;
+  double const w = cavity_mode(c.length, 1 / c.mirror1.curvature, 1 / c.mirror2.curvature, c.wavelength).w1;
+  std::vector<double> across, up;  // hermite_function is exp(-x^2/2) at order 0
+  for (int i = 0; i < c.grid.points; ++i) {
+    across.push_back(hermite_function(n, std::sqrt(2.0) * c.grid.at(i) / w));
+    up.push_back(hermite_function(m, std::sqrt(2.0) * c.grid.at(i) / w));
+  }
+  Field field(c.grid);
+  for (int row = 0; row < c.grid.points; ++row)
+    for (int column = 0; column < c.grid.points; ++column) {
+      double const x = c.grid.at(column), y = c.grid.at(row);
+      Complex const wavefront = turned(-(x * x + y * y) * c.mirror1.curvature / (2 * c.wavelength));
+      field(row, column) = std::sqrt(2.0) / w * across[std::size_t(column)] * up[std::size_t(row)] * wavefront;
+    }
+  parts_->transform.forward(field, c.grid.points, parts_->legs.front().columns());
+  return field;
+}
+
+namespace {
+
+// Unit power: the sum of |spectrum|^2 is N^2/pitch^2.
+WaveMode mode_of(Krylov const& krylov, Krylov::Ritz const& pair, Disc const& disc, Grid const& grid) {
+  WaveMode mode{pair.value, pair.residual, krylov.steps(), Field(grid)};
+  disc.unpack(krylov.vector(pair) * (grid.points / grid.pitch()), mode.spectrum);
+  return mode;
+}
+
+}  // namespace
+
+WaveMode CavityWaves::mode(Field const& start, SolveOptions const& options) const {
+  Grid const& grid = parts_->cavity.grid;
+  Krylov krylov(parts_->disc.pack(start));
+  Field work(grid);
+  Complex before = 0;
+  for (int settled = 0;;) {
+    parts_->disc.unpack(krylov.last(), work);
+    parts_->travel(work, {}, nullptr);
+    bool const more = krylov.extend(parts_->disc.pack(work));
+    Krylov::Ritz const best = krylov.ritz().front();
+    double const loss = std::max(1 - std::norm(best.value), 1e-9);
+    settled = std::abs(best.value - before) < std::max(0.1 * options.loss_error * loss, 1e-14) ? settled + 1 : 0;
+    before = best.value;
+    if (!more || settled == 2) return mode_of(krylov, best, parts_->disc, grid);
+    if (krylov.steps() == options.most_round_trips)
+      throw NumericalError(
+          fmt::format("the mode of the cavity was not found within {} round trips; the residual is {:.2g}",
+                      options.most_round_trips, best.residual));
+  }
+}
+
+std::vector<WaveMode> CavityWaves::modes(Field const& start, int round_trips, int count) const {
+  Krylov krylov(parts_->disc.pack(start));
+  Field work(parts_->cavity.grid);
+  for (bool more = true; more && krylov.steps() < round_trips;) {
+    parts_->disc.unpack(krylov.last(), work);
+    parts_->travel(work, {}, nullptr);
+    more = krylov.extend(parts_->disc.pack(work));
+  }
+  std::vector<WaveMode> found;
+  for (Krylov::Ritz const& pair : krylov.ritz())
+    if (int(found.size()) < count) found.push_back(mode_of(krylov, pair, parts_->disc, parts_->cavity.grid));
+  return found;
+}
+
+Complex CavityWaves::overlap(Field const& departing, Field const& arriving) const {
+  double const pitch = parts_->cavity.grid.pitch();
+  Complex sum = 0;
+  for (std::size_t i = 0; i < departing.values.size(); ++i) sum += departing.values[i] * arriving.values[i];
+  return sum * (pitch * pitch);
+}
+
+PowerLedger CavityWaves::ledger(WaveMode const& mode) const {
+  std::size_t const n = parts_->cavity.baffles.size();
+  PowerLedger ledger{std::vector<double>(n), std::vector<double>(n)};
+  Field work = mode.spectrum;
+  parts_->travel(work, {}, &ledger);
+  return ledger;
+}
+
+}  // namespace straytrace::wave

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The field of a linear cavity with real mirrors and with openings in between, by Fourier propagation
+// (docs/theory/wave.md, eq. W.8, W.9, W.11, W.24).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "wave/plane.hpp"
+
+namespace straytrace::wave {
+
+struct WaveBaffle {
+  double place = 0;  // m from mirror 1
+  RoundHole rim;
+  double lit_radius = 0;  // outer radius of what the field must reach there; 0: the rim is enough. m
+};
+struct WaveCavity {
+  double wavelength = 0, length = 0;  // m
+  WaveMirror mirror1, mirror2;
+  std::vector<WaveBaffle> baffles;  // in order of place
+  Grid grid;
+};
+
+// Fields that arrive at plane `plane` (0: mirror 1, 1 to n: baffles, n + 1: mirror 2) before its own mask.
+enum class Travel { towards_mirror2, towards_mirror1 };
+struct Arrival {
+  int plane = 0;
+  Travel travel = Travel::towards_mirror2;
+  Field const& spectrum;  // band-limited, in the order of Grid::frequency
+  int columns = 0;        // that hold it, for Transform
+  Field const& field;
+};
+using Observer = std::function<void(Arrival const&)>;
+
+// Where the power of a field of unit power goes in one round trip (eq. W.24).
+struct PowerLedger {
+  std::vector<double> towards_mirror2, towards_mirror1;  // on each baffle
+  double mirror1 = 0, mirror2 = 0;  // beyond their outlines, and scattered beyond the hand-over angle
+  double beyond_band = 0;           // at angles that reach no opening
+  double total() const;
+};
+
+// A mode of the cavity without the transmission of its mirrors: after the reflection by mirror 1, in the plane of it.
+struct WaveMode {
+  Complex eigenvalue;                                        // of the round trip, without exp(2ikL)
+  double residual = 0;                                       // norm of G E - gamma E (eq. W.9)
+  int round_trips = 0;                                       // that the search took
+  Field spectrum;                                            // of unit power
+  double loss() const { return 1 - std::norm(eigenvalue); }  // of power per round trip
+};
+
+struct SolveOptions {
+  int most_round_trips = 60;
+  double loss_error = 1e-3;  // relative, or of 1e-9 per round trip: ten times what two more round trips change
+};
+
+class CavityWaves {
+ public:
+  explicit CavityWaves(WaveCavity, int threads = 1);  // InputError: eq. W.6, as Leg
+  ~CavityWaves();
+  WaveCavity const& cavity() const;
+  Transform const& transform() const;
+
+  // Spectrum of a Hermite-Gauss mode of the mirrors alone, n quanta along x and m along y, after the reflection by
+  // mirror
+  // 1. Unit power. NumericalError if the cavity is not stable.
+  Field hermite_gauss(int n = 0, int m = 0) const;
+  // eq. W.8, in place. Calls the observer for each arrival, in order of the way.
+  void round_trip(Field& spectrum, Observer const& = {}) const;
+  // The mode that shares most with `start`, a spectrum after mirror 1. NumericalError if none is found.
+  WaveMode mode(Field const& start, SolveOptions const& = {}) const;
+  // Resonances of all orders that the Krylov space of `start` resolves, by their overlap with it.
+  std::vector<WaveMode> modes(Field const& start, int round_trips, int count) const;
+  // B of eq. W.11 of the field after mirror 1 and that which arrives there.
+  Complex overlap(Field const& departing, Field const& arriving) const;
+  PowerLedger ledger(WaveMode const&) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace straytrace::wave

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "wave/plane.hpp"
+
+#include <boost/math/special_functions/bessel.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "base/math/constants.hpp"
+#include "base/math/functions.hpp"
+
+namespace straytrace::wave {
+namespace {
+
+// Transform of a disc of radius a, 2 pi a J1(qa)/q with q = 2 pi sqrt(m^2 + n^2)/W, for 0 <= n <= m < N/2. m^2
+class DiscSpectrum {
+ public:
+  DiscSpectrum(double radius, Grid const& grid) {
+    for (int m = 0; m < grid.points / 2; ++m)
+      for (int n = 0; n <= m; ++n) {
+        double const q = 2 * pi * std::hypot(m, n) / grid.window;
+        values_.push_back(m ? 2 * pi * radius * boost::math::cyl_bessel_j(1, q * radius) / q : pi * radius * radius);
+      }
+  }
+  double operator()(int m, int n) const {
+    int const small = std::min(std::abs(m), std::abs(n)), large = std::max(std::abs(m), std::abs(n));
+    return values_[std::size_t(large) * std::size_t(large + 1) / 2 + std::size_t(small)];
+  }
+
+ private:
+  std::vector<double> values_;
+};
+
+constexpr int taper_steps = 8192;
+
+}  // namespace
+
+Mask::Mask(RoundHole const& hole, Grid const& grid, Transform const& transform) : values_(grid.size()) {
+  int const N = grid.points;
+  DiscSpectrum const disc(hole.radius, grid);
+  Field spectrum(grid);
+  for (int row = 0; row < N; ++row)
+    for (int column = 0; column < N; ++column) {
+      int const n = row < N / 2 ? row : row - N, m = column < N / 2 ? column : column - N;
+      if (n == -N / 2 || m == -N / 2) continue;  // without partner of opposite frequency
+      // The axis is at point N/2: a sign for odd frequencies.
+      double const turns = 0.5 * ((m + n) & 1) - (m * hole.x + n * hole.y) / grid.window;
+      spectrum(row, column) = disc(m, n) / (grid.pitch() * grid.pitch()) * turned(turns);
+    }
+  transform.inverse(spectrum, N, N);
+  std::ranges::transform(spectrum.values, values_.begin(), [](Complex z) { return z.real(); });
+  double const half = std::ceil((std::abs(hole.y) + hole.radius) / grid.pitch());
+  rows_ = int(std::min(2 * half, double(N)));
+}
+
+void Mask::apply(Field& field) const {
+  for (std::size_t i = 0; i < values_.size(); ++i) field.values[i] *= values_[i];
+}
+
+double Mask::clipped(Field const& field) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < values_.size(); ++i) sum += (1 - values_[i]) * std::norm(field.values[i]);
+  return sum;
+}
+
+Field reflection(WaveMirror const& mirror, Mask const& outline, double wavelength, Grid const& grid) {
+  Field factor(grid);
+  double const kept = std::sqrt(1 - mirror.scattered);
+  for (int row = 0; row < grid.points; ++row)
+    for (int column = 0; column < grid.points; ++column) {
+      double const x = grid.at(column), y = grid.at(row);
+      std::size_t const i = std::size_t(row) * std::size_t(grid.points) + std::size_t(column);
+      double const height = mirror.height.empty() ? 0 : mirror.height[i];
+      double const path = (x * x + y * y) * mirror.curvature + 2 * height - 2 * (mirror.tilt_x * x + mirror.tilt_y * y);
+      factor.values[i] = kept * outline.values()[i] * turned(-path / wavelength);
+    }
+  return factor;
+}
+
+Leg::Leg(double length, double reach, double wavelength, Grid const& grid) : length_(length) {
+  double const k = 2 * pi / wavelength, nyquist = grid.largest_angle(wavelength);
+  double const fresnel = std::sqrt(wavelength / length);
+  keep_ = std::min(reach / length + fresnel, 0.6 * nyquist);
+  cut_ = std::min({keep_ + 4 * fresnel, 0.7 * nyquist, (grid.window - reach) / length});
+  if (!(cut_ > keep_))
+    throw InputError(fmt::format(
+        "a window of {:g} m is too narrow for a leg of {:g} m: light within {:.3g} m of the axis at both ends wraps "
+        "around it",
+        grid.window, length, reach / 2));
+  angle_step_ = wavelength / grid.window;
+  columns_ = std::min(2 * (int(std::floor(cut_ / angle_step_)) + 1), grid.points);
+  for (int i = 0; i < grid.points; ++i) {
+    double const angle = grid.frequency(i) * wavelength;
+    paraxial_.push_back(turned(-length * angle * angle / (2 * wavelength)));
+  }
+  double const largest = k * std::pow(cut_, 4) * length / 8;
+  quartic_ = largest > 1e-7 ? k * length / 8 : 0;
+  for (int i = 0; i <= taper_steps; ++i) {
+    double const angle = std::sqrt(keep_ * keep_ + (cut_ * cut_ - keep_ * keep_) * i / taper_steps);
+    taper_.push_back(0.5 * std::erfc(4 * ((angle - keep_) / (cut_ - keep_) - 0.5)));
+  }
+}
+
+double Leg::limit(double angle_squared) const {
+  double const at = (angle_squared - keep_ * keep_) / (cut_ * cut_ - keep_ * keep_) * taper_steps;
+  if (at <= 0) return 1;
+  if (at >= taper_steps) return 0;
+  auto const i = std::size_t(at);
+  return taper_[i] + (at - double(i)) * (taper_[i + 1] - taper_[i]);
+}
+
+void Leg::apply(Field& spectrum) const {
+  int const N = spectrum.grid.points, half = columns_ / 2;
+  for (int row = 0; row < N; ++row) {
+    int const n = row < N / 2 ? row : row - N;
+    Complex* const line = &spectrum(row, 0);
+    double const y = n * angle_step_;
+    if (std::abs(y) >= cut_) {
+      std::fill_n(line, N, Complex{});
+      continue;
+    }
+    std::fill(line + half, line + N - half, Complex{});
+    for (int m = -half; m < half; ++m) {
+      int const column = m < 0 ? m + N : m;
+      double const x = m * angle_step_, angle_squared = x * x + y * y;
+      Complex factor = limit(angle_squared) * paraxial_[std::size_t(row)] * paraxial_[std::size_t(column)];
+      if (quartic_ > 0) {
+        double const phase = quartic_ * angle_squared * angle_squared;
+        factor *= Complex{1 - phase * phase / 2, -phase};
+      }
+      line[column] *= factor;
+    }
+  }
+}
+
+}  // namespace straytrace::wave

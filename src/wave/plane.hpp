@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a field meets on its way: openings, mirrors and the free space between planes (docs/theory/wave.md, eq. W.1 to
+// W.7).
+#pragma once
+
+#include <vector>
+
+#include "wave/field.hpp"
+#include "wave/transform.hpp"
+
+namespace straytrace::wave {
+
+struct RoundHole {
+  double radius = 0;    // m
+  double x = 0, y = 0;  // of its centre, m
+  bool operator==(RoundHole const&) const = default;
+};
+
+// Transmission of amplitude of an opening: its Fourier series, cut at Nyquist's frequency, so that it overshoots by a
+// few percent next to the rim (eq. W.7).
+class Mask {
+ public:
+  Mask(RoundHole const&, Grid const&, Transform const&);
+  void apply(Field&) const;
+  // Sum of |values|^2 beyond the rim, exact for a field below Nyquist's frequency over sqrt(2): the power on the
+  // screen, without the ripple of the series.
+  double clipped(Field const&) const;
+  std::vector<double> const& values() const { return values_; }
+  int rows() const { return rows_; }  // rows about the axis that hold the opening
+
+ private:
+  std::vector<double> values_;
+  int rows_;
+};
+
+// A mirror, seen by the light that falls on it. Left out: its reflectivity, which multiplies the eigenvalue.
+struct WaveMirror {
+  double curvature = 0;           // 1/RoC, positive when concave. 1/m
+  RoundHole outline;              // clear aperture
+  double tilt_x = 0, tilt_y = 0;  // turns the reflected beam by twice this towards +x, +y. rad
+  std::vector<double> height;     // towards the light, without the curvature, on the grid; empty: none. m
+  double scattered = 0;           // power that it scatters beyond the hand-over angle (eq. W.2)
+};
+// eq. W.1: its factor on the grid.
+Field reflection(WaveMirror const&, Mask const& outline, double wavelength, Grid const&);
+
+// Free space with a smooth limit of angles: 1 below `keep`, 0 from `cut` on (eq. W.3 to W.6). The limit lies some
+// widths sqrt(lambda/length) of Fresnel diffraction beyond the largest angle between points that matter at both ends.
+class Leg {
+ public:
+  // `reach`: sum of the radii of the two planes up to which light matters, m. InputError if the window is too
+  // narrow for it.
+  Leg(double length, double reach, double wavelength, Grid const&);
+
+  double length() const { return length_; }
+  double cut() const { return cut_; }       // rad
+  int columns() const { return columns_; }  // for Transform: all frequencies below `cut`
+  void apply(Field& spectrum) const;
+
+ private:
+  double limit(double angle_squared) const;  // w_j of eq. W.4
+
+  double length_, keep_, cut_;
+  double angle_step_;  // rad per element of the spectrum
+  double quartic_;     // of the exponent beyond the paraxial one, per rad^4; 0 where it does not matter
+  int columns_;
+  std::vector<Complex> paraxial_;  // by frequency
+  std::vector<double> taper_;      // of the angle squared between keep^2 and cut^2
+};
+
+}  // namespace straytrace::wave
