@@ -61,6 +61,9 @@ int fit(FitOptions const& o) {
   if (wanted.run.empty() && (!wanted.rows.empty() || !wanted.body.empty() || !wanted.axis.empty()))
     throw InputError("--path, --body and --axis choose from a run, but none is given",
                      "name the run file, or remove them");
+  if (!wanted.run.empty() && o.paths)
+    throw InputError("--paths is the number of paths of a fit without a run, but a run is given",
+                     "choose paths of the run with --path, once for each, or remove the run");
   FringeRecords const records = records_of(o);
   std::vector<RoutePrediction> routes;
   if (!o.prediction.run.empty()) routes = route_predictions(o.prediction, is_rotation(records));

@@ -123,7 +123,7 @@ FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
   if (!delay.free() && o.delay.empty()) s.clock = std::min(clock_range, s.train * records.target.duration() / 20);
   SearchRange const drift = range_or(o, o.drift, turning, "drift", "-1 rad/s..1 rad/s", {-1, 1}, 0);
   double const gain = o.gain.empty() ? 0 : positive_quantity(o.gain, dim::plain, "--gain-per-field", "1.1e-16");
-  for (std::size_t i = 0; i < std::max<std::size_t>(routes.size(), routes.empty() ? o.paths : 0); ++i) {
+  for (std::size_t i = 0; i < std::max<std::size_t>(routes.size(), routes.empty() ? o.paths.value_or(1) : 0); ++i) {
     RoutePrediction const* const route = routes.empty() ? nullptr : &routes[i];
     FringePath path{route ? fmt::format("path {}", route->rank) : fmt::format("path {}", i + 1),
                     multiplicity_of(o, route, records, s),

@@ -18,7 +18,7 @@ struct FitOptions {
   std::string target, target_unit, witness, witness2, witness_unit, witness2_unit, corner;
   std::string wavelength, multiplicity, delay, drift, ratio, gain;
   std::vector<std::string> free;
-  std::size_t paths = 1;
+  std::optional<std::size_t> paths;  // without a run
   std::string train = "70 %", method = "frequency", false_alarm = "1e-3", subtract;
   std::string stride = "10 s", segment = "1 s", factor = "0.2..3";  // of `edge`
 };

@@ -137,6 +137,13 @@ TEST(Fit, RouteOfARunAgainstItsPrediction) {
                                      "--witness", example + "::x", "--band", "20 Hz..85 Hz"});
   EXPECT_EQ(other.code, 2);
   EXPECT_THAT(other.err, HasSubstr("--path"));
+  // --paths belongs to a fit without a run. Control: there it is accepted.
+  Finished const counted = straytrace({"fit", folder / "run.h5", "--paths", "2", "--target", example + "::h",
+                                       "--witness", example + "::x", "--band", "20 Hz..85 Hz"});
+  EXPECT_EQ(counted.code, 2);
+  EXPECT_EQ(counted.out, "");
+  EXPECT_THAT(counted.err, HasSubstr("--paths is the number of paths of a fit without a run"));
+  EXPECT_EQ(straytrace(words({"--paths", "1"})).code, 0);
 }
 
 }  // namespace
