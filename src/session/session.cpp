@@ -139,6 +139,17 @@ void save(std::string const& run_file, RunContent const& content, PrintOptions c
   }
 }
 
+// Damaged runs may be overwritten, and empty files; nothing else is, since no run is lost there but data of the user.
+void refuse_other_content(std::string const& run_file) {
+  constexpr std::string_view mark = "straytrace-run ";
+  std::string const head = head_of_file(run_file, mark.size());
+  if (head.empty() || head == mark) return;
+  throw InputError(fmt::format("'{}' exists and is not a run file of straytrace; it is not overwritten, even with "
+                               "--force",
+                               run_file),
+                   "choose another name with -o, or remove the file first");
+}
+
 // Must be equal on all ranks.
 std::string identity_of(Model const& model) {
   return fmt::format("{} {} {} {}", model.hash(), model.seed, build_info::version, build_info::commit);
@@ -165,6 +176,7 @@ std::optional<RunFile> earlier_run(std::string const& run_file, std::string cons
                      fmt::format("name a file with -o, for example -o {}",
                                  (std::filesystem::path(run_file) / "run.h5").lexically_normal().string()));
   check_writable(run_file);  // or hours of tracing would be lost
+  refuse_other_content(run_file);
   if (force || !std::filesystem::exists(run_file)) return {};
   RunFile earlier;
   try {

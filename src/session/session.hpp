@@ -44,7 +44,7 @@ void work_for_rank_0(Model&, unsigned threads, Transport&);
 void require_this_program(Provenance const& about, std::string const& file, std::string const& remedy);
 
 // The existing run at the place of this one, if any. Throws InputError when it is of another model or seed and
-// may not be overwritten (`force`), or when nothing can be written there.
+// may not be overwritten (`force`), when the file there is no run, or when nothing can be written there.
 std::optional<RunFile> earlier_run(std::string const& run_file, std::string const& model_hash, std::uint64_t seed,
                                    bool force);
 

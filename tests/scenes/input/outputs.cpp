@@ -80,6 +80,30 @@ TEST_F(Outputs, AcceptOtherNames) {
   EXPECT_NE(text_of(run), before);
 }
 
+// Only a run is replaced by a run. Controls: a run of another seed, a damaged run and an empty file.
+TEST_F(Outputs, ReplaceNoFileOfAnotherKind) {
+  std::string const photo = folder / "photo.jpg", strain = folder / "strain.hdf5";
+  write_text(photo, "\xff\xd8\xff\xe0 JFIF");
+  write_text(strain, "\x89HDF\r\n\x1a\n of another program");
+  for (std::string const& file : {record, photo, strain}) {
+    std::string const before = text_of(file);
+    for (Words const& words : {Words{"trace", scene, "-p", "rings=40", "--histories", "4096", "-o", file, "--force"},
+                               Words{"merge", run, "-o", file, "--force"}}) {
+      EXPECT_THAT(error_text(words), AllOf(HasSubstr("'" + file + "' exists and is not a run file of straytrace"),
+                                           HasSubstr("choose another name with -o, or remove the file first")))
+          << words[0];
+      EXPECT_EQ(text_of(file), before) << words[0] << ' ' << file;
+    }
+    EXPECT_THAT(traced(file).err, HasSubstr("it is not overwritten, even with --force"));
+  }
+  EXPECT_EQ(traced(run, {"--seed", "7", "--force"}).code, 0);
+  std::string const whole = text_of(run);
+  write_text(run, whole.substr(0, whole.size() / 2));
+  EXPECT_EQ(traced(run, {"--force"}).code, 0);
+  write_text(run, "");
+  EXPECT_EQ(traced(run, {"--force"}).code, 0);
+}
+
 // `report` and `view` do not replace another run or scene by a page.
 TEST_F(Outputs, HaveAnEndingThatIsWritten) {
   std::string const other = folder / "other.yaml";
