@@ -26,8 +26,9 @@ double scale_to(CouplingFunction const& c, std::string const& unit) {
   return have->si / want->si;
 }
 
-OverlayPoint compared(CouplingPoint const& m, double factor, double sigma) {
-  OverlayPoint p{m, factor, sigma, m.factor / factor, 0, 0};
+OverlayPoint compared(CouplingPoint const& m, PredictedCurve const& predicted, std::size_t bin) {
+  double const factor = predicted.factor[bin], sigma = predicted.sigma[bin];
+  OverlayPoint p{m, factor, sigma, m.factor / factor, 0, 0, bin};
   bool const measured = m.flag == CouplingFlag::measured;
   if (!measured || std::isfinite(m.sigma)) p.error = std::hypot(measured ? m.sigma / m.factor : 0, sigma / factor);
   double const log = std::log(p.ratio);
@@ -50,9 +51,10 @@ Overlay overlay_of(CouplingFunction const& c, PredictedCurve const& p) {
     if (i == p.factor.size() || !m.has_factor() || !(p.factor[i] > 0)) continue;
     m.factor *= scale;
     m.sigma *= scale;
-    OverlayPoint const point = compared(m, p.factor[i], p.sigma[i]);
+    OverlayPoint const point = compared(m, p, i);
     out.points.push_back(point);
-    out.above_limit += m.flag == CouplingFlag::upper_limit && point.significance > 3;
+    bool const bounded = i < p.at_most.size() && p.at_most[i];
+    out.above_limit += m.flag == CouplingFlag::upper_limit && !bounded && point.significance > 3;
     if (!counts(point)) continue;
     weight += 1 / (point.error * point.error);
     out.mean_ratio += std::log(point.ratio) / (point.error * point.error);

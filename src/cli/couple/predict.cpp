@@ -88,12 +88,16 @@ std::string bound_of(PredictedCoupling const& p) {
   return text.empty() ? "" : fmt::format(" ({})", text);
 }
 
+// Upper bounds make a part of the factor in a bin.
+bool factor_at_most(PredictedCoupling const& p, std::size_t i) {
+  double const sigma = p.unresolved.empty() ? p.sigma[i] : 0;  // the error of what was seen hides no bound
+  return results::at_most(p.factor[i], sigma, p.bound_share[i]);
+}
+
 std::string factor_text(PredictedCoupling const& p, std::size_t i) {
   if (!(p.factor[i] > 0)) return "unresolved";
-  bool const incomplete = !p.unresolved.empty();  // the error of what was seen hides no bound
-  bool const bound = results::at_most(p.factor[i], incomplete ? 0 : p.sigma[i], p.bound_share[i]);
-  return bound ? with_error(WithError{p.factor[i], p.sigma[i], bound, incomplete})
-               : plus_minus(p.factor[i], p.sigma[i]);
+  return factor_at_most(p, i) ? with_error(WithError{p.factor[i], p.sigma[i], true, !p.unresolved.empty()})
+                              : plus_minus(p.factor[i], p.sigma[i]);
 }
 
 std::string share_text(PredictedRoute const& r) {
@@ -158,29 +162,53 @@ nlohmann::json routes_json(PredictedCoupling const& p) {
   return list;
 }
 
-std::string overlay_text(Overlay const& o, std::size_t show) {
+bool is_limit(OverlayPoint const& point) { return point.measured.flag == CouplingFlag::upper_limit; }
+
+// Of a ratio of measured to predicted: it has an upper bound where the measured factor has one or routes are missing in
+// the prediction, a lower bound where the prediction contains upper bounds.
+std::string ratio_bound(bool limit, bool at_most, bool incomplete) { return bound_name(limit || incomplete, at_most); }
+
+std::string bounded_ratio(double ratio, std::string const& bound) {
+  if (bound.empty()) return fmt::format("{:.3g}", ratio);
+  if (bound == "neither") return fmt::format("about {:.2g}", ratio);
+  return bound == "upper" ? "at most " + two_digits(ratio, true) : "at least " + two_digits(ratio, false);
+}
+
+std::string bound_at(OverlayPoint const& point, PredictedCoupling const& p) {
+  return ratio_bound(is_limit(point), factor_at_most(p, point.bin), !p.unresolved.empty());
+}
+
+std::string bound_of_mean(Overlay const& o, PredictedCoupling const& p) {
+  bool const at_most = std::ranges::any_of(
+      o.points, [&](OverlayPoint const& point) { return !is_limit(point) && factor_at_most(p, point.bin); });
+  return ratio_bound(false, at_most, !p.unresolved.empty());
+}
+
+std::string overlay_text(Overlay const& o, PredictedCoupling const& predicted, std::size_t show) {
   Columns table{{"frequency", "measured [" + o.unit + "]", "predicted", "measured/predicted", "significance"}, {}, {}};
   std::size_t const step = std::max<std::size_t>(1, (o.points.size() + show - 1) / std::max<std::size_t>(1, show));
   for (std::size_t i = 0; i < o.points.size(); i += step) {
     OverlayPoint const& p = o.points[i];
-    bool const limit = p.measured.flag == CouplingFlag::upper_limit;
-    table.rows.push_back(
-        {fmt::format("{:g} Hz", p.measured.hz),
-         limit ? fmt::format("<= {:.3g}", p.measured.factor) : plus_minus(p.measured.factor, p.measured.sigma),
-         plus_minus(p.predicted, p.predicted_sigma), fmt::format("{}{:.3g}", limit ? "<= " : "", p.ratio),
-         std::isfinite(p.significance) ? fmt::format("{:.1f}", p.significance) : "unknown"});
+    table.rows.push_back({fmt::format("{:g} Hz", p.measured.hz),
+                          is_limit(p) ? "at most " + two_digits(p.measured.factor, true)
+                                      : plus_minus(p.measured.factor, p.measured.sigma),
+                          factor_text(predicted, p.bin), bounded_ratio(p.ratio, bound_at(p, predicted)),
+                          std::isfinite(p.significance) ? fmt::format("{:.1f}", p.significance) : "unknown"});
   }
   std::string text = aligned(table);
-  if (o.measured > 0)
+  if (o.measured > 0) {
+    double const mean = std::exp(o.mean_ratio);
+    std::string const bound = bound_of_mean(o, predicted);
     text += fmt::format("measured over predicted: {} from {}, chi^2 {:.1f} of {}\n",
-                        plus_minus(std::exp(o.mean_ratio), std::exp(o.mean_ratio) * o.mean_sigma),
+                        bound.empty() ? plus_minus(mean, mean * o.mean_sigma) : bounded_ratio(mean, bound),
                         counted(o.measured, "point"), o.chi_square, o.measured - 1);
+  }
   if (o.above_limit > 0)
     text += fmt::format("the prediction exceeds {} by three sigma\n", counted(o.above_limit, "measured limit"));
   return text;
 }
 
-nlohmann::json overlay_json(Overlay const& o) {
+nlohmann::json overlay_json(Overlay const& o, PredictedCoupling const& predicted) {
   nlohmann::json points = nlohmann::json::array();
   for (OverlayPoint const& p : o.points)
     points.push_back({{"frequency", p.measured.hz},
@@ -190,11 +218,13 @@ nlohmann::json overlay_json(Overlay const& o) {
                       {"predicted", p.predicted},
                       {"predicted_sigma", p.predicted_sigma},
                       {"ratio", p.ratio},
+                      {"bound", bound_at(p, predicted)},
                       {"significance", number_or_null(p.significance)}});
   return {{"points", points},
           {"unit", o.unit},
           {"mean_ratio", number_or_null(o.measured > 0 ? std::exp(o.mean_ratio) : not_a_number)},
           {"mean_ratio_sigma", number_or_null(std::exp(o.mean_ratio) * o.mean_sigma)},
+          {"bound", bound_of_mean(o, predicted)},
           {"chi_square", o.chi_square},
           {"measured", o.measured},
           {"above_limit", o.above_limit}};
@@ -277,11 +307,13 @@ int run_predict(PredictOptions const& o) {
                 {"routes", routes_json(p)}, {"unresolved", p.unresolved}};
   add_motion(out, o, file, model, where, grid);
   if (!o.measured.empty()) {
+    std::vector<bool> at_most;
+    for (std::size_t i = 0; i < grid.size(); ++i) at_most.push_back(factor_at_most(p, i));
     Overlay const overlay = overlay_of(parse_coupling(read_text(o.measured), o.measured, o.unit, o.witness_unit),
-                                       {grid.edges, p.factor, p.sigma, unit});
+                                       {grid.edges, p.factor, p.sigma, unit, at_most});
     add_overlay(out.sheet, overlay);
-    out.text += overlay_text(overlay, o.show);
-    out.result["measured"] = overlay_json(overlay);
+    out.text += overlay_text(overlay, p, o.show);
+    out.result["measured"] = overlay_json(overlay, p);
   }
   answer_with_result(o.data, out.sheet, out.text, out.result);
   return 0;

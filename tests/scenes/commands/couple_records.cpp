@@ -178,6 +178,34 @@ TEST(CoupleRecords, APredictionKeepsItsBoundsAndTheLimitOfItsNoise) {
   EXPECT_THAT(text, HasSubstr("fringe wrapped"));
 }
 
+// A ratio to an upper bound has a lower bound; with routes missing as well it has none. Control: of a lower bound the
+// ratio is at most, see MeasuredAgainstPredictedR6_08.
+TEST(CoupleRecords, RatiosToABoundAreBounds) {
+  Folder const folder;
+  std::string const csv = folder / "measured.csv";
+  write_text(csv,
+             "frequency,factor,factor_counts,flag,factor_error,unit,witness_unit\n"
+             "30,1e-16,,Real,1e-17,1/m,m\n100,1e-17,,Upper Limit,,1/m,m\n300,1e-19,,Upper Limit,,1/m,m\n");
+  auto const compared = [&](char const* histories) {
+    std::string const run = folder / (std::string(histories) + ".h5");
+    EXPECT_EQ(
+        straytrace({"trace", source_folder + "/examples/et_hf_edges.yaml", "--histories", histories, "-o", run}).code,
+        0);
+    return Words{"couple", "predict", run, "--body", "tube", "--measured", csv};
+  };
+  Words const complete = compared("65536"), incomplete = compared("300");
+  json const r = answer(complete)["result"];
+  ASSERT_EQ(r["bound"], "upper");
+  json const& m = r["measured"];
+  EXPECT_EQ(m["bound"], "lower");
+  EXPECT_EQ(m["points"][0]["bound"], "lower");
+  EXPECT_EQ(m["points"][1]["bound"], "neither") << "a limit over a bound";
+  EXPECT_EQ(m["above_limit"], 0) << "an upper bound exceeds no limit";
+  EXPECT_THAT(straytrace(complete).out, ::testing::ContainsRegex("measured over predicted: at least [0-9]"));
+  EXPECT_EQ(answer(incomplete)["result"]["measured"]["points"][0]["bound"], "neither");
+  EXPECT_THAT(straytrace(incomplete).out, ::testing::ContainsRegex("measured over predicted: about [0-9]"));
+}
+
 // Measured twice what is predicted, with 10 % of error each, and one limit far below the prediction.
 TEST(CoupleRecords, MeasuredAgainstPredictedR6_08) {
   Folder const folder;
@@ -200,7 +228,8 @@ TEST(CoupleRecords, MeasuredAgainstPredictedR6_08) {
   text += fmt::format("{:.6g},{:.6g},,Upper Limit,,1/m,m\n", hz[70].get<double>(), 0.1 * predicted[70].get<double>());
   write_text(csv, text);
   words.insert(words.end(), {"--measured", csv});
-  json const m = answer(words)["result"]["measured"];
+  json const result = answer(words)["result"], m = result["measured"];
+  EXPECT_EQ(m["bound"], result["bound"] == "lower" ? "upper" : "");
   EXPECT_EQ(m["measured"], 5);
   EXPECT_NEAR(m["mean_ratio"], 2, 0.1);
   EXPECT_NEAR(m["mean_ratio_sigma"].get<double>() / m["mean_ratio"].get<double>(), 0.1 / std::sqrt(5), 0.02);

@@ -67,6 +67,7 @@ TEST(Injections, OverlayComparesWithTheBinOfThePrediction) {
   EXPECT_NEAR(std::exp(o.mean_ratio), 2, 1e-12);
   EXPECT_NEAR(o.points[0].significance, std::log(2) / 0.1, 1e-9);
   EXPECT_EQ(o.measured, 1);
+  EXPECT_EQ(o.points[1].bin, 1u);
   EXPECT_THROW(overlay_of(measured, {edges, factor, sigma, "1/rad"}), InputError);
 }
 
