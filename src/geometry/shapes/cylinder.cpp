@@ -74,7 +74,7 @@ std::span<Key<PiercedCylinder> const> PiercedCylinder::keys() {
       {"from", &Shape::from, dim::length, required, -1e6, 1e6,
        "positions of the ends along the axis, relative to 'at'"},
       {"to", &Shape::to, dim::length, required, -1e6, 1e6, "positions of the ends along the axis, relative to 'at'"},
-      {"hole_radius", &Shape::hole_radius, dim::length, required, 1e-7, 1e3, "of the drill"},
+      {"hole_radius", &Shape::hole_radius, dim::length, required, 1e-7, 1e3, "of each hole"},
       {"hole_height", &Shape::hole_height, dim::length, required, -1e6, 1e6,
        "position of the centres of the holes along the axis"},
       {"hole_azimuth", &Shape::hole_azimuth, dim::angle, 0, -2 * pi, 2 * pi,

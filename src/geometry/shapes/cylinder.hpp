@@ -118,7 +118,7 @@ struct CutCylinder : Cylinder {
 // docs/reference/shapes/pierced_cylinder.md.
 struct PiercedCylinder : Cylinder {
   Vec3 e1{1, 0, 0}, e2{0, 1, 0};
-  double hole_radius = 0.1, hole_height = 0;  // m, of the drill; height of its line along the axis
+  double hole_radius = 0.1, hole_height = 0;  // m; height of the centres of the holes along the axis
   double hole_azimuth = 0, holes = 1;         // rad, of the first hole from e1; spread evenly around
   double surface = 0;                         // m^2, set by place()
   static constexpr char const* key = "pierced_cylinder";
