@@ -24,13 +24,14 @@ struct RimLevers {
   Complex displacement[3], rotation[3];
 };
 
-// Fields that arrive at the plane of the rim from both sides, before its mask, at a point of the rim.
+// A field that arrives at the plane of the rim, before its mask, at a point of the rim.
 using WaveAt = std::function<WaveValue(Vec3 const&)>;
-// eq. W.14; `overlap` is B of eq. W.11.
+// eq. W.14; `overlap` is B of eq. W.11. Throws NumericalError where the levers are not finite.
 RimLevers rim_levers(std::vector<RimPoint> const&, WaveAt const& from_mirror1, WaveAt const& from_mirror2,
                      double wavelength, Complex overlap, Vec3 const& reference);
 
-// eq. W.22: means over speckle of a round rim between two mirrors that scatter.
+// eq. W.22: means over speckle of a round rim between two mirrors that scatter. The offset d of the rim from the line
+// between the spots plays no part while k a d (1/distance1 + 1/distance2) is small against sqrt(kappa).
 struct SpeckledRim {
   double wavelength = 0, radius = 0;    // m
   double distance1 = 0, distance2 = 0;  // to the mirrors, m
@@ -41,7 +42,7 @@ struct SpeckledRim {
 struct SpeckleMeans {
   double field = 0;         // <|s|^2>
   double transverse = 0;    // <|A_x|^2> = <|A_y|^2>, 1/m^2
-  double longitudinal = 0;  // <|A_z|^2>, 1/m^2
+  double longitudinal = 0;  // <|A_z|^2>, 1/m^2; with the slopes of speckle, which remain where distances are equal
 };
 SpeckleMeans speckle_means(SpeckledRim const&);
 
