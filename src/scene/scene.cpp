@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/scene.hpp"
 
+#include <fmt/format.h>
+
 #include "scene/diagnostics.hpp"
 #include "scene/merge.hpp"
 #include "scene/model_tree.hpp"
@@ -28,6 +30,9 @@ std::string const& Scene::main_file() const { return impl_->main_file; }
 std::vector<std::string> const& Scene::overrides() const { return impl_->overrides; }
 FileTexts const& Scene::files() const { return impl_->document.files(); }
 std::string Scene::title() const { return root()["title"].as_word(); }
+std::string Scene::place_text(Place p) const {
+  return fmt::format("{}:{}", impl_->document.source(p.file).name, p.line);
+}
 std::string Scene::warnings() const { return rendered_warnings(impl_->document); }
 void Scene::throw_if_problems() const { throw_errors(impl_->document); }
 std::string Scene::resolved() const { return resolved_text(impl_->root, impl_->instances); }

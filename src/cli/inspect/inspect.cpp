@@ -93,12 +93,24 @@ void print_bsdf(WorldView const& world, Optic const& optic, int side) {
   }
 }
 
-void print(WorldView const& world, MaterialInfo const& info, std::vector<std::string> const& notes) {
+// ", source: TEXT"; nothing where none is given.
+std::string if_given(char const* what, std::string const& text) {
+  return text == "not given" ? "" : fmt::format(", {}: {}", what, text);
+}
+
+// "law 1: power-law, exponent 2, tis 5 ppm (mirrors.yaml:7), wavelength: 1064 nm"
+std::string law_line(Scene const& scene, LawInfo const& law, bool through) {
+  return fmt::format("{}{}{}{}{}{}{}", law.model, through ? " (through)" : "", law.parameters.empty() ? "" : ", ",
+                     law.parameters, law.place.line > 0 ? fmt::format(" ({})", scene.place_text(law.place)) : "",
+                     if_given("source", law.source), if_given("wavelength", law.wavelength));
+}
+
+void print(Scene const& scene, WorldView const& world, MaterialInfo const& info,
+           std::vector<std::string> const& notes) {
   Optic const& optic = world.optics[info.optic];
-  std::cout << fmt::format("material {}, source: {}\n", info.name, info.source);
+  std::cout << fmt::format("material {}{}\n", info.name, if_given("source", info.source));
   for (std::size_t i = 0; i < info.laws.size(); ++i)
-    std::cout << fmt::format("  law {}: {}{}, source: {}, wavelength: {}\n", i + 1, info.laws[i].model,
-                             optic.through[i] ? " (through)" : "", info.laws[i].source, info.laws[i].wavelength);
+    std::cout << fmt::format("  law {}: {}\n", i + 1, law_line(scene, info.laws[i], optic.through[i]));
   for (std::string const& note : notes) std::cout << "  " << note << '\n';
   std::cout << fmt::format("\n{:>6}  {:>10}", "deg", "TIS");
   for (int i = 0; i < optic.laws; ++i) std::cout << fmt::format("  {:>10}", fmt::format("law {}", i + 1));
@@ -222,7 +234,7 @@ int inspect(InspectOptions const& i) {
     if (i.json())
       std::cout << data.dump() << '\n';
     else
-      print(world.view(), info, notes);
+      print(scene, world.view(), info, notes);
     if (!i.plot.empty()) plot(data, i.plot);
     if (!i.plot.empty()) break;
   }

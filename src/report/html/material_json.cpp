@@ -51,6 +51,7 @@ json material_json(WorldView const& world, MaterialInfo const& info, std::vector
   out["laws"] = json::array();
   for (std::size_t i = 0; i < info.laws.size(); ++i)
     out["laws"].push_back({{"model", info.laws[i].model},
+                           {"parameters", info.laws[i].parameters},
                            {"source", info.laws[i].source},
                            {"wavelength", info.laws[i].wavelength},
                            {"through", optic.through[i]}});

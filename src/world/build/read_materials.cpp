@@ -2,11 +2,14 @@
 #include "world/build/read_materials.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/files/embedded.hpp"
+#include "base/input/document.hpp"
 #include "optics/coating/coating.hpp"
 #include "optics/coating/specular.hpp"
 #include "optics/scatter/angle_weight.hpp"
@@ -48,6 +51,26 @@ View<AngleWeight const> read_weight(Node const& law, World& world, PoolRef ref) 
   return world.storage.keep(std::move(one));
 }
 
+// "5 ppm", "[1, 2]", "{low: 1}", as written.
+std::string written_value(NodeData const& data) {
+  if (data.kind == Node::Kind::scalar) return data.text;
+  std::vector<std::string> parts;
+  for (auto const& element : data.elements) parts.push_back(written_value(*element));
+  for (NodeData::Entry const& entry : data.entries) parts.push_back(entry.key + ": " + written_value(*entry.value));
+  char const* const form = data.kind == Node::Kind::list ? "[{}]" : "{{{}}}";
+  return fmt::format(fmt::runtime(form), fmt::join(parts, ", "));
+}
+
+// "exponent 2, tis 5 ppm": what a BSDF model states besides its name and where its numbers are from.
+std::string written_parameters(Node const& law) {
+  constexpr std::array<std::string_view, 5> others{"model", "source", "wavelength", "through", "note"};
+  std::vector<std::string> parts;
+  for (NodeData::Entry const& entry : law.data()->entries)
+    if (std::ranges::find(others, entry.key) == others.end())
+      parts.push_back(fmt::format("{} {}", entry.key, shortened(written_value(*entry.value))));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
 void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info) {
   if (law.kind() != Node::Kind::table)
     return law.problem("a BSDF model is a table", "write {model: lambertian, tis: 1 %}");
@@ -65,7 +88,8 @@ void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info
   LawInfo about{model, law.word("source", "not given"),
                 law.has("wavelength")    ? law["wavelength"].as_word()
                 : out.wavelength.empty() ? "not given"
-                                         : out.wavelength};
+                                         : out.wavelength,
+                written_parameters(law), law.place()};
   for (std::size_t i = before; i < out.laws.size() && i < std::size_t(Optic::most_laws); ++i) {
     optic.law[i] = out.laws[i];
     optic.through[i] = through;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/errors.hpp"
 #include "base/memory/ids.hpp"
 #include "optics/optic.hpp"
 
@@ -34,9 +35,11 @@ struct ScatterSpread {
 // material or BSDF model. Adds its problems to the document.
 ScatterSpread read_spread(Node const& table);
 
-// Source of the numbers of a material.
+// Source of the numbers of a BSDF model.
 struct LawInfo {
   std::string model, source, wavelength;
+  std::string parameters = {};  // as written, "exponent 2, tis 5 ppm"; empty for a preset
+  Place place = {};             // of the model in its file; line 0 for a preset
 };
 struct MaterialInfo {
   std::string name, source;

@@ -53,6 +53,24 @@ TEST(Inspect, NumbersAreThoseOfTheLaw) {
   EXPECT_NEAR(tis({"inspect", "p", "-p", "case=2"}), 1e-2 * M_PI, 1e-9);
 }
 
+// Control: a source that is given is printed.
+TEST(Inspect, ShowsParametersAndPlaceOfEachModel) {
+  Folder const folder;
+  write_text(folder / "a.yaml",
+             "straytrace: 1\nparams: {slope: -1.5}\nmaterials:\n"
+             "  m:\n    scatter:\n      - {model: harvey, b0: 0.1 /sr, l: 0.01, s: slope}\n"
+             "      - {model: polynomial, diffuse: [[1e-3 /sr]], source: a paper}\n");
+  Finished const r = straytrace({"inspect", "m", folder / "a.yaml"});
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("material m\n"
+                               "  law 1: harvey, b0 0.1 /sr, l 0.01, s slope (a.yaml:6)\n"
+                               "  law 2: polynomial, diffuse [[1e-3 /sr]] (a.yaml:7), source: a paper\n"));
+  Finished const preset = straytrace({"inspect", "oxidised_steel"});
+  EXPECT_THAT(preset.out, HasSubstr("material oxidised_steel\n  law 1: preset oxidised_steel, source: assumed"));
+  EXPECT_THAT(straytrace({"inspect", "m", folder / "a.yaml", "--format", "json"}).out,
+              HasSubstr("\"parameters\":\"b0 0.1 /sr, l 0.01, s slope\""));
+}
+
 TEST(Inspect, DrawsAPicture) {
   Folder const folder;
   Finished const r = straytrace({"inspect", "black_anodise", "--plot", folder / "law.png"}, {".", true});
