@@ -23,6 +23,16 @@ struct MapsOptions {
   std::string input, out;
 };
 
+// Of the cells of each receiver within the rim of its surface, m^2. The model is built only where a map has cells.
+std::vector<std::vector<double>> areas_of(RunFile const& file, std::vector<Receiver> const& receivers) {
+  std::vector<std::vector<double>> areas(receivers.size());
+  if (std::ranges::none_of(receivers, [](Receiver const& r) { return r.map_size() > 0; })) return areas;
+  Model const model = model_of(file);
+  for (std::size_t i = 0; i < receivers.size(); ++i)
+    areas[i] = map_areas(model.world.view(), model.world.receivers().at(i).surface, receivers[i]);
+  return areas;
+}
+
 int maps(MapsOptions const& options) {
   RunFile const file = read_run_file(options.input);
   RunContent const content = file.content();
@@ -30,11 +40,7 @@ int maps(MapsOptions const& options) {
     throw InputError(fmt::format("'{}' has no receivers", options.input),
                      "add 'receivers: {PD: {on: SURFACE, map: {...}}}' to the scene and repeat the trace");
   OutputFolder const folder(options.out);
-  Model const model = model_of(file);
-  std::vector<std::vector<double>> areas;
-  for (std::size_t i = 0; i < content.receivers.size(); ++i)
-    areas.push_back(map_areas(model.world.view(), model.world.receivers().at(i).surface, content.receivers[i]));
-  std::vector<std::string> files = write_maps(options.out, content, areas);
+  std::vector<std::string> const files = write_maps(options.out, content, areas_of(file, content.receivers));
   if (files.empty())
     throw InputError(fmt::format("no receiver of '{}' has a map", options.input),
                      "give it 'map', 'angles' or 'quadrants'");

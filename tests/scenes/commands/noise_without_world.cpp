@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Commands that only project read the run file alone: no surface, mesh or search tree is built.
+// Commands that only project, and maps without pixels, read the run file alone: no surface, mesh or search tree is
+// built.
 #include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
@@ -57,6 +58,32 @@ TEST_F(NoiseWithoutWorld, CommandsThatNeedSurfacesFail) {
   old.about.projection.reset();  // as in files of schema 1
   write_run(folder / "old.h5", old.content());
   EXPECT_EQ(straytrace({"noise", folder / "old.h5", "--quiet"}).code, 2);
+}
+
+// Angles and quadrants need no surface. Negative control: the areas of the pixels of a map do.
+TEST(MapsWithoutWorld, OnlyMapsNeedSurfaces) {
+  Folder const folder;
+  fs::copy_file(source_folder + "/examples/holder.obj", folder / "holder.obj");
+  std::string const text = edited(text_of(source_folder + "/examples/two_mirrors.yaml"), "\nscene:\n",
+                                  "\nscene:\n  - {name: holder, file: holder.obj, units: mm, at: [0 m, 0 m, 5 m], "
+                                  "body: bench, material: black}\n"),
+                    without = edited(text.substr(0, text.find("  plane:\n")), "    map:", "    # map:") +
+                              "trace: {histories: 4096}\n";
+  auto const maps_of = [&](std::string const& name, std::string const& scene) {
+    write_text(folder / (name + ".yaml"), scene);
+    std::string const run_file = folder / (name + ".h5");
+    Finished const traced =
+        straytrace({"trace", folder / (name + ".yaml"), "-o", run_file, "--histories", "4096", "--quiet"});
+    EXPECT_EQ(traced.code, 0) << traced.err;
+    RunFile run = read_run(run_file);
+    run.about.files.at("holder.obj") = "no mesh\n";
+    write_run(run_file, run.content());
+    return straytrace({"maps", run_file, "-o", folder / name});
+  };
+  Finished const angles = maps_of("angles", without);
+  EXPECT_EQ(angles.code, 0) << angles.err;
+  EXPECT_THAT(angles.out, HasSubstr("PD_angles.csv"));
+  EXPECT_EQ(maps_of("pixels", text).code, 2);
 }
 
 }  // namespace
