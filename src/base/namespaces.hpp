@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Each module has a namespace of its own, except `base`, whose names are in `straytrace`. The directives let a module
 // write the names of the modules it may include without qualification; tools/lint/check_includes.py reads them as the
-// list of what a module may include, and docs/develop/architecture.md explains it.
+// list of the modules that each may include, and docs/develop/architecture.md explains it.
 #pragma once
 
 namespace straytrace {

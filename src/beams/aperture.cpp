@@ -51,7 +51,7 @@ double clipped_share(double aperture, double w, double offset) {
 
 double clipped_share(double aperture, std::array<double, 2> w, std::array<double, 2> offset) {
   double const a = aperture;
-  // Strip by strip along y, only what is outside is summed: no difference of large numbers.
+  // Only the part outside is summed, in strips along y: no difference of large numbers.
   auto const outside = [&](double angle) {
     double const x = a * std::sin(angle) - offset[0], half = a * std::cos(angle);
     double const density = std::sqrt(2 / pi) / w[0] * std::exp(-2 * x * x / (w[0] * w[0]));

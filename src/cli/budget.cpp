@@ -30,7 +30,7 @@ struct BudgetOptions : PrintOptions {
   std::string at = "10 Hz, 100 Hz, 1 kHz", band, margin, export_as;
 };
 
-constexpr double lowest_hz = 1e-6, highest_hz = 1e6;  // what --at and --band take
+constexpr double lowest_hz = 1e-6, highest_hz = 1e6;  // of --at and --band
 
 std::string trimmed(std::string text) {
   text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));

@@ -178,7 +178,7 @@ void read_drift(AxisSpec const& a, AxisMotion& into) {
 
 // A kind of motion. A new one: its reader above and a row of the table below.
 struct Kind {
-  std::string_view name, example;      // the key that selects it; what a message suggests
+  std::string_view name, example;      // the key that selects it; suggestion of a message
   std::vector<std::string_view> keys;  // besides that key and those of every kind, `scale` and `through`
   void (*read)(AxisSpec const&, AxisMotion&);
 };

@@ -14,7 +14,7 @@ STRAY_HD double kept_on_the_way(double absorption, double distance) {
   return absorption > 0 ? exp_number(-absorption * distance) : 1;
 }
 
-// A passage from one side of a surface to the other: what it changes in the volumes.
+// The change of volumes in a passage from one side of a surface to the other.
 struct Passage {
   static constexpr std::uint32_t none = 0xffffffffu;
   std::uint32_t volume = none;  // filled volume behind the surface, whose normal points out of it; none: a sheet
@@ -64,7 +64,7 @@ struct MediaStack {
 // Volumes that fill the space before and behind a surface, and the stacks there.
 struct MediumSides {
   std::uint32_t in = Passage::none, out = Passage::none;
-  MediaStack before, after;  // `before` for what is reflected, `after` for what passes
+  MediaStack before, after;  // `before` for reflected light, `after` for transmitted light
 };
 
 // Corrects the stack first: light that leaves a volume was in it, also if it started there unnoticed; light that enters

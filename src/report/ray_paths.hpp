@@ -41,12 +41,12 @@ struct RaySegment {
   Vec3 from, to;            // m; an escaped one ends where it leaves the box
   double power = 0;         // relative to the main mode, carried on this piece
   std::uint32_t order = 0;  // surface events before it
-  GroupId on;               // what it meets
+  GroupId on;               // the group it meets
   std::uint64_t history = 0;
 };
 std::vector<RaySegment> sample_rays(SteeredWorld const&, Box const&, std::uint64_t seed, std::uint64_t histories);
 
-// Every event of one history, in order. Its terms sum to what it emits, the power scattered out
+// Every event of one history, in order. Its terms sum to the emitted power, the power scattered out
 // of the mode.
 struct HistoryEvent {
   std::string what;  // emit, arrive, rejoin, receive, or a term of the energy balance

@@ -18,8 +18,8 @@ struct ProjectionInputs {
   std::vector<TracedPort> ports;    // in the order of PortId
   std::vector<MaterialSpread> materials;
   std::vector<double> scattered;  // by material: share of the light at normal incidence, to both sides together
-  // Lines of the reports: what was assumed or computed while the model was built; which light is not counted, and which
-  // sources of materials have no status.
+  // Lines of the reports: assumptions and results of building the model; light that is not counted, and sources of
+  // materials without status.
   std::vector<std::string> notes, limits;
   std::string warnings, warnings_json;  // of the scene: as text; for editors, JSON lists
 };

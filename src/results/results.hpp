@@ -82,7 +82,7 @@ void write_run(std::string const& file, RunContent const&);
 // Throws InputError: no such file, another kind of file, a newer schema, damaged content.
 RunFile read_run(std::string const& file);
 
-// Light per history: what is emitted and the terms in which it ends; what arrives at each group and what it absorbs.
+// Light per history: emitted, and the terms in which it ends; arriving at each group, and absorbed there.
 struct BalanceRow {
   std::string name;
   Estimate power;
@@ -195,7 +195,7 @@ struct PathTable {
   bool has_upper_bounds() const;  // that show in the total, at any of the frequencies
 };
 
-// What a total is: "lower" bound where routes are missing, "upper" where upper bounds make a part of it, "neither"
+// Kind of a total: "lower" bound where routes are missing, "upper" where upper bounds make a part of it, "neither"
 // where both hold, or "".
 std::string bound_name(bool has_upper_bounds, bool incomplete);
 // The same in words: "lower bound: 2 routes unresolved", "upper bound", "contains upper bounds; 2 routes unresolved".

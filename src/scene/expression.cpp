@@ -91,7 +91,7 @@ bool needs_angle(std::string_view name) { return name == "sin" || name == "cos" 
 
 Operand root(Operand const& x, std::size_t begin, std::size_t end) {
   Quantity const& q = x.value.quantity;
-  if (q.si < 0) refuse("the square root of a negative number", "check the sign of what is inside", x.begin, x.end);
+  if (q.si < 0) refuse("the square root of a negative number", "check the sign of the argument", x.begin, x.end);
   auto const d = power_of(q.dimension, 0.5);
   if (!d)
     refuse(fmt::format("cannot take the square root of {}", described(q.dimension)), "check the units", x.begin, x.end);

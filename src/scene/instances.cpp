@@ -295,7 +295,7 @@ class Expander {
     return register_name(entry, written) ? written : fmt::format("{} ({})", written, line);
   }
 
-  // What it names is checked all the same.
+  // The names in it are checked all the same.
   void refuse(Node const& entry, std::string const& name) { emit({name, name, entry, {}, {}, 0, -1, true}, entry); }
 
   bool register_name(Node const& entry, std::string const& name) {

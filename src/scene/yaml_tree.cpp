@@ -293,7 +293,7 @@ class TreeBuilder : public YAML::EventHandler {
   void refuse_properties(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor) {
     if (anchor != 0)
       problem(place(mark), "anchors (&name) are not part of the input language",
-              "remove it; use params and parts for what is needed twice");
+              "remove it; use params and parts for repeated content");
     bool const tagged = (tag != "?" && tag != "!" && !tag.empty()) || rest_of_line(mark).starts_with('!');
     if (tagged)
       problem(place(mark), "tags (!name) are not part of the input language",

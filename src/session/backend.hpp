@@ -15,7 +15,7 @@ namespace straytrace::session {
 Transport& open_mpi();
 
 // Leaves the job, if it was joined, as the last thing that the program does: a job that has lost a rank ends here with
-// this exit code, and what was not written by then is not seen.
+// this exit code, and output not written by then is lost.
 void close_mpi(int exit_code);
 
 // Sums of moving phases on this backend. Throws InputError for an unknown name, and when no device is available.

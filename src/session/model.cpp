@@ -134,7 +134,7 @@ std::vector<std::string> limits_of(Scene const& scene, World const& world) {
   return lines;
 }
 
-// What is known of the traced world before the tables of motion and interferometer are read.
+// Facts of the traced world, before the tables of motion and interferometer are read.
 ProjectionInputs bodies_and_ports(Scene const& scene, World const& world) {
   ProjectionInputs traced;
   traced.bodies = world.body_names();
@@ -168,7 +168,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
                          !model.scene.root().has("interferometer") && !model.scene.root().has("ports");
   bool const without = !noiseless && !model.scene.root().has("interferometer");
   bool const ports = !model.scene.table("ports").items().empty();
-  if (without && ports && !model.scene.root().data()->misspelt)  // otherwise it may be what is misspelt
+  if (without && ports && !model.scene.root().data()->misspelt)  // otherwise 'interferometer' may be misspelt
     model.scene.root().problem(
         "the scene has ports but no 'interferometer' to convert their light to strain",
         "add 'interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, "

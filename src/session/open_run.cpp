@@ -82,8 +82,8 @@ OpenRun::OpenRun(std::string const& path)
       model(with_motion_of(file, traced_projection(file))),
       projected_with(file.about.motion_file) {}
 
-// A new motion file acts before the responses that stay, which its band must not undo; one that says what the
-// interferometer is acts after them.
+// A new motion file acts before the responses that stay, which its band must not undo; one that defines the
+// interferometer acts after them.
 OpenRun::OpenRun(std::string const& path, std::string const& motion, FileTexts* files)
     : file(read_run_file(path)),
       model(motion.empty() ? with_motion_of(file, traced_projection(file)) : traced_projection(file)),

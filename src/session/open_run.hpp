@@ -24,7 +24,7 @@ Scene scene_of(RunFile const&, std::vector<std::string> const& overrides);
 void refuse_scene(std::string const& path);
 RunFile read_run_file(std::string const& path);
 
-// A run and what projects it: no surface is built.
+// A run and the model that projects it: no surface is built.
 struct OpenRun {
   explicit OpenRun(std::string const& path);
   // With the motion in the file `motion` on disk instead of that which the run was projected with, unless it is empty.

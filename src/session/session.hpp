@@ -86,7 +86,7 @@ class OutputFolder {
   // Made with its parents. Throws InputError when it cannot be made or written to, or when one of the `files` it is for
   // is a folder.
   explicit OutputFolder(std::string const& name, std::vector<std::string> const& files = {});
-  ~OutputFolder();  // removes what was made and is still empty
+  ~OutputFolder();  // removes the folders made that are still empty
   OutputFolder(OutputFolder const&) = delete;
   OutputFolder& operator=(OutputFolder const&) = delete;
   std::string path(std::string const& file) const { return (folder_ / file).string(); }

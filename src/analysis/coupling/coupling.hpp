@@ -59,7 +59,7 @@ std::string coupling_unit(std::string const& target, std::string const& witness)
 double unbiased_coherence(double coherence, double averages);
 
 // H = sqrt((y_inj - y_quiet)/(x_inj - x_quiet)), PSDs of target y and witness x: this also
-// subtracts what the quiet witness couples into the quiet target, so H is right also where the injection is weak.
+// subtracts the coupling of the quiet witness into the quiet target, so H is right also where the injection is weak.
 // Error: averages of all four spectra, less what witness and target share (coherence). Upper limit (C.4): the truth
 // lies above it in 1 - `confidence` of all trials, or fewer where no coupling could be seen. Both spectra on one axis.
 // Throws InputError when they are not.
@@ -94,7 +94,7 @@ inline double squared(double v) { return v * v; }
 CouplingFunction parse_coupling(std::string_view csv, std::string const& file, std::string const& unit = "",
                                 std::string const& witness_unit = "");
 
-// Upper limits stand in the column of factors with their flag; what is unknown is empty.
+// Upper limits are in the column of factors with their flag; unknown values are empty.
 std::string coupling_csv(CouplingFunction const&);
 
 // A measured coupling times the quiet level of its witness (R6.08).
@@ -124,10 +124,10 @@ QuietWitness level_of(WelchSpectrum const&, std::string const& unit);
 // fringe wrapping is projected in the time domain.
 ProjectedCoupling project_coupling(CouplingFunction const&, QuietWitness const&);
 
-// What stands below the stroke of a unit of factors, "m" of "1/m", "m/s^2" of "1/(m/s^2)". It must be of the witness,
-// or the projection would be in another unit than it says: InputError.
+// Denominator of a unit of factors, "m" of "1/m", "m/s^2" of "1/(m/s^2)". Throws InputError unless it is that of the
+// witness.
 std::string unit_below(std::string const& coupling_unit, TimeSeries const& witness);
-// What stands above it.
+// Its numerator.
 std::string unit_above(CouplingFunction const&);
 // From the numerator of the unit of the coupling to the unit of the target; InputError when they are of different
 // kinds.

@@ -34,7 +34,7 @@ Eigen::MatrixXd two_columns(FringeStretch const& stretch, std::vector<double> co
   return out;
 }
 
-// Orthonormal columns spanning the same, without what `others` (orthonormal) span already.
+// Orthonormal columns spanning the same, without the span of `others` (orthonormal).
 Eigen::MatrixXd orthonormal(Eigen::MatrixXd columns, Eigen::MatrixXd const& others) {
   if (others.cols() > 0) columns -= others * (others.transpose() * columns);
   return Eigen::HouseholderQR<Eigen::MatrixXd>(columns).householderQ() *

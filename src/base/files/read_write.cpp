@@ -84,7 +84,7 @@ fs::path behind_links(fs::path name) {
   return name;
 }
 
-// In the folder of the destination; shortened to what a file system accepts.
+// In the folder of the destination; shortened to a length that file systems accept.
 std::string temporary_name(fs::path const& destination) {
   return (destination.parent_path() / destination.filename().string().substr(0, 200)).string() + ".part-";
 }

@@ -36,7 +36,7 @@ struct KeyRequest {
   std::size_t count = 0;                                         // of numbers
   std::vector<std::string> choices{};
   std::string word{};      // the fallback of a word, a choice or a switch
-  std::string_view doc{};  // what the key means, where its reader states it
+  std::string_view doc{};  // meaning of the key, where its reader states it
 };
 
 struct NodeData {
@@ -72,7 +72,7 @@ struct NodeData {
   void note(std::string_view key, KeyRequest how) const {
     if (kind == Node::Kind::table) asked.insert_or_assign(std::string(key), std::move(how));
   }
-  // What a key means, after it was read; `doc` outlives the document.
+  // The meaning of a key, after it was read; `doc` outlives the document.
   void describe(std::string_view key, std::string_view doc) const {
     if (auto const hit = asked.find(key); hit != asked.end()) hit->second.doc = doc;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gauss-Legendre quadrature. Without libm, so that what is tabulated with it has the same bits everywhere.
+// Gauss-Legendre quadrature. Without libm, so that tables made with it have the same bits everywhere.
 #pragma once
 
 #include <vector>

@@ -94,7 +94,7 @@ class Unpacker {
  private:
   std::string_view next(std::uint64_t many, std::size_t size) {
     if (many > left_.size() / size)
-      throw InputError("what a library has read is cut short", "copy the file again, or make it again");
+      throw InputError("the data that a library read are truncated", "copy the file again, or make it again");
     std::string_view const bytes = left_.substr(0, many * size);
     left_.remove_prefix(bytes.size());
     return bytes;

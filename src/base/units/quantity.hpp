@@ -33,7 +33,7 @@ struct Quantity {
 };
 
 std::string name_of(Dimension);         // "length", "angle", "BRDF (1/sr)", or the unit in SI symbols
-std::string example_unit(Dimension);    // what a user may write: "m", "deg", "1/sr", "m/sqrt(Hz)"
+std::string example_unit(Dimension);    // as a user may write it: "m", "deg", "1/sr", "m/sqrt(Hz)"
 std::string accepted_units(Dimension);  // "rad, mrad, urad, deg, arcmin, arcsec"
 // Factor to SI and dimension of a unit expression such as "um/s^2" or "m/sqrt(Hz)"; empty when not understood. Knows
 // the units of the language and those of sensors: N, Pa, T, A, mV.

@@ -90,7 +90,7 @@ std::string bound_of(PredictedCoupling const& p) {
 
 // Upper bounds make a part of the factor in a bin.
 bool factor_at_most(PredictedCoupling const& p, std::size_t i) {
-  double const sigma = p.unresolved.empty() ? p.sigma[i] : 0;  // the error of what was seen hides no bound
+  double const sigma = p.unresolved.empty() ? p.sigma[i] : 0;  // the error of the observed part hides no bound
   return results::at_most(p.factor[i], sigma, p.bound_share[i]);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tree of boxes, eight wide. Boxes are floats about a local origin in double and only select candidates: the function
-// called for a leaf decides in double what a ray hits. No hit inside a box of the input is ever lost:
+// called for a leaf decides in double whether a ray hits. No hit inside a box of the input is ever lost:
 //   boxes are widened by 2^-23 of the largest local coordinate and rounded outward (rounding of the ray's origin),
 //   far distances are multiplied by 1 + 6 eps, the limit is rounded up (rounding of the slab test),
 //   a ray from far away starts near the root box, moved there in double.

@@ -96,7 +96,7 @@ class MotionDirections {
   std::vector<std::vector<Entry>> of_body_;
 };
 
-// What one coordinate of one body does: as the phase with a phase sensitivity of 1 on it alone.
+// Motion of one coordinate of one body: the phase with a phase sensitivity of 1 on it alone.
 struct CoordinateMotion {
   std::string body, axis, unit;         // unit: m or rad
   double rms = 0, rate = 0, drift = 0;  // m, m/s, m/s (rad); random motion and tones

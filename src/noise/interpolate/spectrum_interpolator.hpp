@@ -47,7 +47,7 @@ class SpectrumInterpolator {
     std::uint32_t basis;
     double weight;
   };
-  void shares(std::size_t path, std::vector<Share>& out) const;  // replaces what is in `out`
+  void shares(std::size_t path, std::vector<Share>& out) const;  // overwrites `out`
 
   struct Basis {
     std::vector<double> psd, linear;  // as in PhaseSpectrum

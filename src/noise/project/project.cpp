@@ -226,7 +226,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
           &NoiseTrace::paths_sigma, &NoiseTrace::phase_asd, &NoiseTrace::amplitude_asd, &NoiseTrace::linear_share})
       (budget.total.*curve).assign(bins, not_a_number);
   if (!budget.total.resolved)
-    budget.total.why_not = "a lower bound: of unresolved routes it holds what was seen of them";
+    budget.total.why_not = "a lower bound: of unresolved routes it contains the observed part";
   find_bounds(budget, table);
   budget.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (nodes.sampled()) budget.warnings = {sharing_note(table, motion, spectra, strengths, nodes, drawn_error(total))};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What realisations of stray light in time amount to: levels of h with their errors beside the mean by spectra, and
-// what the projection leaves out.
+// Levels of h of realisations in time with their errors, next to the mean by spectra, and the effects that the
+// projection neglects.
 #pragma once
 
 #include <string>
@@ -29,13 +29,13 @@ class Realisations {
 
 // Spectrum in one band of h.
 struct BandLevel {
-  double hz = 0, low = 0, high = 0;  // Hz; what was averaged
+  double hz = 0, low = 0, high = 0;  // Hz; the averaged band
   double asd = 0, sigma = 0;         // 1/sqrt(Hz), root of the mean PSD; NaN outside the resolution of the record
   double below = 0, median = 0, above = 0;  // percentiles 5, 50, 95 of the realisations; NaN for fewer than 5
   double exact = 0;                         // mean by spectra, NaN outside the band of the run
 };
 
-// What a projection in time has made of the chosen routes.
+// Result of a projection in time for the chosen routes.
 struct TimeDomainSummary {
   SampleTimes times;
   std::uint64_t seed = 0;

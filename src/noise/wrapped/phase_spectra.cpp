@@ -234,7 +234,7 @@ double PhaseSpectra::moved_by_drifts(std::span<double const> kappa, double low, 
   return sum / static_cast<double>(shifts.size());
 }
 
-// kappa S/2 of the motion in a band, less what faster motion takes from it; in(c), above(c): power of a class in the
+// kappa S/2 of the motion in a band, less the part that faster motion removes; in(c), above(c): power of a class in the
 // band and beyond it. Slower motion moves it to neighbouring bins, which is left out.
 template <class In, class Above>
 double PhaseSpectra::first_order_power(std::span<double const> kappa, double low, double high, In in,

@@ -84,7 +84,7 @@ class PhaseSpectra {
   double variance(std::size_t c) const { return variance_[c]; }  // of a class, kept because every path needs it
   FrequencyGrid const& grid() const { return grid_; }
   // Mean of power(low, high) over the bands that drifts of the phase shift into one of them [Hz]: each drift f_d shifts
-  // half of what is at f + f_d and half of what is at |f - f_d| (C(tau) cos(2 pi f_d tau),
+  // half of the power at f + f_d and half of that at |f - f_d| (C(tau) cos(2 pi f_d tau),
   // docs/theory/path_integral.md).
   double moved_by_drifts(std::span<double const> kappa, double low, double high,
                          std::function<double(double, double)> const& power) const;

@@ -121,7 +121,7 @@ struct Grooves : SmallMirrors<Grooves> {
   double reflectance = 0;             // F at normal incidence on a flank
   double grazing = 0;                 // F at grazing incidence
   static constexpr int azimuths = 64, cosines = 96;
-  double totals[azimuths][cosines] = {};  // set by prepare(): what is above factor(cosine), at node()
+  double totals[azimuths][cosines] = {};  // set by prepare(): the part above factor(cosine), at node()
   AlbedoTable mean;                       // over the azimuth
   static constexpr char const* key = "grooves";
   static ModelKeys<Grooves> keys();
@@ -132,7 +132,7 @@ struct Grooves : SmallMirrors<Grooves> {
 
   STRAY_HD double width_x() const { return across; }
   STRAY_HD double width_y() const { return along; }
-  // Width of the normals in the plane of incidence: what the total at a cosine depends on most.
+  // Width of the normals in the plane of incidence, on which the total at a cosine depends most.
   STRAY_HD double width(double cos_azimuth) const {
     double const x = across * cos_azimuth, square = (1 - cos_azimuth) * (1 + cos_azimuth) * along * along;
     return std::sqrt(x * x + square);

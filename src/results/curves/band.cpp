@@ -57,7 +57,7 @@ bool at_most(double value, double sigma, double bound_share) {
 }
 
 bool at_most(NoiseTrace const& trace, std::size_t bin) {
-  double const sigma = trace.resolved ? trace.sigma.at(bin) : 0;  // the error of what was seen hides no bound
+  double const sigma = trace.resolved ? trace.sigma.at(bin) : 0;  // the error of the observed part hides no bound
   return trace.upper_bound ||
          (bin < trace.bound_share.size() && at_most(trace.asd.at(bin), sigma, trace.bound_share[bin]));
 }
@@ -116,7 +116,7 @@ std::vector<TableColumn<SourceRow>> source_columns() {
     .text = {10, "input"}, .json = {10}, .page = {10, "input"}, .left = true});
   all.push_back({.key = "status", .kind = ColumnKind::text, .help = "how well it is known",
     .value = [](SourceRow const& r) { return r.status; }, .page = {20}});
-  all.push_back({.key = "statement", .kind = ColumnKind::text, .help = "what is stated",
+  all.push_back({.key = "statement", .kind = ColumnKind::text, .help = "stated bracket or uncertainty",
     .value = [](SourceRow const& r) { return r.source.statement; },
     .text = {20, "stated"}, .json = {20}, .page = {30, "stated"}, .left = true});
   all.push_back({.key = "factor_on_total", .kind = ColumnKind::list, .unit = "1",

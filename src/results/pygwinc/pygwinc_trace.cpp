@@ -121,7 +121,7 @@ void write_trace(hdf5::Writer& out, std::string const& group, BudgetTrace const&
   out.attribute(group, "style", style(trace));
   out.array(group + "/PSD", trace.psd, "1/Hz");
   if (trace.parts.empty()) return;
-  out.group(group + "/budget", "what it is the sum of");
+  out.group(group + "/budget", "the traces that add up to it");
   std::set<std::string> taken;
   for (BudgetTrace const& part : trace.parts) {
     std::string name = part.name;

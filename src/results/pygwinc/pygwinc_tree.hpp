@@ -65,7 +65,7 @@ std::optional<Squeezer> read_squeezer(IfoTree&);  // none: no squeezed light
 
 // Ranges of the numbers of an ifo.yaml, by the end of their path.
 
-// Empty when the number is valid at this path ("Suspension.Stage.0.Mass"), otherwise what it must be.
+// Empty when the number is valid at this path ("Suspension.Stage.0.Mass"), otherwise the requirement.
 std::string out_of_range(std::string_view path, double value);
 
 }  // namespace straytrace::results

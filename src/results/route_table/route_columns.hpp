@@ -20,7 +20,7 @@ struct RouteRow {
   PathRow const& row;
 };
 
-// Routes in the order of the coupling table, without ranks and noise: what the run file holds of the table.
+// Routes in the order of the coupling table, without ranks and noise: the part of the table in the run file.
 PathTable unranked_routes(CouplingTable const&);
 // The columns of a table with these frequencies and kinds of routes.
 std::vector<TableColumn<RouteRow>> route_columns(PathTable const&);

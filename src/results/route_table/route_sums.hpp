@@ -10,7 +10,7 @@
 
 namespace straytrace::results {
 
-// Ranks, verdicts and sums of what `rows` holds. With `shares` of their own noise power; else those they have.
+// Ranks, statuses and sums of `rows`. With `shares`, shares of their own noise power; else those they have.
 void rank_and_sum(PathTable&, bool shares);
 
 // These rows, in this order, resolved ones first; ranks, shares and total_strain are those of the whole table.
@@ -63,7 +63,7 @@ class ReplicaSum {
  private:
   double value_ = 0;
   ReplicaPattern off_ = {};
-  double independent_ = 0;  // variance of what has no pattern
+  double independent_ = 0;  // variance of the terms without pattern
 };
 
 // Figures of merit: efficiency of a run, 1/(relative error^2 x seconds of tracing). They depend on machine and load:

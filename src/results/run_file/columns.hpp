@@ -68,7 +68,7 @@ auto& row_at(Row& row) {
 template <class Row>
 class ColumnWriter {
  public:
-  // `prefix`: what the paths of all columns begin with.
+  // `prefix`: of the paths of all columns.
   ColumnWriter(hdf5::Writer& out, std::string prefix, std::vector<Row> const& rows)
       : out_(out), prefix_(std::move(prefix)), rows_(rows) {}
 

@@ -14,7 +14,7 @@ void check_ids(Small const& ids, std::size_t names, char const* what) {
     if (id >= names) damaged_run(std::string(what) + " without a name");
 }
 
-// Where the file holds a list of routes, and what its routes end on.
+// Place of a list of routes in the file, and the end of its routes.
 struct Section {
   std::string classes, records, folded, end;  // groups, column
   std::vector<CouplingClass> CouplingTable::*list;
@@ -110,7 +110,7 @@ void write_steps(hdf5::Writer& out, std::string const& place, std::vector<Row> c
       [](auto&& column) { step_columns(column); });
 }
 
-// What the route table holds beside the columns above, which it is made of.
+// The columns of the route table that the columns above do not give.
 void write_route_table(hdf5::Writer& out, std::string const& group, CouplingTable const& table) {
   PathTable const routes = unranked_routes(table);
   std::vector<RouteRow> rows;

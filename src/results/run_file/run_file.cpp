@@ -159,7 +159,7 @@ hdf5::Contents verified_contents(std::string const& file, hdf5::Wanted const& wa
   }
 }
 
-// What `read` takes from a sound file; all that can be wrong with it is an InputError that names the file.
+// Content that `read` takes from a sound file; any fault is an InputError that names the file.
 template <class Result, class Read>
 Result read_from(hdf5::Contents contents, std::string const& file, Read const& read) {
   hdf5::Reader const in(with_names_of_schema_2(std::move(contents)));

@@ -17,7 +17,7 @@ void write_nodes(hdf5::Writer&, SumTree const&);  // /nodes
 SumTree read_nodes(hdf5::Reader const&);
 std::vector<BlockRange> read_done(hdf5::Reader const&);  // which blocks they hold, ascending
 
-void write_node_maps(hdf5::Writer&, SumTree const&);  // what /nodes holds of receivers
+void write_node_maps(hdf5::Writer&, SumTree const&);  // the receivers in /nodes
 void read_node_maps(hdf5::Reader const&, std::vector<BlockSums>&);
 
 void write_receivers(hdf5::Writer&, RunContent const&);  // /receivers
@@ -39,7 +39,7 @@ NoiseBudget read_noise(hdf5::Reader const&);
 // Offsets of lists laid end to end: n + 1 numbers that begin with 0, never fall and end with `total`.
 std::vector<std::uint64_t> read_offsets(hdf5::Reader const&, std::string const& path, std::size_t lists,
                                         std::size_t total);
-// What the HDF5 file behind the checksum holds; `file` names it in messages.
+// Content of the HDF5 file behind the checksum; `file` names it in messages.
 RunFile run_of(hdf5::Contents, std::string const& file);
 inline constexpr char const* make_again = "copy it again from where it was made, or make the run again";
 [[noreturn]] void damaged_run(std::string const& what);

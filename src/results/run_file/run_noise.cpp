@@ -124,8 +124,9 @@ void read_routes(hdf5::Reader const& in, NoiseBudget& b) {
 }
 
 void write_total(hdf5::Writer& out, NoiseTrace const& total, std::size_t bins) {
-  out.group("/noise/total",
-            "all resolved routes, and what was seen of the others; a lower bound when /noise/unresolved is not empty");
+  out.group(
+      "/noise/total",
+      "all resolved routes, and the observed part of the others; a lower bound when /noise/unresolved is not empty");
   out.attribute("/noise/total", "name", total.name);
   out.attribute("/noise/total", "mean_square_phase", total.mean_square_phase);
   out.attribute("/noise/total", "resolved", std::vector<std::uint64_t>{total.resolved});

@@ -19,7 +19,7 @@ std::string hertz(double hz) { return fmt::format("{:.10g}", std::stod(fmt::form
 
 struct Comparison {
   std::size_t bins = 0, worst = 0;
-  double low = 0, high = 0;                      // Hz, edges of what was compared
+  double low = 0, high = 0;                      // Hz, edges of the compared band
   double ratio = 0, sigma = 0;                   // h over margin line at the worst bin
   bool at_most = false;                          // that is an upper bound, or would be if no route were unresolved
   std::vector<std::pair<double, double>> above;  // Hz, bands where h exceeds the line
@@ -251,7 +251,7 @@ std::string objects_text(RunContent const& run) {
       row.insert(row.end(), more.begin(), more.end());
     c.rows.push_back(std::move(row));
   }
-  return aligned(c) + "\nArrivals are counted at every encounter; what is absorbed sums to 'absorbed' above.\n";
+  return aligned(c) + "\nArrivals are counted at every encounter; the absorbed light sums to 'absorbed' above.\n";
 }
 
 std::string verdict_sentence(NoiseBudget const& b, double low_hz, double high_hz) {

@@ -47,7 +47,7 @@ struct Listed {
 
 std::string port_of(RunFile const& run, CouplingClass const& c) { return run.trace.coupling.ports.at(c.port.value); }
 
-// What names a row in both runs: the id of its route; of a row `other` its port and C_rev, since the ids of such rows
+// The key of a row in both runs: the id of its route; of a row `other` its port and C_rev, since the ids of such rows
 // vary in old files.
 struct RowKey {
   std::uint64_t hash = 0;

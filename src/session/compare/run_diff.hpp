@@ -28,7 +28,7 @@ struct Change {
 struct RunDifference {
   std::vector<Change> bands;  // rms strain of the total in the band, from 1/sqrt(Hz) over all its bins [1]
   // The same over the common band, by largest change of power; matched by id, rows `other` by port and C_rev. These
-  // hold what has no row of its own: routes that only one run lists are in that of the other, and added to both rows.
+  // hold routes without a row: a route that only one run lists is in that row of the other, and added to both.
   std::vector<Change> routes;
   double low = 0, high = 0;  // Hz, the common band
   bool common = false;       // same model, seed and number of histories: other motion or responses

@@ -43,8 +43,8 @@ std::size_t coherent_of(std::span<GhostFamily const* const> by_share) {
   return fields ? std::min(by_share.size(), most_coherent) : 0;
 }
 
-// Turns the two states of polarisation so that the first holds all it can: what is alike in both is one field with one
-// common phase. Sums over the states, and so the spectra, stay.
+// Rotates the two states of polarisation so that the first holds as much as possible: the part common to both is one
+// field with one phase. Sums over the states, and so the spectra, stay.
 void to_principal_states(std::vector<PathRecord>& records) {
   double first = 0, second = 0;
   std::complex<double> both = 0;

@@ -231,7 +231,7 @@ void refuse_other_shapes(Bracket const& b, Probe const& p, ScanAxis const& axis)
                    "scan the range first, and choose a monotonic part");
 }
 
-// Halves what is not known; about the line itself the errors leave a doubt that no halving removes.
+// Halves the unknown intervals; close to the line itself the errors leave a doubt that no halving removes.
 void narrow(Bracket& b, Search& search, ScanAxis const& axis, double wanted) {
   for (Gap gap = widest(b); gap.width() > wanted; gap = widest(b)) {
     std::optional<Probe> const p = search.at(0.5 * (gap.from + gap.to));

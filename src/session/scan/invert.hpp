@@ -35,7 +35,7 @@ struct Answer {
   FrequencyGrid grid;
   std::vector<double> line_asd;         // 1/sqrt(Hz)
   std::vector<std::string> unresolved;  // routes that are not in the total: then there is no result
-  double tis = not_a_number;            // scattered share at normal incidence, of what was traced
+  double tis = not_a_number;            // scattered share at normal incidence, of the traced model
   std::vector<double> motion;           // m/sqrt(Hz), root of the sum over the axes, per bin
   bool complete = true;
 };

@@ -43,7 +43,7 @@ std::string series_hdf5(std::span<TimeSeries const> series);
 // Readers of the two kinds of files that hold series, for this folder only.
 namespace straytrace::spectra::series_source {
 
-// "witness.txt:LINE: error: what\n  suggestion" as an InputError; line 0: the file as a whole.
+// "witness.txt:LINE: error: problem\n  suggestion" as an InputError; line 0: the file as a whole.
 [[noreturn]] void refuse(std::string const& file, std::string const& what, std::string const& suggestion,
                          std::uint32_t line = 0);
 // The canonical unit. An error when it is missing or unknown, or when the requested one contradicts a calibrated one of

@@ -281,7 +281,7 @@ namespace {
 
 constexpr std::uint32_t flash_rays = 3;  // rays per pixel along each side
 
-// Whether the sphere around the eye is what a ray meets, when the next surface is `free` metres away.
+// Whether a ray meets the sphere around the eye before the next surface, `free` metres away.
 bool comes_back(Ray const& ray, Vec3 eye, double radius, double free) {
   double const along = dot(eye - ray.origin, ray.dir);
   return along > 0 && along < free + radius && length(ray.origin + along * ray.dir - eye) < radius;

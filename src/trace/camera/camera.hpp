@@ -51,7 +51,7 @@ Framing section(Box const&, std::uint32_t columns, std::uint32_t rows);
 
 enum class Look : std::uint8_t {
   solid,
-  glass,  // bounds a medium and transmits: a tint over what is behind, no refraction
+  glass,  // bounds a medium and transmits: a tint over the surfaces behind, no refraction
   open    // carries no material on this side, but does on the other: not drawn
 };
 std::vector<Look> looks_of(WorldView const&);  // two per surface: front, back
@@ -84,7 +84,7 @@ struct Rgb {
 };
 using Paint = std::function<Rgb(Seen const&)>;
 // Three bytes per pixel, row by row; headlight, dark edges, four rays per pixel. `visible`, one flag per surface, is
-// set for what is in the picture.
+// set for those in the picture.
 std::vector<std::uint8_t> shaded(WorldView const&, Camera const&, LookSettings const&, Paint const&,
                                  std::vector<bool>& visible);
 
@@ -100,11 +100,11 @@ struct Flash {
 
 // Radiance towards the eye over I, 1/m^2, along one ray. Of a surface at the distance d, seen by way of mirrors and
 // glass that pass the share T one way: T^2 BRDF cos(theta)/d^2 with the BRDF [1/sr] for light that goes back where it
-// came from. d is the length of the way: what is seen in a curved mirror or through a lens has the brightness of a flat
-// one. A way that comes back to the sphere sees it: T/(pi radius^2), exact for mirrors of any shape.
+// came from. d is the length of the way: a surface seen in a curved mirror or through a lens has the brightness of a
+// flat one. A way that comes back to the sphere sees it: T/(pi radius^2), exact for mirrors of any shape.
 struct FlashLight {
   double scattered = 0, glint = 0;
-  SurfaceId first;  // what the ray meets first; invalid: nothing
+  SurfaceId first;  // that the ray meets; invalid: none
   double both() const { return scattered + glint; }
 };
 // `open`: two flags per surface, front and back, of transparent sides (Look::open); empty: none.
@@ -113,7 +113,7 @@ FlashLight flash_along(WorldView const&, Ray, Departure from, Vec3 eye, Flash co
 // One per pixel, row by row: mean of 3 x 3 rays.
 std::vector<FlashLight> flash_picture(WorldView const&, Camera const&, Flash const&, LookSettings const&);
 
-// Solid angle of a pixel, sr: what its radiance is multiplied with to give the irradiance at the eye.
+// Solid angle of a pixel, sr; its radiance times this is the irradiance at the eye.
 double solid_angle(Camera const&, std::uint32_t column, std::uint32_t row);
 
 }  // namespace straytrace::trace

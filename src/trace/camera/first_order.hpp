@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// First-order stray light: what is lit (illuminated) and what is seen (critical), both directly or by mirrors and
-// lenses. A surface on both lists causes first-order stray light. Page: docs/reference/commands.md.
+// First-order stray light: surfaces that are lit (illuminated) and surfaces that are seen (critical), directly or by
+// mirrors and lenses. A surface on both lists causes first-order stray light. Page: docs/reference/commands.md.
 #pragma once
 
 #include <vector>

@@ -79,7 +79,7 @@ TraceResult result_of(SteeredWorld const& world, TraceSettings const& settings, 
   result.warnings = result.coupling.warnings;
   if (result.total.histories > 0 && !(result.total.emitted.sum > 0))
     result.warnings.emplace_back(
-        "no light was emitted: what the beams light scatters nothing, or they miss it; all results are zero");
+        "no light was emitted: the surfaces in the beams do not scatter, or the beams miss them; all results are zero");
   result.slice = settings.slice;
   result.stop_rule = settings.stop_rule;
   result.good_checks = settings.good_checks;

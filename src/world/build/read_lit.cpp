@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The key `lit` of a beam: the beam propagates through the scene and illuminates what it meets.
+// The key `lit` of a beam: the beam propagates through the scene and illuminates the surfaces it meets.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Published surface data (docs/reference/library.md) as a material states them with `preset: {brdf: [...], status:
-// ...}`. The list behind `preset: NAME` is library/materials. A bracket holds what the sources leave open.
+// ...}`. The list behind `preset: NAME` is library/materials. A bracket is the range that the sources leave open.
 #pragma once
 
 #include <optional>

@@ -227,7 +227,7 @@ class PointsShape final : public ModeShape {
   std::size_t neighbours_;
 };
 
-// {points: FILE, unit: m}: rows x, y, z, psi_x, psi_y, psi_z. Adds what it reads to `description`.
+// {points: FILE, unit: m}: rows x, y, z, psi_x, psi_y, psi_z. Adds a summary to `description`.
 Shape read_mode_points(Node const& shape, std::string& description) {
   Node const file = shape["points"];
   std::string const name = file.as_word(), unit_text = shape.word("unit");

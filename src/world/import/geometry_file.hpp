@@ -30,7 +30,7 @@ struct GeometryFile {
   World world;
 };
 
-// `units`: of the numbers in the file, in place of what it says; empty: as it says. Throws InputError.
+// `units`: of the numbers in the file, instead of those it declares; empty: as declared. Throws InputError.
 GeometryFile read_geometry(std::string const& file, std::string const& units);
 
 }  // namespace straytrace::world

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Laboratory CSV: what the lines '# key: value' declare, and the columns.
+// Laboratory CSV: the declarations '# key: value' and the columns.
 #include <fmt/format.h>
 
 #include <algorithm>

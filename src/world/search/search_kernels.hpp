@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The searches of the trace, compiled for each instruction set; the program selects one when it starts. All sets give
-// the same bits: no operation is contracted, and vector lanes do what a loop would do.
+// the same bits: no operation is contracted, and vector lanes do the operations of a loop.
 #pragma once
 
 #include <cstdint>

@@ -51,7 +51,7 @@ inline std::vector<std::complex<double>> summed_phases(PhaseOrder const& o) {
   return sum;
 }
 
-// An engine for any machine that the library of parallel algorithms serves. What is left to the machine:
+// An engine for any machine that the library of parallel algorithms serves. The machine provides:
 //   facts()                     see engine.hpp
 //   workers(), stride()         of the walk (walk.hpp)
 //   launch(workers, walk)       runs walk(0) to walk(workers - 1)

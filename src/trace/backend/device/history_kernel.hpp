@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a device thread does: it takes a history, follows it step by step, and takes the next one as soon as it is over,
-// so that threads which march together do the same work as long as there is any.
+// The kernel of a device thread.
 #pragma once
 
 #include "trace/backend/device/engine.hpp"
@@ -98,8 +97,8 @@ struct CommonLists {
   }
 };
 
-// What a device thread does: it takes a history, follows it step by step, and takes the next one as soon as it is over,
-// so that threads which march together do the same work as long as there is any.
+// A device thread takes a history, follows it step by step, and takes the next one as soon as it ends, so that the
+// threads of a warp do the same work as long as there is any.
 
 struct DeviceWalk {
   WorldView const* world;  // on the device
