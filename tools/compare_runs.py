@@ -16,9 +16,10 @@ import h5py
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-ADDED = {"projection"}                           # groups that old programs do not write
+ADDED = {"projection", "members"}                # groups that old programs do not write
 ADDED_ATTRIBUTES = {"meaning"}                   # attributes of datasets that they do not write
-OF_THE_BUILD = {"created", "program", "version", "commit", "machine", "command"}     # attributes of the root
+ADDED_DATASETS = {"records/member"}               # datasets of older groups
+OF_THE_BUILD = {"created", "schema", "program", "version", "commit", "machine", "command"}     # attributes of the root
 
 
 def contents(path):
@@ -49,7 +50,8 @@ def bits(value):
 def differences(old, new):
     for name in sorted(old.keys() | new.keys()):
         item, _, attribute = name.partition("@")
-        if name not in old and (re.split("[/@]", name)[0] in ADDED or item in old and attribute in ADDED_ATTRIBUTES):
+        added = re.split("[/@]", name)[0] in ADDED or item in ADDED_DATASETS
+        if name not in old and (added or item in old and attribute in ADDED_ATTRIBUTES):
             continue
         if name not in old or name not in new:
             yield f"{name} is only in the {'new' if name in new else 'old'} file"

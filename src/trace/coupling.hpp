@@ -44,6 +44,8 @@ struct Estimate {
   double halves = not_a_number;      // first blocks less the rest, in standard errors; NaN: no
 };
 
+constexpr std::uint32_t no_member = 0xffffffff;
+
 // One stored path: its address and the results of its replay.
 struct PathRecord {
   std::uint64_t history = 0;
@@ -56,6 +58,9 @@ struct PathRecord {
   // Of a specular path of a coherent family: its field over that of the main mode, by principal state of polarisation,
   // phase relative to the other paths of its class; the squares sum to `weight`. Zero: its static phase is unknown.
   std::array<std::complex<double>, 2> field{};
+  // In a row `other`: its route, by position in the `members` of the row; no_member: its row names it, or it is not
+  // known, as from files before schema 2.1.
+  std::uint32_t member = no_member;
 };
 
 // Sum over paths of weight times phase sensitivity times phase sensitivity, of the histories of one replica: the
@@ -76,7 +81,12 @@ struct FoldedRoute {
   bool trusted = false;            // the value is reliable, but its route is too long to be named
   std::string why;
 };
-constexpr std::size_t folded_kept = 12;  // by row
+constexpr std::size_t folded_kept = 12;  // by row `other`; rows of ghosts whose fields add keep all
+
+// A route of the kept paths of a row `other`.
+struct MemberRoute {
+  std::vector<PathStep> steps;  // empty: more vertices than are named
+};
 
 // All ordered paths of one route. Couplings are of ORDERED paths; `reverse` (C_rev) is multiplied in by the projection.
 struct CouplingClass {
@@ -94,8 +104,9 @@ struct CouplingClass {
   // Mean coupling times the mean of phase sensitivity times phase sensitivity, as contributions of the replicas, which
   // sum to it; for each replica, then each pair of bodies. Empty: not known.
   std::vector<PhaseSensitivityProduct> phase_sensitivities;
-  std::uint64_t folded_routes = 0;  // of `other` and of coherent families: number of terms
-  std::vector<FoldedRoute> folded;  // the largest of them, descending
+  std::uint64_t folded_routes = 0;   // of `other` and of coherent families: number of terms
+  std::vector<FoldedRoute> folded;   // the largest of them, descending
+  std::vector<MemberRoute> members;  // of a row `other` of light to ports: all routes of its records
 
   // A row `other`: bright still light and faint moving light may lie in it together.
   bool mixes_routes() const { return steps.empty() && !deterministic(); }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 namespace straytrace::noise {
@@ -13,21 +14,28 @@ namespace {
 
 using Doubles = std::vector<double>;
 
-Doubles psd_of(NoiseTrace const& t, double factor) {
+// PSD of a route, each bin times its factor(bin).
+template <class Factor>
+Doubles psd_of(NoiseTrace const& t, Factor const& factor) {
   Doubles psd;
-  for (double const h : t.asd) psd.push_back(factor * h * h);
+  for (std::size_t i = 0; i < t.asd.size(); ++i) psd.push_back(factor(i) * t.psd(i));
   return psd;
 }
+Doubles psd_of(NoiseTrace const& t) {
+  return psd_of(t, [](std::size_t) { return 1.0; });
+}
 
-// Sum of the PSDs of the routes, each times its own factor; unresolved ones with their observed part, as in the total.
+// Sum of the PSDs of the routes, each times its factor(route, bin); unresolved ones with their observed part, as in the
+// total.
 template <class Factor>
 Doubles total_psd(NoiseBudget const& b, Factor const& factor) {
   Doubles sum(b.grid.size());
-  for (std::size_t r = 0; r < b.routes.size(); ++r) {
-    double const f = factor(r);
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += f * b.routes[r].asd[i] * b.routes[r].asd[i];
-  }
+  for (std::size_t r = 0; r < b.routes.size(); ++r)
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += factor(r, i) * b.routes[r].psd(i);
   return sum;
+}
+Doubles total_psd(NoiseBudget const& b) {
+  return total_psd(b, [](std::size_t, std::size_t) { return 1.0; });
 }
 
 double band_power(FrequencyGrid const& grid, Doubles const& psd) {
@@ -89,26 +97,46 @@ std::string words(MaterialSpread const& m) {
   return m.status.empty() ? text : fmt::format("{} ({})", text, m.status);
 }
 
+// Materials of a stated spread among all, and what the noise of the routes is composed of by them.
 struct Materials {
   std::vector<MaterialSpread> const& list;
   CouplingTable const& table;
-  double factor(std::size_t m, std::size_t route, double ratio) const {
-    return coupling_factor(list[m], table.classes[route], ratio);
+  std::vector<std::size_t> place = {};  // of each of the list among those stated
+  std::vector<MaterialSpread> spread = {};
+  std::optional<Composition> parts = {};
+
+  Materials(std::vector<MaterialSpread> const& all, CouplingTable const& traced) : list(all), table(traced) {
+    for (MaterialSpread const& m : list) {
+      place.push_back(spread.size());
+      if (stated(m)) spread.push_back(m);
+    }
   }
-  bool known(std::size_t m, std::size_t route) const {
-    return !stated(list[m]) || composition_known(list[m], table.classes[route]);
+  void divide(MotionSet const& motion, Interferometer const& ifo, NoiseSettings const& settings) {
+    parts.emplace(table, spread, motion, ifo, settings);
+  }
+  bool passes(std::size_t m, std::size_t route) const { return coupling_factor(list[m], table.classes[route], 2) != 1; }
+  double factor(std::size_t m, std::size_t route, std::size_t bin, double ratio) const {
+    return parts->factor(route, bin, place[m], ratio);
+  }
+  double unknown(std::size_t m, std::size_t route, std::size_t bin) const {
+    return stated(list[m]) ? parts->unknown(route, bin, place[m]) : 0;
   }
 };
 
 double share_of(NoiseBudget const& b, Materials const& all, std::size_t m, double total) {
-  Doubles const through = total_psd(b, [&](std::size_t r) { return all.factor(m, r, 2) != 1 ? 1.0 : 0.0; });
+  Doubles const through = total_psd(b, [&](std::size_t r, std::size_t i) {
+    if (!stated(all.list[m])) return all.passes(m, r) ? 1.0 : 0.0;
+    double share = 0;
+    for (RowPart const& part : all.parts->parts(r)) share += part.scatters[all.place[m]] > 0 ? part.at(i) : 0;
+    return share;
+  });
   return total > 0 ? band_power(b.grid, through) / total : 0;
 }
 
 // Bins where the effect of the material is not known.
 std::vector<bool> unknown_bins(NoiseBudget const& b, Materials const& all, std::size_t m) {
-  Doubles const mixed = total_psd(b, [&](std::size_t r) { return all.known(m, r) ? 0.0 : 1.0; }),
-                total = total_psd(b, [](std::size_t) { return 1.0; });
+  Doubles const mixed = total_psd(b, [&](std::size_t r, std::size_t i) { return all.unknown(m, r, i); }),
+                total = total_psd(b);
   std::vector<bool> unknown;
   for (std::size_t i = 0; i < total.size(); ++i) unknown.push_back(mixed[i] > composition_limit * total[i]);
   return unknown;
@@ -133,10 +161,12 @@ void add_materials(NoiseBudget& b, Materials const& all, Spreads& spreads) {
   double const total = band_power(b.grid, spread.mean());
   for (std::size_t m = 0; m < all.list.size(); ++m) {
     MaterialSpread const& one = all.list[m];
+    auto const of_one = [&](std::size_t r, double ratio) {
+      return psd_of(b.routes[r], [&](std::size_t i) { return all.factor(m, r, i, ratio); });
+    };
     InputSource of_route;
     for (std::size_t r = 0; one.factor > 1 && r < b.routes.size(); ++r)
-      spreads.routes[r].sigma(psd_of(b.routes[r], all.factor(m, r, 1 / one.factor)),
-                              psd_of(b.routes[r], all.factor(m, r, one.factor)), of_route);
+      spreads.routes[r].sigma(of_one(r, 1 / one.factor), of_one(r, one.factor), of_route);
     std::vector<bool> const unknown = unknown_bins(b, all, m);
     double const share = none(unknown) ? share_of(b, all, m, total) : not_a_number;
     if (share == 0) continue;  // the route carries no noise
@@ -147,7 +177,7 @@ void add_materials(NoiseBudget& b, Materials const& all, Spreads& spreads) {
     }
     InputSource source{"material " + one.name, words(one), 1, 1, share};
     auto const scaled = [&](double ratio) {
-      return without(total_psd(b, [&](std::size_t r) { return all.factor(m, r, ratio); }), unknown);
+      return without(total_psd(b, [&](std::size_t r, std::size_t i) { return all.factor(m, r, i, ratio); }), unknown);
     };
     spread.range(scaled(one.low), scaled(one.high), source);
     if (one.factor > 1) spread.sigma(scaled(1 / one.factor), scaled(one.factor), source);
@@ -203,8 +233,8 @@ void add_motion(NoiseBudget& b, MotionSet const& motion, Projection const& proje
     for (int const towards : {-1, 1}) {
       NoiseBudget other =
           project_noise(projection.table, moved(motion, inputs, towards), projection.ifo, projection.settings);
-      ends[towards > 0] = total_psd(other, [](std::size_t) { return 1.0; });
-      for (NoiseTrace const& t : other.routes) of_routes[towards > 0].push_back(psd_of(t, 1));
+      ends[towards > 0] = total_psd(other);
+      for (NoiseTrace const& t : other.routes) of_routes[towards > 0].push_back(psd_of(t));
     }
     InputSource source{names_of(motion, bodies), fmt::format("one sigma: factor {:.3g} on the ASD", factor), 1, 1, 0};
     spreads.total.sigma(ends[0], ends[1], source);
@@ -217,34 +247,6 @@ void add_motion(NoiseBudget& b, MotionSet const& motion, Projection const& proje
 
 }  // namespace
 
-int scatters_on(MaterialSpread const& m, std::vector<PathStep> const& steps) {
-  auto const counts = [&](PathStep const& s) {
-    bool const scatters = letter(s.event) == 'S';
-    return (m.of_reflection ? s.event == Event::reflect : scatters) &&
-           std::binary_search(m.groups.begin(), m.groups.end(), s.group);
-  };
-  return int(std::ranges::count_if(steps, counts));
-}
-
-double coupling_factor(MaterialSpread const& m, CouplingClass const& c, double ratio) {
-  if (!c.steps.empty() && c.folded.empty()) return std::pow(ratio, scatters_on(m, c.steps));
-  double sum = 0, weight = 0;
-  for (FoldedRoute const& f : c.folded) {
-    if (f.steps.empty() || !(f.mean > 0)) continue;
-    sum += f.mean * std::pow(ratio, scatters_on(m, f.steps));
-    weight += f.mean;
-  }
-  return weight > 0 ? sum / weight : ratio;
-}
-
-bool composition_known(MaterialSpread const& m, CouplingClass const& c) {
-  if (!c.mixes_routes()) return true;
-  if (c.folded.empty() || c.folded.size() != c.folded_routes) return false;
-  int const first = scatters_on(m, c.folded.front().steps);
-  return std::ranges::all_of(
-      c.folded, [&](FoldedRoute const& f) { return !f.steps.empty() && scatters_on(m, f.steps) == first; });
-}
-
 namespace {
 
 void hide_unknown(NoiseBudget& b, Materials const& all) {
@@ -252,9 +254,9 @@ void hide_unknown(NoiseBudget& b, Materials const& all) {
     std::vector<bool> const unknown = unknown_bins(b, all, m);
     for (Doubles* const curve : {&b.bands.input_low, &b.bands.input_high}) *curve = without(std::move(*curve), unknown);
     for (std::size_t r = 0; r < b.routes.size(); ++r)
-      if (!all.known(m, r))
-        for (Doubles* const curve : {&b.routes[r].input_low, &b.routes[r].input_high})
-          curve->assign(b.grid.size(), not_a_number);
+      for (Doubles* const curve : {&b.routes[r].input_low, &b.routes[r].input_high})
+        for (std::size_t i = 0; i < curve->size(); ++i)
+          if (all.unknown(m, r, i) > composition_limit) (*curve)[i] = not_a_number;
   }
 }
 
@@ -264,25 +266,31 @@ void add_input_band(NoiseBudget& b, CouplingTable const& table, MotionSet const&
                     NoiseSettings const& settings, std::vector<MaterialSpread> const& materials) {
   b.bands.sources.clear();
   b.bands.taken_as_exact.clear();
-  Materials const all{materials, table};
-  Spreads spreads{Spread(total_psd(b, [](std::size_t) { return 1.0; })), {}};
-  for (NoiseTrace const& t : b.routes) spreads.routes.emplace_back(psd_of(t, 1));
+  Materials all(materials, table);
+  all.divide(motion, ifo, settings);
+  Spreads spreads{Spread(total_psd(b)), {}};
+  for (NoiseTrace const& t : b.routes) spreads.routes.emplace_back(psd_of(t));
   add_materials(b, all, spreads);
   add_motion(b, motion, {table, ifo, settings}, spreads);
-  auto const at_ends = [&](std::size_t r, double MaterialSpread::*end) {
-    double factor = 1;
-    for (std::size_t m = 0; m < materials.size(); ++m) factor *= all.factor(m, r, materials[m].*end);
-    return factor;
+  Doubles lows, highs;
+  for (MaterialSpread const& m : all.spread) {
+    lows.push_back(m.low);
+    highs.push_back(m.high);
+  }
+  auto const at_ends = [&](Doubles const& ends) {
+    return [&](std::size_t r, std::size_t i) { return all.parts->factor(r, i, ends); };
   };
-  auto const low_end = [&](std::size_t r) { return at_ends(r, &MaterialSpread::low); };
-  auto const high_end = [&](std::size_t r) { return at_ends(r, &MaterialSpread::high); };
+  auto const low_end = at_ends(lows), high_end = at_ends(highs);
   b.bands.input_low = spreads.total.band(total_psd(b, low_end), -1);
   b.bands.input_high = spreads.total.band(total_psd(b, high_end), 1);
   for (std::size_t i = 0; i < b.grid.size(); ++i)
     if (std::isnan(b.total.asd[i])) b.bands.input_low[i] = b.bands.input_high[i] = not_a_number;
   for (std::size_t r = 0; r < b.routes.size(); ++r) {
-    b.routes[r].input_low = spreads.routes[r].band(psd_of(b.routes[r], low_end(r)), -1);
-    b.routes[r].input_high = spreads.routes[r].band(psd_of(b.routes[r], high_end(r)), 1);
+    auto const of_route = [&](auto const& end) {
+      return psd_of(b.routes[r], [&](std::size_t i) { return end(r, i); });
+    };
+    b.routes[r].input_low = spreads.routes[r].band(of_route(low_end), -1);
+    b.routes[r].input_high = spreads.routes[r].band(of_route(high_end), 1);
   }
   hide_unknown(b, all);
 }

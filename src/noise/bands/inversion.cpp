@@ -83,31 +83,16 @@ void decide(Inversion& out) {
   }
 }
 
-void add_route(std::vector<Powers>& bins, NoiseTrace const& t, int n, double share) {
+void add_part(std::vector<Powers>& bins, NoiseTrace const& t, RowPart const& part) {
+  int const n = part.scatters.front();
   for (std::size_t i = 0; i < bins.size(); ++i) {
-    bins[i].psd[n] += share * t.asd[i] * t.asd[i];
-    if (t.sigma[i] > 0) bins[i].errors.emplace_back(n, share * 2 * t.asd[i] * t.sigma[i]);
+    bins[i].psd[n] += part.at(i) * t.psd(i);
+    if (t.sigma[i] > 0) bins[i].errors.emplace_back(n, part.at(i) * t.psd_sigma(i));
   }
 }
 
-// Numbers of scatters of a class and the shares of its power that have them.
-std::map<int, double> scatters(CouplingClass const& c, MaterialSpread const& material, bool& first_order) {
-  if (!c.steps.empty()) return {{scatters_on(material, c.steps), 1.0}};
-  std::map<int, double> shares;
-  double weight = 0;
-  for (FoldedRoute const& f : c.folded) {
-    if (f.steps.empty() || !(f.mean > 0)) continue;
-    shares[scatters_on(material, f.steps)] += f.mean;
-    weight += f.mean;
-  }
-  first_order = true;
-  if (!(weight > 0)) return {{1, 1.0}};
-  for (auto& [n, share] : shares) share /= weight;
-  return shares;
-}
-
-// Replaces answers that rows of unknown composition could change: `mixed` is their PSD, `untouched` that of other rows
-// which do not scatter on the material.
+// Replaces answers that routes of unknown composition could change: `mixed` is their PSD, `untouched` that of the
+// others which do not scatter on the material.
 void admit_unknown(Inversion& out, std::vector<Powers> const& bins, Doubles const& mixed, Doubles const& untouched) {
   for (std::size_t i = 0; i < bins.size(); ++i) {
     double const all = bins[i].at(1);
@@ -211,23 +196,19 @@ class MotionInversion {
 
 }  // namespace
 
-Inversion invert_scatter(NoiseBudget const& b, CouplingTable const& table, MaterialSpread const& material,
-                         Doubles const& line) {
+Inversion invert_scatter(NoiseBudget const& b, Composition const& composition, Doubles const& line) {
   Inversion out;
   std::vector<Powers> bins(b.grid.size());
   Doubles mixed(bins.size()), untouched(bins.size());
   for (std::size_t r = 0; r < b.routes.size(); ++r) {
-    bool guessed = false;
-    auto const shares = scatters(table.classes[r], material, guessed);
-    for (auto const& [n, share] : shares) add_route(bins, b.routes[r], n, share);
-    bool const known = composition_known(material, table.classes[r]);
-    double const still = known && shares.contains(0) ? shares.at(0) : 0;
+    for (RowPart const& part : composition.parts(r)) add_part(bins, b.routes[r], part);
     for (std::size_t i = 0; i < bins.size(); ++i) {
-      mixed[i] += known ? 0 : b.routes[r].psd(i);
-      untouched[i] += still * b.routes[r].psd(i);
+      double const psd = b.routes[r].psd(i), unknown = composition.unknown(r, i, 0);
+      mixed[i] += unknown * psd;
+      out.first_order = out.first_order || unknown * psd > 0;
+      for (RowPart const& part : composition.parts(r))
+        if (part.scatters.front() == 0 && !(unknown > 0 && part.by_coupling)) untouched[i] += part.at(i) * psd;
     }
-    bool const loud = std::ranges::any_of(b.routes[r].asd, [](double h) { return h > 0; });
-    out.first_order = out.first_order || (guessed && loud);
   }
   for (std::size_t i = 0; i < bins.size(); ++i) out.bins.push_back(crossing(bins[i], line[i]));
   admit_unknown(out, bins, mixed, untouched);

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "noise/bands/input_band.hpp"
+#include "noise/bands/composition.hpp"
 
 namespace straytrace::noise {
 
@@ -14,7 +14,7 @@ struct Allowed {
     found,     // `scale` meets the line, larger ones do not
     always,    // every scale tested meets it: no limit
     never,     // none does: other noise alone exceeds it
-    unknown,   // rows `other` could decide, and it is not known how often their light scatters on the material
+    unknown,   // light could decide of which it is not known how often it scatters on the material
     no_answer  // no line here
   };
   Verdict verdict = Verdict::no_answer;
@@ -28,15 +28,15 @@ struct Inversion {
   Allowed all;                // every frequency at once
   std::size_t decides = 0;    // bin that determines `all`
   double touched = 0;         // largest share of the PSD, over the bins, of routes that are or may be affected
-  double mixed = 0;           // largest share of the PSD, over the bins, of rows whose composition is not known
-  bool first_order = false;   // rows `other` contribute
+  double mixed = 0;           // largest share of the PSD, over the bins, of routes whose scatters are not counted
+  bool first_order = false;   // they scale as the named routes of their row do
 };
 
-// Largest factor on the BRDF of a material: total(s) = sum over n of s^n A_n, A_n the routes with n scatters on it.
-// `line`: ASD per bin, NaN: not compared. Monte-Carlo errors of routes are taken as common to a route and its reverse.
-// Unknown where rows of unknown composition exceed composition_limit or, without a limit by the others, carry noise.
-Inversion invert_scatter(NoiseBudget const&, CouplingTable const&, MaterialSpread const&,
-                         std::vector<double> const& line);
+// Largest factor on the BRDF of the material, the only one of the composition: total(s) = sum over n of s^n A_n, A_n
+// the routes with n scatters on it. `line`: ASD per bin, NaN: not compared. Monte-Carlo errors of routes are taken as
+// common to a route and its reverse. Unknown where routes of unknown composition exceed composition_limit or, without a
+// limit by the others, carry noise.
+Inversion invert_scatter(NoiseBudget const&, Composition const&, std::vector<double> const& line);
 
 // The ASD of the total, with its standard error, with the motion of a body multiplied by `scale`.
 using Projected = std::function<NoiseTrace(double scale)>;

@@ -176,7 +176,7 @@ std::string sources(NoiseBands const& bands) {
 }
 
 constexpr char const* composition_note =
-    " (rows 'other' carry too much of the noise, and it is not known on which materials their light scatters)";
+    " (routes without a name carry too much of the noise, and it is not known on which materials their light scatters)";
 
 std::string ranges(NoiseBudget const& b, std::vector<double> const& frequencies, std::vector<double> const& low,
                    std::vector<double> const& high) {

@@ -94,6 +94,13 @@ void phase_sensitivity_columns(Column&& column) {
   column("", "3 x rad/m, 3 x rad/rad", &PhaseSensitivity::d);
 }
 
+// Of light to ports only.
+template <class Column>
+void member_column(Column&& column) {
+  column("member", {"1", "of a row 'other': its route, counted from the first of the row in /members; else 2^32 - 1"},
+         &PathRecord::member, no_member);  // since schema 2.1
+}
+
 // Real and imaginary part of both states.
 Converted const field_column{[](auto const& r) {
                                auto const& [a, b] = r.field;
@@ -151,7 +158,8 @@ void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable con
 void write_folded(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
   Owned<FoldedRoute> const folded(table.*at.list, &CouplingClass::folded);
   out.group(at.folded,
-            "the largest routes in rows 'other' and rows of several ghosts, and why they have no row of their own");
+            "the largest routes in rows 'other' and all in rows of ghosts whose fields add, and why they have no row "
+            "of their own");
   out.array(at.folded + "/class", folded.owner, "row of " + at.classes);
   ColumnWriter column(out, at.folded + "/", folded.rows);
   folded_columns(column);
@@ -169,6 +177,7 @@ void write_records(hdf5::Writer& out, Section const& at, CouplingTable const& ta
   write_lists(out, sensitivity + "_offset", sensitivity, records.rows, &PathRecord::phase_sensitivities,
               [](auto&& list) { phase_sensitivity_columns(list); });
   column("field", "1", field_column);
+  if (at.list == to_ports.list) member_column(column);
 }
 
 template <class Row>
@@ -180,6 +189,23 @@ void read_steps(hdf5::Reader const& in, std::string const& place, std::size_t gr
       if (s.group.value >= groups) damaged_run("a group without a name");
       if (s.event > Event::diffract) damaged_run("a step of unknown kind");
     }
+}
+
+// The routes of the paths in rows `other`; light on receivers makes no noise, so that its paths need none.
+void write_members(hdf5::Writer& out, CouplingTable const& table) {
+  Owned<MemberRoute> const members(table.classes, &CouplingClass::members);
+  out.group("/members", "routes of the kept paths in rows 'other'; no steps: more vertices than are named");
+  out.array("/members/class", members.owner, "row of /classes");
+  write_steps(out, "/members", members.rows);
+}
+
+void read_members(hdf5::Reader const& in, CouplingTable& table) {
+  if (!in.has("/members")) return;  // since schema 2.1
+  Small const owner = in.array<std::uint32_t>("/members/class");
+  check_ids(owner, table.classes.size(), "a route of a row");
+  std::vector<MemberRoute> rows(owner.size());
+  read_steps(in, "/members", table.groups.size(), rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) table.classes[owner[i]].members.push_back(std::move(rows[i]));
 }
 
 void read_folded(hdf5::Reader const& in, Section const& at, CouplingTable& table) {
@@ -214,10 +240,14 @@ void read_records(hdf5::Reader const& in, Section const& at, CouplingTable& tabl
   read_lists(in, sensitivity + "_offset", sensitivity, records, &PathRecord::phase_sensitivities,
              [](auto&& list) { phase_sensitivity_columns(list); });
   column("field", "1", field_column, std::array<double, 4>{});  // since schema 1.6
+  if (at.list == to_ports.list) member_column(column);
   for (std::size_t i = 0; i < records.size(); ++i) {
     for (PhaseSensitivity const& s : records[i].phase_sensitivities)
       if (s.body.value >= table.bodies.size()) damaged_run("a body without a name");
-    (table.*at.list)[owner[i]].records.push_back(std::move(records[i]));
+    CouplingClass& route = (table.*at.list)[owner[i]];
+    if (records[i].member != no_member && records[i].member >= route.members.size())
+      damaged_run("a path of a route that is not listed");
+    route.records.push_back(std::move(records[i]));
   }
 }
 
@@ -260,6 +290,7 @@ void write_classes(hdf5::Writer& out, CouplingTable const& table) {
   write_class_columns(out, to_ports, table);
   write_records(out, to_ports, table);
   write_folded(out, to_ports, table);
+  write_members(out, table);
   write_products(out, table);
   out.strings("/names/receivers", table.receivers);
   out.group("/received", "one row per route of light that ends on a receiver; power over that of the main mode");
@@ -286,6 +317,7 @@ CouplingTable read_classes(hdf5::Reader const& in) {
     read_class_columns(in, at, table);
     read_steps(in, at.classes, table.groups.size(), table.*at.list);
     read_folded(in, at, table);
+    if (at.list == to_ports.list) read_members(in, table);
     read_records(in, at, table);
   }
   read_products(in, table);

@@ -94,8 +94,9 @@ Answer scatter_answer(Traced const& t, std::size_t material, ScanOptions const& 
   ProjectionInputs const& known = t.model.traced;
   NoiseBudget const budget = t.model.project(t.coupling);
   print_warnings(budget, options);
-  Answer a =
-      answer_about(t.model, budget, invert_scatter(budget, t.coupling, known.materials[material], line_of(t.model)));
+  Composition const composition(t.coupling, {known.materials[material]}, t.model.motion, *t.model.detector,
+                                t.model.noise);
+  Answer a = answer_about(t.model, budget, invert_scatter(budget, composition, line_of(t.model)));
   a.tis = known.scattered[material];
   a.subject = Answer::Subject::scatter;
   return a;
@@ -352,8 +353,9 @@ std::string sentence(Answer const& a) {
                          all.rest, a.line, at);
     case Verdict::unknown:
       return fmt::format(
-          "{}: not known. Rows 'other' carry up to {:.3g} % of the noise power at a frequency, and it is not known how "
-          "often their light scatters on the material. Trace longer.\n",
+          "{}: not known. Routes without a name carry up to {:.3g} % of the noise power at a frequency, and it is not "
+          "known how often their light scatters on the material. Raise 'route_vertices', or trace a run of an earlier "
+          "version again.\n",
           a.what, 100 * a.inversion.mixed);
     default:
       return fmt::format("{}: {} has no value in the band: nothing was compared.\n", a.what, a.line);
@@ -375,7 +377,7 @@ std::string table(Answer const& a) {
   }
   return "\n" + aligned(c) +
          "\nEach frequency separately. never: the rest is above the line; always: every factor meets it; "
-         "not known: rows 'other' carry too much of the noise.\n";
+         "not known: routes without a name carry too much of the noise.\n";
 }
 
 Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
@@ -426,8 +428,9 @@ std::string answer_text(Answer const& a, bool per_frequency) {
     text += "No resolved route is affected.\n";
   if (a.inversion.first_order && a.inversion.all.verdict != Verdict::unknown)
     text += fmt::format(
-        "Rows 'other' are scaled like their named routes; without any, as one scatter: first order, for up to {:.3g} % "
-        "of the noise power.\n",
+        "Routes without a name scale as the named ones of their row do; without any, as one scatter: first order, for "
+        "up "
+        "to {:.3g} % of the noise power.\n",
         100 * a.inversion.mixed);
   text += fmt::format("Errors: {}one standard error, Monte Carlo only.\n",
                       a.subject == Answer::Subject::scatter ? "at most " : "");

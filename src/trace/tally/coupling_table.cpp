@@ -80,7 +80,7 @@ class Leftover {
     merged_.off_list += c.off_list;
     moments_ = merged(moments_, moments);
     for (int r = 0; r < replica_count; ++r) merged_.replica_sum[r] += c.replica_sum[r];
-    merged_.records.insert(merged_.records.end(), c.records.begin(), c.records.end());
+    take_records(c);
     if (c.phase_sensitivities.empty() && c.coupling.mean > 0) moments_known_ = false;
     if (moments_known_) moments_known_ = add_moments(merged_.phase_sensitivities, c.phase_sensitivities);
     ++merged_.folded_routes;
@@ -109,6 +109,16 @@ class Leftover {
   }
 
  private:
+  // Light on receivers makes no noise, so that its paths need no routes.
+  void take_records(CouplingClass const& c) {
+    bool const to_port = c.port.value < first_receiver_end;
+    for (PathRecord const& r : c.records) {
+      merged_.records.push_back(r);
+      if (to_port) merged_.records.back().member = std::uint32_t(merged_.members.size());
+    }
+    if (to_port && !c.records.empty()) merged_.members.push_back({c.steps});
+  }
+
   // Keeps the largest, with the reason for each.
   void note(CouplingClass const& c) {
     FoldedRoute const route{c.hash,

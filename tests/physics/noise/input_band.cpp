@@ -122,6 +122,26 @@ TEST(InputBand, IsUnknownWhereRowsOfUnknownCompositionCarryTheNoise) {
   EXPECT_TRUE(std::isnan(faint.routes[0].input_high[0]));
 }
 
+// Of a row `other`, the light that lies still does not scatter on steel; faint paths that move scatter once and twice
+// and make its noise in equal parts: x 4 and x 16 in power. Control: without the routes of the paths it is not known.
+TEST(InputBand, RowsOtherAreDividedByTheNoiseOfTheirPaths) {
+  MaterialSpread const uncertain = bracket("steel", steel, 0.25, 4);
+  CouplingClass other = other_row(1e-20, {0}, 3);
+  other.records = {record(0, 9.8e-21, {}), record(1, 1e-22, {phase_sensitivity(0, 2, two_k)}),
+                   record(2, 1e-22, {phase_sensitivity(0, 2, two_k)})};
+  EXPECT_TRUE(std::isnan(banded(table_of({other}), moving({linear_motion()}), {uncertain}).bands.input_high[0]));
+  for (int const n : {0, 1, 2}) {
+    other.members.push_back({by_steel(1, n, 1).steps});
+    other.records[std::size_t(n)].member = std::uint32_t(n);
+  }
+  NoiseBudget const b = banded(table_of({other}), moving({linear_motion()}), {uncertain});
+  EXPECT_NEAR(high(b), std::sqrt((4 + 16) / 2.0), 1e-6);
+  EXPECT_NEAR(b.routes[0].input_low[0] / b.routes[0].asd[0], std::sqrt((0.25 + 0.0625) / 2), 1e-6);
+  EXPECT_NEAR(b.bands.sources.at(0).share, 1, 1e-9);
+  other.members[2].steps.clear();  // half of the noise is of a route without a name
+  EXPECT_TRUE(std::isnan(banded(table_of({other}), moving({linear_motion()}), {uncertain}).routes[0].input_high[0]));
+}
+
 TEST(InputBand, LinearMotionScalesTheNoiseWrappedDoesNot) {
   CouplingTable const table = table_of({by_steel(1, 1, 1e-20)});
   MotionSet motion = moving({linear_motion()});

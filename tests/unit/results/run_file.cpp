@@ -73,6 +73,9 @@ TEST_F(ReportRunFile, ComparisonSeesOneBit) {
   CouplingTable turned = trace.coupling;
   turned.classes[2].records[7].field[1] = {0, 1e-9};
   EXPECT_FALSE(same(trace.coupling, turned));
+  CouplingTable others = trace.coupling;
+  others.classes[6].records[1].member = no_member;
+  EXPECT_FALSE(same(trace.coupling, others));
   NoiseBudget louder = noise;
   louder.routes[3].sigma[9] = std::nextafter(louder.routes[3].sigma[9], 1);
   EXPECT_FALSE(same(noise, louder));
@@ -140,6 +143,22 @@ TEST_F(ReportRunFile, CanBeWrittenAgainFromWhatWasRead) {
   RunFile const back = read_run(written());
   write_run(folder / "again.h5", back.content());
   EXPECT_EQ(read_file(folder / "run.h5"), read_file(folder / "again.h5"));
+}
+
+// Files before schema 2.1 do not state the routes of the paths in rows `other`; a route that is not listed is an error.
+TEST_F(ReportRunFile, ReadsSchema2_0) {
+  std::string const file = written();
+  hdf5::Contents contents = hdf5::contents_of(unsealed(read_file(file), file));
+  CouplingClass const now = run_of(contents, file).trace.coupling.classes[6];
+  EXPECT_EQ(now.members.size(), 2u);
+  EXPECT_EQ(now.records[1].member, 1u);
+  hdf5::Contents unlisted = contents;
+  std::erase_if(unlisted, [](auto const& object) { return object.first.starts_with("/members"); });
+  EXPECT_THAT(message_of([&] { (void)run_of(unlisted, file); }), HasSubstr("a path of a route that is not listed"));
+  unlisted.erase("/records/member");
+  CouplingClass const then = run_of(unlisted, file).trace.coupling.classes[6];
+  EXPECT_TRUE(then.members.empty());
+  EXPECT_EQ(then.records[1].member, no_member);
 }
 
 // Files without the columns of schema 1.2: what is not known is not judged.

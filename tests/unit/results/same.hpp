@@ -76,7 +76,7 @@ inline bool same(SumTree const& a, SumTree const& b) {
 inline bool same(PathRecord const& a, PathRecord const& b) {
   bool equal = a.history == b.history && a.event == b.event && a.connection == b.connection &&
                same_bits(a.coupling, b.coupling) && same_bits(a.weight, b.weight) &&
-               same_bits(a.path_length, b.path_length) && a.field == b.field &&
+               same_bits(a.path_length, b.path_length) && a.field == b.field && a.member == b.member &&
                a.phase_sensitivities.size() == b.phase_sensitivities.size();
   for (std::size_t i = 0; equal && i < a.phase_sensitivities.size(); ++i)
     equal = a.phase_sensitivities[i].body == b.phase_sensitivities[i].body &&
@@ -100,8 +100,10 @@ inline bool same(CouplingClass const& a, CouplingClass const& b) {
                a.coupling.why_not == b.coupling.why_not && same_bits(a.coupling.tail_slope, b.coupling.tail_slope) &&
                same_bits(a.coupling.halves, b.coupling.halves) && a.replica_sum == b.replica_sum &&
                a.records.size() == b.records.size() && a.folded_routes == b.folded_routes &&
-               a.folded.size() == b.folded.size() && same(a.phase_sensitivities, b.phase_sensitivities);
+               a.folded.size() == b.folded.size() && a.members.size() == b.members.size() &&
+               same(a.phase_sensitivities, b.phase_sensitivities);
   for (std::size_t i = 0; equal && i < a.folded.size(); ++i) equal = same(a.folded[i], b.folded[i]);
+  for (std::size_t i = 0; equal && i < a.members.size(); ++i) equal = a.members[i].steps == b.members[i].steps;
   for (std::size_t i = 0; equal && i < a.records.size(); ++i) equal = same(a.records[i], b.records[i]);
   return equal;
 }

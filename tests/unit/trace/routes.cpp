@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "support/trace_support.hpp"
+#include "trace/tally/coupling_table.hpp"
 #include "trace/tally/history_tally.hpp"
 #include "trace/tally/replay.hpp"
 
@@ -108,6 +109,8 @@ TEST(Routes, NamesAndLengths) {
     EXPECT_EQ(c.folded_routes, 1u);
     EXPECT_EQ(c.folded.front().mean, c.coupling.mean);
     EXPECT_EQ(c.folded.front().why, "more vertices than 'route_vertices' names");
+    ASSERT_EQ(c.members.size(), 1u);
+    EXPECT_TRUE(c.members.front().steps.empty());
   }
   double sum = 0;
   for (CouplingClass const& c : r.coupling.classes) sum += c.coupling.mean;
@@ -115,6 +118,37 @@ TEST(Routes, NamesAndLengths) {
   double all = 0;
   for (CouplingClass const& c : run_histories(world, 1 << 17).coupling.classes) all += c.coupling.mean;
   EXPECT_NEAR(sum, all, 1e-12 * all);  // names do not change the light
+}
+
+// The paths of a row `other` name their routes: those of their replays. Control: the route of the next path.
+TEST(Routes, PathsInOtherKnowTheirRoutes) {
+  World world = facing_discs({Profile::even, Profile::even}, true);
+  world.limits.max_order = 6;
+  world.limits.route_vertices = 9;
+  TraceResult const r = run_histories(world, 1 << 10);  // too few for routes of many vertices
+  std::size_t paths = 0, differ = 0;
+  std::set<std::uint32_t> met;
+  for (CouplingClass const& c : r.coupling.classes) {
+    for (PathRecord const& p : c.records) {
+      EXPECT_EQ(p.member == no_member, !c.steps.empty());
+      if (p.member == no_member) continue;
+      ASSERT_LT(p.member, c.members.size());
+      auto const path = replay(SteeredWorld::as_given(world), 1, p.history, p.event, p.connection);
+      ASSERT_TRUE(path);
+      std::vector<PathStep> steps;
+      for (auto const& v : path->vertices) steps.push_back({v.group, v.event});
+      auto const is_route = [&](std::uint32_t member) {
+        return c.members[member].steps == steps || c.members[member].steps == backwards(steps);
+      };
+      EXPECT_TRUE(is_route(p.member)) << route_name(r.coupling, c);
+      differ += !is_route((p.member + 1) % std::uint32_t(c.members.size()));
+      met.insert(p.member);
+      ++paths;
+    }
+  }
+  EXPECT_GT(met.size(), 1u);
+  EXPECT_GT(paths, 10u);
+  EXPECT_GT(differ, paths / 2);  // control
 }
 
 // Every score of some histories, made again from its address.
