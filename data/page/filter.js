@@ -13,8 +13,8 @@ function globTest(pattern) {
   return new RegExp("^" + text + "$", "s");
 }
 
-// Names of the objects on a route; none of a row `other`, which sums many routes.
-function objectsOf(sequence) { return sequence.split(" > ").filter(step => step.includes("·")).map(step => step.split("·")[0]); }
+// Names of the objects in the column `via`; none of a row `other`, which sums many routes.
+function objectsOf(text) { return text ? text.split("; ") : []; }
 
 // The nearest by edit distance with transpositions, "" when nothing is close.
 function nearestWord(word, words) {
@@ -197,7 +197,7 @@ class Predicate {
       tests.push(globTest(this.words.next().text));
     } while (this.words.takes(","));
     if (!this.words.takes(")")) this.unexpected("add ')'");
-    const values = this.about.get(name === "via" || name === "route" ? "sequence" : name).values;
+    const values = this.about.get(name === "route" ? "sequence" : name).values;
     const listed = name === "via" ? i => objectsOf(values[i]) : i => [values[i]];
     return i => listed(i).some(value => tests.some(t => t.test(value)));
   }

@@ -67,8 +67,10 @@ class Path(ByColumn):
 
     @property
     def objects(self) -> list[str]:
-        """The objects that the light meets, in order; empty for a row `other`, which sums many routes."""
-        return [step.split("·")[0] for step in self.sequence.split(" > ") if "·" in step]
+        """The objects that the light meets, in order; of ghosts whose fields add, also those of all other listed ghosts.
+        Empty for a row `other`, which sums many routes."""
+        listed = [route["sequence"] for route in self.folded] if self.vertices > 0 else []
+        return [step.split("·")[0] for route in [self.sequence, *listed] for step in route.split(" > ") if "·" in step]
 
     @property
     def scatters(self) -> int:

@@ -2,6 +2,7 @@
 #include "results/route_table/route_columns.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -127,6 +128,10 @@ void add_kind(RouteList& all, bool kinds) {
   all.push_back({.key = "objects", .kind = ColumnKind::count, .title = "objects",
     .help = "different objects on the route",
     .value = [](RouteRow const& r) { return of_route(r.row, r.row.objects); }, .page = {90}});
+  all.push_back({.key = "via", .kind = ColumnKind::text, .title = "objects met",
+    .help = "names of the objects on the route; of ghosts whose fields add, on all of their routes",
+    .value = [](RouteRow const& r) { return fmt::format("{}", fmt::join(objects_met(r.row), between_objects)); },
+    .page = {95}, .left = true});
   all.push_back({.key = "first", .kind = ColumnKind::text, .title = "first scatterer", .help = "between start and end",
     .value = [](RouteRow const& r) { return r.row.first_scatterer; }, .page = {100}});
   all.push_back({.key = "last", .kind = ColumnKind::text, .title = "last scatterer", .help = "between start and end",
@@ -335,6 +340,18 @@ std::vector<std::string> objects_of(std::string const& sequence) {
     if (std::size_t const name = step.find(event); name != std::string::npos) all.push_back(step.substr(0, name));
     at = end + then.size();
   }
+  return all;
+}
+
+std::vector<std::string> objects_met(PathRow const& row) {
+  std::vector<std::string> all;
+  auto const add = [&](std::string const& sequence) {
+    for (std::string& object : objects_of(sequence))
+      if (std::ranges::find(all, object) == all.end()) all.push_back(std::move(object));
+  };
+  add(row.sequence);
+  for (FoldedRow const& f : row.folded)
+    if (row.vertices > 0) add(f.sequence);
   return all;
 }
 

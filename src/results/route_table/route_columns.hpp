@@ -68,4 +68,9 @@ double six_digits(double);
 // Names of the objects on a route: ITM, baffles of "ITM·S > baffles·S". None for a row `other`, which sums many routes.
 std::vector<std::string> objects_of(std::string const& sequence);
 
+// Different objects that the light of a row meets, in the order of the route; of ghosts whose fields add, those of all
+// that are listed.
+std::vector<std::string> objects_met(PathRow const&);
+inline constexpr char const* between_objects = "; ";  // in the column `via`
+
 }  // namespace straytrace::results

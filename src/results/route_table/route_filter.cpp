@@ -165,10 +165,20 @@ std::vector<std::string> number_names(RouteColumns const& columns) {
   return all;
 }
 
+std::vector<std::string> listed_objects(std::string_view text) {
+  std::string_view const between = between_objects;
+  std::vector<std::string> all;
+  while (!text.empty()) {
+    std::size_t const end = std::min(text.find(between), text.size());
+    all.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + between.size(), text.size()));
+  }
+  return all;
+}
+
 std::vector<std::string> values(RouteColumns const& columns, std::string const& name, std::size_t row) {
-  std::string const& route = columns.find("sequence")->texts[row];
-  if (name == "via") return objects_of(route);
-  return {name == "route" ? route : columns.find(name)->texts[row]};
+  std::string const& text = columns.find(name == "route" ? "sequence" : name)->texts[row];
+  return name == "via" ? listed_objects(text) : std::vector{text};
 }
 
 bool fits(RouteColumns const& columns, std::string const& name, std::string const& pattern, std::size_t row) {

@@ -62,7 +62,10 @@ void to_principal_states(std::vector<PathRecord>& records) {
   }
 }
 
-// The routes of families whose fields add, the strongest by power: a row cannot be divided into them.
+void sort_folded(CouplingClass& c) { std::ranges::stable_sort(c.folded, std::greater{}, &FoldedRoute::mean); }
+
+// The routes of families whose fields add: a row cannot be divided into them. Those beyond the most of a family have
+// no route here, and the statement says so.
 void list_parts(CouplingClass& c, std::span<GhostFamily const* const> members) {
   for (GhostFamily const* f : members) {
     c.folded_routes += f->routes();
@@ -71,8 +74,9 @@ void list_parts(CouplingClass& c, std::span<GhostFamily const* const> members) {
       c.folded.push_back({hash, part.steps, part.reverse * part.share, 0, true, "added as a field"});
     }
   }
-  std::ranges::stable_sort(c.folded, std::greater{}, &FoldedRoute::mean);
-  if (c.folded.size() > folded_kept) c.folded.resize(folded_kept);
+  sort_folded(c);
+  std::uint64_t const unlisted = c.folded_routes - c.folded.size();
+  if (unlisted > 0) c.statement += fmt::format("; {} of the weakest are not listed by route", unlisted);
 }
 
 // All of them as one route, named by the strongest; its parts are in `folded`.
@@ -87,11 +91,10 @@ CouplingClass family_class(std::span<GhostFamily const* const> members, PortId p
   to_principal_states(records);
   CouplingClass c = deterministic_class(
       ClassKind::ghost, members.front()->steps, port, 1, std::move(records),
-      fmt::format(
-          "coherent family: {} ghosts of {} different phase sensitivities, fields added with the phases of the "
-          "geometry as "
-          "it is written, their common phase averaged (docs/theory/ghosts.md, eq. 10.5); coupling: sum of powers",
-          ghosts, members.size()));
+      fmt::format("coherent family: {} ghosts of {} different phase sensitivities, fields added with the phases of the "
+                  "geometry as it is written, their common phase averaged (docs/theory/ghosts.md, eq. 10.5); coupling: "
+                  "sum of powers",
+                  ghosts, members.size()));
   c.hash = ~c.hash;  // of the strongest alone it is another route
   list_parts(c, members);
   return c;
@@ -123,8 +126,7 @@ void merge_into(CouplingClass& sum, CouplingClass const& c) {
   sum.coupling.mean += c.coupling.mean;
   sum.folded_routes += c.folded_routes;
   sum.folded.insert(sum.folded.end(), c.folded.begin(), c.folded.end());
-  std::ranges::stable_sort(sum.folded, std::greater{}, &FoldedRoute::mean);
-  if (sum.folded.size() > folded_kept) sum.folded.resize(folded_kept);
+  sort_folded(sum);
 }
 
 }  // namespace
@@ -180,8 +182,7 @@ GhostClasses ghost_classes(GhostFamilies const& families) {
   if (fields > 0 && !apart.empty())
     all.warnings.push_back(
         fmt::format("{} different phase sensitivities: the fields of the strongest {} are added, the others, {:.2g} of "
-                    "the light, in "
-                    "power; raise 'floor' or lower 'order' to leave them out",
+                    "the light, in power; raise 'floor' or lower 'order' to leave them out",
                     by_share.size(), fields, left / (left + all.classes.front().coupling.mean)));
   return all;
 }

@@ -117,6 +117,8 @@ TEST(GhostPorts, each_ghost_is_a_row) {
   EXPECT_THAT(whole.out, HasSubstr("entry·R and 1 more"));
   EXPECT_THAT(whole.out,
               HasSubstr("  entry·T > filter·T > sensor·R > filter·T > entry·T: 1e-06 computed: added as a field"));
+  Finished const via = straytrace({"paths", fields, "--where", "via(\"sensor\") and kind(\"ghost\")"});
+  EXPECT_THAT(via.out, HasSubstr("entry·R and 1 more"));  // whose strongest ghost does not meet it
   EXPECT_EQ(part.code, 2) << "control";
   EXPECT_THAT(part.err, HasSubstr("cannot be divided"));
 }

@@ -71,6 +71,23 @@ TEST_F(ReportFilter, selects_the_matching_rows) {
             rows("(rank == 5 or rank == 1) and rank == 9"));  // negative control
 }
 
+// A row of ghosts whose fields add is named by the strongest; light meets what any of them meets. Control: a row
+// `other` lists the largest of its routes, and passes no object.
+TEST_F(ReportFilter, via_sees_every_ghost_of_a_coherent_row) {
+  std::size_t const first = 0, other = those([](PathRow const&r) { return r.vertices == 0; }).at(0);
+  for (std::size_t const row : {first, other}) {
+    table.rows[row].folded_routes = 2;
+    table.rows[row].folded = {{1, "ITM·T > lens/front·R > ITM·T", {2e-20, 0}, true, "added as a field"},
+                              {2, "ITM·T > lens/back·R > ITM·T", {1e-20, 0}, true, "added as a field"}};
+  }
+  columns = RouteColumns(table, &noise);
+  EXPECT_EQ(rows("via(\"lens/back\")"), Rows{first});
+  EXPECT_EQ(rows("via(\"lens/front\") and via(\"lens/back\")"), Rows{first});
+  EXPECT_THAT(rows("via(\"lens\")"), IsEmpty());
+  Rows const all = rows("via(\"*\")");
+  EXPECT_EQ(std::ranges::count(all, other), 0);
+}
+
 // A number means the same in every unit; without a unit nothing is guessed.
 TEST_F(ReportFilter, units) {
   double const half = table.rows[1].length_mean;
