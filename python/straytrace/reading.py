@@ -186,6 +186,8 @@ def receivers_of(file: Any) -> Receivers:
                 setattr(receiver, key, maps[key][part].reshape(shape))
                 setattr(receiver, key + "_error", maps[key + "_error"][part].reshape(shape))
         if receiver.image is not None:
+            if "area" in about:                                          # since schema 2.1
+                receiver.within_rim = about["area"][slice(*about["area_offset"][i:i + 2])].reshape(pixels)
             receiver.field = _coherent(maps, i, pixels, np.ravel(receiver.areas))
         found.append(receiver)
     return found

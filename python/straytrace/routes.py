@@ -68,10 +68,14 @@ class Receiver:
     quadrants: Array | None = None  # [5] lower left, lower right, upper left, upper right, gap
     quadrants_error: Array | None = None
     field: Any = None                 # complex, shape of `image`, of free beams, sqrt(W)/m per sqrt(W) of the main mode
+    within_rim: Array | None = None   # m^2, `areas` as the program computed them; None before schema 2.1
 
     @property
     def areas(self) -> Any:
-        """Area of each pixel or cell of `image` [m^2], as a whole, also where the rim of the surface cuts it."""
+        """Area of each pixel or cell of `image` [m^2] within the rim of its surface; of runs before schema 2.1, and where
+        the rim leaves nothing of it, as a whole."""
+        if self.within_rim is not None:
+            return self.within_rim
         if self.cells is None:
             return 4 * self.half[0] * self.half[1] / self.image.size if self.image is not None else None
         low, high, first, last = self.cells.T

@@ -23,8 +23,10 @@ struct MapsOptions {
   std::string input, out;
 };
 
-// Of the cells of each receiver within the rim of its surface, m^2. The model is built only where a map has cells.
+// Of the cells of each receiver within the rim of its surface, m^2. The model is built only for a file that does not
+// state them, where a map has cells.
 std::vector<std::vector<double>> areas_of(RunFile const& file, std::vector<Receiver> const& receivers) {
+  if (!file.about.map_areas.empty()) return file.about.map_areas;
   std::vector<std::vector<double>> areas(receivers.size());
   if (std::ranges::none_of(receivers, [](Receiver const& r) { return r.map_size() > 0; })) return areas;
   Model const model = model_of(file);

@@ -23,7 +23,7 @@ namespace straytrace::results {
 
 // Run file; its layout: schema/run-2.txt.
 
-constexpr int run_schema_major = 2, run_schema_minor = 0;
+constexpr int run_schema_major = 2, run_schema_minor = 1;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;
@@ -55,6 +55,9 @@ struct RunContent {
   std::vector<std::string> warnings;  // of the scene; those of the trace are added by the writer
   std::vector<Receiver> receivers;    // in the order of CouplingTable::receivers
   Storage cells;                      // of their maps, where they were read from a file
+  // By receiver, of each pixel or cell of its map within the rim of its surface, m^2 (world/model/map_areas.hpp);
+  // empty: not known, as in files before schema 2.1.
+  std::vector<std::vector<double>> map_areas;
   ImportanceMap importance;
   double beam_power = 0;                       // W, of the main mode; 0: not stated
   std::optional<ProjectionInputs> projection;  // absent in files of schema 1

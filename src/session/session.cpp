@@ -31,6 +31,7 @@
 #include "trace/importance/importance.hpp"
 #include "trace/run/ranks.hpp"
 #include "trace/run/trace.hpp"
+#include "world/model/map_areas.hpp"
 
 namespace straytrace::session {
 namespace {
@@ -290,6 +291,7 @@ RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget
   content.interferometer = model.detector ? model.detector->description() : "";
   if (!model.warnings.empty()) content.warnings.push_back(model.warnings);
   content.receivers = model.world.receivers();
+  for (Receiver const& r : content.receivers) content.map_areas.push_back(map_areas(model.world.view(), r.surface, r));
   content.importance = importance_map(model.world);
   content.beam_power = model.world.beam_power;
   content.projection = model.traced;

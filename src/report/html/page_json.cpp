@@ -428,10 +428,11 @@ PageJson receivers_json(RunContent const& run, World const& world) {
   for (std::size_t i = 0; i < run.receivers.size(); ++i) {
     Receiver const& r = run.receivers[i];
     if (r.map_size() == 0) continue;
-    maps.push_back(map_json(run.trace->coupling.receivers[i], "irradiance", r,
-                            cell_estimates(total.receivers[i].image, total.histories, total.blocks),
-                            map_areas(world.view(), world.receivers().at(i).surface, r), in_watts ? run.beam_power : 1,
-                            in_watts ? "W/m²" : "1/m² (per W of the main mode)"));
+    maps.push_back(
+        map_json(run.trace->coupling.receivers[i], "irradiance", r,
+                 cell_estimates(total.receivers[i].image, total.histories, total.blocks),
+                 run.map_areas.empty() ? map_areas(world.view(), world.receivers().at(i).surface, r) : run.map_areas[i],
+                 in_watts ? run.beam_power : 1, in_watts ? "W/m²" : "1/m² (per W of the main mode)"));
   }
   return {{"list", receiver_page_list(receiver_table(run))}, {"maps", maps}};
 }

@@ -65,7 +65,7 @@ class MapWriter {
     if (r.by_light) cells(file + "_image", r, sums, areas);
     if (r.columns > 0) {
       watts(file + "_image", r, image, sums.image, areas, irradiance_words(), "irradiance");
-      field(file + "_field", r, image, field_map(r, sums, run_.trace->total.histories));
+      field(file + "_field", r, image, field_map(r, sums, run_.trace->total.histories, areas));
     }
     if (r.angle_bins > 0) {
       double const side = 2 * r.half_angle_sine / r.angle_bins;
@@ -113,7 +113,7 @@ class MapWriter {
                                  "radius_low_m,radius_high_m,angle_low_rad,angle_high_rad",
                                  "along_low_m,along_high_m,arc_low_m,arc_high_m"};
     CellEstimates const all = cell_estimates(sums.image, run_.trace->total.histories, run_.trace->total.blocks);
-    FieldMap const wave = field_map(r, sums, run_.trace->total.histories);
+    FieldMap const wave = field_map(r, sums, run_.trace->total.histories, areas);
     bool const coherent = !wave.field.empty();
     std::string text = map_header(run_, name_, r,
                                   fmt::format("{} cells of a {} chart, fine where the light is", r.cells.size,

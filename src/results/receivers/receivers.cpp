@@ -96,7 +96,8 @@ CellEstimates cell_estimates(MapSums const& map, std::uint64_t histories, std::u
   return cells;
 }
 
-FieldMap field_map(Receiver const& r, ReceiverSums const& sums, std::uint64_t histories) {
+FieldMap field_map(Receiver const& r, ReceiverSums const& sums, std::uint64_t histories,
+                   std::vector<double> const& areas) {
   FieldMap map;
   std::size_t const pixels = r.map_size();
   if (sums.fields.empty() || pixels == 0) return map;
@@ -108,7 +109,7 @@ FieldMap field_map(Receiver const& r, ReceiverSums const& sums, std::uint64_t hi
       std::complex<double> const mean(f.real[i], f.imaginary[i]);
       double const in_phase = std::abs(mean);
       if (!(in_phase > 0)) continue;
-      map.field[i] += std::sqrt(f.power[i] / (n * r.area(i))) * (mean / in_phase);
+      map.field[i] += std::sqrt(f.power[i] / (n * areas.at(i))) * (mean / in_phase);
       map.coherence[i] = std::fmin(map.coherence[i], in_phase / f.power[i]);  // fmin passes over NaN
     }
   return map;

@@ -21,12 +21,12 @@ CellEstimates cell_estimates(MapSums const&, std::uint64_t histories, std::uint6
 
 // Coherent field of one pixel row by row: sum over routes of sqrt(P/area) e^(i phase) (R4.02), in
 // sqrt(W)/m per sqrt(W) of the main mode. `coherence`: smallest share of a route's power in a pixel that is in phase
-// with its mean; far below 1 the pixels are too coarse for the phase.
+// with its mean; far below 1 the pixels are too coarse for the phase. `areas`: of the pixels within the rim, m^2.
 struct FieldMap {
   std::vector<std::complex<double>> field;
   std::vector<double> coherence;
 };
-FieldMap field_map(Receiver const&, ReceiverSums const&, std::uint64_t histories);
+FieldMap field_map(Receiver const&, ReceiverSums const&, std::uint64_t histories, std::vector<double> const& areas);
 
 // Names of a chart of cells in files and pages, by Chart.
 inline constexpr std::string_view chart_names[] = {"plane", "polar", "unrolled"};

@@ -151,6 +151,29 @@ void read_cells(hdf5::Reader const& in, RunContent& run) {
   }
 }
 
+// Areas of pixels and cells, laid end to end.
+void write_areas(hdf5::Writer& out, std::vector<Doubles> const& of_maps) {
+  Counts offset = {0};
+  Doubles areas;
+  for (Doubles const& map : of_maps) {
+    append(areas, map);
+    offset.push_back(areas.size());
+  }
+  out.array("/receivers/area_offset", offset, "1");
+  out.array("/receivers/area", areas, "m^2");
+}
+
+void read_areas(hdf5::Reader const& in, RunContent& run) {
+  if (!in.has("/receivers/area")) return;  // since schema 2.1
+  Doubles const areas = in.array<double>("/receivers/area");
+  Counts const offset = read_offsets(in, "/receivers/area_offset", run.receivers.size(), areas.size());
+  for (std::size_t i = 0; i < run.receivers.size(); ++i) {
+    if (offset[i + 1] - offset[i] != run.receivers[i].map_size()) damaged_run("a map of other cells than its areas");
+    run.map_areas.emplace_back(areas.begin() + std::ptrdiff_t(offset[i]),
+                               areas.begin() + std::ptrdiff_t(offset[i + 1]));
+  }
+}
+
 }  // namespace
 
 void write_receivers(hdf5::Writer& out, RunContent const& run) {
@@ -161,6 +184,7 @@ void write_receivers(hdf5::Writer& out, RunContent const& run) {
   write_lists(
       out, "/receivers/cell_offset", "/receivers/", run.receivers,
       [](Receiver const& r) { return std::span(r.cells.data, r.cells.size); }, [](auto&& list) { cell_columns(list); });
+  if (run.map_areas.size() == run.receivers.size()) write_areas(out, run.map_areas);
 }
 
 void read_receivers(hdf5::Reader const& in, std::size_t n, RunContent& run) {
@@ -169,6 +193,7 @@ void read_receivers(hdf5::Reader const& in, std::size_t n, RunContent& run) {
   run.receivers.resize(n);
   receiver_columns(ColumnReader(in, "/receivers/", run.receivers));
   read_cells(in, run);
+  read_areas(in, run);
 }
 
 void write_maps_of(hdf5::Writer& out, BlockSums const& total) {

@@ -7,6 +7,7 @@
 #include "support/test_backend.hpp"
 #include "trace/importance/steering_tables.hpp"
 #include "trace/run/trace.hpp"
+#include "world/model/map_areas.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::testing {
@@ -32,6 +33,7 @@ struct Traced {
   RunContent content() const {
     RunContent c;
     c.receivers = world.receivers();
+    for (Receiver const& r : c.receivers) c.map_areas.push_back(map_areas(world.view(), r.surface, r));
     c.beam_power = world.beam_power;
     c.main_file = "a.yaml";
     c.provenance.created = "2024-05-01T12:00:00Z";

@@ -9,7 +9,6 @@
 #include "physics/results/receiver_support.hpp"
 #include "support/statistics.hpp"
 #include "unit/results/synthetic.hpp"
-#include "world/model/map_areas.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -123,15 +122,10 @@ TEST(Receivers, TheSameBitsInAnyOrder) {
   write_run(folder / "again.h5", whole.content());
   EXPECT_EQ(data_hash(folder / "again.h5"), one);
   EXPECT_EQ(whole.about.receivers.size(), 2u);
+  EXPECT_EQ(whole.about.map_areas, traced(scene, 13).content().map_areas);
   EXPECT_EQ(whole.trace.coupling.received_power[0].mean, traced(scene, 13).power(0).mean);
   EXPECT_FALSE(whole.trace.total.receivers[0].fields.empty());
   EXPECT_NE(hash_of(traced(scene, 14)), one);  // negative control
-}
-
-std::vector<std::vector<double>> areas_of(Traced const& t) {
-  std::vector<std::vector<double>> all;
-  for (Receiver const& r : t.content().receivers) all.push_back(map_areas(t.world.view(), r.surface, r));
-  return all;
 }
 
 // Uniform light on a disc, 1/(pi R^2) per watt, whichever part of a pixel or cell the rim leaves. Control: over the
@@ -145,7 +139,7 @@ TEST(Receivers, CellsCutByTheRimHaveTheIrradianceOfTheOthers) {
       "cm}}}\n",
       64);
   double const uniform = 1 / (pi * 0.06 * 0.06), rim = 0.01;  // filled_share is good to 0.5 %
-  std::vector<std::vector<double>> const areas = areas_of(t);
+  std::vector<std::vector<double>> const areas = t.content().map_areas;
   for (std::size_t i = 0; i < 2; ++i) {
     Receiver const r = t.content().receivers[i];
     CellEstimates const light =
@@ -173,7 +167,7 @@ TEST(Receivers, CellsCutByTheRimHaveTheIrradianceOfTheOthers) {
 TEST(Receivers, ExportedMaps) {
   test::Folder const folder;
   Traced const t = traced(two_mirrors("rough"), 32);
-  std::vector<std::string> const files = write_maps(folder / ".", t.content(), areas_of(t));
+  std::vector<std::string> const files = write_maps(folder / ".", t.content(), t.content().map_areas);
   EXPECT_THAT(files, ::testing::IsSupersetOf({"PD_image.csv", "PD_image.npy", "PD_image_sigma.npy", "PD_field.csv",
                                               "PD_field.npy", "PD_angles.csv", "PD_quadrants.csv", "plane_image.csv"}));
   std::string const csv = read_file(folder / "PD_image.csv");

@@ -210,7 +210,8 @@ TEST(ReceiverMaps, CrossedPlaneWavesInterfere) {
       wave("one", 1, "1 W") + wave("two", -1, "250 mW") +
       "receivers: {PD: {on: det, map: {pixels: [64, 2], width: 4 mm, height: 4 mm}}}\n";
   Traced const t = traced(scene, 256);
-  FieldMap const map = field_map(t.world.receivers()[0], t.result.total.receivers[0], t.result.total.histories);
+  FieldMap const map = field_map(t.world.receivers()[0], t.result.total.receivers[0], t.result.total.histories,
+                                 t.content().map_areas.at(0));
   ASSERT_EQ(map.field.size(), 128u);
   std::vector<double> x, right, wrong;
   for (std::size_t i = 0; i < map.field.size(); ++i) {

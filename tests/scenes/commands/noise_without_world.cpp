@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Commands that only project, and maps without pixels, read the run file alone: no surface, mesh or search tree is
-// built.
+// Commands that only project, and maps, read the run file alone: no surface, mesh or search tree is built.
 #include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
@@ -60,8 +59,9 @@ TEST_F(NoiseWithoutWorld, CommandsThatNeedSurfacesFail) {
   EXPECT_EQ(straytrace({"noise", folder / "old.h5", "--quiet"}).code, 2);
 }
 
-// Angles and quadrants need no surface. Negative control: the areas of the pixels of a map do.
-TEST(MapsWithoutWorld, OnlyMapsNeedSurfaces) {
+// The file states the areas of pixels. Negative control: files before schema 2.1 do not, so that the surface is needed,
+// except for angles and quadrants.
+TEST(MapsWithoutWorld, OnlyMapsOfOlderFilesNeedSurfaces) {
   Folder const folder;
   fs::copy_file(source_folder + "/examples/holder.obj", folder / "holder.obj");
   std::string const text = edited(text_of(source_folder + "/examples/two_mirrors.yaml"), "\nscene:\n",
@@ -69,7 +69,7 @@ TEST(MapsWithoutWorld, OnlyMapsNeedSurfaces) {
                                   "body: bench, material: black}\n"),
                     without = edited(text.substr(0, text.find("  plane:\n")), "    map:", "    # map:") +
                               "trace: {histories: 4096}\n";
-  auto const maps_of = [&](std::string const& name, std::string const& scene) {
+  auto const maps_of = [&](std::string const& name, std::string const& scene, bool older) {
     write_text(folder / (name + ".yaml"), scene);
     std::string const run_file = folder / (name + ".h5");
     Finished const traced =
@@ -77,13 +77,15 @@ TEST(MapsWithoutWorld, OnlyMapsNeedSurfaces) {
     EXPECT_EQ(traced.code, 0) << traced.err;
     RunFile run = read_run(run_file);
     run.about.files.at("holder.obj") = "no mesh\n";
+    if (older) run.about.map_areas.clear();
     write_run(run_file, run.content());
     return straytrace({"maps", run_file, "-o", folder / name});
   };
-  Finished const angles = maps_of("angles", without);
+  Finished const angles = maps_of("angles", without, true);
   EXPECT_EQ(angles.code, 0) << angles.err;
   EXPECT_THAT(angles.out, HasSubstr("PD_angles.csv"));
-  EXPECT_EQ(maps_of("pixels", text).code, 2);
+  EXPECT_EQ(maps_of("pixels", text, false).code, 0);
+  EXPECT_EQ(maps_of("older", text, true).code, 2);
 }
 
 }  // namespace

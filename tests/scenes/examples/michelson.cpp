@@ -41,7 +41,9 @@ struct Michelson {
   double histories() const { return double(run.trace.total.histories); }
   std::vector<double> irradiance(std::size_t port) const {
     std::vector<double> out;
-    for (auto const& e : field_map(run.about.receivers.at(port), sums(port), run.trace.total.histories).field)
+    for (auto const& e :
+         field_map(run.about.receivers.at(port), sums(port), run.trace.total.histories, run.about.map_areas.at(port))
+             .field)
       out.push_back(std::norm(e));
     return out;
   }

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Python package: tables, conditions, pictures, and results for gwpy, pygwinc and FINESSE."""
 import pathlib
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -12,6 +13,7 @@ import h5py
 import numpy as np
 
 import straytrace
+import straytrace.engine
 import straytrace.finesse
 from straytrace.curves import Curve
 from straytrace.interpolate import between_bins, log_log
@@ -172,6 +174,35 @@ class OfReceivers(unittest.TestCase):
         self.assertGreater(len(run.plot_map("PD").axes), 2)
         with self.assertRaisesRegex(straytrace.InputError, "without an interferometer"):
             run.project({"bodies": {"bench": {"motion": "still"}}})
+
+    def test_areas_are_those_of_the_tables(self):
+        """Even light of 1/(pi R^2) on a disc: pixels and cells that its rim cuts have the irradiance of the others, and the field
+        is the root of it. Control: over whole cells they are darker."""
+        with tempfile.TemporaryDirectory() as name:
+            scene = pathlib.Path(name) / "disc.yaml"
+            scene.write_text("straytrace: 1\nmaterials: {black: {}}\nbodies: {b: {motion: still}}\nscene:\n"
+                             "  - {name: det, shape: {disk: {outer_radius: 5 cm}}, at: [0 m, 0 m, 1 m], facing: [0, 0, -1],"
+                             " body: b, material: black}\n"
+                             "beams: {light: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], profile: even, radius: 6 cm}}\n"
+                             "receivers: {pixels: {on: det, map: {pixels: [9, 9], width: 10.2 cm}},"
+                             " cells: {on: det, map: {width: 10.2 cm}}}\n")
+            run = straytrace.run(scene, histories=2**18, progress=False)
+            subprocess.run([straytrace.engine.program(), "maps", run.path, "-o", name], check=True, capture_output=True)
+            uniform = 1 / (np.pi * 0.06**2)
+            for receiver in run.receivers:
+                rows = np.genfromtxt(pathlib.Path(name) / f"{receiver.name}_image.csv", delimiter=",", comments="#", names=True)
+                areas = np.ravel(receiver.areas)
+                np.testing.assert_array_equal(areas, rows["area_m2"])
+                receiver.within_rim, within = None, receiver.within_rim
+                whole = np.broadcast_to(np.ravel(receiver.areas), areas.shape)
+                receiver.within_rim = within
+                cut = (areas < 0.8 * whole) & (areas > 0.2 * whole)
+                self.assertGreater(cut.sum(), 5)
+                light = np.ravel(receiver.image)
+                self.assertAlmostEqual(np.nansum(light[cut]) / areas[cut].sum() / uniform, 1, delta=0.03)
+                self.assertLess(np.nansum(light[cut]) / whole[cut].sum() / uniform, 0.85)
+                if receiver.field is not None:
+                    np.testing.assert_allclose(abs(np.ravel(receiver.field))[cut]**2, (light / areas)[cut], rtol=1e-9)
 
 
 class FromFinesse(unittest.TestCase):
