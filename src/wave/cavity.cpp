@@ -226,6 +226,7 @@ CavityWaves::CavityWaves(WaveCavity cavity, int threads)
 CavityWaves::~CavityWaves() = default;
 WaveCavity const& CavityWaves::cavity() const { return parts_->cavity; }
 Transform const& CavityWaves::transform() const { return parts_->transform; }
+Mask const& CavityWaves::mask(std::size_t baffle) const { return parts_->masks[parts_->mask_index[baffle]]; }
 
 void CavityWaves::round_trip(Field& spectrum, Observer const& observer) const {
   parts_->travel(spectrum, observer, nullptr);

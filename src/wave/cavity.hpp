@@ -63,6 +63,7 @@ class CavityWaves {
   ~CavityWaves();
   WaveCavity const& cavity() const;
   Transform const& transform() const;
+  Mask const& mask(std::size_t baffle) const;
 
   // Spectrum of a Hermite-Gauss mode of the mirrors alone, n quanta along x and m along y, after the reflection by
   // mirror
