@@ -142,10 +142,9 @@ class ClosedBodies {
     if (is_new) known->second = closes(faces);
     return known->second;
   }
-  // By the divergence theorem, integral x_i n_j dA = V delta_ij for normals out of a closed body. A line that
-  // leaves the point tells which way is out, since the normals of the faces of a part may point either way.
+  // A line that leaves the point tells which way is out, since the normals of the faces of a part may point either way.
   bool closes(std::vector<std::uint32_t> const& faces) const {
-    double moment[3][3] = {}, size = 0;
+    BodyIntegrals sums;
     Vec3 const origin = face_samples(view_, faces[0], 1)[0].point;
     int const count = std::clamp(4096 / int(faces.size()), 8, 512);
     for (std::uint32_t const id : faces) {
@@ -154,18 +153,10 @@ class ClosedBodies {
       int number = 0;
       for (FaceSample const& p : face_samples(view_, id, count)) {
         Ray const out{p.point + 4 * contact_distance * p.normal, spread_direction(p.normal, number++ % directions)};
-        Vec3 const n = met_by(faces, out) % 2 == 0 ? p.normal : -p.normal, x = p.point - origin;
-        double const at[3] = {x.x, x.y, x.z}, along[3] = {n.x, n.y, n.z};
-        for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j) moment[i][j] += share * at[i] * along[j];
-        size += share * length(x);
+        sums.add(p.point - origin, met_by(faces, out) % 2 == 0 ? p.normal : -p.normal, share);
       }
     }
-    double const volume = (moment[0][0] + moment[1][1] + moment[2][2]) / 3;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        if (std::fabs(moment[i][j] - (i == j ? volume : 0)) > closed_tolerance * size) return false;
-    return volume > closed_tolerance * size / 3;
+    return sums.closed(closed_tolerance) && sums.enclosed() > 0;
   }
   bool inside(std::vector<std::uint32_t> const& faces, Vec3 start, Vec3 axis) const {
     for (int i = 0; i < directions; ++i) {

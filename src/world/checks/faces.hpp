@@ -84,4 +84,34 @@ inline std::vector<FaceSample> face_samples(WorldView const& view, std::uint32_t
   return all;
 }
 
+// Integrals over the faces of a body, summed over samples. By the divergence theorem a closed body has
+//   integral n dA = 0   and   integral x_i n_j dA = V delta_ij   with V > 0
+// for normals n that point out.
+struct BodyIntegrals {
+  double normals[3] = {}, moments[3][3] = {}, magnitudes[3][3] = {}, area = 0;  // magnitudes: of |x_i n_j|
+
+  // `share`: area of this sample; x in m from any point.
+  void add(Vec3 x, Vec3 n, double share) {
+    double const at[3] = {x.x, x.y, x.z}, along[3] = {n.x, n.y, n.z};
+    area += share;
+    for (int j = 0; j < 3; ++j) {
+      normals[j] += share * along[j];
+      for (int i = 0; i < 3; ++i) {
+        moments[i][j] += share * at[i] * along[j];
+        magnitudes[i][j] += share * std::fabs(at[i] * along[j]);
+      }
+    }
+  }
+  double enclosed() const { return (moments[0][0] + moments[1][1] + moments[2][2]) / 3; }
+  // Within this share of the integrals of the magnitudes.
+  bool closed(double tolerance) const {
+    for (int j = 0; j < 3; ++j) {
+      if (std::fabs(normals[j]) > tolerance * area) return false;
+      for (int i = 0; i < 3; ++i)
+        if (std::fabs(moments[i][j] - (i == j ? enclosed() : 0)) > tolerance * magnitudes[i][j]) return false;
+    }
+    return true;
+  }
+};
+
 }  // namespace straytrace::world
