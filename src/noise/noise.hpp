@@ -97,7 +97,8 @@ struct NoiseBudget {
   double margin = 0.1;
   double seconds = 0;
   NoiseBands bands;  // of the total
-  // Where drawn paths represent all (SpectrumInterpolator): their contribution to the error, included in `sigma`.
+  // Where more histories do not lower the error; where drawn paths represent all (SpectrumInterpolator): their
+  // contribution to the error, included in `sigma`.
   std::vector<std::string> warnings;
 };
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
@@ -14,6 +16,7 @@
 #include "noise/project/route_noise.hpp"
 #include "noise/time_domain/motion_series.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
+#include "trace/result.hpp"
 
 namespace straytrace::noise {
 namespace {
@@ -168,6 +171,26 @@ DrawnError drawn_error(PowerSum const& total) {
   return worst;
 }
 
+// That more histories do not lower the error of h: where it is mostly that of the kept paths, whose number has reached
+// its limit (docs/theory/errors.md, Records). Empty: it falls, or is below 1e-4 of h.
+std::string floor_note(NoiseBudget const& b, CouplingTable const& table) {
+  std::size_t const kept = records_kept(table.histories / table.block_size);
+  if (kept < records_kept(~std::uint64_t{0} / 2)) return {};
+  double low = 0, high = 0, most = 1e-4, worst_hz = 0;
+  for (std::size_t i = 0; i < b.grid.size(); ++i) {
+    double const h = b.total.asd[i], paths = b.total.paths_sigma[i], all = b.total.sigma[i];
+    if (!(h > 0) || !(paths * paths > 0.5 * all * all) || !(paths > 1e-4 * h)) continue;
+    if (low == 0) low = b.grid.edges[i];
+    high = b.grid.edges[i + 1];
+    if (paths / h > most) std::tie(most, worst_hz) = std::pair(paths / h, b.grid.centre(i));
+  }
+  if (low == 0) return {};
+  return fmt::format(
+      "the error of h between {:.3g} and {:.3g} Hz, up to {:.2g} % at {:.3g} Hz, is mostly that of the kept paths: a "
+      "route keeps at most {}, so more histories do not lower it (docs/theory/errors.md, Records)",
+      low, high, 100 * most, worst_hz, kept);
+}
+
 }  // namespace
 
 NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
@@ -229,7 +252,9 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
     budget.total.why_not = "a lower bound: of unresolved routes it contains the observed part";
   find_bounds(budget, table);
   budget.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (nodes.sampled()) budget.warnings = {sharing_note(table, motion, spectra, strengths, nodes, drawn_error(total))};
+  if (std::string note = floor_note(budget, table); !note.empty()) budget.warnings.push_back(std::move(note));
+  if (nodes.sampled())
+    budget.warnings.push_back(sharing_note(table, motion, spectra, strengths, nodes, drawn_error(total)));
   return budget;
 }
 

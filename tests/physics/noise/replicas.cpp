@@ -59,6 +59,26 @@ TEST(Replicas, StatedErrorIsTheScatter) {
   EXPECT_LT(deviation(coupling.stated, std::sqrt(std::expm1(0.25) / 960) / 2), 0.1);
 }
 
+// From 2048 blocks on a route keeps no more paths: where their phase sensitivities make the error, a line says that it
+// stays. Controls: half as many blocks; an error of the power, which falls.
+TEST(Replicas, SayWhereMoreHistoriesDoNotHelp) {
+  auto const notes = [](std::uint64_t blocks, double spread_coupling, double spread_phase_sensitivity) {
+    CouplingTable table = random_table(1, spread_coupling, spread_phase_sensitivity);
+    std::uint64_t const times = blocks / replica_count;
+    table.histories *= times;
+    for (auto& n : table.replica_histories) n *= times;
+    for (double& sum : table.classes[0].replica_sum) sum *= double(times);
+    return project_noise(table, moving({power_law_asd(1e-13, 10, -2, 1, 100)}), UnitDetector(), on({10, 10.4, 11}))
+        .warnings;
+  };
+  std::vector<std::string> const stays = notes(2048, 0, 0.3);
+  ASSERT_EQ(stays.size(), 1u);
+  EXPECT_TRUE(stays[0].starts_with("the error of h between 10 and 11 Hz, up to ")) << stays[0];
+  EXPECT_TRUE(stays[0].find("a route keeps at most 4096, so more histories do not lower it") != std::string::npos);
+  EXPECT_TRUE(notes(1024, 0, 0.3).empty()) << "control";
+  EXPECT_TRUE(notes(2048, 0.5, 0).empty()) << "control";
+}
+
 TEST(Replicas, JackknifeOfAMean) {  // of a plain mean it is the textbook error, tolerance 1e-12
   std::vector<double> const x = {3, 1, 4, 1, 5, 9, 2, 6};
   double sum = 0, sum2 = 0;
