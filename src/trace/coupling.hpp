@@ -63,6 +63,9 @@ struct PathRecord {
   std::uint32_t member = no_member;
 };
 
+// Most paths that a class keeps in so many blocks; part of the run-file schema.
+std::size_t records_kept(std::uint64_t blocks);
+
 // Sum over paths of weight times phase sensitivity times phase sensitivity, of the histories of one replica: the
 // moments that determine noise to first order in the motion (docs/theory/errors.md, Second moments of the
 // phase sensitivities).

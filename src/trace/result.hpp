@@ -101,9 +101,6 @@ struct ScoreAddress {
   double coupling = 0, priority = 0;  // priority = coupling / uniform(record stream)
 };
 
-// Kept of the scores of a class in so many blocks; part of the run-file schema.
-std::size_t records_kept(std::uint64_t blocks);
-
 // Keeps the k largest priorities (priority sampling, docs/theory/errors.md): independent of order, so merging is exact.
 struct ClassSums {
   std::uint32_t port = 0;

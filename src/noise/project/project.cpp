@@ -16,7 +16,6 @@
 #include "noise/project/route_noise.hpp"
 #include "noise/time_domain/motion_series.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
-#include "trace/result.hpp"
 
 namespace straytrace::noise {
 namespace {
