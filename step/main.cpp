@@ -12,6 +12,7 @@
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
+#include "base/input/document.hpp"
 #include "base/units/quantity.hpp"
 #include "session/build_info.hpp"
 #include "step/read_step.hpp"
@@ -23,15 +24,13 @@ namespace fs = std::filesystem;
 using namespace straytrace;
 
 double length_in(std::string const& option, std::string const& text) {
-  char* rest = nullptr;
-  double const value = std::strtod(text.c_str(), &rest);
-  while (*rest == ' ') ++rest;
-  auto const unit = parse_unit(rest);
-  if (rest == text.c_str() || !unit || unit->dimension != dim::length || !(to_si(value, *unit) >= 1e-9) ||
-      !(to_si(value, *unit) <= 1e-2))
+  auto const number = leading_number(text);
+  auto const unit = number ? parse_unit(number->rest) : std::nullopt;
+  double const length = unit && unit->dimension == dim::length ? to_si(number->value, *unit) : 0;
+  if (!(length >= 1e-9 && length <= 1e-2))
     throw step::Refused{fmt::format("'{}' is not what --{} takes", text, option),
                         fmt::format("write for example --{} 1um, from 1nm to 1cm", option)};
-  return to_si(value, *unit);
+  return length;
 }
 
 int convert(std::string const& input, std::string output, std::string const& tolerance, std::string const& chord,

@@ -13,6 +13,7 @@
 #include <memory>
 
 #include "base/errors.hpp"
+#include "base/input/document.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -105,15 +106,12 @@ Named const& chosen(std::vector<Named> const& all, std::string const& name) {
 }
 
 double distance_of(std::string const& text) {
-  char* end = nullptr;
-  double const value = std::strtod(text.c_str(), &end);
-  std::string const rest = end;
-  std::size_t const begin = std::min(rest.find_first_not_of(' '), rest.size());
-  auto const unit = parse_unit(rest.substr(begin));
-  if (!unit || !(unit->dimension == dim::length) || !(value > 0) || !std::isfinite(value))
+  auto const number = leading_number(text);
+  auto const unit = number ? parse_unit(number->rest) : std::nullopt;
+  if (!unit || !(unit->dimension == dim::length) || !(number->value > 0))
     throw InputError(fmt::format("--distance: '{}' is not a distance behind the edge", text),
                      "write for example --distance \"10 m\"");
-  return to_si(value, *unit);
+  return to_si(number->value, *unit);
 }
 
 // The Fresnel integral is computed for round beams and edges across them.

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
+#include "base/input/document.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -41,15 +42,11 @@ std::string trimmed(std::string text) {
 double parse_margin(std::string const& text) {
   if (text.empty()) return 0.1;
   std::size_t const slash = text.find('/');
-  char* end = nullptr;
-  std::string const top = text.substr(0, slash), bottom = slash == text.npos ? "1" : text.substr(slash + 1);
-  double const a = std::strtod(top.c_str(), &end);
-  bool good = !top.empty() && *end == '\0';
-  double const b = std::strtod(bottom.c_str(), &end);
-  good = good && !bottom.empty() && *end == '\0';
-  if (!good || !(a / b > 0 && a / b < 1e6))
-    throw InputError(fmt::format("--margin: '{}' is not a positive ratio", text), "write --margin 1/10");
-  return a / b;
+  auto const top = leading_number(text.substr(0, slash)),
+             bottom = leading_number(slash == text.npos ? "1" : text.substr(slash + 1));
+  bool const good = top && bottom && top->rest.empty() && bottom->rest.empty();
+  if (double const ratio = good ? top->value / bottom->value : 0; ratio > 0 && ratio < 1e6) return ratio;
+  throw InputError(fmt::format("--margin: '{}' is not a positive ratio", text), "write --margin 1/10");
 }
 
 std::vector<double> parse_frequencies(std::string const& list, char const* option) {
@@ -58,17 +55,16 @@ std::vector<double> parse_frequencies(std::string const& list, char const* optio
     std::size_t const comma = std::min(list.find(',', begin), list.size());
     std::string const item = trimmed(list.substr(begin, comma - begin));
     begin = comma + 1;
-    char* end = nullptr;
-    double const value = std::strtod(item.c_str(), &end);
-    auto const unit = parse_unit(trimmed(end));
-    if (end == item.c_str() || !unit || !(unit->dimension == dim::frequency))
+    auto const number = leading_number(item);
+    auto const unit = number ? parse_unit(number->rest) : std::nullopt;
+    if (!unit || !(unit->dimension == dim::frequency))
       throw InputError(
           fmt::format("{}: '{}' is not a frequency", option, item),
           fmt::format("write {} \"10.5 Hz, 1 kHz\": a unit for each, and decimal points, not commas", option));
-    if (double const hz = to_si(value, *unit); !(hz >= lowest_hz && hz <= highest_hz))
+    if (double const hz = to_si(number->value, *unit); !(hz >= lowest_hz && hz <= highest_hz))
       throw InputError(fmt::format("{}: '{}' is not between 1 uHz and 1 MHz", option, item),
                        fmt::format("write {} \"10 Hz, 1 kHz\"", option));
-    all.push_back(to_si(value, *unit));
+    all.push_back(to_si(number->value, *unit));
   }
   return all;
 }

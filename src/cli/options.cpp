@@ -12,7 +12,7 @@
 #include <set>
 
 #include "base/files/read_write.hpp"
-#include "base/input/table.hpp"
+#include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "base/text/bounded_regex.hpp"
 #include "session/model.hpp"
@@ -21,11 +21,11 @@ namespace straytrace::cli {
 
 CLI::Validator number_between(double low, double high, std::string const& example) {
   return {[=](std::string const& text) -> std::string {
-            double value = 0;
-            if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return {};
+            auto const number = is_number(text) ? leading_number(text) : std::nullopt;
+            if (number && number->value >= low && number->value <= high) return {};
             std::string pointed = text;
             std::replace(pointed.begin(), pointed.end(), ',', '.');
-            if (pointed != text && CLI::detail::lexical_cast(pointed, value))
+            if (pointed != text && is_number(pointed))
               return fmt::format("'{}' has a decimal comma; write a decimal point: {}", text, pointed);
             return fmt::format("'{}' is not a number from {:g} to {:g}; write for example {}", text, low, high,
                                example);

@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "base/errors.hpp"
+#include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
@@ -41,15 +42,12 @@ struct RenderOptions : SceneOptions {
 }
 
 double number_in(std::string const& option, std::string const& text, Dimension dimension, std::string const& instead) {
-  char* rest = nullptr;
-  double const value = std::strtod(text.c_str(), &rest);
-  while (*rest == ' ') ++rest;
-  bool const bare = *rest == 0 && rest != text.c_str();
-  if (bare && (value == 0 || dimension == dim::plain)) return value;
-  auto const unit = bare ? std::nullopt : parse_unit(rest);
-  if (rest == text.c_str() || !unit || unit->dimension != dimension || !std::isfinite(value))
-    refuse_option(option, text, instead);
-  return to_si(value, *unit);
+  auto const number = leading_number(text);
+  bool const bare = number && number->rest.empty();
+  if (bare && (number->value == 0 || dimension == dim::plain)) return number->value;
+  auto const unit = number && !bare ? parse_unit(number->rest) : std::nullopt;
+  if (!unit || unit->dimension != dimension) refuse_option(option, text, instead);
+  return to_si(number->value, *unit);
 }
 
 Vec3 vector_in(std::string const& option, std::string const& text, Dimension dimension, std::string const& instead) {

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "base/errors.hpp"
+#include "base/input/document.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/text/picture.hpp"
@@ -31,10 +32,11 @@ struct ScanCommandOptions : ScanOptions {
 // "1/10" or a number.
 double fraction(std::string const& text) {
   std::size_t const slash = text.find('/');
-  double above = 0, below = 1;
-  bool good = CLI::detail::lexical_cast(text.substr(0, slash), above);
-  if (slash != text.npos) good = good && CLI::detail::lexical_cast(text.substr(slash + 1), below);
-  if (good && above > 0 && below > 0) return above / below;
+  auto const above = leading_number(text.substr(0, slash)),
+             below = leading_number(slash == text.npos ? "1" : text.substr(slash + 1));
+  bool const good = above && below && above->rest.empty() && below->rest.empty();
+  if (good && above->value > 0 && below->value > 0 && std::isfinite(above->value / below->value))
+    return above->value / below->value;
   throw InputError(fmt::format("'{}' is not a margin", text), "write for example --margin 1/10 or --margin 0.1");
 }
 

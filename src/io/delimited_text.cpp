@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <set>
 
 #include "base/input/document.hpp"
@@ -19,6 +18,7 @@ namespace {
 constexpr char const* point_remedy = "use decimal points, not decimal commas: 1.5, not 1,5";
 constexpr char const* one_per_column = "give one value per column, separated by commas";
 constexpr std::size_t most_problems = 10;
+constexpr char const* not_a_number_fault = "is not a number";
 
 std::string_view without_byte_order_mark(std::string_view text) {
   return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
@@ -100,7 +100,8 @@ std::optional<double> number_in(std::string_view text, Quantity const& unit) {
   text.remove_prefix(text.front() == '+' ? 1 : 0);
   double value = 0;
   std::from_chars(text.data(), text.data() + text.size(), value);
-  return to_si(value, unit);
+  double const si = to_si(value, unit);
+  return std::isfinite(si) && (si != 0 || value == 0) ? std::optional(si) : std::nullopt;
 }
 
 void complain(std::vector<Problem>& problems, TextCell const& where, std::string what, std::string suggestion) {
@@ -118,7 +119,8 @@ void complain_of_number(std::vector<Problem>& problems, TextCell const& where, s
   std::string pointed(where.text);
   std::replace(pointed.begin(), pointed.end(), ',', '.');
   bool const comma = pointed != where.text && is_number(pointed);
-  complain(problems, where, fmt::format("'{}' is not a number; {} is expected here", shortened(where.text), what),
+  complain(problems, where,
+           fmt::format("'{}' {}; {} is expected here", shortened(where.text), number_fault(where.text), what),
            comma ? point_remedy : "write a finite number without unit");
 }
 
@@ -138,12 +140,13 @@ class CsvReader {
 
   CsvTable read(std::string_view text, Comments comments) {
     std::size_t const before = problems_.size();
-    table_.text = std::make_shared<std::string const>(text);
+    most_ = before + most_problems;
+    table_.text = std::make_shared<std::string const>(with_plain_spaces(text));
     for (TextLine const& line : text_lines(*table_.text, comments)) {
       bool const in_header = table_.columns.empty();
       in_header ? header(line) : row(line);
       if (in_header && problems_.size() > before) table_.columns.clear();
-      if (problems_.size() >= before + (in_header ? 1 : most_problems)) break;
+      if (problems_.size() >= (in_header ? before + 1 : most_)) break;
     }
     if (problems_.size() == before && table_.rows.empty())
       complain(problems_, {}, "the table has no rows",
@@ -205,21 +208,26 @@ class CsvReader {
           fmt::format("{}, but the header has {}", counted(row.cells.size(), "value"), counted(columns, "column")),
           row.cells.size() > columns ? surplus_remedy(row.cells) : one_per_column);
     for (std::size_t i = 0; i < row.cells.size(); ++i) {
-      TextCell const& cell = row.cells[i];
-      auto const value = is_numeric(i) ? number_in(cell.text, table_.columns[i].unit) : not_a_number;
-      if (!value)
-        return complain(problems_, cell, fmt::format("'{}' is not a number", shortened(cell.text)),
-                        cell.text.find('"') != cell.text.npos
-                            ? point_remedy
-                            : "write a finite number without unit; the unit belongs in the header");
-      row.values.push_back(*value);
+      auto const value = is_numeric(i) ? number_in(row.cells[i].text, table_.columns[i].unit) : not_a_number;
+      if (value)
+        row.values.push_back(*value);
+      else if (problems_.size() < most_)
+        refuse_cell(row.cells[i]);
     }
-    table_.rows.push_back(std::move(row));
+    if (row.values.size() == columns) table_.rows.push_back(std::move(row));
+  }
+
+  void refuse_cell(TextCell const& cell) {
+    complain(problems_, cell, fmt::format("'{}' {}", shortened(cell.text), number_fault(cell.text)),
+             cell.text.find('"') != cell.text.npos
+                 ? point_remedy
+                 : "write a finite number without unit; the unit belongs in the header");
   }
 
   std::string example_;
   std::span<std::string_view const> numeric_;
   std::vector<Problem>& problems_;
+  std::size_t most_ = most_problems;  // problems, with those that were there before
   CsvTable table_;
   std::set<std::string> names_;
 };
@@ -281,23 +289,31 @@ bool has_decimal_commas(std::string_view line) {
   }
 }
 
-// Appends the numbers of one line. Returns the first word that is not a number (a view into `line`), or an empty view.
-std::string_view read_row(std::string_view line, std::vector<double>& row, NonFinite words) {
+struct NumberRow {
+  std::vector<double> values;
+  std::vector<std::string_view> wrong;  // words that are no numbers, views into the line
+  bool begins_wrong = false;            // before any number
+};
+
+NumberRow read_row(std::string_view line, NonFinite words) {
+  NumberRow row;
   line = line.substr(0, line.find_first_of("#%"));
   while (true) {
     auto const start = line.find_first_not_of(separators);
-    if (start == line.npos) return {};
+    if (start == line.npos) return row;
     line.remove_prefix(start);
     std::string_view const word = line.substr(0, line.find_first_of(separators));
     line.remove_prefix(word.size());
     std::string_view const digits = word.starts_with('+') ? word.substr(1) : word;
     double value = 0;
     auto const [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    bool const tiny = status == std::errc::result_out_of_range &&
-                      std::fabs(std::strtod(std::string(digits).c_str(), nullptr)) < 1;  // the value stays 0
-    if ((status != std::errc{} && !tiny) || end != digits.data() + digits.size()) return word;
-    if (words == NonFinite::refused && !std::isfinite(value)) return word;
-    row.push_back(value);
+    bool const sound = status == std::errc{} && end == digits.data() + digits.size();
+    if (sound && (words == NonFinite::kept || std::isfinite(value))) {
+      row.values.push_back(value);
+    } else {
+      row.begins_wrong |= row.values.empty();
+      row.wrong.push_back(word);
+    }
   }
 }
 
@@ -338,11 +354,13 @@ class NumberReader {
 
   NumberTable read(std::string_view text) {
     text = without_byte_order_mark(text);
+    std::string spaced;
     // Without a row of numbers before it, the first problem is the only one.
     for (std::uint32_t number = 1; table_.problems.size() < (table_.line.empty() ? 1 : most_problems); ++number) {
       auto const line = take_line(text);
       if (!line) break;
-      take(*line, number);
+      bool const plain = line->find_first_of("\xc2\xe2") == line->npos;  // as in all files of numbers alone
+      take(plain ? *line : std::string_view(spaced = with_plain_spaces(*line)), number);
     }
     if (table_.problems.empty() && table_.line.empty()) fail("no numbers in it", 0, 0);
     if (table_.problems.empty()) name_columns();
@@ -365,16 +383,25 @@ class NumberReader {
     if (has_decimal_commas(line))
       return fail(fmt::format("'{}' has decimal commas; write 0.5 instead of 0,5", shortened(without_blanks(line))),
                   number);
-    std::vector<double> row;
-    std::string_view const bad = read_row(line, row, words_);
-    if (!bad.empty() && header_ == HeaderRow::allowed && row.empty() && table_.line.empty() && titles_.empty())
+    NumberRow const row = read_row(line, words_);
+    if (row.begins_wrong && header_ == HeaderRow::allowed && table_.line.empty() && titles_.empty())
       titles_ = titles_of(line.substr(0, line.find('#')));
-    else if (!bad.empty())
-      fail(fmt::format("'{}' is not a number (comments start with #)", shortened(bad)), number,
-           code_points(line.substr(0, std::size_t(bad.data() - line.data()))) + 1);
-    else if (!row.empty())
-      add(row, number);
+    else if (!row.wrong.empty())
+      refuse_words(row, line, number);
+    else if (!row.values.empty())
+      add(row.values, number);
     points_ |= line.find('.') != line.npos;
+  }
+
+  // In a line without any number the first word stands for all.
+  void refuse_words(NumberRow const& row, std::string_view line, std::uint32_t number) {
+    for (std::string_view const word : row.wrong) {
+      std::string const fault = number_fault(word);
+      fail(fmt::format("'{}' {}{}", shortened(word), fault,
+                       fault == not_a_number_fault ? " (comments start with #)" : ""),
+           number, code_points(line.substr(0, std::size_t(word.data() - line.data()))) + 1);
+      if (row.values.empty() || table_.problems.size() >= most_problems) return;
+    }
   }
 
   void add(std::vector<double> const& row, std::uint32_t number) {
@@ -454,8 +481,9 @@ std::optional<NumberTable> read_numbers(Node const& file, std::size_t columns, s
 
 // Texts of keywords and numbers.
 
-WordReader::WordReader(std::string_view text, std::vector<Problem>& problems) : problems_(problems) {
-  for (TextLine const& line : text_lines(text, Comments::anywhere))
+WordReader::WordReader(std::string_view text, std::vector<Problem>& problems)
+    : problems_(problems), text_(std::make_shared<std::string const>(with_plain_spaces(text))) {
+  for (TextLine const& line : text_lines(*text_, Comments::anywhere))
     for (TextCell const& word : words_of(line)) words_.push_back(word);
 }
 

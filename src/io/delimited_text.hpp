@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The parser of all text tables: lines, cells and words with their places, tables with a header ('z [m], aperture'),
-// columns of numbers, and texts of keywords. Columns of a place count code points from 1.
+// columns of numbers, and texts of keywords. Columns of a place count code points from 1. No-break and thin spaces are
+// read as spaces, except between digits, where they are an error.
 #pragma once
 
 #include <memory>
@@ -44,7 +45,7 @@ struct ColumnTitle {
 };
 std::optional<ColumnTitle> column_title(std::string_view cell);
 
-// A finite number in `unit`, in SI; empty for other texts.
+// A number in `unit`, in SI; empty for other texts and outside the range of double precision.
 std::optional<double> number_in(std::string_view text, Quantity const& unit = {1, dim::plain, {}});
 
 // A problem at a cell.
@@ -136,6 +137,7 @@ class WordReader {
 
  private:
   std::vector<Problem>& problems_;
+  std::shared_ptr<std::string const> text_;  // which the words point into
   std::vector<TextCell> words_;
   std::size_t at_ = 0;
 };

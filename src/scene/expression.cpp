@@ -10,6 +10,8 @@
 #include <span>
 #include <string>
 
+#include "base/text/words.hpp"
+
 namespace straytrace::scene {
 namespace {
 
@@ -278,6 +280,7 @@ class Parser {
     std::from_chars(number.data(), number.data() + number.size(), value);
     double const ratio = std::pow(10, value / 10);
     if (!std::isfinite(ratio)) refuse("the number is too large", "write a value below 3000 dB", at_, text_.size());
+    if (ratio == 0) refuse("the number is too small", "write a value above -3000 dB", at_, text_.size());
     return {{ratio, dim::plain, {}}, false};
   }
 
@@ -354,6 +357,8 @@ class Parser {
       at_ += unit->length;
       Operand const result{{{to_si(value, unit->unit), unit->unit.dimension, {}}, false}, begin, at_, true};
       if (!std::isfinite(result.value.quantity.si)) refuse("the number is too large", "check the exponent", begin, at_);
+      if (result.value.quantity.si == 0 && value != 0)
+        refuse("the number is too small", "check the exponent", begin, at_);
       return result;
     }
     std::size_t const number_end = at_;
@@ -420,12 +425,12 @@ class Parser {
   int depth_ = 0;
 };
 
-// With spaces in place of the no-break spaces that typeset text has before a unit; every byte keeps its place.
-std::string with_plain_spaces(std::string_view text) {
+// With spaces in place of the no-break and thin spaces of typeset text; every byte keeps its place.
+std::string spaced_in_place(std::string_view text) {
   std::string out(text);
-  for (std::string_view const space : {"\xc2\xa0", "\xe2\x80\xaf"})
-    for (std::size_t at = out.find(space); at != out.npos; at = out.find(space, at))
-      out.replace(at, space.size(), space.size(), ' ');
+  for (std::size_t at = out.find_first_of("\xc2\xe2"); at < out.size(); ++at)
+    if (std::size_t const bytes = typeset_space(std::string_view(out).substr(at)); bytes > 0)
+      out.replace(at, bytes, bytes, ' ');
   return out;
 }
 
@@ -434,7 +439,7 @@ constexpr std::string_view typeset_minus = "\xe2\x88\x92";
 }  // namespace
 
 std::optional<Value> evaluate_expression(std::string_view written, ParameterLookup const& lookup) {
-  std::string const spaced = with_plain_spaces(written);
+  std::string const spaced = spaced_in_place(written);
   std::string_view text = spaced;
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
   if (std::size_t const at = text.find(typeset_minus); at != text.npos)

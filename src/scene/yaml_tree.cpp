@@ -10,6 +10,7 @@
 #include <optional>
 #include <sstream>
 
+#include "base/text/words.hpp"
 #include "scene/merge.hpp"
 
 namespace straytrace::scene {
@@ -120,7 +121,18 @@ void refuse_directives(SceneDocument& document, std::uint32_t file) {
   }
 }
 
-// The text to hand to the parser (byte order mark and tabs blanked), or nothing when it cannot be read.
+// No-break and thin spaces are plain ones where YAML needs a space: before the first word of a line, and before a value
+// or element.
+void blank_typeset_spaces(std::string& text) {
+  char last = '\n';  // that is no space
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    std::size_t const bytes = typeset_space(std::string_view(text).substr(at));
+    if (bytes > 0 && std::string_view("\n:,[{-").find(last) != std::string_view::npos) text.replace(at, bytes, " ");
+    if (text[at] != ' ') last = text[at];
+  }
+}
+
+// The text to hand to the parser (byte order mark, tabs and typeset spaces blanked), or nothing when it cannot be read.
 // Every reason is recorded as a problem.
 std::optional<std::string> checked_text(SceneDocument& document, std::uint32_t file) {
   std::string text = document.source(file).text;
@@ -161,6 +173,7 @@ std::optional<std::string> checked_text(SceneDocument& document, std::uint32_t f
   }
   refuse_directives(document, file);
   if (!readable) return {};
+  blank_typeset_spaces(text);
   return text;
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/errors.hpp"
 #include "base/text/bounded_regex.hpp"
+#include "base/text/words.hpp"
 #include "session/model.hpp"
 
 namespace straytrace::session {
@@ -24,7 +25,8 @@ Goal goal_of(std::string const& what, double relative_error) {
   return {what.starts_with("receiver") ? Goal::Of::receiver : Goal::Of::route, what.substr(colon + 1), relative_error};
 }
 
-void parse_one(std::string const& text, StopRule& rule) {
+void parse_one(std::string const& written, StopRule& rule) {
+  std::string const text = with_plain_spaces(written);
   static std::regex const by_error(
       R"(\s*(h_total|h|routes|receiver:[^<\s]+|class:[^<]*[^<\s])\s*<\s*([0-9.eE+-]+)\s*(%?)\s*)");
   static std::regex const by_time(R"(\s*([0-9.eE+-]+)\s*(s|min|h)\s*)");
@@ -175,7 +177,8 @@ std::optional<StopRule::Complaint> complaint_about(StopRule const& rule, Model c
   return {};
 }
 
-double parse_duration(std::string const& text) {
+double parse_duration(std::string const& written) {
+  std::string const text = with_plain_spaces(written);
   static std::regex const duration(R"(\s*([0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?)\s*(s|min|h)\s*)");
   std::smatch m;
   double seconds = 0;

@@ -12,6 +12,8 @@
 #include "analysis/coupling/band_coupling.hpp"
 #include "base/errors.hpp"
 #include "base/files/text_file.hpp"
+#include "base/input/document.hpp"
+#include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "io/delimited_text.hpp"
 #include "spectra/curve.hpp"
@@ -197,7 +199,8 @@ class Reader {
 
   CouplingFunction read(std::string_view csv) {
     std::vector<InputError> errors;
-    for (TextLine const& line : text_lines(csv, Comments::whole_lines)) {
+    std::string const text = with_plain_spaces(csv);
+    for (TextLine const& line : text_lines(text, Comments::whole_lines)) {
       line_ = line.number;
       bool const header = columns_.empty();
       try {
@@ -252,9 +255,21 @@ class Reader {
     double value = 0;
     auto const [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (status != std::errc{} || end != word.data() + word.size())
-      refuse(fmt::format("'{}' is not a number in column '{}'", written.text, column), "write it as 1.5e-3",
+      refuse(fmt::format("'{}' {} in column '{}'", written.text, number_fault(word), column), "write it as 1.5e-3",
              written.column);
     return value;
+  }
+  // All wrong numbers of a row at once.
+  void check_numbers(bool known) const {
+    std::vector<InputError> wrong;
+    for (char const* column : {"frequency", "factor", "factor_error", "witness_ratio", "target_ratio", "significance",
+                               "coherence", "factor_counts"})
+      try {
+        if (known || column != std::string_view("factor_counts")) number(column);
+      } catch (InputError const& e) {
+        wrong.push_back(e);
+      }
+    throw_all(wrong);
   }
   void agree(std::string& kept, char const* column) const {
     std::string_view const word = cell(column).text;
@@ -273,11 +288,12 @@ class Reader {
       refuse(fmt::format("'{}' is not a flag", written.text),
              "flags are Real or Measured, Upper Limit, Thresholds not met, No data, Fringe wrapped", written.column);
     CouplingPoint p;
-    p.hz = number("frequency");
     p.flag = *flag;
+    bool const known = p.flag == CouplingFlag::measured || p.flag == CouplingFlag::upper_limit;
+    check_numbers(known);
+    p.hz = number("frequency");
     if (!(p.hz >= 0) || (!out_.points.empty() && p.hz <= out_.points.back().hz))
       refuse("the frequency does not increase", "sort the rows by frequency", cell("frequency").column);
-    bool const known = p.flag == CouplingFlag::measured || p.flag == CouplingFlag::upper_limit;
     double const factor = number("factor");
     if (known && !(factor > 0 && std::isfinite(factor)))
       refuse(std::isfinite(factor) ? "the factor is not positive" : "the factor is not a finite number",

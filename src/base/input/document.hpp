@@ -118,5 +118,15 @@ Problem dimension_problem(NodeData const&, Quantity const& got, Dimension wanted
 std::string shortened(std::string_view text);  // for messages: at most 60 characters
 std::uint32_t code_points(std::string_view utf8);
 bool is_number(std::string_view text);  // a finite literal such as "55" or "-1e-3"
+// The finite number that a text begins with, and the text behind it without blanks around: "10 Hz" is 10 and "Hz".
+// Nothing without one, or where it is outside the range of double precision.
+struct LeadingNumber {
+  double value = 0;
+  std::string rest;
+};
+std::optional<LeadingNumber> leading_number(std::string_view text);
+// What is wrong with a text that is not: "is not a number", "is outside the range of double precision, 1e-307 to
+// 1e308", "has a no-break space (U+202F) between its digits"; of a finite number: in its unit it is outside the range.
+std::string number_fault(std::string_view text);
 
 }  // namespace straytrace

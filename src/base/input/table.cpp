@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "base/input/document.hpp"
+#include "base/text/words.hpp"
 
 namespace straytrace {
 namespace {
@@ -311,6 +312,32 @@ bool is_number(std::string_view text) {
   return code == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
+std::optional<LeadingNumber> leading_number(std::string_view text) {
+  std::string const spaced = with_plain_spaces(text);
+  std::size_t const first = spaced.find_first_not_of(' '), last = spaced.find_last_not_of(' ');
+  if (first == spaced.npos) return {};
+  std::string_view inner = std::string_view(spaced).substr(first, last + 1 - first);
+  if (inner.starts_with('+')) inner.remove_prefix(1);
+  LeadingNumber out;
+  auto const [end, code] = std::from_chars(inner.data(), inner.data() + inner.size(), out.value);
+  if (code != std::errc() || !std::isfinite(out.value)) return {};
+  inner.remove_prefix(std::size_t(end - inner.data()));
+  out.rest = inner.substr(std::min(inner.find_first_not_of(' '), inner.size()));
+  return out;
+}
+
+std::string number_fault(std::string_view text) {
+  if (std::string const space = space_in_number(text); !space.empty())
+    return fmt::format("has a no-break space ({}) between its digits", space);
+  if (is_number(text)) return "is outside the range of double precision in its unit";
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  auto const [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return code == std::errc::result_out_of_range && end == text.data() + text.size()
+             ? "is outside the range of double precision, 1e-307 to 1e308"
+             : "is not a number";
+}
+
 std::uint32_t code_points(std::string_view utf8) {
   std::uint32_t n = 0;
   for (char const c : utf8) n += (static_cast<unsigned char>(c) & 0xc0) != 0x80;
@@ -471,9 +498,9 @@ std::vector<double> Node::as_numbers(Dimension d, std::size_t expected) const {
 double read_uncertainty(Node const& value, double fallback) {
   if (!value) return fallback;
   constexpr std::string_view word = "factor";
-  std::string_view const text = value.text();
+  std::string const text = with_plain_spaces(value.text());
   if (text.starts_with(word) && (text.size() == word.size() || text[word.size()] == ' '))
-    return read_factor(value, text.substr(word.size()), fallback);
+    return read_factor(value, std::string_view(text).substr(word.size()), fallback);
   double const share = value.as_number(dim::plain, 0);
   if (share <= 1) return 1 + share;
   if (share > 1)

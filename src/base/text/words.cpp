@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text/words.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace straytrace {
@@ -26,6 +28,13 @@ std::size_t bytes_of_letter(std::string_view text, std::size_t at) {
   return bytes;
 }
 
+// Bytes of a no-break or thin space at a byte between two digits.
+std::size_t space_between_digits(std::string_view text, std::size_t at) {
+  auto const digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
+  std::size_t const bytes = typeset_space(text.substr(at));
+  return bytes > 0 && at > 0 && digit(at - 1) && digit(at + bytes) ? bytes : 0;
+}
+
 std::string printable_line(std::string_view line) {
   std::string out;
   for (std::size_t i = 0; i < line.size();) {
@@ -38,6 +47,36 @@ std::string printable_line(std::string_view line) {
 }
 
 }  // namespace
+
+std::size_t typeset_space(std::string_view text) {
+  for (std::string_view const space : {"\xc2\xa0", "\xe2\x80\x87", "\xe2\x80\x89", "\xe2\x80\xaf"})
+    if (text.starts_with(space)) return space.size();
+  return 0;
+}
+
+std::string with_plain_spaces(std::string_view text) {
+  if (text.find_first_of("\xc2\xe2") == text.npos) return std::string(text);
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t at = 0; at < text.size();) {
+    std::size_t const bytes = typeset_space(text.substr(at)), step = std::max<std::size_t>(bytes, 1);
+    bool const stays = bytes == 0 || space_between_digits(text, at) > 0;
+    out += stays ? text.substr(at, step) : " ";
+    at += step;
+  }
+  return out;
+}
+
+std::string space_in_number(std::string_view text) {
+  for (std::size_t at = text.find_first_of("\xc2\xe2"); at < text.size(); ++at) {
+    std::size_t const bytes = space_between_digits(text, at);
+    if (bytes == 0) continue;
+    unsigned point = static_cast<unsigned char>(text[at]) & (bytes == 2 ? 0x1fU : 0x0fU);
+    for (std::size_t i = 1; i < bytes; ++i) point = point << 6 | (static_cast<unsigned char>(text[at + i]) & 0x3fU);
+    return fmt::format("U+{:04X}", point);
+  }
+  return {};
+}
 
 std::string printable(std::string_view text) {
   std::string out;

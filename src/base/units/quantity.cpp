@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/math/constants.hpp"
+#include "base/text/words.hpp"
 
 namespace straytrace {
 namespace {
@@ -228,7 +229,9 @@ constexpr double largest_power = 100;
 
 }  // namespace
 
-std::optional<Quantity> parse_unit(std::string_view text) {
+std::optional<Quantity> parse_unit(std::string_view written) {
+  std::string const spaced = with_plain_spaces(written);
+  std::string_view text = spaced;
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
   UnitReader reader(text);
   reader.skip_spaces();

@@ -21,12 +21,12 @@ namespace {
 
 // "1064 nm" of the command line.
 double length_of(std::string const& text) {
-  std::size_t const blank = text.find(' ');
-  auto const unit = blank == text.npos ? std::nullopt : parse_unit(without_blanks(text.substr(blank)));
-  auto const value = unit && unit->dimension == dim::length ? number_in(text.substr(0, blank), *unit) : std::nullopt;
-  if (!value || !(*value > 1e-8 && *value < 1e-3))
+  auto const number = leading_number(text);
+  auto const unit = number ? parse_unit(number->rest) : std::nullopt;
+  double const length = unit && unit->dimension == dim::length ? to_si(number->value, *unit) : 0;
+  if (!(length > 1e-8 && length < 1e-3))
     throw InputError(fmt::format("'{}' is not a wavelength", text), "write --wavelength \"1064 nm\"");
-  return *value;
+  return length;
 }
 
 ScatterFile read(ScatterRequest const& r) {

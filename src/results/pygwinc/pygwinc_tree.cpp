@@ -175,18 +175,17 @@ double IfoTree::number(std::string const& path, bool needed) {
     if (needed) problem(path, fmt::format("'{}' is missing", path), "give a number in SI units");
     return not_a_number;
   }
-  char* end = nullptr;
-  double const x = std::strtod(value->text.c_str(), &end);
   if (has_decimal_comma(value->text)) {
     Problem const comma = decimal_comma(value->place, value->text);
     problem(path, comma.what, comma.suggestion);
     return not_a_number;
   }
-  if (end != value->text.c_str() + value->text.size() || value->text.empty() || !std::isfinite(x)) {
+  if (!is_number(value->text)) {
     problem(path, fmt::format("'{}' is a number, got \"{}\"", path, value->text),
             "write it in SI units, without a unit, for example 1.064e-6");
     return not_a_number;
   }
+  double const x = leading_number(value->text)->value;
   if (std::string const wanted = out_of_range(path, x); !wanted.empty()) {
     problem(path, fmt::format("'{}' is {:g}, out of range", path, x), fmt::format("write a number {}", wanted));
     return not_a_number;

@@ -14,6 +14,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "base/input/document.hpp"
 #include "base/text/bounded_regex.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
@@ -104,7 +105,8 @@ std::string FilterWords::with_comma(FilterWord const& number) const {
 void FilterWords::read() {
   static std::regex const number(R"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)");
   using Kind = FilterWord::Kind;
-  while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
+  for (std::size_t blank = 1; blank > 0 && at_ < text_.size(); at_ += blank)
+    blank = std::isspace(static_cast<unsigned char>(text_[at_])) ? 1 : typeset_space(text_.substr(at_));
   std::size_t const begin = at_;
   here_ = {Kind::end, "", begin, 1};
   if (begin >= text_.size()) return;
@@ -239,6 +241,12 @@ class Filter {
     fail({number.kind, written, number.begin, written.size()}, "'" + written + "' has a decimal comma",
          "write " + pointed);
   }
+  double value_of(FilterWord const& number) {
+    refuse_decimal_comma(number);
+    auto const value = is_number(number.text) ? leading_number(number.text) : std::nullopt;
+    if (!value) fail(number, "'" + number.text + "' " + number_fault(number.text), "write for example 1e-25");
+    return value->value;
+  }
   void unknown(FilterWord const& word, std::string const& name) {
     problem(word, "'" + word.text + "' is not known",
             did_you_mean(name, all_names(), fmt::format("known are {}", fmt::join(all_names(), ", "))));
@@ -318,7 +326,7 @@ class Filter {
     FilterWord const number = words_.here();
     if (number.kind != Kind::number) unexpected("write h(30 Hz)");
     words_.next();
-    refuse_decimal_comma(number);
+    double const value = value_of(number);
     FilterUnits const units = frequency_units();
     std::string const unit = words_.unit(units);
     if (unit.empty() && words_.here().kind == Kind::name)
@@ -326,7 +334,7 @@ class Filter {
     if (unit.empty()) fail(number, "the frequency has no unit", "write h(" + number.text + " Hz)");
     if (!words_.takes(")")) unexpected("add ')'");
     try {
-      return &columns_.strain(std::strtod(number.text.c_str(), nullptr) * factor_of(unit, units));
+      return &columns_.strain(value * factor_of(unit, units));
     } catch (std::out_of_range const& known) {
       problem(number, "h is not known there", known.what());
       return nullptr;
@@ -370,8 +378,7 @@ class Filter {
     FilterWord const number = words_.here();
     if (number.kind != Kind::number) unexpected("write for example " + shown);
     words_.next();
-    refuse_decimal_comma(number);
-    double const limit = std::strtod(number.text.c_str(), nullptr) * factor_of(unit_behind(number, name, c), c.units);
+    double const limit = value_of(number) * factor_of(unit_behind(number, name, c), c.units);
     return ordered(c, sign, c.whole ? limit : six_digits(limit));
   }
   std::string unit_behind(FilterWord const& number, std::string const& name, RouteColumn const& c) {

@@ -10,8 +10,10 @@
 #include <set>
 
 #include "base/errors.hpp"
+#include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "base/text/bounded_regex.hpp"
+#include "base/text/words.hpp"
 
 namespace straytrace::session {
 namespace {
@@ -23,11 +25,13 @@ struct Number {
   std::string unit;
 };
 
-Number number_in(std::string const& text) {
+Number number_in(std::string const& written) {
+  std::string const text = with_plain_spaces(written);
   static std::regex const form(R"(\s*([+-]?[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*)");
   std::smatch m;
   if (!bounded_regex_match(text, m, form)) return {};
-  return {std::strtod(m[1].str().c_str(), nullptr), m[2]};  // inf: beyond double
+  auto const number = leading_number(m[1].str());
+  return {number ? number->value : infinity, m[2]};  // inf: beyond double
 }
 
 std::string written(double value, std::string const& unit) {

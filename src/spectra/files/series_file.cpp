@@ -12,6 +12,7 @@
 #include "base/files/read_write.hpp"
 #include "base/files/text_file.hpp"
 #include "base/input/table.hpp"
+#include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "io/delimited_text.hpp"
 #include "spectra/files/gps.hpp"
@@ -102,7 +103,8 @@ struct Calibration {
 };
 
 // "2e-6 m/s^2": so much is one count, volt or 1 of the file. Units alone, such as "1/m", have no factor.
-Calibration calibration_of(std::string const& text) {
+Calibration calibration_of(std::string const& written) {
+  std::string const text = with_plain_spaces(written);
   Calibration c{1, text};
   auto const [end, code] = std::from_chars(text.data(), text.data() + text.size(), c.factor);
   std::string const rest(end, text.data() + text.size());
@@ -141,7 +143,8 @@ TimeSeries series_argument(std::string const& argument, std::string const& unit,
   return s;
 }
 
-GpsSpan parse_gps(std::string const& text) {
+GpsSpan parse_gps(std::string const& written) {
+  std::string const text = with_plain_spaces(written);
   auto const mark = text.find("..");
   std::string const from = without_blanks_around(text.substr(0, mark));
   GpsSpan span;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/text/words.hpp"
 #include "io/delimited_text.hpp"
 
 namespace straytrace::world {
@@ -80,7 +81,8 @@ class NewmtlReader {
 
 }  // namespace
 
-std::vector<NewmtlMaterial> read_newmtl(std::string_view text, std::vector<Problem>& problems) {
+std::vector<NewmtlMaterial> read_newmtl(std::string_view written, std::vector<Problem>& problems) {
+  std::string const text = with_plain_spaces(written);
   NewmtlReader reader(problems);
   for (TextLine const& line : text_lines(text, Comments::anywhere)) reader.line(line);
   reader.finish();

@@ -97,15 +97,21 @@ class AstmReader {
                       fmt::format("{} values, but VARS names {}", cells.size(), width_),
                       cells.size() > width_ ? surplus_remedy(cells) : "give one value per name, separated by commas");
     double x[5] = {};
+    bool sound = true;
     for (std::size_t i = 0; i < 5; ++i) {
       TextCell const& c = cells[i < 4 ? i : channel_];
       auto const value = number_in(c.text, i < 4 ? unit_[i] : Quantity{1, dim::plain, {}});
-      if (!value) return complain_of_number(problems_, c, i < 4 ? "an angle" : "the BSDF in 1/sr");
-      x[i] = *value;
-      if ((i == 0 || i == 2) && !(std::fabs(x[i]) <= pi / 2 + 1e-6))
-        return complain(problems_, c, fmt::format("a polar angle of {:g} rad", x[i]),
-                        "angles are in radian; for degrees name the columns 'theta_i [deg]' and so on");
+      x[i] = value.value_or(0);
+      if (!value)
+        complain_of_number(problems_, c, i < 4 ? "an angle" : "the BSDF in 1/sr");
+      else if ((i == 0 || i == 2) && !(std::fabs(x[i]) <= pi / 2 + 1e-6))
+        complain(problems_, c, fmt::format("a polar angle of {:g} rad", x[i]),
+                 "angles are in radian; for degrees name the columns 'theta_i [deg]' and so on");
+      else
+        continue;
+      sound = false;
     }
+    if (!sound) return;
     if (!(std::fabs(x[0]) < pi / 2 - 1e-6) || !(std::fabs(x[2]) < pi / 2 - 1e-6)) return;  // grazing: no cosine
     // Spherical azimuths: the specular direction is opposite to the incident one.
     double const phi = x[3] - x[1] - pi;

@@ -9,6 +9,7 @@
 
 #include "base/files/text_file.hpp"
 #include "base/math/constants.hpp"
+#include "base/text/words.hpp"
 #include "io/delimited_text.hpp"
 
 namespace straytrace::world {
@@ -166,7 +167,8 @@ std::vector<std::vector<ScatterPoint>> by_incidence(std::vector<ScatterPoint> co
   return out;
 }
 
-ScatterFile read_scatter_file(std::string_view text, ScatterDeclared const& given, std::vector<Problem>& problems) {
+ScatterFile read_scatter_file(std::string_view written, ScatterDeclared const& given, std::vector<Problem>& problems) {
+  std::string const text = with_plain_spaces(written);
   Format const* const format = known_format(text);
   ScatterFile file;
   if (!format) {

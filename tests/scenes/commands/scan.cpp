@@ -86,6 +86,7 @@ TEST_F(Scan, WrongWords) {
                      {{"black=1e-4/sr..4 cm:3"}, "same unit"},
                      {{"black=1e-4/sr..4e-4/sr:3:lg"}, "':3:lg' is not a number of values, with or without ':log'"},
                      {{"black=1,5e-4/sr..4e-4/sr:3"}, "write 'black=1.5e-4/sr..4e-4/sr:3'"},
+                     {{"black=1e-999/sr..4e-4/sr:3"}, "a range runs from a number to a number"},
                      {{"=3"}, "does not name a parameter"},
                      {{"black=1e-4/sr,"}, "a value is missing"},
                      {{"black=1e-4/sr,2e-4/sr", "black=1e-3/sr"}, "given twice"},
@@ -95,6 +96,7 @@ TEST_F(Scan, WrongWords) {
                      {{"--invert", "motion(tube)"}, "body 'tube' does not exist"},
                      {{"--invert", "param(black)"}, "needs one search range"},
                      {{"--invert", "brdf(baffle)", "--margin", "much"}, "is not a margin"},
+                     {{"--invert", "brdf(baffle)", "--margin", "1e999"}, "is not a margin"},
                      {{"--invert", "brdf(baffle)", "black=1e-4/sr"}, "with -p"}};
   for (auto const& w : wrong) {
     Finished const r = run(w.words);

@@ -255,6 +255,25 @@ TEST(CommandLine, UnsavedTextsThatNothingReadsAreNamed) {
   EXPECT_EQ(straytrace({"--unsaved", virgo_arm + "=" + virgo_arm, "check", virgo_arm}).err, "");
 }
 
+// As copied from typeset text: no-break and thin spaces in options are spaces, and 1e-999 is no 0. Controls: the same
+// with plain spaces, and 0.
+TEST(CommandLine, NumbersOfTypesetTextAndOutsideTheRange) {
+  for (std::string const space : {" ", "\xc2\xa0", "\xe2\x80\x89", "\xe2\x80\xaf"}) {
+    EXPECT_EQ(straytrace({"budget", "adv", "--at", "10.5" + space + "Hz,20" + space + "Hz"}).code, 0) << space;
+    EXPECT_THAT(straytrace({"run", "none.yaml", "-o", "x", "--max-time", "5" + space + "min"}).err,
+                ::testing::Not(HasSubstr("is not a time")));
+  }
+  for (std::string const number : {"1e-999", "1e999"}) {
+    EXPECT_THAT(straytrace({"render", virgo_arm, "-o", "x.png", "--eye", number + " m,0 m,0 m"}).err,
+                HasSubstr("is not valid for --eye"));
+    EXPECT_THAT(straytrace({"budget", "adv", "--margin", number}).err, HasSubstr("is not a positive ratio"));
+    EXPECT_EQ(straytrace({"run", virgo_arm, "-o", "x", "-p", "rim=" + number + " m"}).code, 2);
+    EXPECT_THAT(straytrace({"project", "--rate", number}).err, HasSubstr("--rate: '" + number + "' is not a number"));
+  }
+  EXPECT_THAT(straytrace({"render", virgo_arm, "-o", "none/x.png", "--eye", "0,0 m,0 m"}).err,
+              ::testing::Not(HasSubstr("is not valid for --eye")));
+}
+
 TEST(CommandLine, DecimalCommasAreNamed) {
   EXPECT_THAT(straytrace({"project", "--rate", "1,5"}).err,
               HasSubstr("--rate: '1,5' has a decimal comma; write a decimal point: 1.5"));

@@ -139,6 +139,14 @@ TEST(CouplingFile, ErrorsStatePlaceAndRemedy) {
   EXPECT_THAT(rejected("frequency,factor,flag\n2,-2,Real\n"),
               HasSubstr("c.csv:2:3: error: the factor is not positive"));
   EXPECT_THAT(rejected("frequency,factor,flag\n2,x,Real\n"), HasSubstr("'x' is not a number"));
+  EXPECT_THAT(rejected("frequency,factor,flag,factor_error\n2,x,Real,y\n"),
+              AllOf(HasSubstr("c.csv:2:3: error: 'x' is not a number in column 'factor'"),
+                    HasSubstr("c.csv:2:10: error: 'y' is not a number in column 'factor_error'")));
+  EXPECT_THAT(rejected("frequency,factor,flag\n2,1e-999,Real\n"), HasSubstr("'1e-999' is outside the range"));
+  EXPECT_NO_THROW(
+      read("frequency,\xc2\xa0"
+           "factor,flag\n2,\xe2\x80\x89"
+           "3,Real\n"));
   EXPECT_THAT(rejected("frequency,flag,factor\n2,Real,1,5\n"), HasSubstr("c.csv:2: error: more values than the 3"));
   EXPECT_THAT(rejected(theirs, ""), HasSubstr("c.csv: error: the file does not state the unit of its factors"));
   EXPECT_THAT(rejected(""), HasSubstr("no couplings in it"));

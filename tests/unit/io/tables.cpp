@@ -49,6 +49,56 @@ TEST(CsvTables, SoundRowsStayBesideWrongOnes) {
   EXPECT_TRUE(read("a, b\n1, 2\n").table.whole);
 }
 
+// All wrong cells of a row, up to ten in all; a sound cell between them is not named.
+TEST(CsvTables, EveryWrongCellOfARow) {
+  std::string const said = read("a, b, c\nx, 2, y\n3, 4, 5\n6, z, 7\n").said;
+  EXPECT_THAT(said, AllOf(HasSubstr("t.csv:2:1: error: 'x' is not a number"),
+                          HasSubstr("t.csv:2:7: error: 'y' is not a number"),
+                          HasSubstr("t.csv:4:4: error: 'z' is not a number"), Not(HasSubstr("'2'"))));
+  std::vector<Problem> problems;
+  std::string many = "a, b, c\n";
+  for (int i = 0; i < 5; ++i) many += "x, y, z\n";
+  parse_csv_table(many, Comments::whole_lines, "a", problems);
+  EXPECT_EQ(problems.size(), 10u);
+}
+
+// Neither infinity nor 0 in their place, also where only the unit leads out of the range.
+TEST(CsvTables, NumbersOutsideTheRangeOfDoublePrecision) {
+  EXPECT_THAT(read("a, b\n1e999, -1e-999\n").said,
+              AllOf(HasSubstr("t.csv:2:1: error: '1e999' is outside the range of double precision"),
+                    HasSubstr("t.csv:2:8: error: '-1e-999' is outside the range of double precision")));
+  EXPECT_THAT(read("a [km], b [nm]\n1e308, 1e-323\n").said,
+              AllOf(HasSubstr("t.csv:2:1: error: '1e308' is outside"), HasSubstr("'1e-323' is outside")));
+  Read const sound = read("a, b\n1e-307, 0e-999\n");  // control
+  EXPECT_EQ(sound.said, "");
+  EXPECT_EQ(sound.table.rows.at(0).values, (std::vector<double>{1e-307, 0}));
+}
+
+// U+00A0, U+2007, U+2009, U+202F, between words and before units. Places count code points.
+TEST(CsvTables, NoBreakSpacesAreSpacesExceptBetweenDigits) {
+  for (std::string const space : {"\xc2\xa0", "\xe2\x80\x87", "\xe2\x80\x89", "\xe2\x80\xaf"}) {
+    Read const r = read("a" + space + "[m /" + space + "s], b\n" + space + "1," + space + "2" + space + "\n");
+    EXPECT_EQ(r.said, "");
+    EXPECT_EQ(r.table.rows.at(0).values, (std::vector<double>{1, 2}));
+    EXPECT_THAT(read("a, b\n" + space + "1, x\n").said, HasSubstr("t.csv:2:5: error: 'x'"));
+    EXPECT_THAT(read("a, b\n1" + space + "000, 2\n").said, HasSubstr("between its digits"));
+    NumberTable const t = parse_numbers("1" + space + " 2\n3 " + space + "4\n");
+    ASSERT_TRUE(t.problems.empty()) << t.problems[0].what;
+    EXPECT_EQ(t.column.at(1), (std::vector<double>{2, 4}));
+    NumberTable const grouped = parse_numbers("10 1\n1" + space + "000 2\n");
+    ASSERT_EQ(grouped.problems.size(), 1u) << "not three columns";
+    EXPECT_THAT(grouped.problems[0].what, HasSubstr("has a no-break space (U+"));
+    std::vector<Problem> problems;
+    WordReader words("KEY" + space + "1 2", problems);
+    words.next();
+    EXPECT_EQ(words.numbers(2, "number"), (std::vector<double>{1, 2}));
+  }
+  EXPECT_THAT(read("a\n1\xe2\x80\xaf"
+                   "000\n")
+                  .said,
+              HasSubstr("(U+202F)"));
+}
+
 TEST(CsvTables, DecimalCommasAreBlamedOnlyWithoutPoints) {
   EXPECT_THAT(read("a, b\n1,5, 2\n").said, HasSubstr("use decimal points, not decimal commas"));
   EXPECT_THAT(read("a, b\n1.5, 2, 3\n").said,

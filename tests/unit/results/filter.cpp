@@ -195,6 +195,13 @@ TEST_F(ReportFilter, several_mistakes_are_reported_at_once_with_carets) {
   EXPECT_EQ(json.at(0)["what"], "'scaters' is not known");
   EXPECT_EQ(json.at(0)["suggestion"], "did you mean 'scatters'?");
   EXPECT_THAT(ask("share > 5,5 % and opl > 3,2 m").problems, ::testing::SizeIs(1));  // the first ends the reading
+  for (std::string const number : {"1e999", "1e-999"})
+    EXPECT_THAT(ask("share > " + number + " %").problems.at(0).what,
+                HasSubstr("'" + number + "' is outside the range of double precision"));
+  EXPECT_THAT(ask("share\xc2\xa0>\xe2\x80\xaf"
+                  "5\xe2\x80\x89%")
+                  .problems,
+              IsEmpty());
   std::string const deep = std::string(100000, '(') + "resolved";
   EXPECT_THAT(ask(deep).problems.at(0).what, HasSubstr("too deeply"));
   EXPECT_THAT(ask("via(\"bafles\")").notes, ElementsAre("no route has via(\"bafles\"); did you mean \"baffles\"?"));

@@ -102,6 +102,7 @@ TEST(Ifo, DecimalCommasAreErrors) {
   EXPECT_THAT(complaint("extends: aligo\nLaser:\n  Power: 2,5\n"), HasSubstr("'2,5' has a decimal comma"));
   EXPECT_THAT(complaint("extends: aligo\n", {"Laser.Power=2,5"}), HasSubstr("'2,5' has a decimal comma"));
   EXPECT_THAT(complaint("extends: aligo\nLaser: {Power: x,5}\n"), HasSubstr("is a number, got \"x\""));
+  EXPECT_THAT(complaint("extends: aligo\nLaser: {Power: 1e-999}\n"), HasSubstr("is a number, got \"1e-999\""));
   EXPECT_EQ(complaint("extends: aligo\nLaser: {Power: 2.5, Wavelength: 1.064e-6}\n"), "");
 }
 

@@ -47,6 +47,11 @@ TEST(Expression, TypesetCharacters) {
                        "dB",
                        dim::plain),
               0.1, 1e-12);
+  EXPECT_DOUBLE_EQ(value_of("5\xe2\x80\x89km\xe2\x80\x87", dim::length), 5000);
+  EXPECT_THAT(error_text_of("5\xe2\x80\x89"
+                            "000 m",
+                            dim::length),
+              HasSubstr("two numbers without an operator"));
   EXPECT_THAT(error_text_of("5\xc2\xa0kn", dim::length),
               ::testing::AllOf(HasSubstr("3:14:"), HasSubstr("'kn' is not a unit")));
   EXPECT_THAT(error_text_of("1 m + \xe2\x88\x92"
@@ -155,6 +160,9 @@ TEST(Expression, ErrorsStateARemedy) {
       {"log(0)", "the result is not a finite number", "check for"},
       {"exp(1e9)", "the result is not a finite number", "check for"},
       {"1e999", "outside the range of double precision", "write a number"},
+      {"1e-999", "outside the range of double precision", "write a number"},
+      {"1e-320 nm", "the number is too small", "check the exponent"},
+      {"-1e5 dB", "the number is too small", "write a value above"},
       {"nan", "'nan' is not a finite number", "write a number"},
       {"inf", "'inf' is not a finite number", "write a number"},
       {".inf", "cannot understand '.inf' here", "write a number"},

@@ -61,6 +61,18 @@ TEST(Syntax, InvalidTextsNextToAcceptedOnes) {
   }
 }
 
+// Where YAML needs a space, and in values; the place of a later mistake counts code points.
+TEST(Syntax, NoBreakSpacesAreSpaces) {
+  for (std::string const space : {"\xc2\xa0", "\xe2\x80\x89", "\xe2\x80\xaf"}) {
+    Scene const scene = scene_of("trace:\n" + space + space + "a:" + space + "5" + space + "m\n" + space + " b: [1 m," +
+                                 space + "2 m]\n");
+    EXPECT_EQ(scene.table("trace").number("a", dim::length), 5);
+    EXPECT_EQ(scene.table("trace")["b"].as_numbers(dim::length, 2), (std::vector<double>{1, 2}));
+    EXPECT_EQ(said_by(scene), "");
+    EXPECT_THAT(errors_of("trace: {a:" + space + "[x], b: &y 1}\n"), HasSubstr("2:20: error: anchors"));
+  }
+}
+
 TEST(Syntax, HeadOfTheFile) {
   auto const said = [](std::string const& text) { return errors_of(FileTexts{{"arm.yaml", text}}); };
   EXPECT_EQ(said("straytrace: 1\n"), "");

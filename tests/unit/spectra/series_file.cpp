@@ -119,14 +119,27 @@ TEST(NumberTable, AllWrongRowsAreReported) {
   EXPECT_NE(said.find("a.txt:4:3: error: 'y' is not a number"), std::string::npos) << said;
 }
 
-// Below the smallest double a number is 0; above the largest it is an error.
-TEST(NumberTable, NumbersTooSmallForADoubleAreZero) {
-  NumberTable const t = parse_numbers("0 1e-999\n1 -1e-999\n2 1e-300\n");
-  ASSERT_EQ(error_of(t), "");
-  EXPECT_EQ(t.column[1], (std::vector<double>{0, 0, 1e-300}));
+// Neither 0 nor infinity in their place.
+TEST(NumberTable, NumbersOutsideTheRangeOfDoublePrecisionAreErrors) {
   for (NonFinite const words : {NonFinite::refused, NonFinite::kept})
-    EXPECT_NE(error_of(parse_numbers("0 1\n1 1e999\n", words)).find("'1e999' is not a number"), std::string::npos);
+    for (std::string const number : {"1e999", "1e-999", "-1e-999"})
+      EXPECT_NE(error_of(parse_numbers("0 1\n1 " + number + "\n", words))
+                    .find("'" + number + "' is outside the range of double precision, 1e-307 to 1e308"),
+                std::string::npos);
   EXPECT_NE(error_of(parse_numbers("0 1\n1 1e-999x\n")).find("'1e-999x' is not a number"), std::string::npos);
+  NumberTable const t = parse_numbers("0 0e-999\n1 1e-300\n");  // control
+  ASSERT_EQ(error_of(t), "");
+  EXPECT_EQ(t.column[1], (std::vector<double>{0, 1e-300}));
+}
+
+// In a line without any number the first word stands for all.
+TEST(NumberTable, EveryWrongWordOfARow) {
+  NumberTable const t = parse_numbers("0 1 2\nx 1 y\n3 4 5\na b c\n");
+  ASSERT_EQ(t.problems.size(), 3u);
+  EXPECT_EQ(t.problems[0].place.column, 1u);
+  EXPECT_EQ(t.problems[1].place.column, 5u);
+  EXPECT_EQ(t.problems[1].what, "'y' is not a number (comments start with #)");
+  EXPECT_EQ(t.problems[2].place.line, 4u);
 }
 
 TEST(SeriesFile, StepsThatVaryStateTheMedian) {
