@@ -281,7 +281,10 @@ std::string objection(Estimate const& e, std::uint64_t blocks) {
   if (e.scored == 0) return "no history has scored";
   if (double(e.scored) < fewest)
     return e.scored == 1 ? "only 1 history has scored" : fmt::format("only {} histories have scored", e.scored);
-  if (e.effective_scores < fewest) return fmt::format("only {:.0f} effective scores", e.effective_scores);
+  if (e.effective_scores < fewest) {
+    double const rounded = std::round(e.effective_scores);
+    return fmt::format("only {:.0f} effective score{}", rounded, rounded == 1 ? "" : "s");
+  }
   if (std::string tail = tail_objection(e); !tail.empty()) return tail;
   if (blocks < 32)
     return fmt::format("only {} run (32 are needed)",

@@ -214,7 +214,7 @@ ReceivedList received_columns(double beam_power, bool totals) {
   all.push_back({.key = "rank", .kind = ColumnKind::count, .help = "of a route by power; 0: all light of the receiver",
     .value = [](ReceivedRow const& r) { return std::uint64_t{r.route ? r.route->rank : 0}; },
     .text = {20 * of_routes, "#"}, .csv = {20}, .json = {10 * of_routes}, .page = {20}});
-  all.push_back({.key = "id", .kind = ColumnKind::text, .help = "stable name of the route between runs of one model",
+  all.push_back({.key = "id", .kind = ColumnKind::text, .help = "identifier of the route, the same in all runs of one model",
     .value = [](ReceivedRow const& r) { return r.route ? hash_text(r.route->hash) : ""; },
     .csv = {30}, .json = {20 * of_routes}});
   all.push_back({.key = "sequence", .kind = ColumnKind::text, .help = "the route",
@@ -239,7 +239,7 @@ ReceivedList received_columns(double beam_power, bool totals) {
     .as_text = [](ReceivedRow const& r) { return status_text(r.power()); }});
   all.push_back({.key = "objects", .kind = ColumnKind::list, .help = "on the route", .json = {70 * of_routes},
     .as_json = [](ReceivedRow const& r) { return Json(r.route->objects); }});
-  all.push_back({.key = "folded_routes", .kind = ColumnKind::count, .help = "of a row that sums routes: how many",
+  all.push_back({.key = "folded_routes", .kind = ColumnKind::count, .help = "number of routes in a row that sums several",
     .json = {80 * of_routes}, .as_json = [](ReceivedRow const& r) {
       return r.route->folded_routes > 0 ? Json(r.route->folded_routes) : Json(Json::value_t::discarded); }});
   all.push_back({.key = "folded", .kind = ColumnKind::list, .help = "the largest of these routes",

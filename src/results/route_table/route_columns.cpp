@@ -84,7 +84,7 @@ void add_names(RouteList& all) {
     .value = [](RouteRow const& r) { return r.row.port; },
     .text = {30}, .csv = {30}, .json = {30}, .page = {30}, .left = true, .shown_first = true});
   all.push_back({.key = "id", .kind = ColumnKind::text, .title = "id",
-    .help = "stable name of the route between runs of one model",
+    .help = "identifier of the route, the same in all runs of one model",
     .value = [](RouteRow const& r) { return hash_text(r.row.hash); },
     .csv = {20}, .json = {20}, .page = {270}});
   all.push_back({.key = "vertices", .kind = ColumnKind::count, .help = "of the route; 0 for rows that sum routes",
@@ -99,7 +99,7 @@ void add_names(RouteList& all) {
     .value = [](RouteRow const& r) { return r.row.statement; },
     .csv = {240}, .json = {60},
     .as_json = [](RouteRow const& r) { return only_if(!r.row.statement.empty(), r.row.statement); }});
-  all.push_back({.key = "folded_routes", .kind = ColumnKind::count, .help = "of a row that sums routes: how many",
+  all.push_back({.key = "folded_routes", .kind = ColumnKind::count, .help = "number of routes in a row that sums several",
     .value = [](RouteRow const& r) { return std::uint64_t{r.row.folded_routes}; }, .json = {240},
     .as_json = [](RouteRow const& r) { return only_if(r.row.folded_routes > 0, r.row.folded_routes); }});
   all.push_back({.key = "folded", .kind = ColumnKind::list, .help = "the largest of these routes", .json = {250},

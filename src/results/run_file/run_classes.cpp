@@ -34,24 +34,25 @@ void step_columns(Column&& column) {
 template <class Column>
 void class_columns(Column&& column) {
   auto const of = [](auto member) { return through(&CouplingClass::coupling, member); };
-  column("hash", {"1", "stable name of the route"}, &CouplingClass::hash);
+  column("hash", {"1", "identifier of the route, the same in all runs of one model"}, &CouplingClass::hash);
   column("kind", {"0 scattered, 1 ghost, 2 edge", "the last two are computed, without Monte-Carlo error"},
          &CouplingClass::kind, ClassKind::scattered);
   column("statement", {"", "of computed routes: meaning of the number and its validity"}, &CouplingClass::statement,
          "");
-  column("reverse", {"1", "factor C_rev of the reversed route, not in the mean"}, &CouplingClass::reverse);
+  column("reverse", {"1", "factor C_rev for the reversed route, not included in the mean"}, &CouplingClass::reverse);
   column("by_reverse", {yes_or_no, "taken from the reversed route (reciprocity)"}, &CouplingClass::by_reverse, false);
   column("mean", {"1", "power fraction; not reliable unless trusted"}, of(&Estimate::mean));
-  column("std_error", {"1", "of the mean"}, of(&Estimate::std_error));
-  column("variance_of_variance", {"1", "relative, of the square of the error"}, of(&Estimate::variance_of_variance));
-  column("largest_share", {"1", "of the largest single history"}, of(&Estimate::largest_share));
+  column("std_error", {"1", "standard error of the mean"}, of(&Estimate::std_error));
+  column("variance_of_variance", {"1", "relative variance of the squared error"}, of(&Estimate::variance_of_variance));
+  column("largest_share", {"1", "share of the largest single history in the sum"}, of(&Estimate::largest_share));
   column("effective_scores", {"1", "effective sample size"}, of(&Estimate::effective_scores));
   column("tail_slope", {"1", "p of x^-p that the largest histories follow"}, of(&Estimate::tail_slope), not_a_number);
-  column("halves", {"1", "first blocks less the rest, in standard errors"}, of(&Estimate::halves), not_a_number);
-  column("scored", {"1", "histories that have scored"}, of(&Estimate::scored));
+  column("halves", {"1", "difference between the first and the other blocks, in standard errors"},
+         of(&Estimate::halves), not_a_number);
+  column("scored", {"1", "number of histories with a score"}, of(&Estimate::scored));
   column("trusted", {yes_or_no, "whether the mean is reliable"}, of(&Estimate::trusted));
-  column("why_not", {"", "why it is not"}, of(&Estimate::why_not));
-  column("folded_routes", {"1", "of a row that sums routes: how many"}, &CouplingClass::folded_routes, 0u);
+  column("why_not", {"", "why the mean is not reliable"}, of(&Estimate::why_not));
+  column("folded_routes", {"1", "number of routes in a row that sums several"}, &CouplingClass::folded_routes, 0u);
 }
 
 // Rows of the lists inside classes, laid end to end, and the class of each.
@@ -148,7 +149,7 @@ void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable con
   if (at.list == to_ports.list)
     write_route_table(out, at.classes, table);
   else
-    column("name", {"", "of the route, for people"}, [&](auto& c) { return received_name(table, c); });
+    column("name", {"", "name of the route"}, [&](auto& c) { return received_name(table, c); });
   column(at.end, {"row of /names/" + at.end + "s", "where the light ends"},
          through(&CouplingClass::port, &PortId::value));
   write_steps(out, at.classes, rows);
@@ -158,8 +159,9 @@ void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable con
 void write_folded(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
   Owned<FoldedRoute> const folded(table.*at.list, &CouplingClass::folded);
   out.group(at.folded,
-            "the largest routes in rows 'other' and all in rows of ghosts whose fields add, and why they have no row "
-            "of their own");
+            "the largest routes in rows 'other' and all routes in rows of ghosts whose fields add, with the reason for "
+            "having "
+            "no row of their own");
   out.array(at.folded + "/class", folded.owner, "row of " + at.classes);
   ColumnWriter column(out, at.folded + "/", folded.rows);
   folded_columns(column);
@@ -169,7 +171,7 @@ void write_folded(hdf5::Writer& out, Section const& at, CouplingTable const& tab
 
 void write_records(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
   Owned<PathRecord> const records(table.*at.list, &CouplingClass::records);
-  out.group(at.records, "kept paths with address, weight and phase sensitivities");
+  out.group(at.records, "sampled paths with address, weight and phase sensitivities");
   out.array(at.records + "/class", records.owner, "row of " + at.classes);
   ColumnWriter column(out, at.records + "/", records.rows);
   record_columns(column);
@@ -194,7 +196,7 @@ void read_steps(hdf5::Reader const& in, std::string const& place, std::size_t gr
 // The routes of the paths in rows `other`; light on receivers makes no noise, so that its paths need none.
 void write_members(hdf5::Writer& out, CouplingTable const& table) {
   Owned<MemberRoute> const members(table.classes, &CouplingClass::members);
-  out.group("/members", "routes of the kept paths in rows 'other'; no steps: more vertices than are named");
+  out.group("/members", "routes of the sampled paths in rows 'other'; no steps: more vertices than 'route_vertices'");
   out.array("/members/class", members.owner, "row of /classes");
   write_steps(out, "/members", members.rows);
 }
@@ -254,8 +256,7 @@ void read_records(hdf5::Reader const& in, Section const& at, CouplingTable& tabl
 // Second moments of the phase sensitivities of the routes to ports.
 void write_products(hdf5::Writer& out, CouplingTable const& table) {
   Owned<PhaseSensitivityProduct> const products(table.classes, &CouplingClass::phase_sensitivities);
-  out.group("/phase_sensitivities",
-            "mean coupling times mean product of two phase sensitivities, contributions of the replicas");
+  out.group("/phase_sensitivities", "mean coupling times the mean product of two phase sensitivities, by replica");
   out.array("/phase_sensitivities/class", products.owner, "row of /classes");
   product_columns(ColumnWriter(out, "/phase_sensitivities/product", products.rows));
 }
@@ -278,12 +279,11 @@ void read_products(hdf5::Reader const& in, CouplingTable& table) {
 }  // namespace
 
 void write_classes(hdf5::Writer& out, CouplingTable const& table) {
-  out.group("/names", "names of ids; an id is a row number");
+  out.group("/names", "names by id; an id is a row number");
   out.strings("/names/groups", table.groups);
   out.strings("/names/bodies", table.bodies);
   out.strings("/names/ports", table.ports);
-  out.group("/classes",
-            "one row per route of stray light; couplings of ordered paths, power fraction rejoining the port");
+  out.group("/classes", "one row per route of stray light; couplings are recoupled power fractions of ordered paths");
   out.attribute("/classes", "wavelength", table.wavelength);
   out.attribute("/classes", "reverse_routes", std::vector<std::uint64_t>{table.reverse_routes});
   out.array("/classes/replica_histories", Counts(table.replica_histories.begin(), table.replica_histories.end()), "1");

@@ -299,8 +299,8 @@ bool stored_as_text(std::string const& content) {
 }
 
 void write_input(hdf5::Writer& out, RunContent const& run) {
-  out.group("/input", "everything the run was made from");
-  out.group("/input/files", "texts as read, by number");
+  out.group("/input", "all inputs of the run");
+  out.group("/input/files", "input files as read, numbered");
   std::size_t number = 0;
   for (auto const& [name, text] : run.files) {
     std::string const path = fmt::format("/input/files/{}", number++);
@@ -317,7 +317,7 @@ void write_input(hdf5::Writer& out, RunContent const& run) {
 }
 
 void write_warnings(hdf5::Writer& out, RunContent const& run) {
-  out.group("/warnings", "in words");
+  out.group("/warnings", "warnings of the scene and of the trace");
   out.strings("/warnings/scene", run.warnings);
   out.strings("/warnings/trace", run.trace->warnings);
 }
@@ -359,7 +359,7 @@ std::vector<Estimate> estimates(std::vector<Moments> const& all, BlockSums const
 
 void write_energy_balance(hdf5::Writer& out, TraceResult const& trace) {
   BlockSums const& total = trace.total;
-  out.group("/energy_balance", "where the light went: mean power per history, emitted = sum of the terms");
+  out.group("/energy_balance", "mean power per history; emitted equals the sum of the other terms");
   for (auto [name, value] :
        {std::pair{"blocks", total.blocks}, {"bounces", total.bounces}, {"rays", total.rays}, {"lost", total.lost}})
     out.attribute("/energy_balance", name, std::vector<std::uint64_t>{value});

@@ -94,7 +94,8 @@ void write_design(hdf5::Writer& out, std::vector<DesignCurve> const& design, std
 }
 
 void write_bands(hdf5::Writer& out, NoiseBands const& bands, std::size_t bins) {
-  out.group("/noise/bands", "beside the Monte-Carlo error of the total: what inputs and static phases leave open");
+  out.group("/noise/bands",
+            "uncertainty of the total besides its Monte-Carlo error: stated inputs and unknown static phases");
   for (BandCurve const& column : band_curves) {
     Doubles checked;
     append_bins(checked, bands.*(column.member), bins, column.name);
@@ -162,9 +163,9 @@ void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
   out.strings("/noise/faint", b.faint);
   out.strings("/noise/warnings", b.warnings);
   write_total(out, b.total, bins);
-  out.group("/noise/routes", "one row per row of /classes");
+  out.group("/noise/routes", "noise of each route; rows as in /classes");
   write_routes(out, b.routes, bins);
-  out.group("/noise/design", "curves to compare with, on the centres of the bins");
+  out.group("/noise/design", "design curves at the centres of the bins");
   write_design(out, b.design, bins);
   if (b.bands.made()) write_bands(out, b.bands, bins);
 }

@@ -50,7 +50,7 @@ void read_ports(hdf5::Reader const& in, std::vector<std::string> const& names, s
 }  // namespace
 
 void write_projection(hdf5::Writer& out, ProjectionInputs const& p) {
-  out.group("/projection", "what noise needs from the traced model besides the routes");
+  out.group("/projection", "properties of the traced model that the projection of noise needs besides the routes");
   out.array("/projection/body_meets_light", Bytes(p.meets_light.begin(), p.meets_light.end()), "0 or 1");
   port_columns(ColumnWriter(out, "/projection/port_", p.ports));
   material_columns(ColumnWriter(out, of_materials, p.materials));

@@ -123,9 +123,9 @@ void receiver_columns(Column&& column) {
 template <class Column>
 void power_columns(Column&& column) {
   column("mean", {"1", "power over that of the main mode; not reliable unless trusted"}, &Estimate::mean);
-  column("std_error", {"1", "of the mean"}, &Estimate::std_error);
+  column("std_error", {"1", "standard error of the mean"}, &Estimate::std_error);
   column("trusted", {yes_or_no, "whether the mean is reliable"}, &Estimate::trusted);
-  column("why_not", {"", "why it is not"}, &Estimate::why_not);
+  column("why_not", {"", "why the mean is not reliable"}, &Estimate::why_not);
 }
 
 // Cells of maps without stated pixels.
@@ -177,7 +177,7 @@ void read_areas(hdf5::Reader const& in, RunContent& run) {
 }  // namespace
 
 void write_receivers(hdf5::Writer& out, RunContent const& run) {
-  out.group("/receivers", "where light is counted; rows as in /names/receivers");
+  out.group("/receivers", "receivers and their maps; rows as in /names/receivers");
   out.attribute("/receivers", "beam_power", run.beam_power);
   power_columns(ColumnWriter(out, "/receivers/", run.trace->coupling.received_power));
   receiver_columns(ColumnWriter(out, "/receivers/", run.receivers));
@@ -291,7 +291,9 @@ void strip_columns(Column&& column) {
 }  // namespace
 
 void write_importance(hdf5::Writer& out, ImportanceMap const& map) {
-  out.group("/importance", "what steered the trace: strips of surfaces, and the adjoint of each side of their patches");
+  out.group("/importance",
+            "importance tables that steered the trace: strips of surfaces, and the adjoint flux on both sides of their "
+            "patches");
   strip_columns(ColumnWriter(out, "/importance/", map.strips));
   out.array("/importance/adjoint", map.adjoint, "1", {map.adjoint.size() / 2, 2});
   out.array("/importance/law_share", map.law_share, "1", {map.law_share.size() / 2, 2});

@@ -19,13 +19,13 @@ namespace straytrace::session {
 namespace {
 
 constexpr char const* apart_text =
-    "ghosts of this route; powers of routes are added: their static phases are independent (docs/theory/ghosts.md, "
+    "ghosts of this route; the powers of routes add: their static phases are independent (docs/theory/ghosts.md, "
     "eq. 10.5)";
 constexpr char const* rest_text =
-    "ghosts beyond the strongest routes, named by the strongest of them, powers added: their static phases are "
-    "independent (docs/theory/ghosts.md, eq. 10.5)";
+    "the weaker ghosts of equal phase sensitivities, named by the strongest of them; powers are added: their static "
+    "phases are independent (docs/theory/ghosts.md, eq. 10.5)";
 constexpr char const* fields_text =
-    "ghosts with equal phase sensitivities, fields added with the phases of the geometry as it is written "
+    "ghosts with equal phase sensitivities; their fields add with the phases of the drawn geometry "
     "(docs/theory/ghosts.md, eq. 10.5)";
 
 PathRecord record_of(GhostFamily const& f, double share, double path_length) {
@@ -91,9 +91,9 @@ CouplingClass family_class(std::span<GhostFamily const* const> members, PortId p
   to_principal_states(records);
   CouplingClass c = deterministic_class(
       ClassKind::ghost, members.front()->steps, port, 1, std::move(records),
-      fmt::format("coherent family: {} ghosts of {} different phase sensitivities, fields added with the phases of the "
-                  "geometry as it is written, their common phase averaged (docs/theory/ghosts.md, eq. 10.5); coupling: "
-                  "sum of powers",
+      fmt::format("coherent family: {} ghosts of {} different phase sensitivities, whose fields add with the phases of "
+                  "the drawn geometry, averaged over their common phase (docs/theory/ghosts.md, eq. 10.5); the "
+                  "coupling is the sum of powers",
                   ghosts, members.size()));
   c.hash = ~c.hash;  // of the strongest alone it is another route
   list_parts(c, members);

@@ -101,13 +101,12 @@ struct Group {
     return all;
   }
   std::string statement(Sum sum) const {
-    constexpr char const* words[] = {"powers added, as millimetres of tolerance shuffle their phases",
-                                     "fields added with the phases of the drawn geometry",
-                                     "fields added in phase, the worst case"};
+    constexpr char const* words[] = {"powers add, because tolerances of millimetres make their phases random",
+                                     "fields add with the phases of the drawn geometry",
+                                     "fields add in phase, the worst case"};
     std::string text = fmt::format(
         "upper bound: light scattered towards a rim taken as one smooth spherical wave (docs/theory/diffraction.md, "
-        "eq. 8.11); speckle, "
-        "about {} around a rim, lowers the coupling by up to that factor",
+        "eq. 8.11); speckle, about {} around a rim, lowers the coupling by up to that factor",
         std::fmax(patches, 1) < 1.5 ? "1 patch" : fmt::format("{:.0f} patches", patches));
     if (waves.size() > 1)
       text += fmt::format("; {} rims, {}: coupling {:.3g} by powers, {:.3g} by the drawn phases, {:.3g} in phase",

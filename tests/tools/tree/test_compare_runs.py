@@ -49,6 +49,16 @@ class Files(unittest.TestCase):
         self.assertEqual(self.differences(described("meaning")), [])
         self.assertEqual(len(self.differences(described("unit"))), 1)     # negative control
 
+    def test_reworded_descriptions(self):
+        def described(attribute, text):
+            def change(file):
+                file["names/ports"].attrs[attribute] = text
+            return change
+        old = self.written("old", described("meaning", "port"))
+        self.assertEqual(list(compare_runs.differences(old, self.written("new", described("meaning", "reworded")))), [])
+        old = self.written("old", described("unit", "m"))     # negative control
+        self.assertEqual(len(list(compare_runs.differences(old, self.written("new", described("unit", "s"))))), 1)
+
     def test_groups_that_old_programs_do_not_write(self):
         def added(name):
             def change(file):
@@ -56,6 +66,7 @@ class Files(unittest.TestCase):
                 file[name].attrs["meaning"] = "new"
             return change
         self.assertEqual(self.differences(added("projection")), [])
+        self.assertEqual(self.differences(lambda file: file.create_dataset("records/member", data=1)), [])
         self.assertEqual(len(self.differences(added("other"))), 2)     # negative control
         old, new = self.written("old", added("projection")), self.written("new")
         self.assertEqual(len(list(compare_runs.differences(old, new))), 2)     # a lost group is a difference
