@@ -140,8 +140,8 @@ int print_list(std::string const& file, bool json) {
   std::vector<NewmtlMaterial> const list = read_newmtl(text, problems);
   std::string const name = std::filesystem::path(file).filename().string();
   if (list.empty() && problems.empty())
-    throw InputError(fmt::format("'{}' contains no material", name), "begin with a line 'newmtl NAME'");
-  if (!problems.empty()) throw errors_in(name, std::move(problems));
+    throw InputError(fmt::format("'{}' contains no material", file), "begin with a line 'newmtl NAME'");
+  if (!problems.empty()) throw errors_in(file, std::move(problems));
   if (!json) {
     std::cout << fmt::format(
                      "straytrace: 1\n# of {}: save this as materials.yaml next to a scene and write there\n"

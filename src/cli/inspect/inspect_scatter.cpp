@@ -62,7 +62,7 @@ int inspect_scatter(ScatterRequest const& r) {
     if (!r.write.ends_with(".ssdd"))
       throw InputError(fmt::format("'{}' is not an SSDD file", r.write), "write --write NAME.ssdd");
     ssdd = ssdd_text(file, r.beyond, why);
-    if (!why.empty()) throw InputError(fmt::format("cannot convert '{}' to SSDD: {}", name, why), "remove --write");
+    if (!why.empty()) throw InputError(fmt::format("cannot convert '{}' to SSDD: {}", r.file, why), "remove --write");
   }
   nlohmann::json const data = scatter_json(name, file, audit, fits);
   if (!r.plot.empty()) draw(data, r.plot);

@@ -137,7 +137,8 @@ TimeSeries series_argument(std::string const& argument, std::string const& unit,
   auto const [factor, name] = calibration_of(unit);
   SeriesRequest const wanted{mark == argument.npos ? "" : argument.substr(mark + 2), name, span, corrects,
                              name != unit && !corrects};
-  TimeSeries s = parse_series(bytes_of(file), std::filesystem::path(file).filename().string(), wanted);
+  TimeSeries s = parse_series(bytes_of(file), file, wanted);
+  if (s.name == file) s.name = std::filesystem::path(file).filename().string();
   if (factor != 1)
     for (double& x : s.samples) x *= factor;
   return s;

@@ -82,15 +82,15 @@ void note(GeometryFile& out, MeshAdvice const& a) {
   if (!a.what.empty()) out.notes.push_back({a.what, a.suggestion});
 }
 
-void read_cad(std::string const& name, std::string const& bytes, std::string const& units, GeometryFile& out) {
+void read_cad(fs::path const& path, std::string const& bytes, std::string const& units, GeometryFile& out) {
   std::string text = bytes;
-  if (is_step(name)) {
+  if (std::string const name = path.filename().string(); is_step(name)) {
     StepConversion made = convert_step(name, bytes);
-    refuse_mesh(name, made.fault);
+    refuse_mesh(path.string(), made.fault);
     text = std::move(made.text);
   }
   CadFile file;
-  refuse_mesh(name, read_cad_file(text, file));
+  refuse_mesh(path.string(), read_cad_file(text, file));
   out.format = fmt::format("{}, converted by {}", file.schema, file.made_by);
   out.unit = !file.unit_stated ? "not in the file, shown as mm"
              : file.unit > 0   ? fmt::format("the file states {:g} m", file.unit)
@@ -139,7 +139,7 @@ void read_mesh(fs::path const& path, std::string const& bytes, std::string const
     std::error_code missing;
     return fs::is_regular_file(path.parent_path() / other, missing) ? contents(path.parent_path() / other) : "";
   };
-  refuse_mesh(file.name, read_mesh_file(bytes, beside, file));
+  refuse_mesh(path.string(), read_mesh_file(bytes, beside, file));
   fs::path library = path;
   if (std::string const text = beside(library.replace_extension(".mtl").filename().string()); !text.empty())
     set_library_colours(text, file);
@@ -151,7 +151,7 @@ void read_mesh(fs::path const& path, std::string const& bytes, std::string const
                                     : fmt::format("not in the file: {} as mm, {} as m", size_text(file.box(), 1e-3),
                                                   size_text(file.box(), 1));
   MeshHealth const health = examine(file);
-  refuse_mesh(file.name, without_area(health));
+  refuse_mesh(path.string(), without_area(health));
   for (MeshAdvice const& a : advice(file, health)) note(out, a);
   Box const box = file.box();
   out.box = {out.scale * box.lower, out.scale * box.upper};
@@ -168,7 +168,7 @@ GeometryFile read_geometry(std::string const& file, std::string const& units) {
   GeometryFile out;
   std::string const bytes = contents(file), name = fs::path(file).filename().string();
   if (is_step(name) || is_converted(name))
-    read_cad(name, bytes, units, out);
+    read_cad(file, bytes, units, out);
   else
     read_mesh(file, bytes, units, out);
   out.world.finish();

@@ -54,10 +54,30 @@ TEST(WrongFiles, PlacesInRecordsAreFields) {
   auto const list = nlohmann::json::parse(r.err);
   ASSERT_EQ(list.size(), 2u) << r.err;
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(list[i]["file"], "record.csv");
+    EXPECT_EQ(list[i]["file"], folder / "record.csv");
     EXPECT_EQ(list[i]["line"], 4 + i);
     EXPECT_EQ(list[i]["column"], 3);
     EXPECT_EQ(list[i]["what"], std::string(i ? "'y'" : "'x'") + " is not a number (comments start with #)");
+  }
+}
+
+// As it was written, so that two files of one name are told apart and an editor opens the right one.
+TEST(WrongFiles, AreNamedWithTheirPath) {
+  Folder const folder;
+  fs::create_directory(folder / "data");
+  write_text(folder / "data/record.csv", "time [s],x [m]\n0,1\n1,2\n2,x\n");
+  write_text(folder / "data/two.csv", "time [s],x [m],y [m]\n0,1,2\n1,2,3\n");
+  write_text(folder / "data/list.mtl", "newmtl a\nReflect x 0\n");
+  write_text(folder / "data/mesh.obj", "v 0 0 0\n");
+  for (auto const& [words, said] :
+       {std::pair{Words{"signal", "psd", "data/record.csv"}, "data/record.csv:4:3: error: 'x' is not a number"},
+        std::pair{Words{"signal", "psd", "data/two.csv"}, "name one, for example data/two.csv::x"},
+        std::pair{Words{"signal", "psd", "./data/record.csv"}, "./data/record.csv:4:3: error: "},
+        std::pair{Words{"inspect", "data/list.mtl"}, "data/list.mtl"},
+        std::pair{Words{"inspect", "data/mesh.obj"}, "data/mesh.obj"}}) {
+    Finished const r = straytrace(words, {folder.path()});
+    EXPECT_EQ(r.code, 2) << words.back();
+    EXPECT_THAT(r.err, HasSubstr(said));
   }
 }
 
