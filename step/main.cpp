@@ -5,7 +5,6 @@
 #include <sys/prctl.h>
 
 #include <Standard_Version.hxx>
-#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <iostream>

@@ -3,7 +3,6 @@
 // simplified and marked.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 

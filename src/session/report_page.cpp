@@ -5,8 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 
 #include "base/errors.hpp"
 #include "report/html/html.hpp"

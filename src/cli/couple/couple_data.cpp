@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -25,6 +24,16 @@ void add_pair_options(CLI::App& command, PairOptions& o, char const* witness) {
                      "unit, where the file has none: m/s^2; of counts the calibration: \"2e-6 m/s^2\"");
   command.add_option("--target-unit", o.target_unit, "unit, where the file has none: 1 for strain");
   command.add_flag("--displacement", o.displacement, "convert the witness from m/s^2 or m/s to m");
+}
+
+void add_ratio_option(CLI::App& command, std::string const& name, double& ratio, std::string const& help) {
+  std::string const usual = fmt::format("{:g}", ratio);
+  command.add_option(name, ratio, help)->default_str(usual)->check(number_between(1, 1e9, usual));
+}
+
+void add_significance_option(CLI::App& command, double& significance, std::string const& help) {
+  std::string const usual = fmt::format("{:g}", significance);
+  command.add_option("--significance", significance, help)->default_str(usual)->check(number_between(0, 37, usual));
 }
 
 ChannelPair read_pair(PairOptions const& o, GpsSpan span) {

@@ -4,8 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +32,9 @@ struct PairOptions {
   bool displacement = false;
 };
 void add_pair_options(CLI::App&, PairOptions&, char const* witness);
+// Thresholds, with the present value as the default: a ratio of amplitudes; --significance in standard deviations.
+void add_ratio_option(CLI::App&, std::string const& name, double& ratio, std::string const& help);
+void add_significance_option(CLI::App&, double& significance, std::string const& help);
 struct ChannelPair {
   TimeSeries witness, target;  // on equal samples
 };

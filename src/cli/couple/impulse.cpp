@@ -184,11 +184,8 @@ void add_couple_events(CLI::App& couple, int& exit_code) {
   command->add_option("--averages", o.settings.averages, "segments of each stretch")
       ->default_str("20")
       ->check(whole_between(2, 100000, "20"));
-  command
-      ->add_option("--significance", o.settings.overall_significance,
-                   "significance of an event, corrected for all bins and stretches")
-      ->default_str("3")
-      ->check(number_between(0.0, 37.0, "3"));
+  add_significance_option(*command, o.settings.overall_significance,
+                          "significance of an event, corrected for all bins and stretches");
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch
   command->footer(
       "Examples:\n"

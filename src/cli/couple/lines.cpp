@@ -287,9 +287,7 @@ void add_couple_ramp(CLI::App& couple, int& exit_code) {
   auto const options = std::make_shared<LineOptions>();
   LineOptions& o = *options;
   add_line_options(*command, o);
-  command->add_option("--significance", o.significance, "threshold for a fringe, standard deviations")
-      ->default_str("3")
-      ->check(number_between(0.0, 37.0, "3"));
+  add_significance_option(*command, o.significance, "threshold for a fringe, standard deviations");
   mark_output(*command, *command->add_option("--save", o.save,
                                              "CSV of pemcoupling with the outcome as flag, for straytrace project"));
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch

@@ -227,15 +227,9 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
                       "unit, where the file has none: m/s^2; of counts the calibration: \"2e-6 m/s^2\"");
   command->add_option("--target-unit", o.target_unit, "unit, where the file has none: 1 for strain");
   command->add_flag("--displacement", o.displacement, "convert the witness from m/s^2 or m/s to m");
-  command->add_option("--witness-ratio", o.thresholds.witness, "amplitude of the witness over quiet")
-      ->default_str("2")
-      ->check(number_between(1.0, 1e9, "2"));
-  command->add_option("--target-ratio", o.thresholds.target, "amplitude of the target over quiet")
-      ->default_str("2")
-      ->check(number_between(1.0, 1e9, "2"));
-  command->add_option("--significance", o.thresholds.significance, "of both, standard deviations")
-      ->default_str("3")
-      ->check(number_between(0.0, 37.0, "3"));
+  add_ratio_option(*command, "--witness-ratio", o.thresholds.witness, "amplitude of the witness over quiet");
+  add_ratio_option(*command, "--target-ratio", o.thresholds.target, "amplitude of the target over quiet");
+  add_significance_option(*command, o.thresholds.significance, "of both, standard deviations");
   command->add_flag("--accept-incoherent", o.accept_incoherent,
                     "skip the check for fringe wrapping: the witness need not sense all that reaches the target");
   add_band_option(*command, o.data, "LOW..HIGH of the result: \"20 Hz..400 Hz\"");

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "analysis/coupling/lines.hpp"
@@ -87,12 +86,8 @@ void add_couple_sweep(CLI::App& couple, int& exit_code) {
   command->add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all");
   command->add_option("--window", o.window, "length of the windows")->default_str(o.window);
   command->add_option("--resolution", o.resolution, "resolution of the coupling; default: 2 over the window");
-  command->add_option("--witness-ratio", o.ridge.witness_ratio, "amplitude of the drive over the background")
-      ->default_str("10")
-      ->check(number_between(1.0, 1e9, "10"));
-  command->add_option("--significance", o.ridge.significance, "significance of the target; below: an upper limit")
-      ->default_str("3")
-      ->check(number_between(0.0, 37.0, "3"));
+  add_ratio_option(*command, "--witness-ratio", o.ridge.witness_ratio, "amplitude of the drive over the background");
+  add_significance_option(*command, o.ridge.significance, "significance of the target; below: an upper limit");
   command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
   mark_output(*command, *command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project"));
   add_output_options(*command, o.data, "--silent");  // --quiet names a stretch

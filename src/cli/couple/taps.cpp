@@ -172,15 +172,9 @@ void add_couple_taps(CLI::App& couple, int& exit_code) {
       ->allow_extra_args(false);
   command->add_option("--force-unit", o.force_unit, "unit, where the file has none: N");
   command->add_option("--target-unit", o.target_unit, "unit, where the file has none: 1 for strain");
-  command->add_option("--target-ratio", o.thresholds.target, "amplitude over quiet")
-      ->default_str("3")
-      ->check(number_between(1.0, 1e9, "3"));
-  command->add_option("--force-ratio", o.thresholds.force, "amplitude over quiet")
-      ->default_str("2")
-      ->check(number_between(1.0, 1e9, "2"));
-  command->add_option("--significance", o.thresholds.significance, "significance of the target, standard deviations")
-      ->default_str("3")
-      ->check(number_between(0.0, 37.0, "3"));
+  add_ratio_option(*command, "--target-ratio", o.thresholds.target, "amplitude over quiet");
+  add_ratio_option(*command, "--force-ratio", o.thresholds.force, "amplitude over quiet");
+  add_significance_option(*command, o.thresholds.significance, "significance of the target, standard deviations");
   add_band_option(*command, o.data, "LOW..HIGH of the result");
   add_welch_options(*command, o.data);
   command->add_option("--show", o.show, "peaks of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <iostream>
 
 #include "base/text/words.hpp"
 #include "cli/commands.hpp"
@@ -76,11 +74,6 @@ FringePrediction from_channel(FringesOptions const& o) {
   return {motion.times, wavelength, {{s.name, fmt::format("{:g} bounces", o.bounces), hz}}, hz, 0};
 }
 
-std::string quantile_text(std::vector<double> hz, double below) {
-  std::sort(hz.begin(), hz.end());
-  return fmt::format("{:.4g}", hz[std::size_t(std::lround(below * double(hz.size() - 1)))]);
-}
-
 std::string lines_text(FringePrediction const& p) {
   Columns columns{{"median/Hz", "95 %/Hz", "largest/Hz", "at GPS", "sees, in bounces of 2k", "route"},
                   {false, false, false, false, true, true},
@@ -88,8 +81,9 @@ std::string lines_text(FringePrediction const& p) {
   for (Line const& line : p.lines) {
     auto const top = std::max_element(line.hz.begin(), line.hz.end());
     double const when = p.times.start + double(top - line.hz.begin()) / p.times.rate;
-    columns.rows.push_back({quantile_text(line.hz, 0.5), quantile_text(line.hz, 0.95), fmt::format("{:.4g}", *top),
-                            fmt::format("{:.2f}", when), line.bodies, line.name});
+    FringeStride const all = by_stride(line.hz, p.times, p.times.duration(), 0).front();
+    columns.rows.push_back({fmt::format("{:.4g}", all.median), fmt::format("{:.4g}", all.p95),
+                            fmt::format("{:.4g}", all.largest), fmt::format("{:.2f}", when), line.bodies, line.name});
   }
   std::string const text = aligned(columns);
   if (p.not_shown == 0) return text;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <map>
 
 #include "io/markup.hpp"
 #include "results/curves/band.hpp"

@@ -6,7 +6,6 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <array>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>

@@ -17,8 +17,6 @@ namespace {
 using Line = std::map<std::string, std::string>;  // cells of a line of sums by the key of their column
 using RouteWriter = TableWriter<RouteRow>;
 
-bool is_upper_bound(PathRow const& row) { return row.upper_bound(); }
-
 // Sum of resolved rows from `first` on: shares, of `whole`, and couplings add, strains add in power.
 Line rest_of(PathTable const& table, std::size_t first, PathTable const& whole, std::string const& title) {
   ReplicaSum power, all_power, coupling;
@@ -130,7 +128,7 @@ std::string explanation(PathTable const& table) {
   if (has_kinds(table))
     text +=
         "Kinds ghost and edge are computed, not sampled, without a Monte-Carlo error; their limits are listed below.\n";
-  if (std::any_of(table.rows.begin(), table.rows.end(), is_upper_bound))
+  if (std::ranges::any_of(table.rows, &PathRow::upper_bound))
     text +=
         "Kind edge is an upper bound: 'at most'. Shares are those with all bounds reached; without, those of other "
         "kinds "

@@ -2,7 +2,6 @@
 // Path tables of some of the routes: those that pass a filter, or those that remain without an object.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 

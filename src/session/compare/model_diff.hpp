@@ -3,7 +3,6 @@
 // comments, names of parameters and spelling of units are ignored.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>

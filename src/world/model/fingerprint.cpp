@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <bit>
-#include <cstring>
 
 #include "world/model/world.hpp"
 
