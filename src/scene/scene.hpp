@@ -44,8 +44,8 @@ class Scene {
   FileTexts const& files() const;  // every text read, includes and data files, by name relative to the main file
   std::string title() const;
   std::string place_text(Place) const;  // "library/materials/mirrors.yaml:7"
-  std::string warnings() const;    // rendered, empty when there are none
-  void throw_if_problems() const;  // one InputError with everything, sorted by place
+  std::string warnings() const;         // rendered, empty when there are none
+  void throw_if_problems() const;       // one InputError with everything, sorted by place
   // The tree with parameters evaluated and includes, parts and repeats expanded (check --resolved).
   std::string resolved() const;
 
