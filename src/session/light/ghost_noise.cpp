@@ -181,8 +181,8 @@ GhostClasses ghost_classes(GhostFamilies const& families) {
   for (auto& [hash, c] : apart) all.classes.push_back(std::move(c));
   if (fields > 0 && !apart.empty())
     all.warnings.push_back(
-        fmt::format("{} different phase sensitivities: the fields of the strongest {} are added, the others, {:.2g} of "
-                    "the light, in power; raise 'floor' or lower 'order' to leave them out",
+        fmt::format("{} different phase sensitivities: the fields of the strongest {} add; the others, {:.2g} of "
+                    "the light, add in power; raise 'floor' or lower 'order' to leave them out",
                     by_share.size(), fields, left / (left + all.classes.front().coupling.mean)));
   return all;
 }

@@ -174,7 +174,7 @@ class OffList {
       if (!(share > 0.01)) continue;
       bool const port = place.first < first_receiver_end;
       list.push_back(fmt::format(
-          "{:.0f} % of {} comes from '{}', which is on no list of targets: its error falls slowly, "
+          "{:.0f} % of {} comes from '{}', which is not a target of importance sampling: its error falls slowly, "
           "and more histories are needed",
           100 * share,
           port ? "port " + table.ports[place.first] : "receiver " + table.receivers[place.first - first_receiver_end],

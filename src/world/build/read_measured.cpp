@@ -96,7 +96,7 @@ class MeasuredReader {
   void report(Measured const& p, MeasuredSummary const& s, LawReading& out) {
     out.note(fmt::format(
         "'{}' ({}): {:g} angles of incidence up to {:.3g} deg, |alpha - alpha_0| from {:.3g} to {:.3g}; {} beyond; "
-        "directions exchanged, it differs by a factor up to {:.3g} before the mean is taken",
+        "reciprocity violated by a factor of up to {:.3g}, removed by averaging over exchanged directions",
         name_, file.format, p.incidences, std::asin(p.sine[int(p.incidences) - 1]) / (pi / 180), s.smallest_offset,
         s.largest_offset, beyond_, s.asymmetry));
     if (file.incidences_left_out > 0)
@@ -119,7 +119,7 @@ class MeasuredReader {
       law_.warning(
           fmt::format("measured for |alpha - alpha_0| from {:.3g} to {:.3g}; beyond, the law is {}", s.smallest_offset,
                       s.largest_offset, beyond_ == "power" ? "continued as a power law" : beyond_),
-          "trust what falls outside as far as you trust 'beyond'");
+          "results at other offsets depend on 'beyond'");
     if (s.spread > 1.5)
       law_.warning(
           fmt::format(
@@ -128,7 +128,7 @@ class MeasuredReader {
               s.spread),
           "their geometric mean is used; remove glints, or use two materials");
     if (s.asymmetry > 1.5)
-      law_.warning(fmt::format("with the directions exchanged the BRDF differs by a factor {:.3g}", s.asymmetry),
+      law_.warning(fmt::format("the BRDF violates reciprocity by a factor of {:.3g}", s.asymmetry),
                    "the mean is used; check the angles and the cosine ('brdf' or 'brdf_cos')");
   }
 

@@ -187,7 +187,7 @@ void add_instance(Scene::Instance const& instance, World& world, Registry& names
     medium = instance.usual_medium;
     if (shared.complained.insert("filling of " + entry_of(instance)).second)
       world.notes.push_back(
-          fmt::format("'{}' is filled with {}, the usual medium of its part", part_of(instance), medium.as_word()));
+          fmt::format("'{}' is filled with {}, the default medium of its part", part_of(instance), medium.as_word()));
   }
   bool const by_part = file && medium && medium.kind() == Node::Kind::table;
   if (!by_part) as.volume = volume_of(medium, part_of(instance), world, names, shared);

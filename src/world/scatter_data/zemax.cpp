@@ -301,8 +301,9 @@ void read_abg_catalogue(std::string_view text, ScatterFile& file, std::vector<Pr
     }
     file.notes.push_back(fmt::format("{:g} deg: A = {:g} /sr, B = {:g}, g = {:g}", r.theta_i / degree, r.a, r.b, r.g));
   }
-  file.notes.push_back(fmt::format("entry '{}' of {}; formulas, not measured points: beyond its rows the nearest holds",
-                                   e->name, reader.entries.size()));
+  file.notes.push_back(
+      fmt::format("entry '{}' of {}; formulas, not measured points; beyond its rows the nearest row applies", e->name,
+                  reader.entries.size()));
 }
 
 }  // namespace straytrace::world

@@ -175,7 +175,7 @@ TEST(GhostPorts, a_family_that_is_too_large_is_a_warning) {
           detector;
   write_text(folder / "a.yaml", text);
   std::string const said =
-      "70 different phase sensitivities: the fields of the strongest 64 are added, the others, 0.08 of the light";
+      "70 different phase sensitivities: the fields of the strongest 64 add; the others, 0.08 of the light, add";
   EXPECT_THAT(straytrace({"ghosts", folder / "a.yaml"}).err, HasSubstr("beam 'laser': " + said));
   Finished const traced = straytrace({"trace", folder / "a.yaml", "-o", folder / "run.h5", "--histories", "4096"});
   EXPECT_THAT(traced.err, HasSubstr("ghosts of the beam 'laser': " + said));
