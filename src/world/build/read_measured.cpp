@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/input/document.hpp"
 #include "world/build/read_laws.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 
