@@ -162,7 +162,7 @@ class Maker:
         defs = {c: self.definition(c) for c in sorted(self.facts.contexts) if c != "a model"}
         for named in ("material", "medium", "body", "part", "beam", "port", "receiver", "parameter"):
             defs[named]["properties"]["override"] = SWITCH
-        for single in ("'edges'", "'ghosts'", "'trace'", "'noise'", "'report'"):
+        for single in ("'edges'", "'wave'", "'ghosts'", "'trace'", "'noise'", "'report'"):
             defs[single]["properties"]["override"] = SWITCH
         defs["'surfaces'"]["additionalProperties"] = {"type": ANY_SCALAR}
         self.families(defs)

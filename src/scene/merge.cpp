@@ -34,6 +34,7 @@ constexpr std::array top_keys{
     TopKey{"ports", "port", Section::named},
     TopKey{"receivers", "receiver", Section::named},
     TopKey{"edges", "", Section::single},
+    TopKey{"wave", "", Section::single},
     TopKey{"ghosts", "", Section::single},
     TopKey{"interferometer", "", Section::single},
     TopKey{"trace", "", Section::single},

@@ -40,6 +40,7 @@ World build_world(Scene const& scene) {
   read_receivers(scene, world, names);
   read_beams(scene, world, names);
   read_edges(scene, world, names);
+  read_wave(scene, world, names);
   read_trace_limits(scene, world);
   if (scene.root().healthy()) {  // shapes with missing numbers cannot be searched
     world.finish();
@@ -126,8 +127,6 @@ std::vector<KnownMedium> known_media() {
 
 // The table `edges`: rims that diffract light from one mirror of a cavity to the other (docs/theory/diffraction.md).
 
-namespace {
-
 std::vector<std::string> groups_with_rims(World const& world) {
   std::vector<std::string> found;
   for (std::uint32_t id = 0; id < world.surfaces().size(); ++id) {
@@ -138,9 +137,9 @@ std::vector<std::string> groups_with_rims(World const& world) {
   return found;
 }
 
-void read_group(Node const& node, World& world, Registry const& names, std::vector<std::string> const& with_rims) {
+void choose_rims(Node const& node, World const& world, Registry const& names, std::vector<std::string> const& with_rims,
+                 std::vector<std::string>& chosen) {
   std::string const pattern = node.as_word();
-  std::vector<std::string>& chosen = world.edges.groups;
   bool any = false;
   for (std::string const& group : with_rims) {
     if (!matches(pattern, group)) continue;
@@ -158,6 +157,8 @@ void read_group(Node const& node, World& world, Registry const& names, std::vect
           : (with_rims.empty() ? std::string("rims are those of disks, caps and cones with an inner radius")
                                : fmt::format("entries with inner rims: {}", fmt::join(with_rims, ", "))));
 }
+
+namespace {
 
 // Of the smallest rim that is chosen, m.
 double smallest_rim(World const& world) {
@@ -198,7 +199,7 @@ void read_edges(Scene const& scene, World& world, Registry const& names) {
   std::vector<Node> const surfaces = table.list("surfaces");
   if (surfaces.empty())
     table.problem("'edges' names no surfaces", "add 'surfaces: \"baffles*\"', entries of 'scene' with inner rims");
-  for (Node const& node : surfaces) read_group(node, world, names, with_rims);
+  for (Node const& node : surfaces) choose_rims(node, world, names, with_rims, edges.groups);
   if (table.has("offset")) edges.offset = read_vector(table["offset"], dim::length);
   edges.tooth_height = table.number("tooth_height", dim::length, 0, 0, 1);
   if (table.has("tooth_width") && !table.has("tooth_height"))

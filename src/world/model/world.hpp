@@ -10,6 +10,7 @@
 #include "world/model/body.hpp"
 #include "world/model/material.hpp"
 #include "world/model/view.hpp"
+#include "world/model/wave_settings.hpp"
 
 namespace straytrace::scene {
 class Scene;
@@ -123,6 +124,7 @@ class World {
   Storage storage;  // tables that shapes, laws and coatings point into
   WalkLimits limits;
   EdgeSettings edges;  // independent of the trace, not part of the fingerprint
+  WaveSettings wave;   // the same
   bool polarised = false;
   bool reverse_routes = true;  // apply C_rev (docs/theory/path_integral.md)
   double wavelength = 1.064e-6;

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The table `wave`: a cavity whose field is computed by Fourier propagation (docs/theory/wave.md).
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/input/document.hpp"
+#include "world/build/read_parts.hpp"
+
+namespace straytrace::world {
+namespace {
+
+constexpr std::uint32_t least_points = 64, most_points = 8192;
+
+// The cavity that the table names.
+struct WaveCavity {
+  Node mirrors;                               // the value of `cavity`; none when the beam is unknown or is not a cavity
+  bool found = false;                         // with footprints on both mirrors
+  bool names(std::string const& name) const;  // whether `cavity` contains this text
+};
+
+bool WaveCavity::names(std::string const& name) const {
+  return std::ranges::any_of(mirrors.as_list(), [&](Node const& m) { return m.text() == name; });
+}
+
+// Numbers of the beams are their places in the table. Beams with a problem of their own have no footprints.
+WaveCavity find_cavity(Node const& table, Scene const& scene, World& world) {
+  WaveCavity cavity;
+  WaveSettings& wave = world.wave;
+  wave.beam_name = table.word("beam");
+  std::vector<std::string> beams, cavities;
+  for (auto const& [name, beam] : scene.table("beams").items()) {
+    if (name == wave.beam_name) {
+      wave.beam = std::uint32_t(beams.size());
+      cavity.mirrors = beam["cavity"];
+    }
+    beams.push_back(name);
+    if (beam.has("cavity")) cavities.push_back(name);
+  }
+  if (wave.beam_name.empty()) return cavity;
+  std::string const remedy = cavities.empty() ? "add 'beams: {arm: {cavity: [ITM, ETM]}}', or remove 'wave'"
+                                              : fmt::format("beams that are cavities: {}", fmt::join(cavities, ", "));
+  if (std::ranges::find(beams, wave.beam_name) == beams.end())
+    table["beam"].problem(fmt::format("beam '{}' is not defined", wave.beam_name),
+                          did_you_mean(wave.beam_name, cavities, remedy));
+  else if (!cavity.mirrors)
+    table["beam"].problem(fmt::format("beam '{}' is not the mode of a cavity", wave.beam_name), remedy);
+  std::size_t known = 0;
+  for (Footprint const& f : world.footprints())
+    if (f.standing && f.beam == wave.beam && known < 2) wave.mirrors[known++].surface = f.surface;
+  cavity.found = cavity.mirrors && known == 2;
+  return cavity;
+}
+
+// Numbers of points that the transforms take.
+bool quick_to_transform(std::uint64_t n) {
+  if (n == 0 || n % 2 != 0) return false;
+  for (std::uint64_t const prime : {2, 3, 5})
+    while (n % prime == 0) n /= prime;
+  return n == 1;
+}
+
+void read_wave_grid(Node const& table, WaveSettings& wave) {
+  Node const grid = table.table("grid");
+  if (!grid) return;
+  if (grid.has("points")) {
+    std::uint64_t const points = grid.whole("points", required, least_points, most_points);
+    if (points != 0 && !quick_to_transform(points)) {
+      std::uint64_t fewer = points, more = points;  // both ends of the range are such numbers
+      while (!quick_to_transform(fewer)) --fewer;
+      while (!quick_to_transform(more)) ++more;
+      grid["points"].problem(
+          fmt::format("'points' must be even and have no prime factor other than 2, 3 and 5, got {}", points),
+          fmt::format("write {} or {}", fewer, more));
+    }
+    wave.points = std::uint32_t(points);
+  }
+  if (grid.has("window")) wave.window = grid.number("window", dim::length, required, 1e-3, 100);
+  grid.refuse_unknown("'grid'");
+}
+
+WaveSettings::Removed read_removed(Node const& map) {
+  if (!map.has("remove")) return {};
+  static std::vector<std::string> const orders = {"piston", "tilt", "curvature", "astigmatism"};
+  std::array<bool, 4> removed{};
+  for (Node const& node : map.list("remove")) {
+    std::string const word = node.as_word();
+    auto const at = std::ranges::find(orders, word) - orders.begin();
+    if (at < std::ptrdiff_t(removed.size()))
+      removed[std::size_t(at)] = true;
+    else if (!word.empty())
+      node.problem(fmt::format("'{}' cannot be removed from a map", shortened(word)),
+                   did_you_mean(word, orders, fmt::format("accepted: {}", fmt::join(orders, ", "))));
+  }
+  return {removed[0], removed[1], removed[2], removed[3]};
+}
+
+// The document keeps the text of the file for the run file.
+void read_map_file(Node const& file, WaveSettings::Mirror& mirror) {
+  mirror.file = file.as_word();
+  if (mirror.file.empty()) return;
+  mirror.bytes = file.data_file(mirror.file);
+  if (mirror.bytes.empty() && file.document()->optional_file(file, mirror.file))  // data_file() reports a missing one
+    file.problem(fmt::format("file '{}' is empty", mirror.file), "export the map again");
+}
+
+void read_mirror_map(Node const& map, WaveSettings::Mirror& mirror) {
+  static constexpr std::array<std::string_view, 2> spectra = {"material", "none"};
+  bool const measured = map.has("file");
+  bool const perfect = map.choice("spectrum", spectra, "material") == "none";
+  mirror.heights = measured  ? WaveSettings::Heights::file
+                   : perfect ? WaveSettings::Heights::none
+                             : WaveSettings::Heights::material;
+  mirror.seed = map.whole("seed", 1, 0, 9e15);
+  mirror.removed = read_removed(map);
+  if (measured) read_map_file(map["file"], mirror);
+  if (measured && map.has("spectrum"))
+    map["spectrum"].problem("'file' and 'spectrum' both state the heights of the mirror", "keep one of them");
+  if (measured && map.has("seed"))
+    map["seed"].problem("'seed' is for random heights, not for those of a file", "remove 'seed'");
+  for (char const* const key : {"seed", "remove"})
+    if (perfect && !measured && map.has(key))
+      map[key].problem(fmt::format("'{}' has no effect on a perfect mirror", key),
+                       fmt::format("remove '{}', or write 'spectrum: material'", key));
+  map.refuse_unknown("a map of a mirror");
+}
+
+// The mirror of the cavity that a key of `maps` names, or null with a problem.
+WaveSettings::Mirror* mirror_of(std::string const& name, Node const& maps, WaveCavity const& cavity,
+                                Registry const& names, WaveSettings& wave) {
+  if (auto const at = names.surfaces.find(name); at != names.surfaces.end())
+    for (WaveSettings::Mirror& m : wave.mirrors)
+      if (m.surface.valid() && m.surface == at->second) return &m;
+  if (is_refused(name, names) || (!cavity.found && (!cavity.mirrors || cavity.names(name))))
+    return nullptr;  // its problem is reported
+  std::vector<std::string> known;
+  for (Node const& m : cavity.mirrors.as_list()) known.push_back(m.text());
+  maps.document()->add({maps.key_place(name),
+                        fmt::format("'{}' is not a mirror of the cavity '{}'", shortened(name), wave.beam_name),
+                        did_you_mean(name, known, fmt::format("its mirrors: {}", fmt::join(known, ", "))),
+                        Severity::error, code_points(name)});
+  return nullptr;
+}
+
+void read_maps(Node const& table, WaveCavity const& cavity, Registry const& names, WaveSettings& wave) {
+  Node const maps = table.table("maps");
+  std::vector<WaveSettings::Mirror const*> done;
+  for (auto const& [name, map] : maps.items()) {
+    WaveSettings::Mirror unused;
+    WaveSettings::Mirror* mirror = mirror_of(name, maps, cavity, names, wave);
+    if (!mirror) mirror = &unused;
+    if (std::ranges::find(done, mirror) != done.end())
+      map.problem(fmt::format("'{}' is a mirror that has a map already", name), "keep one of them");
+    if (mirror != &unused) done.push_back(mirror);
+    if (map && map.kind() != Node::Kind::table)
+      map.problem(fmt::format("the map of '{}' is not a table", name),
+                  "write {file: map.h5}, {spectrum: material} or {spectrum: none}");
+    else
+      read_mirror_map(map, *mirror);
+  }
+}
+
+void read_tolerance(Node const& table, WaveSettings& wave) {
+  if (Node const tolerance = table.table("tolerance")) {
+    wave.tolerance.rim = tolerance.number("rim", dim::length, 0, 0, 0.1);
+    wave.tolerance.centre = tolerance.number("centre", dim::length, 0, 0, 0.1);
+    wave.tolerance.place = tolerance.number("place", dim::length, 0, 0, 10);
+    tolerance.refuse_unknown("'tolerance'");
+    if (!table.has("baffles"))
+      tolerance.problem("'tolerance' without 'baffles'", "name the baffles that it is for, or remove it");
+  } else if (table.has("draws") && !table.has("tolerance")) {
+    table["draws"].problem("'draws' without 'tolerance': nothing is drawn", "give both, or neither");
+  }
+  wave.draws = std::uint32_t(table.whole("draws", wave.tolerance.any() ? 32 : 1, 1, 1e5));
+}
+
+// Both compute light that goes from mirror to mirror past the same rims.
+void refuse_rims_of_edges(Node const& table, World const& world) {
+  std::vector<std::string> twice;
+  for (std::string const& group : world.wave.groups)
+    if (std::ranges::find(world.edges.groups, group) != world.edges.groups.end()) twice.push_back(group);
+  if (!twice.empty())
+    table["baffles"].problem(
+        fmt::format("'wave' and 'edges' count the same light twice, at the inner edges of {}", fmt::join(twice, ", ")),
+        "remove 'edges'");
+}
+
+}  // namespace
+
+void read_wave(Scene const& scene, World& world, Registry const& names) {
+  Node const table = scene.table("wave");
+  if (!table) return;
+  WaveSettings& wave = world.wave;
+  wave.present = true;
+  WaveCavity const cavity = find_cavity(table, scene, world);
+  if (table.has("hand_over")) wave.hand_over = table.number("hand_over", dim::angle, required, 1e-6, 0.1);
+  std::vector<std::string> const with_rims = groups_with_rims(world);
+  for (Node const& node : table.list("baffles")) choose_rims(node, world, names, with_rims, wave.groups);
+  read_wave_grid(table, wave);
+  read_maps(table, cavity, names, wave);
+  read_tolerance(table, wave);
+  refuse_rims_of_edges(table, world);
+  table.refuse_unknown("'wave'");
+}
+
+}  // namespace straytrace::world

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The table `wave` of a scene: a cavity whose field at small angles is computed by Fourier propagation
+// (docs/theory/wave.md).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/memory/ids.hpp"
+
+namespace straytrace::world {
+
+struct WaveSettings {
+  // Parts of a height map that a mirror does not keep.
+  struct Removed {
+    bool piston = true, tilt = true, curvature = false, astigmatism = false;
+    bool operator==(Removed const&) const = default;
+  };
+  enum class Heights {
+    material,  // random, with the spectrum that gives the BSDF of the mirror
+    none,      // a perfect mirror
+    file       // measured
+  };
+  struct Mirror {
+    SurfaceId surface;
+    Heights heights = Heights::material;
+    std::string file;   // as the scene names it, for messages
+    std::string bytes;  // its content
+    std::uint64_t seed = 1;
+    Removed removed;
+  };
+  // Standard deviations of the rims, drawn for each baffle, m.
+  struct Tolerance {
+    double rim = 0;     // of the radius
+    double centre = 0;  // of each coordinate across the beam
+    double place = 0;   // along the beam
+    bool any() const { return rim > 0 || centre > 0 || place > 0; }
+  };
+
+  bool present = false;
+  std::uint32_t beam = 0;  // number of the cavity, as in its footprints
+  std::string beam_name;
+  std::array<Mirror, 2> mirrors;    // in the order of `cavity`
+  std::optional<double> hand_over;  // rad; none: chosen by the computation
+  std::vector<std::string> groups;  // entries of the scene whose inner rims the field passes
+  std::uint32_t points = 0;         // of the grid, along one side; 0: chosen by the computation
+  double window = 0;                // m, side of the grid; 0: chosen by the computation
+  Tolerance tolerance;
+  std::uint32_t draws = 1;
+};
+
+}  // namespace straytrace::world
