@@ -30,7 +30,7 @@ std::string said(std::string const& facing, std::string const& shape, std::strin
       "}\n  spot: {on: ETM, radius: 1 cm}\n"
       "  seen: {from: [1 m, 0 m, 1 m], facing: [0, 0, 1], radius: 1 mm, lit: {only: [\"ETM*\"]}}\n"
       "ports: {in: {beam: arm, at: ITM}, out: {beam: arm, at: ETM}}\nreceivers: {PD: {on: ETM}}\n"
-      "edges: {surfaces: [rim, ETM]}\n");
+      "edges: {surfaces: [rim, ETM]}\nwave: {beam: arm, baffles: \"ETM*\", maps: {ETM: {seed: 2}}}\n");
 }
 
 TEST(RefusedEntries, OnlyTheirOwnErrorIsPrinted) {
