@@ -118,12 +118,6 @@ HarmonicFit fit_harmonics(std::span<std::vector<LinePoint> const> windows, doubl
   for (std::size_t i = 0; i < windows.size(); ++i) f.harmonics.push_back(harmonic_of(windows[i], int(i) + 1));
   if (f.harmonics.size() < 3)
     throw InputError("harmonics up to the third are needed to identify a fringe", "choose --harmonics 3 or more");
-  double const first = f.harmonics.front().power;
-  for (Harmonic& h : f.harmonics)
-    if (first > 0 && h.power > 0) {
-      h.ratio = std::sqrt(h.power / first);
-      h.ratio_sigma = h.ratio / 2 * std::hypot(h.sigma / h.power, f.harmonics.front().sigma / first);
-    }
   auto const chi = [&](double z) { return fit_part(f.harmonics, 1, z).chi + fit_part(f.harmonics, 0, z).chi; };
   ScanResult const r = scan_minimum(chi, smallest_z, z_max, int(z_max * steps_per_radian));
   f.z = r.best;

@@ -16,9 +16,8 @@ namespace straytrace::analysis {
 struct Harmonic {
   int order = 1;
   double power = 0, sigma = 0;  // peak amplitude squared, mean over the windows less the noise; its standard error
-  double ratio = not_a_number, ratio_sigma = not_a_number;  // amplitude over that of the first; NaN: below the noise
-  double limit = 0;                                         // 95 % upper limit of the amplitude
-  bool seen = false;                                        // three standard errors above the noise
+  double limit = 0;             // 95 % upper limit of the amplitude
+  bool seen = false;            // three standard errors above the noise
 };
 
 struct HarmonicFit {
