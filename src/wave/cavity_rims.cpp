@@ -10,24 +10,32 @@
 namespace straytrace::wave {
 namespace {
 
-std::vector<RimPoint> rim_of_hole(RoundHole const& hole, double place, double largest_frequency) {
-  double const periods = 2 * pi * hole.radius * 2 * largest_frequency;  // of the product of two fields, along the rim
-  int const count = 4 * std::max(16, int(std::ceil(periods)));
-  return round_rim(hole.radius, {hole.x, hole.y, place}, count);
-}
+// Fields at the points of a rim; single precision, because there may be thousands of rims.
+struct Samples {
+  std::vector<std::array<std::complex<float>, 3>> values;
 
-double largest_frequency(Arrival const& arrival) { return arrival.columns / (2 * arrival.field.grid.window); }
+  Samples(Sampler const& field, std::vector<RimPoint> const& rim) {
+    for (RimPoint const& point : rim) {
+      WaveValue const v = field.at(point.place.x, point.place.y);
+      values.push_back({std::complex<float>(v.value), std::complex<float>(v.dx), std::complex<float>(v.dy)});
+    }
+  }
+};
 
-std::vector<WaveValue> sampled(Arrival const& arrival, Transform const& transform, std::vector<RimPoint> const& rim) {
-  Sampler const sampler(arrival.spectrum, transform, arrival.columns);
-  std::vector<WaveValue> values;
-  for (RimPoint const& point : rim) values.push_back(sampler.at(point.place.x, point.place.y));
-  return values;
-}
-
-// Values in the order of the points of the rim.
-WaveAt in_order(std::vector<WaveValue> const& values) {
-  return [at = values.begin()](Vec3 const&) mutable { return *at++; };
+// eq. W.14, times B.
+RimResponse response(RimCurve const& rim, Samples const& from_mirror1, Sampler const& from_mirror2, double wavelength) {
+  std::vector<WaveValue> forward, backward;
+  Complex widening = 0;
+  for (std::size_t i = 0; i < rim.points.size(); ++i) {
+    auto const& v = from_mirror1.values[i];
+    forward.push_back({Complex(v[0]), Complex(v[1]), Complex(v[2])});
+    backward.push_back(from_mirror2.at(rim.points[i].place.x, rim.points[i].place.y));
+    widening += 2 * length(rim.points[i].step) * forward.back().value * backward.back().value;
+  }
+  auto const in_order = [](std::vector<WaveValue> const& values) -> WaveAt {
+    return [at = values.begin()](Vec3 const&) mutable { return *at++; };
+  };
+  return {rim_levers(rim.points, in_order(forward), in_order(backward), wavelength, 1, rim.reference), widening};
 }
 
 // Height of a mirror and its slopes, on the grid and between its points.
@@ -63,18 +71,20 @@ std::array<Complex, 2> mirror_levers(CavityWaves const& waves, WaveMirror const&
   double const k = 2 * pi / cavity.wavelength;
   std::optional<Relief> relief;
   if (!mirror.height.empty()) relief.emplace(mirror.height, grid, waves.transform());
-  std::vector<RimPoint> const rim = rim_of_hole(mirror.outline, place, 2 * largest_frequency(arrival));
-  std::vector<WaveValue> const values = sampled(arrival, waves.transform(), rim);
+  int const count = points_along(2 * pi * mirror.outline.radius, cavity);
+  std::vector<RimPoint> const rim =
+      round_rim(mirror.outline.radius, {mirror.outline.x, mirror.outline.y, place}, count);
+  Sampler const field(arrival.spectrum, waves.transform(), arrival.columns);
   std::array<Complex, 2> sum{};
-  for (std::size_t i = 0; i < rim.size(); ++i) {
-    Vec3 const p = rim[i].place;
+  for (RimPoint const& point : rim) {
+    Vec3 const p = point.place;
     double const height = relief ? relief->between.at(p.x, p.y).value.real() : 0;
     double const path =
         (p.x * p.x + p.y * p.y) * mirror.curvature + 2 * height - 2 * (mirror.tilt_x * p.x + mirror.tilt_y * p.y);
-    Complex const flux =
-        std::sqrt(1 - mirror.scattered) * turned(-path / cavity.wavelength) * values[i].value * values[i].value;
-    sum[0] += rim[i].step.y * flux;
-    sum[1] -= rim[i].step.x * flux;
+    Complex const psi = field.at(p.x, p.y).value,
+                  flux = std::sqrt(1 - mirror.scattered) * turned(-path / cavity.wavelength) * psi * psi;
+    sum[0] += point.step.y * flux;
+    sum[1] -= point.step.x * flux;
   }
   Field const factor = reflection(mirror, Mask(mirror.outline, grid, waves.transform()), cavity.wavelength, grid);
   Complex const scale{0, 2 * k * grid.pitch() * grid.pitch()};
@@ -118,14 +128,26 @@ class Screen {
 
 }  // namespace
 
-CavityRims fields_at_rims(CavityWaves const& waves, WaveMode const& mode) {
+int points_along(double length, WaveCavity const& cavity) {
+  double const largest_frequency = 0.7 / (2 * cavity.grid.pitch());  // of one field
+  return 4 * std::max(16, int(std::ceil(2.5 * length * 2 * largest_frequency / 4)));
+}
+
+RimCurve round_curve(WaveBaffle const& baffle, WaveCavity const& cavity) {
+  Vec3 const centre{baffle.rim.x, baffle.rim.y, baffle.place};
+  return {round_rim(baffle.rim.radius, centre, points_along(2 * pi * baffle.rim.radius, cavity)), centre};
+}
+
+CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,
+                         std::vector<std::vector<RimCurve>> const& curves) {
   WaveCavity const& cavity = waves.cavity();
   std::size_t const n = cavity.baffles.size();
   CavityRims result;
-  result.baffles.resize(n);
+  result.responses.resize(n);
   result.clipped.resize(n);
   std::vector<Screen> screens;
   for (std::size_t j = 0; j < n; ++j) screens.emplace_back(cavity.baffles[j], waves.mask(j), cavity.grid);
+  std::vector<std::vector<Samples>> outward(n);
   Field departing = mode.spectrum, work = mode.spectrum;
   waves.transform().inverse(departing, cavity.grid.points, cavity.grid.points);
   waves.round_trip(work, [&](Arrival const& arrival) {
@@ -133,30 +155,36 @@ CavityRims fields_at_rims(CavityWaves const& waves, WaveMode const& mode) {
     if (plane == 0) {
       result.overlap = waves.overlap(departing, arrival.field);
       result.mirror1 = mirror_levers(waves, cavity.mirror1, arrival, 0);
-    } else if (plane == n + 1) {
-      result.mirror2 = mirror_levers(waves, cavity.mirror2, arrival, cavity.length);
-    } else if (RimFields& at = result.baffles[plane - 1]; arrival.travel == Travel::towards_mirror2) {
-      WaveBaffle const& baffle = cavity.baffles[plane - 1];
-      at.rim = rim_of_hole(baffle.rim, baffle.place, largest_frequency(arrival));
-      at.from_mirror1 = sampled(arrival, waves.transform(), at.rim);
-      screens[plane - 1].keep(arrival.field);
-    } else {
-      at.from_mirror2 = sampled(arrival, waves.transform(), at.rim);
-      result.clipped[plane - 1] = 2.0 * screens[plane - 1].overlap(arrival.field);
+      return;
     }
+    if (plane == n + 1) {
+      result.mirror2 = mirror_levers(waves, cavity.mirror2, arrival, cavity.length);
+      return;
+    }
+    Sampler const field(arrival.spectrum, waves.transform(), arrival.columns);
+    for (std::size_t i = 0; i < curves[plane - 1].size(); ++i) {
+      RimCurve const& curve = curves[plane - 1][i];
+      if (arrival.travel == Travel::towards_mirror2)
+        outward[plane - 1].emplace_back(field, curve.points);
+      else
+        result.responses[plane - 1].push_back(response(curve, outward[plane - 1][i], field, cavity.wavelength));
+    }
+    if (arrival.travel == Travel::towards_mirror2)
+      screens[plane - 1].keep(arrival.field);
+    else
+      result.clipped[plane - 1] = 2.0 * screens[plane - 1].overlap(arrival.field);
   });
-  for (Complex& s : result.clipped) s /= result.overlap;
   // At mirror 1 the field departs as gamma times that of the mode, so that the integral of M psi^2 is gamma B.
   for (Complex& lever : result.mirror1) lever /= mode.eigenvalue * result.overlap;
   for (Complex& lever : result.mirror2) lever /= result.overlap;
+  for (Complex& s : result.clipped) s /= result.overlap;
+  for (auto& baffle : result.responses)
+    for (RimResponse& r : baffle) {
+      for (int i = 0; i < 3; ++i) r.levers.displacement[i] /= result.overlap;
+      for (int i = 0; i < 3; ++i) r.levers.rotation[i] /= result.overlap;
+      r.widening /= result.overlap;
+    }
   return result;
-}
-
-RimLevers levers_of(CavityRims const& rims, std::size_t baffle, WaveCavity const& cavity) {
-  RimFields const& at = rims.baffles[baffle];
-  WaveBaffle const& b = cavity.baffles[baffle];
-  return rim_levers(at.rim, in_order(at.from_mirror1), in_order(at.from_mirror2), cavity.wavelength, rims.overlap,
-                    {b.rim.x, b.rim.y, b.place});
 }
 
 }  // namespace straytrace::wave

@@ -10,20 +10,27 @@
 
 namespace straytrace::wave {
 
-// Fields that arrive at the rim of a baffle from both mirrors, of unit power after mirror 1.
-struct RimFields {
-  std::vector<RimPoint> rim;
-  std::vector<WaveValue> from_mirror1, from_mirror2;  // at its points
+// A closed curve, counter-clockwise about +z, about `reference`.
+struct RimCurve {
+  std::vector<RimPoint> points;
+  Vec3 reference;  // m
 };
-// The rims of all baffles, with four points for each period of the product of the fields.
+// Of a round hole, fine enough for the fields on this grid.
+RimCurve round_curve(WaveBaffle const&, WaveCavity const&);
+// The points that a curve of this length [m] needs for fields on the grid: 2.5 for each period of their product.
+int points_along(double length, WaveCavity const&);
+
+struct RimResponse {
+  RimLevers levers;
+  Complex widening;  // derivative of s by the radius of the rim, 1/m
+};
 struct CavityRims {
-  Complex overlap;                 // B of eq. W.11
-  std::vector<RimFields> baffles;  // in the order of the cavity
-  std::vector<Complex> clipped;    // s of the light that each baffle takes from the mode (eq. W.12 with its screen)
+  Complex overlap;                                  // B of eq. W.11
+  std::vector<std::vector<RimResponse>> responses;  // [baffle][curve]
+  std::vector<Complex> clipped;  // s of the light that each baffle takes from the mode (eq. W.12 with its screen)
   std::array<Complex, 2> mirror1{}, mirror2{};  // derivatives of s by the displacement of a mirror along x and y. 1/m
 };
-CavityRims fields_at_rims(CavityWaves const&, WaveMode const&);
-// About the centre of its rim.
-RimLevers levers_of(CavityRims const&, std::size_t baffle, WaveCavity const&);
+// For several curves in the plane of each baffle: as built, and with its tolerances. One round trip.
+CavityRims rim_responses(CavityWaves const&, WaveMode const&, std::vector<std::vector<RimCurve>> const&);
 
 }  // namespace straytrace::wave
