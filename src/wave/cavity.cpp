@@ -275,6 +275,7 @@ WaveMode CavityWaves::mode(Field const& start, SolveOptions const& options) cons
     double const loss = std::max(1 - std::norm(best.value), 1e-9);
     settled = std::abs(best.value - before) < std::max(0.1 * options.loss_error * loss, 1e-14) ? settled + 1 : 0;
     before = best.value;
+    if (options.progress) options.progress(krylov.steps(), best.residual);
     if (!more || settled == 2) return mode_of(krylov, best, parts_->disc, grid);
     if (krylov.steps() == options.most_round_trips)
       throw NumericalError(

@@ -55,6 +55,7 @@ struct WaveMode {
 struct SolveOptions {
   int most_round_trips = 60;
   double loss_error = 1e-3;  // relative, or of 1e-9 per round trip: ten times what two more round trips change
+  std::function<void(int round_trips, double residual)> progress;  // after each round trip
 };
 
 class CavityWaves {

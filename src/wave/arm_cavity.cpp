@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "wave/arm_cavity.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "base/math/constants.hpp"
+#include "base/math/gauss_points.hpp"
+#include "optics/scatter/mixture.hpp"
+#include "wave/height_map.hpp"
+#include "world/model/vertex.hpp"
+#include "world/model/world.hpp"
+
+namespace straytrace::wave {
+namespace {
+
+struct Spots {
+  std::array<Footprint const*, 2> of{};
+};
+
+Spots spots_of(World const& world, WaveSettings const& settings) {
+  Spots spots;
+  for (Footprint const& f : world.footprints())
+    if (f.standing && f.beam == settings.beam)
+      for (std::size_t i : {0, 1})
+        if (f.surface == settings.mirrors[i].surface) spots.of[i] = &f;
+  return spots;
+}
+
+CavityFrame frame_of(Vec3 one, Vec3 two) {
+  CavityFrame frame;
+  frame.origin = one;
+  frame.z = unit(two - one);
+  // x follows that of the scene, so that levers have its axes where the arm runs along z.
+  Vec3 const across = std::fabs(frame.z.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  frame.x = unit(across - dot(across, frame.z) * frame.z);
+  frame.y = cross(frame.z, frame.x);
+  return frame;
+}
+
+ArmMirror mirror_of(World const& world, Footprint const& spot) {
+  ArmMirror mirror{spot.surface, 0, 0, spot.radius};
+  world.view().shapes.visit(world.surfaces()[spot.surface.value].shape, [&](auto const& s) {
+    using Shape = std::decay_t<decltype(s)>;
+    if constexpr (std::is_same_v<Shape, Cap> || std::is_same_v<Shape, Disk>) mirror.radius = s.outer_radius;
+    if constexpr (std::is_same_v<Shape, Cap>) mirror.curvature = s.curvature;
+  });
+  return mirror;
+}
+
+std::vector<ArmRim> rims_of(World const& world, WaveSettings const& settings, CavityFrame const& frame, double length) {
+  std::vector<ArmRim> rims;
+  for (std::uint32_t id = 0; id < world.surfaces().size(); ++id) {
+    if (std::ranges::find(settings.groups, world.name_of({id})) == settings.groups.end()) continue;
+    auto const rim = rim_of(world, {id});
+    if (!rim) continue;
+    ArmRim arm{{id}, *rim, frame.to_local(rim->centre)};
+    if (!(arm.centre.z > 0 && arm.centre.z < length)) continue;
+    arm.angle1 = rim->radius / arm.centre.z;
+    arm.angle2 = rim->radius / (length - arm.centre.z);
+    rims.push_back(arm);
+  }
+  std::ranges::sort(rims, {}, [](ArmRim const& r) { return r.centre.z; });
+  return rims;
+}
+
+// The angle at which the far mirror sees the rims next to the near one, and some more; and twenty angles of divergence
+// of the mode.
+double chosen_hand_over(std::array<ArmMirror, 2> const& mirrors, std::vector<ArmRim> const& rims, double length,
+                        double wavelength) {
+  double angle = 0;
+  for (ArmMirror const& m : mirrors) angle = std::fmax(angle, 20 * wavelength / (pi * m.spot));
+  for (ArmRim const& r : rims) angle = std::fmax(angle, 1.5 * r.rim.radius / length);
+  return angle;
+}
+
+// Light that mirrors scatter up to the hand-over angle, on top of the slopes of the mode.
+double largest_field_angle(ArmCavity const& arm) {
+  double slope = 0;
+  for (ArmMirror const& m : arm.mirrors) slope = std::fmax(slope, 2.5 * m.spot * std::fabs(m.curvature));
+  return arm.hand_over + slope;
+}
+
+// The window that the legs need without a limit by it (eq. W.6), with the mirrors alone as one of the cases.
+double needed_window(ArmCavity const& arm) {
+  double window = 0;
+  auto const leg = [&](double length, double reach) {
+    double const fresnel = std::sqrt(arm.cavity.wavelength / length);
+    window = std::fmax(window, std::fmin(reach + length * (reach / length + 5 * fresnel), 4 * reach));
+  };
+  leg(arm.cavity.length, arm.mirrors[0].radius + arm.mirrors[1].radius);
+  double before = 0, radius = arm.mirrors[0].radius;
+  for (ArmRim const& r : arm.rims) {
+    leg(r.centre.z - before, radius + r.rim.radius);
+    before = r.centre.z;
+    radius = r.rim.radius;
+  }
+  return window;
+}
+
+void choose_grid(ArmCavity& arm, WaveSettings const& settings) {
+  Grid& grid = arm.cavity.grid;
+  grid.window = settings.window > 0 ? settings.window : needed_window(arm);
+  double const wanted = largest_field_angle(arm) / 0.6;
+  int const needed = int(std::ceil(2 * grid.window * wanted / arm.cavity.wavelength));
+  if (settings.points == 0) {
+    grid.points = 64;
+    while (grid.points < needed) grid.points *= 2;
+    if (grid.points > 8192)
+      throw InputError(fmt::format(
+          "wave: a hand-over angle of {:.3g} rad needs a grid of {} x {} points over {:.3g} m, more than 8192: "
+          "choose a smaller one",
+          arm.hand_over, needed, needed, grid.window));
+    return;
+  }
+  grid.points = int(settings.points);
+  if (grid.points < needed)
+    throw InputError(fmt::format(
+        "wave: a grid of {} points over {:.3g} m does not carry a hand-over angle of {:.3g} rad: use {} points "
+        "or more, or a smaller angle",
+        grid.points, grid.window, arm.hand_over, needed + needed % 2));
+}
+
+// eq. W.2, in steps of a factor 1.2 of the angle.
+double scattered_beyond(std::function<double(double)> const& brdf, double hand_over) {
+  GaussPoints const gauss(8);
+  double sum = 0;
+  for (double from = hand_over; from < pi / 2;) {
+    double const to = std::fmin(1.2 * from, pi / 2);
+    for (std::size_t i = 0; i < gauss.at.size(); ++i) {
+      double const angle = from + (to - from) * gauss.at[i];
+      sum += (to - from) * gauss.weight[i] * brdf(angle) * std::cos(angle) * 2 * pi * std::sin(angle);
+    }
+    from = to;
+  }
+  return sum;
+}
+
+double rms(std::vector<double> const& heights) {
+  double sum = 0;
+  for (double h : heights) sum += h * h;
+  return heights.empty() ? 0 : std::sqrt(sum / double(heights.size()));
+}
+
+}  // namespace
+
+double mirror_brdf(World const& world, ArmMirror const& mirror, Vec3 travel, double angle) {
+  WorldView const view = world.view();
+  Vec3 const centre = view.shapes.visit(world.surfaces()[mirror.surface.value].shape,
+                                        [](auto const& s) -> Vec3 { return s.reference(); });
+  Vertex const vertex = make_vertex(view, mirror.surface, centre, travel);
+  return scatter_eval(view.laws, *vertex.optic, {0, 0, 1}, {std::sin(angle), 0, std::cos(angle)});
+}
+
+namespace {
+
+// Heights whose light below the hand-over angle is that of the scatter law or of the measured map.
+std::vector<double> heights_of(World const& world, WaveSettings::Mirror const& settings, ArmMirror const& mirror,
+                               Vec3 travel, ArmCavity const& arm) {
+  double const wavelength = arm.cavity.wavelength, highest = arm.hand_over / wavelength;
+  if (settings.heights == WaveSettings::Heights::none) return {};
+  auto const spectrum = [&](double f) {
+    return height_spectrum(mirror_brdf(world, mirror, travel, f * wavelength), wavelength);
+  };
+  return synthesise(spectrum, arm.cavity.grid, 0, highest, settings.seed);
+}
+
+}  // namespace
+
+ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
+  Spots const spots = spots_of(world, settings);
+  ArmCavity arm;
+  arm.frame = frame_of(spots.of[0]->centre, spots.of[1]->centre);
+  arm.cavity.wavelength = world.wavelength;
+  arm.cavity.length = length(spots.of[1]->centre - spots.of[0]->centre);
+  for (std::size_t i : {0, 1}) arm.mirrors[i] = mirror_of(world, *spots.of[i]);
+  arm.rims = rims_of(world, settings, arm.frame, arm.cavity.length);
+  arm.hand_over =
+      settings.hand_over.value_or(chosen_hand_over(arm.mirrors, arm.rims, arm.cavity.length, world.wavelength));
+  for (ArmRim& r : arm.rims) {
+    r.in_band = r.angle1 <= arm.hand_over && r.angle2 <= arm.hand_over;
+    arm.cavity.baffles.push_back({r.centre.z, {r.rim.radius + r.rim.tooth_depth / 2, r.centre.x, r.centre.y}, 0});
+  }
+  choose_grid(arm, settings);
+  for (std::size_t i : {0, 1}) {
+    ArmMirror& mirror = arm.mirrors[i];
+    Vec3 const travel = spots.of[i]->travel;
+    mirror.scattered = scattered_beyond([&](double a) { return mirror_brdf(world, mirror, travel, a); }, arm.hand_over);
+    WaveMirror& wave = i == 0 ? arm.cavity.mirror1 : arm.cavity.mirror2;
+    wave = {mirror.curvature, {mirror.radius}, 0, 0, heights_of(world, settings.mirrors[i], mirror, travel, arm),
+            mirror.scattered};
+    mirror.roughness = rms(wave.height);
+  }
+  return arm;
+}
+
+RimCurve curve_of(ArmCavity const& arm, ArmRim const& rim, Vec3 displacement, double wider) {
+  double const length = 2 * pi * rim.rim.radius;
+  int count = points_along(length, arm.cavity);
+  if (rim.rim.tooth_depth > 0) {  // whole flanks, with two points on each at least
+    int const flanks = std::max(1, int(2 * rim.rim.teeth));
+    count = flanks * std::max(2, count / flanks + 1);
+  }
+  double const first = rim.rim.tooth_depth > 0 ? rim.rim.phase : 0;
+  bool const with_axis = dot(cross(rim.rim.e1, rim.rim.e2), arm.frame.z) > 0;
+  std::vector<Vec3> corners;
+  for (int i = 0; i <= count; ++i) {
+    double const azimuth = first + (with_axis ? 1 : -1) * 2 * pi * i / count;
+    Vec3 const p = arm.frame.to_local(rim_point(rim.rim, azimuth));
+    Vec3 const out = unit(Vec3{p.x - rim.centre.x, p.y - rim.centre.y, 0});
+    corners.push_back(p + displacement + wider * out);
+  }
+  RimCurve curve{{}, rim.centre + displacement};
+  // Between the corners of a polygon: teeth are straight, and a round rim is one to second order.
+  for (int i = 0; i < count; ++i) {
+    Vec3 const a = corners[std::size_t(i)], b = corners[std::size_t(i) + 1];
+    curve.points.push_back({0.5 * (a + b), b - a});
+  }
+  return curve;
+}
+
+}  // namespace straytrace::wave

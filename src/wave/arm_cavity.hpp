@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The cavity of a scene as planes of a wave computation: frame, grid, hand-over angle, mirrors and rims
+// (docs/theory/wave.md).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "wave/cavity.hpp"
+#include "wave/cavity_rims.hpp"
+#include "world/ghosts/obstacle.hpp"
+#include "world/model/wave_settings.hpp"
+
+namespace straytrace::wave {
+
+// z from mirror 1 to mirror 2, from its centre.
+struct CavityFrame {
+  Vec3 origin, x, y, z;
+  Vec3 to_local(Vec3 p) const { return {dot(p - origin, x), dot(p - origin, y), dot(p - origin, z)}; }
+  Vec3 to_world(Vec3 v) const { return v.x * x + v.y * y + v.z * z; }  // of a direction
+};
+
+// A mirror of the cavity: its spot and what it scatters at an angle from the specular direction.
+struct ArmMirror {
+  SurfaceId surface;
+  double radius = 0, curvature = 0, spot = 0;  // clear aperture [m], 1/RoC [1/m], 1/e^2 radius of the mode [m]
+  double scattered = 0;                        // beyond the hand-over angle (eq. W.2)
+  double roughness = 0;                        // rms of its heights in the map, m
+};
+// BRDF [1/sr] of a mirror that the beam meets at its centre.
+double mirror_brdf(World const&, ArmMirror const&, Vec3 travel, double angle);
+
+struct ArmRim {
+  SurfaceId surface;
+  InnerRim rim;                   // in the world
+  Vec3 centre;                    // in the frame of the cavity, m
+  double angle1 = 0, angle2 = 0;  // from the mirrors, rad
+  bool in_band = false;           // both within the hand-over angle: the grid holds the light that meets it
+};
+
+struct ArmCavity {
+  CavityFrame frame;
+  std::array<ArmMirror, 2> mirrors;
+  std::vector<ArmRim> rims;  // in order of place; the baffles of `cavity` are these
+  double hand_over = 0;      // rad
+  WaveCavity cavity;
+  std::vector<std::string> warnings;
+};
+// Throws InputError where settings and scene do not fit together: a grid that is too coarse or too narrow, or a mirror
+// whose scatter law begins above the hand-over angle.
+ArmCavity arm_cavity(World const&, WaveSettings const&);
+
+// The curve of a rim in the frame of the cavity, teeth included, displaced and widened [m].
+RimCurve curve_of(ArmCavity const&, ArmRim const&, Vec3 displacement = {}, double wider = 0);
+
+}  // namespace straytrace::wave
