@@ -107,6 +107,7 @@ double PowerLedger::total() const {
 
 struct CavityWaves::Parts {
   WaveCavity cavity;
+  int threads;
   Transform transform;
   Mask outline1, outline2;
   Field mirror1, mirror2;
@@ -115,8 +116,9 @@ struct CavityWaves::Parts {
   std::vector<Leg> legs;                // in order of place
   Disc disc;                            // of the first leg: the fields of which modes are made
 
-  Parts(WaveCavity c, int threads)
+  Parts(WaveCavity c, int t)
       : cavity(std::move(c)),
+        threads(t),
         transform(cavity.grid.points, threads),
         outline1(cavity.mirror1.outline, cavity.grid, transform),
         outline2(cavity.mirror2.outline, cavity.grid, transform),
@@ -153,6 +155,9 @@ struct CavityWaves::Parts {
            : plane <= cavity.baffles.size() ? cavity.baffles[plane - 1].rim
                                             : cavity.mirror2.outline;
   }
+  Mask const& outline(std::size_t plane) const {
+    return plane == 0 ? outline1 : plane <= cavity.baffles.size() ? masks[mask_index[plane - 1]] : outline2;
+  }
   double opening(std::size_t plane) const {  // the farthest point of the opening from the axis
     return hole(plane).radius + std::hypot(hole(plane).x, hole(plane).y);
   }
@@ -162,28 +167,31 @@ struct CavityWaves::Parts {
   }
 
   void travel(Field& spectrum, Observer const&, PowerLedger*) const;
-  double pass(std::size_t plane, Field&, bool wanted) const;
+  void pass(std::size_t plane, Field&) const;
+  double taken(std::size_t plane, Field const&) const;
 };
 
-// Through the opening of a baffle or back from a mirror. The power that does not go on, as a sum of |values|^2, if it
-// is wanted.
-double CavityWaves::Parts::pass(std::size_t plane, Field& field, bool wanted) const {
-  std::size_t const n = cavity.baffles.size();
-  if (plane > 0 && plane <= n) {
-    Mask const& mask = masks[mask_index[plane - 1]];
-    double const lost = wanted ? mask.clipped(field) : 0;
-    mask.apply(field);
-    return lost;
-  }
-  Field const& factor = plane == 0 ? mirror1 : mirror2;
-  double lost = 0;
-  if (wanted) {
-    double const scattered = (plane == 0 ? cavity.mirror1 : cavity.mirror2).scattered;
-    double const clipped = (plane == 0 ? outline1 : outline2).clipped(field);
-    lost = clipped + scattered * (sum_of_squares(field) - clipped);
-  }
-  for (std::size_t i = 0; i < field.values.size(); ++i) field.values[i] *= factor.values[i];
-  return lost;
+// Power that does not go on, as a sum of |values|^2.
+double CavityWaves::Parts::taken(std::size_t plane, Field const& field) const {
+  double const clipped = outline(plane).clipped(field);
+  if (plane > 0 && plane <= cavity.baffles.size()) return clipped;
+  double const scattered = (plane == 0 ? cavity.mirror1 : cavity.mirror2).scattered;
+  return clipped + scattered * (sum_of_squares(field) - clipped);
+}
+
+// Through the opening of a baffle, or back from a mirror.
+void CavityWaves::Parts::pass(std::size_t plane, Field& field) const {
+  int const N = cavity.grid.points, rows = outline(plane).rows();
+  bool const is_baffle = plane > 0 && plane <= cavity.baffles.size();
+  Field const& mirror = plane == 0 ? mirror1 : mirror2;
+  std::vector<double> const& mask = outline(plane).values();
+  for_rows(N / 2 - rows / 2, N / 2 + rows / 2, threads, [&](int row) {
+    std::size_t const from = std::size_t(row) * std::size_t(N), to = from + std::size_t(N);
+    if (is_baffle)
+      for (std::size_t i = from; i < to; ++i) field.values[i] *= mask[i];
+    else
+      for (std::size_t i = from; i < to; ++i) field.values[i] *= mirror.values[i];
+  });
 }
 
 void CavityWaves::Parts::travel(Field& spectrum, Observer const& observer, PowerLedger* ledger) const {
@@ -196,27 +204,25 @@ void CavityWaves::Parts::travel(Field& spectrum, Observer const& observer, Power
     bool const outward = step <= last;
     std::size_t const plane = outward ? step : 2 * last - step;
     Leg const& leg = legs[outward ? plane - 1 : plane];
-    leg.apply(spectrum);
+    int const rows = outline(plane).rows();
+    leg.apply(spectrum, threads);
     if (observer) arriving.values = spectrum.values;
-    transform.inverse(spectrum, leg.columns(), N);
+    transform.inverse(spectrum, leg.columns(), observer || ledger ? N : rows);
     Travel const travel = outward ? Travel::towards_mirror2 : Travel::towards_mirror1;
     if (observer) observer({int(plane), travel, arriving, leg.columns(), spectrum});
     if (ledger) {
-      double const arrived = sum_of_squares(spectrum) * plane_power;
+      double const arrived = sum_of_squares(spectrum) * plane_power, lost = taken(plane, spectrum) * plane_power;
       ledger->beyond_band += left - arrived;
-      left = arrived;
-    }
-    double const lost = pass(plane, spectrum, ledger) * plane_power;
-    left -= lost;
-    if (ledger) {
+      left = arrived - lost;
       double& entry = plane == 0      ? ledger->mirror1
                       : plane == last ? ledger->mirror2
                       : outward       ? ledger->towards_mirror2[plane - 1]
                                       : ledger->towards_mirror1[plane - 1];
       entry += lost;
     }
+    pass(plane, spectrum);
     std::size_t const next = outward && plane < last ? plane : plane == 0 ? 0 : plane - 1;
-    transform.forward(spectrum, N, legs[next].columns());
+    transform.forward(spectrum, rows, legs[next].columns());
   }
   if (ledger) ledger->beyond_band += left - disc.pack(spectrum).squaredNorm() * spectral_power;
 }

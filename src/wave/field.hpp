@@ -2,11 +2,13 @@
 // Scalar paraxial fields on a square grid across an axis (docs/theory/wave.md).
 #pragma once
 
+#include <algorithm>
 #include <complex>
 #include <vector>
 
 #include "base/math/functions.hpp"
 #include "base/namespaces.hpp"
+#include "base/process/threads.hpp"
 
 namespace straytrace::wave {
 
@@ -40,5 +42,16 @@ struct Field {
   Complex& operator()(int row, int column) { return values[std::size_t(row) * std::size_t(grid.points) + column]; }
   Complex operator()(int row, int column) const { return values[std::size_t(row) * std::size_t(grid.points) + column]; }
 };
+
+// Calls work(row) for rows first to last - 1, each once, on `threads` threads (0: all). `work` must not throw.
+template <class Work>
+void for_rows(int first, int last, int threads, Work const& work) {
+  constexpr int group = 16;
+  if (last <= first) return;
+  in_parallel(std::size_t((last - first + group - 1) / group), unsigned(threads), [&](std::size_t i) {
+    int const from = first + int(i) * group;
+    for (int row = from; row < std::min(from + group, last); ++row) work(row);
+  });
+}
 
 }  // namespace straytrace::wave

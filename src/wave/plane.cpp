@@ -33,6 +33,7 @@ class DiscSpectrum {
   std::vector<double> values_;
 };
 
+constexpr int ripple_reach = 24;  // points
 constexpr int taper_steps = 8192;
 
 }  // namespace
@@ -52,11 +53,7 @@ Mask::Mask(RoundHole const& hole, Grid const& grid, Transform const& transform) 
   transform.inverse(spectrum, N, N);
   std::ranges::transform(spectrum.values, values_.begin(), [](Complex z) { return z.real(); });
   double const half = std::ceil((std::abs(hole.y) + hole.radius) / grid.pitch());
-  rows_ = int(std::min(2 * half, double(N)));
-}
-
-void Mask::apply(Field& field) const {
-  for (std::size_t i = 0; i < values_.size(); ++i) field.values[i] *= values_[i];
+  rows_ = int(std::min(2 * (half + ripple_reach), double(N)));
 }
 
 double Mask::clipped(Field const& field) const {
@@ -111,28 +108,28 @@ double Leg::limit(double angle_squared) const {
   return taper_[i] + (at - double(i)) * (taper_[i + 1] - taper_[i]);
 }
 
-void Leg::apply(Field& spectrum) const {
+void Leg::apply(Field& spectrum, int threads) const {
   int const N = spectrum.grid.points, half = columns_ / 2;
-  for (int row = 0; row < N; ++row) {
-    int const n = row < N / 2 ? row : row - N;
+  for_rows(0, N, threads, [&](int row) {
     Complex* const line = &spectrum(row, 0);
-    double const y = n * angle_step_;
+    double const y = (row < N / 2 ? row : row - N) * angle_step_;
     if (std::abs(y) >= cut_) {
       std::fill_n(line, N, Complex{});
-      continue;
+      return;
     }
     std::fill(line + half, line + N - half, Complex{});
     for (int m = -half; m < half; ++m) {
       int const column = m < 0 ? m + N : m;
       double const x = m * angle_step_, angle_squared = x * x + y * y;
-      Complex factor = limit(angle_squared) * paraxial_[std::size_t(row)] * paraxial_[std::size_t(column)];
+      Complex factor = paraxial_[std::size_t(row)] * paraxial_[std::size_t(column)];
+      if (angle_squared > keep_ * keep_) factor *= limit(angle_squared);
       if (quartic_ > 0) {
         double const phase = quartic_ * angle_squared * angle_squared;
         factor *= Complex{1 - phase * phase / 2, -phase};
       }
       line[column] *= factor;
     }
-  }
+  });
 }
 
 }  // namespace straytrace::wave

@@ -21,12 +21,13 @@ struct RoundHole {
 class Mask {
  public:
   Mask(RoundHole const&, Grid const&, Transform const&);
-  void apply(Field&) const;
   // Sum of |values|^2 beyond the rim, exact for a field below Nyquist's frequency over sqrt(2): the power on the
   // screen, without the ripple of the series.
   double clipped(Field const&) const;
   std::vector<double> const& values() const { return values_; }
-  int rows() const { return rows_; }  // rows about the axis that hold the opening
+  // Rows about the axis beyond which nothing passes: the opening and the reach of the ripple, which changes losses by
+  // less than 1e-6 of themselves.
+  int rows() const { return rows_; }
 
  private:
   std::vector<double> values_;
@@ -55,7 +56,7 @@ class Leg {
   double length() const { return length_; }
   double cut() const { return cut_; }       // rad
   int columns() const { return columns_; }  // for Transform: all frequencies below `cut`
-  void apply(Field& spectrum) const;
+  void apply(Field& spectrum, int threads = 1) const;
 
  private:
   double limit(double angle_squared) const;  // w_j of eq. W.4
