@@ -139,15 +139,6 @@ void lay_out_help(CLI::App& app) {
   lay_out(app, layout);
 }
 
-std::vector<std::string> const& command_groups() {
-  static std::vector<std::string> const names = [] {
-    std::vector<std::string> all;
-    for (Task const& task : tasks()) all.emplace_back(task.name);
-    return all;
-  }();
-  return names;
-}
-
 std::vector<std::string> const& option_groups() {
   static std::vector<std::string> const names = [] {
     std::vector<std::string> all;

@@ -18,8 +18,7 @@ void add_commands(CLI::App&, int& exit_code);
 // declared, otherwise that of its name. Call it when all commands have been added.
 void lay_out_help(CLI::App&);
 
-// The tasks and the groups of options, in the order in which help prints them.
-std::vector<std::string> const& command_groups();
+// The groups of options, in the order in which help prints them.
 std::vector<std::string> const& option_groups();
 
 }  // namespace straytrace::cli
