@@ -19,8 +19,11 @@ InputError::InputError(std::string reason, std::string remedy)
 }
 
 void throw_all(std::vector<InputError> const& errors) {
-  if (errors.empty()) return;
-  if (errors.size() == 1) throw errors.front();
+  if (!errors.empty()) throw joined(errors);
+}
+
+InputError joined(std::vector<InputError> const& errors) {
+  if (errors.size() == 1) return errors.front();
   std::vector<Problem> problems;
   std::vector<std::string> files{""};
   std::string text;
@@ -33,7 +36,7 @@ void throw_all(std::vector<InputError> const& errors) {
     }
     text += (text.empty() ? "" : "\n") + std::string(e.what());
   }
-  throw InputError(std::move(problems), std::move(text), std::move(files));
+  return {std::move(problems), std::move(text), std::move(files)};
 }
 
 std::string problems_as_json(InputError const& error) {

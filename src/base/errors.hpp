@@ -50,6 +50,8 @@ class InputError : public std::exception {
   std::string text_;
 };
 
+// One that holds them all; at least one.
+InputError joined(std::vector<InputError> const&);
 // Nothing without errors, otherwise throws one InputError that holds them all.
 void throw_all(std::vector<InputError> const&);
 

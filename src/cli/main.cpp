@@ -30,15 +30,17 @@ void print_error(InputError const& e, bool json) {
     std::cerr << (json ? problems_as_json(e) : printable(e.what())) << '\n';
 }
 
-// One sentence and what to write instead; the exit code.
-int refuse(CLI::App const& app, CLI::ParseError const& e, bool json) {
+// For each error one sentence and what to write instead; the exit code.
+int refuse(CLI::App& app, CLI::ParseError const& e, bool json) {
   CLI::App const* deepest = &app;
   std::string named;
   for (auto below = app.get_subcommands(); !below.empty(); below = deepest->get_subcommands()) {
     deepest = below.front();
     named += deepest->get_name() + " ";
   }
-  print_error(in_our_words(*deepest, app, e, named), json);
+  InputError const first = in_our_words(*deepest, app, e, named);
+  bool const value_missing = first.reason().ends_with("needs a value");  // there the words end, or stop making sense
+  print_error(with_further_errors(first, app, !value_missing), json);
   return input_error;
 }
 
@@ -105,7 +107,7 @@ int answer(int argc, char** argv) {
   } catch (CLI::ParseError const& e) {
     return e.get_exit_code() == 0 ? app.exit(e) : refuse(app, e, json);
   } catch (InputError const& e) {
-    print_error(e, json);
+    print_error(with_further_errors(e, app, true), json);
     return input_error;
   } catch (std::filesystem::filesystem_error const& e) {
     print_error(InputError(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message()),

@@ -223,18 +223,11 @@ std::optional<Complaint> rewritten(std::string const& text, std::string const& n
   return Complaint{fmt::format("'{}' is missing", m[1].str()), fmt::format("write straytrace {}{}", named, m[1].str())};
 }
 
-}  // namespace
+std::string help_of(std::string const& named) { return fmt::format("see straytrace {}--help", named); }
 
-InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const& e,
-                        std::string const& named) {
-  std::string const help = fmt::format("see straytrace {}--help", named);
+InputError of_word(CLI::App const& command, std::string const& name, std::string const& named) {
+  std::string const help = help_of(named);
   bool const takes_commands = !command.get_subcommands(nullptr).empty();
-  std::string const name =
-      takes_commands || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
-  if (name.empty()) {
-    auto const ours = rewritten(e.what(), named);
-    return ours ? InputError(ours->what, ours->remedy + "; " + help) : InputError(e.what(), help);
-  }
   auto const known = words_of(command);
   if (std::ranges::find(known, name) != known.end())
     return InputError(fmt::format("'{}' is written before its command", name),
@@ -243,6 +236,81 @@ InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::Parse
   std::string const what = name.starts_with('-') ? "an option" : takes_commands ? "a command" : "expected";
   return InputError(fmt::format("'{}' is not {} here", name, what),
                     near.empty() ? help : fmt::format("did you mean '{}'? {}", near, help));
+}
+
+InputError of_value(CLI::ParseError const& e, std::string const& named) {
+  auto const ours = rewritten(e.what(), named);
+  return ours ? InputError(ours->what, ours->remedy + "; " + help_of(named)) : InputError(e.what(), help_of(named));
+}
+
+// Different ones, in the order in which they are found.
+struct OptionErrors {
+  void add(InputError e) {
+    remove(e);
+    all.push_back(std::move(e));
+  }
+  void remove(InputError const& e) {
+    std::erase_if(all, [&](InputError const& known) { return known.what() == std::string_view(e.what()); });
+  }
+  std::vector<InputError> all;
+};
+
+// An error in an option ends the parsing before the options behind it are checked.
+void check_values(CLI::App& app, std::string const& named, OptionErrors& errors) {
+  for (CLI::Option* option : app.get_options()) try {
+      if (option->count() > 0 && !option->get_callback_run()) option->run_callback();
+    } catch (CLI::ParseError const& e) {
+      if (e.get_exit_code() != 0) errors.add(of_value(e, named));
+    } catch (InputError const& e) {
+      errors.add(e);
+    } catch (std::exception const&) {  // of the disk: reported once the command line is right
+    }
+}
+
+// A missing option is not told beside its misspelt name.
+void check_missing(CLI::App& command, std::set<std::string> const& meant, std::string const& named,
+                   OptionErrors& errors) {
+  for (CLI::Option const* option : command.get_options()) {
+    bool const misspelt =
+        std::ranges::any_of(option->get_lnames(), [&](std::string const& name) { return meant.contains("--" + name); });
+    if (!option->get_required() || option->count() > 0) continue;
+    InputError const missing = of_value(CLI::RequiredError(option->get_name()), named);
+    misspelt ? errors.remove(missing) : errors.add(missing);
+  }
+}
+
+}  // namespace
+
+InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const& e,
+                        std::string const& named) {
+  bool const takes_commands = !command.get_subcommands(nullptr).empty();
+  std::string const name =
+      takes_commands || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
+  return name.empty() ? of_value(e, named) : of_word(command, name, named);
+}
+
+InputError with_further_errors(InputError const& first, CLI::App& app, bool complete) {
+  OptionErrors errors;
+  errors.add(first);
+  CLI::App* command = &app;
+  std::string named;
+  for (;; named += command->get_name() + " ") {
+    check_values(*command, named, errors);
+    auto const below = command->get_subcommands();
+    if (below.empty()) break;
+    command = below.front();
+  }
+  if (command->get_require_subcommand_min() > 0) return joined(errors.all);
+  std::set<std::string> meant;
+  auto const known = words_of(*command);
+  for (std::string const& word : app.remaining(true)) {
+    if (!word.starts_with('-') || word == "--") continue;
+    std::string const name = word.substr(0, word.find('='));
+    meant.insert(nearest_word(name, known));
+    errors.add(of_word(*command, name, named));
+  }
+  if (complete) check_missing(*command, meant, named, errors);
+  return joined(errors.all);
 }
 
 }  // namespace straytrace::cli

@@ -35,5 +35,8 @@ CLI::Validator whole_between(double low, double high, std::string const& example
 
 // The problem of a command line and the remedy. `named`: the commands so far, each followed by a space.
 InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const&, std::string const& named);
+// The error that ended the parsing, and those of the other options: wrong values, unknown and missing options.
+// `complete`: all words were parsed.
+InputError with_further_errors(InputError const& first, CLI::App& app, bool complete);
 
 }  // namespace straytrace::cli

@@ -255,6 +255,34 @@ TEST(CommandLine, UnsavedTextsThatNothingReadsAreNamed) {
   EXPECT_EQ(straytrace({"--unsaved", virgo_arm + "=" + virgo_arm, "check", virgo_arm}).err, "");
 }
 
+// Wrong values, unknown and missing options in one run. Control: with the others mended, each is the only one.
+TEST(CommandLine, AllWrongOptionsAreToldAtOnce) {
+  auto const errors = [](Words words) {
+    words.insert(words.end(), {"--format", "json"});
+    Finished const r = straytrace(words);
+    EXPECT_EQ(r.code, 2);
+    EXPECT_EQ(r.out, "");
+    Words all;
+    for (auto const& problem : nlohmann::json::parse(r.err)) all.push_back(problem.at("what"));
+    return all;
+  };
+  using ::testing::UnorderedElementsAre;
+  EXPECT_THAT(errors({"run", "--histories", "many", "--seed", "-1", "--max-time", "soon", "--untl", "5 %", "--colour"}),
+              UnorderedElementsAre(HasSubstr("'many' is not a number"), HasSubstr("'-1' is not a whole number"),
+                                   HasSubstr("'soon' is not a time"), "'--untl' is not an option here",
+                                   "'--colour' is not an option here", HasSubstr("is missing")));
+  EXPECT_THAT(errors({"run", virgo_arm, "-o", "x", "--seed", "-1"}), UnorderedElementsAre(HasSubstr("'-1' is not")));
+  EXPECT_THAT(errors({"couple", "predict", "none.h5", "--bdy", "tube", "--axis", "w", "--show", "0"}),
+              UnorderedElementsAre("'--bdy' is not an option here", "--axis cannot be 'w'",
+                                   HasSubstr("'0' is not a whole number")))
+      << "a misspelt option is not missing as well";
+  EXPECT_THAT(errors({"run", virgo_arm, "--ot", "x"}), UnorderedElementsAre("'--ot' is not an option here"));
+  EXPECT_THAT(errors({"fit", "--paths", "9", "--axis", "w"}),
+              UnorderedElementsAre(HasSubstr("'9' is not a whole number"), "--axis cannot be 'w'"));
+  Finished const text = straytrace({"run", virgo_arm, "-o", "x", "--seed", "-1", "--threads", "0"});
+  EXPECT_THAT(text.err, ::testing::ContainsRegex("error: --seed: [^\n]*\n  [^\n]*\nerror: --threads: "));
+}
+
 // As copied from typeset text: no-break and thin spaces in options are spaces, and 1e-999 is no 0. Controls: the same
 // with plain spaces, and 0.
 TEST(CommandLine, NumbersOfTypesetTextAndOutsideTheRange) {
