@@ -2,6 +2,7 @@
 // Power spectral densities of time series by averaged periodograms (Welch 1967; R2.15).
 #pragma once
 
+#include <cmath>
 #include <complex>
 #include <cstdint>
 #include <span>
@@ -74,6 +75,8 @@ double median_bias(std::size_t n);
 
 struct BandPower {
   double power = 0, sigma = 0;  // integral of the PSD over the band, x^2; one standard error for Gaussian noise
+  double rms() const { return std::sqrt(power); }
+  double rms_sigma() const { return power > 0 ? sigma / (2 * rms()) : 0; }
 };
 // Each line represents half a step on either side; the lines at 0 and at half the rate represent one side, with all
 // their power: over the whole band this is the sum of the lines, the mean square of the windowed record (Parseval).

@@ -119,13 +119,10 @@ CurveSheet rms_sheet(RmsOptions const& o, TimeSeries const& s, WelchSpectrum con
       lows.push_back(last = hz);
   for (double const low : lows) {
     BandPower const p = band_power(spectrum, settings, low, band.high);
-    double const value = std::sqrt(p.power);
     sheet.x.values.push_back(low);
     bool const whole = low == band.low;
-    for (auto const& [column, v] : {std::pair{0, band.high},
-                                    {1, value},
-                                    {2, p.power > 0 ? p.sigma / (2 * value) : 0},
-                                    {3, whole ? filtered : not_a_number}})
+    for (auto const& [column, v] :
+         {std::pair{0, band.high}, {1, p.rms()}, {2, p.rms_sigma()}, {3, whole ? filtered : not_a_number}})
       sheet.y[std::size_t(column)].values.push_back(v);
   }
   return sheet;
@@ -139,13 +136,12 @@ int show_rms(RmsOptions const& o) {
   WelchSettings const settings = welch_of(o, s);
   WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
   BandPower const p = band_power(spectrum, settings, band.low, band.high);
-  double const value = std::sqrt(p.power), sigma = p.power > 0 ? p.sigma / (2 * value) : 0;
   double const filtered = rms(band_passed(s, band.low, band.high).samples);
   CurveSheet const sheet = rms_sheet(o, s, spectrum, settings, band, filtered);
   answer(o, sheet,
          note_lines(sheet.notes) +
              fmt::format("{:g} Hz to {:g} Hz: rms {} {} from the PSD, {:.4g} {} of the band-passed record\n", band.low,
-                         band.high, with_error(value, sigma), s.unit, filtered, s.unit));
+                         band.high, with_error(p.rms(), p.rms_sigma()), s.unit, filtered, s.unit));
   return done;
 }
 

@@ -125,11 +125,9 @@ BudgetEntry NoiseSource::on(std::vector<double> const& at) const {
   for (BudgetBandColumn const& c : budget_band_columns)
     if (!(bands.*c.curve).empty()) e.bands.*c.curve = curve.on(at, bands.*c.curve);
   for (NoiseSource const& part : parts) e.parts.push_back(part.on(at));
-  auto const& edges = curve.bins.edges;
   for (double const f : at) {
-    auto const above = std::upper_bound(edges.begin(), edges.end(), f) - edges.begin();
-    bool const inside = above > 0 && std::size_t(above) <= bound_bins.size();
-    e.at_most.push_back(inside && bound_bins[std::size_t(above) - 1]);
+    std::size_t const bin = curve.bins.bin_of(f);
+    e.at_most.push_back(bin < bound_bins.size() && bound_bins[bin]);
   }
   return e;
 }
