@@ -70,19 +70,15 @@ Overlay overlay_of(CouplingFunction const& c, PredictedCurve const& p) {
   return out;
 }
 
-std::vector<OverlayPoint const*> nearest_points(Overlay const& o, std::vector<double> const& hz) {
+std::vector<OverlayPoint const*> points_by_bin(Overlay const& o, std::size_t bins) {
   auto const rank = [](OverlayPoint const* p) {
     if (p == nullptr) return -1.0;
     if (p->measured.flag != CouplingFlag::measured) return 0.0;
     return 1 + (std::isfinite(p->measured.sigma) ? p->measured.factor / p->measured.sigma : 0);
   };
-  std::vector<OverlayPoint const*> out(hz.size());
-  for (OverlayPoint const& p : o.points) {
-    auto const near =
-        std::ranges::min_element(hz, {}, [&](double f) { return std::fabs(std::log(f / p.measured.hz)); });
-    auto& kept = out[std::size_t(near - hz.begin())];
-    if (rank(&p) > rank(kept)) kept = &p;
-  }
+  std::vector<OverlayPoint const*> out(bins);
+  for (OverlayPoint const& p : o.points)
+    if (rank(&p) > rank(out[p.bin])) out[p.bin] = &p;
   return out;
 }
 

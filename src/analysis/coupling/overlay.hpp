@@ -33,8 +33,7 @@ struct PredictedCurve {
 };
 // Throws InputError for another dimension or a coupling that is fringe wrapped all over the band.
 Overlay overlay_of(CouplingFunction const&, PredictedCurve const&);
-// For each frequency, Hz, the most significant point nearest to it on a logarithmic axis, a measured one before a
-// limit; null where none is.
-std::vector<OverlayPoint const*> nearest_points(Overlay const&, std::vector<double> const& hz);
+// The most significant point in each bin of the prediction, a measured one before a limit; null: none.
+std::vector<OverlayPoint const*> points_by_bin(Overlay const&, std::size_t bins);
 
 }  // namespace straytrace::analysis

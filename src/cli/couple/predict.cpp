@@ -238,7 +238,7 @@ void add_overlay(CurveSheet& sheet, Overlay const& o) {
   limit.style = "upper-limit";
   sigma.name = "measured_sigma";
   sigma.style = "hidden";
-  std::vector<OverlayPoint const*> const shown = nearest_points(o, sheet.x.values);
+  std::vector<OverlayPoint const*> const shown = points_by_bin(o, n);
   for (std::size_t i = 0; i < n; ++i) {
     if (shown[i] == nullptr) continue;
     CouplingPoint const& p = shown[i]->measured;

@@ -71,5 +71,26 @@ TEST(Injections, OverlayComparesWithTheBinOfThePrediction) {
   EXPECT_THROW(overlay_of(measured, {edges, factor, sigma, "1/rad"}), InputError);
 }
 
+TEST(Injections, OneMeasuredPointRepresentsABin) {
+  Overlay o;
+  for (double const error : {0.2, 0.1, 0.4}) {
+    CouplingPoint p;
+    p.factor = 2;
+    p.sigma = error;
+    p.flag = CouplingFlag::measured;
+    o.points.push_back({.measured = p, .bin = 0});
+  }
+  CouplingPoint limit;
+  limit.factor = 9;
+  limit.flag = CouplingFlag::upper_limit;
+  o.points.push_back({.measured = limit, .bin = 0});
+  o.points.push_back({.measured = limit, .bin = 2});
+  auto const kept = points_by_bin(o, 3);
+  ASSERT_EQ(kept.size(), 3u);
+  EXPECT_EQ(kept[0], &o.points[1]) << "control: the last one, or a limit";
+  EXPECT_EQ(kept[1], nullptr);
+  EXPECT_EQ(kept[2], &o.points[4]);
+}
+
 }  // namespace
 }  // namespace straytrace
