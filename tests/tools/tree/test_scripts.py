@@ -144,17 +144,17 @@ def check_ducc0():
         def install(wanted):
             functions = f"eval \"$(sed -n '/^fetch_ducc0()/,/^install_ducc0()/p; /^  local home=build.ducc0$/,/^}}/p' {SCRIPTS / 'setup'})\""
             return run("bash", "-euo", "pipefail", "-c", f". {SCRIPTS / 'progress.bash'}; ducc0_url=file://{archive} ducc0_hash={wanted}; "
-                       f"mkdir -p build; {functions}; install_ducc0; echo goes on", cwd=tree)
+                       f"mkdir -p build; {functions}; install_ducc0; echo continued", cwd=tree)
 
         wrong = install("0" * 64)
-        check(wrong.stdout == "goes on\n" and f"its SHA-256 is {found}" in wrong.stderr and "warning: without DUCC0" in wrong.stderr and
+        check(wrong.stdout == "continued\n" and f"its SHA-256 is {found}" in wrong.stderr and "warning: without DUCC0" in wrong.stderr and
               not (tree / "build/ducc0").exists(), f"a wrong archive: {wrong}")
         first = install(found)
         unpacked = sorted(str(p.relative_to(tree / "build/ducc0")) for p in (tree / "build/ducc0").rglob("*.h"))
         check(unpacked == ["ducc0/fft/both.h"] and "fetching DUCC0" in first.stderr, f"unpacked {unpacked}: {first}")
         archive.unlink()
         again = install(found)
-        check(again.stdout == "goes on\n" and again.stderr == "", f"a second call fetches again: {again}")
+        check(again.stdout == "continued\n" and again.stderr == "", f"a second call fetches again: {again}")
 
 
 check_words()
