@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "base/files/embedded.hpp"
+#include "base/files/read_write.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/results.hpp"
@@ -77,7 +78,26 @@ LibraryEntry const& find(std::vector<LibraryEntry> const& all, std::string const
                    did_you_mean(name, names, "straytrace library lists its entries"));
 }
 
-// All files or none: an existing file is not changed without --force.
+// By the first line, the comment that says what the file holds.
+bool is_state_of(std::filesystem::path const& path, EmbeddedFile const& file) {
+  std::string_view const text = file.text, first = text.substr(0, text.find('\n'));
+  return head_of_file(path, first.size()) == first;
+}
+
+// An existing file is replaced only with --force, and only by another state of itself.
+void refuse_existing(std::string const& folder, EmbeddedFile const& file, bool force) {
+  std::filesystem::path const path = std::filesystem::path(folder) / file.name;
+  if (!std::filesystem::exists(path)) return;
+  if (!force)
+    throw InputError(fmt::format("'{}' exists", path.string()), "choose another folder, or replace it with --force");
+  if (!is_state_of(path, file))
+    throw InputError(fmt::format("'{}' exists and is not a file of the library; it is not overwritten, even with "
+                                 "--force",
+                                 path.string()),
+                     "choose another folder, or remove the file first");
+}
+
+// All files or none.
 void copy(LibraryOptions const& wanted, std::vector<LibraryEntry> const& all, bool force) {
   namespace fs = std::filesystem;
   std::string const only = wanted.name.empty() ? "" : find(all, wanted.name).file;
@@ -86,9 +106,7 @@ void copy(LibraryOptions const& wanted, std::vector<LibraryEntry> const& all, bo
   std::vector<EmbeddedFile> files;
   for (EmbeddedFile const& file : embedded_files())
     if (is_library(file.name) && (only.empty() || file.name == only)) files.push_back(file);
-  for (EmbeddedFile const& file : files)
-    if (fs::path const path = fs::path(wanted.copy) / file.name; !force && fs::exists(path))
-      throw InputError(fmt::format("'{}' exists", path.string()), "choose another folder, or replace it with --force");
+  for (EmbeddedFile const& file : files) refuse_existing(wanted.copy, file, force);
   for (EmbeddedFile const& file : files) {
     fs::path const path = fs::path(wanted.copy) / file.name;
     fs::create_directories(path.parent_path());

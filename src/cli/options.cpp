@@ -148,7 +148,7 @@ void add_trace_options(CLI::App& command, TraceOptions& options) {
 }
 
 void add_force_option(CLI::App& command, bool& force) {
-  command.add_flag("--force", force, "overwrite the run of another model; files of other kinds are never overwritten");
+  command.add_flag("--force", force, "overwrite the run of another model, or files of the library; never other files");
 }
 
 namespace {

@@ -255,7 +255,7 @@ TEST(CommandLine, UnsavedTextsThatNothingReadsAreNamed) {
   EXPECT_EQ(straytrace({"--unsaved", virgo_arm + "=" + virgo_arm, "check", virgo_arm}).err, "");
 }
 
-// Wrong values, unknown and missing options in one run. Control: with the others mended, each is the only one.
+// Wrong values, unknown and missing options in one run. Control: alone, each is the only error.
 TEST(CommandLine, AllWrongOptionsAreToldAtOnce) {
   auto const errors = [](Words words) {
     words.insert(words.end(), {"--format", "json"});

@@ -46,6 +46,16 @@ TEST(LibraryCommand, CopiesAndTheCopyIsUsed) {
   write_text(folder / "a.yaml",
              "straytrace: 1\ninclude: [library/materials.yaml]\nmaterials: {m: {like: steel_ebonol}}\n");
   EXPECT_THAT(straytrace({"inspect", "m", folder / "a.yaml"}).out, HasSubstr("[0.001, 0.003, 0.05] /sr"));
+  // --force replaces a copy, edited or not, but no file of another kind.
+  write_text(folder / "library/arm.yaml", "notes of mine\n");
+  Finished const other = straytrace({"library", "--copy", folder.path(), "--force"});
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("arm.yaml' exists and is not a file of the library"));
+  EXPECT_EQ(text_of(folder / "library/arm.yaml"), "notes of mine\n");
+  EXPECT_EQ(text_of(copy), text) << "all files or none";
+  fs::remove(folder / "library/arm.yaml");
+  EXPECT_EQ(straytrace({"library", "--copy", folder.path(), "--force"}).code, 0);
+  EXPECT_NE(text_of(copy), text);
 }
 
 std::string hash_of(Words words) {

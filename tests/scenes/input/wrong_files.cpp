@@ -61,7 +61,7 @@ TEST(WrongFiles, PlacesInRecordsAreFields) {
   }
 }
 
-// As it was written, so that two files of one name are told apart and an editor opens the right one.
+// As it was written: two files of one name stay distinct, and an editor opens the right one.
 TEST(WrongFiles, AreNamedWithTheirPath) {
   Folder const folder;
   fs::create_directory(folder / "data");
