@@ -239,6 +239,25 @@ constexpr Mark marks[] = {
     {"still", "nothing on the route moves: it makes exactly no noise"},
     {"too faint to matter", "unresolved, but the observed part is below 0.1 % of the noise power at any frequency"},
     {"no light seen", "no history has brought light there: its power is unknown, and may be above zero"},
+    {"effective scores",
+     "(sum of scores)^2 over the sum of their squares: histories that carry the sum; an error needs at least 100"},
+    {"histories have scored", "number of histories that brought light to the row; an error needs at least 100"},
+    {"variance of variance", "relative variance of the squared error; an error is trusted below 0.1"},
+    {"one history carries", "share of the largest history in the sum; an error is trusted below 5 %"},
+    {"emitted", "in the energy balance: light that beams scatter at the first surface"},
+    {"escaped", "in the energy balance: light that has left the scene"},
+    {"truncated", "in the energy balance: light cut off after 'order_limit' surface events"},
+    {"roulette",
+     "in the energy balance: power that Russian roulette has added or taken; zero on average, printed with its error"},
+    {"sampling",
+     "in the energy balance: mean power that surfaces scatter, less what the drawn directions carried; zero on "
+     "average, printed with its error"},
+    {"figure of merit", "1/(relative error^2 x seconds of tracing), independent of the number of histories",
+     "docs/reference/commands.md"},
+    {"speckle", "interference of paths with unknown static phases: h is the mean over them, one realisation differs",
+     "docs/theory/spectra.md"},
+    {"multiplicity", "phase sensitivity in units of 2k: the number of bounces on the moving body",
+     "docs/theory/commissioning.md"},
     {"one realisation",
      "range of h from 5 to 95 % of possible static phases of the paths; the printed h is the mean over them"},
     {"input uncertainty", "range of h that stated brackets and uncertainties of materials and motion leave open"},
@@ -260,9 +279,10 @@ constexpr Mark marks[] = {
     {"beside", "share of the power of a beam that passes outside the edge of the surface", "docs/theory/ghosts.md"},
     {"incidence", "angle between the chief ray of the beam and the normal of the surface", "docs/reference/scene.md"}};
 
-std::optional<Explanation> explain_mark(std::string const& what) {
+// A mark by its name, or in a printed line: 'only 47 effective scores'.
+std::optional<Explanation> explain_mark(std::string const& what, bool in_line) {
   for (auto const& [name, text, page] : marks)
-    if (what == name)
+    if (in_line ? name.find(" ") != name.npos && what.find(name) != what.npos : what == name)
       return Explanation{fmt::format("{}: in tables of results\n  {}\nsee {}\n", name, text, page),
                          {{"mark", name}, {"text", text}, {"page", page}}};
   return {};
@@ -386,7 +406,7 @@ std::string suggestion_for(std::string const& what) {
   std::string const near = nearest_key(what);
   return (near.empty() ? "" : fmt::format("did you mean '{}'? ", near)) + parts_like(what) +
          "write TABLE.KEY (cone.half_angle), a table (beam), a key (half_angle), PART.NUMBER (lens.diameter), "
-         "'unit m/sqrt(Hz)', or the text of a message";
+         "a column or a word of a table of results, 'unit m/sqrt(Hz)', or the text of a message";
 }
 
 Explanation answer_to(ExplainOptions const& asked) {
@@ -401,8 +421,9 @@ Explanation answer_to(ExplainOptions const& asked) {
   if (auto found = explain_key(what)) return *found;
   if (auto found = explain_library(what)) return *found;
   if (auto found = explain_column(what)) return *found;
-  if (auto found = explain_mark(what)) return *found;
+  if (auto found = explain_mark(what, false)) return *found;
   if (auto found = explain_message(what)) return *found;
+  if (auto found = explain_mark(what, true)) return *found;
   if (parse_unit(what)) return explain_unit(what);
   throw InputError(fmt::format("'{}' is unknown in the language and the library", what), suggestion_for(what));
 }

@@ -116,7 +116,12 @@ TEST(Explain, WordsOfTablesAreKnown) {
        {"C_rev", "sensitivity", "moves", "mixed", "linear", "edge", "ghost", "hint", "beside", "incidence",
         "no light seen", "one realisation", "input uncertainty", "bound_share", "coherent", "share/%", "h(10 Hz)"})
     EXPECT_EQ(straytrace({"explain", word}).code, 0) << word;
+  for (char const* word : {"emitted", "escaped", "truncated", "roulette", "sampling", "figure of merit", "speckle"})
+    EXPECT_EQ(answer({"explain", word})["mark"], word);
+  EXPECT_EQ(answer({"explain", "only 47 effective scores"})["mark"], "effective scores");
+  EXPECT_EQ(answer({"explain", "variance of variance is 0.27"})["mark"], "variance of variance");
   EXPECT_EQ(straytrace({"explain", "C_reversed"}).code, 2) << "control";
+  EXPECT_EQ(straytrace({"explain", "9 ghosts nearby"}).code, 2) << "control: a mark of one word inside a text";
 }
 
 // S = 1/2 kappa^2 S_x where motion is small (docs/theory/spectra.md, eq. 7.2): here S_x = (1e-12 (f/10 Hz)^-1)^2
