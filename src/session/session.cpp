@@ -48,13 +48,13 @@ std::string duration(double seconds) {
 
 std::string progress_line(TraceProgress const& p, StopRule const& rule) {
   double left = double(p.wanted_histories - std::min(p.wanted_histories, p.histories)) / p.histories_per_s;
-  std::string goal = fmt::format("{:.3g} of {:.3g} histories", double(p.histories), double(p.wanted_histories));
+  std::string goal, count = fmt::format("{:.3g} histories", double(p.histories));
   if (rule.by_error()) {
     double const want = p.wanted_error, seen = double(p.error_histories);
     goal = std::isfinite(p.error) ? fmt::format("error {:.2g} % at {:.3g}", 100 * p.error, seen)
-           : std::isnan(p.error)  ? "no look yet"
+           : std::isnan(p.error)  ? "no error yet"
                                   : fmt::format("unresolved at {:.3g}", seen);
-    goal += fmt::format("  (want {:g} %)", 100 * want);
+    goal += fmt::format("  (want {:g} %)  ", 100 * want);
     left = infinity;
     if (std::isfinite(p.error)) {  // it falls as the root, and must hold at two checks a factor 1.4 apart
       double const needed = std::max(seen * std::pow(p.error / want, 2), double(p.histories)) * std::sqrt(2.0);
@@ -62,12 +62,13 @@ std::string progress_line(TraceProgress const& p, StopRule const& rule) {
     }
   }
   if (std::isfinite(rule.max_seconds)) {
-    if (!rule.by_error()) goal = fmt::format("of at most {}", duration(rule.max_seconds));
+    if (!rule.by_error()) goal = fmt::format("at most {}  ", duration(rule.max_seconds));
     left = std::fmin(left, std::fmax(rule.max_seconds - p.seconds, 0));
   }
   std::string const time = std::isfinite(left) ? "about " + duration(left) + " left" : "";
-  return fmt::format("trace  {}  {:.3g} histories  {:.2g} histories/s  {:.2g} rays/s  {}", goal, double(p.histories),
-                     p.histories_per_s, p.rays_per_s, time);
+  if (goal.empty()) count = fmt::format("{:.3g} of {:.3g} histories", double(p.histories), double(p.wanted_histories));
+  return fmt::format("trace  {}{}  {:.2g} histories/s  {:.2g} rays/s  {}", goal, count, p.histories_per_s, p.rays_per_s,
+                     time);
 }
 
 // The blocks already traced for this model and seed. Few histories are traced in smaller blocks, which a longer run
