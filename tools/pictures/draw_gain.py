@@ -39,7 +39,7 @@ def draw(found):
         label = preset if not preset.startswith("et-") else f"{preset}, tuned" if tuning == "0" else f"{preset}, {tuning[1:]} rad off"
         axes.loglog(hz, value, style, color=colour, label=label)
     axes.axhline(PUBLIC, color="black", linewidth=1.2, linestyle=":", label="15.7, public ET model")
-    axes.set(xlabel="frequency [Hz]", ylabel="value replacing $\\Gamma$ in eq. 9.2", xlim=(1, 100), ylim=(1, 300))
+    axes.set(xlabel="frequency [Hz]", ylabel="effective arm gain $\\Gamma$ in eq. 9.2 [1]", xlim=(1, 100), ylim=(1, 300))
     axes.xaxis.set_major_formatter(lambda hz, _: f"{hz:g}")
     axes.yaxis.set_major_formatter(lambda gain, _: f"{gain:g}")
     axes.grid(which="both", alpha=0.2)

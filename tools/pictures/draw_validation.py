@@ -92,22 +92,22 @@ def published(build):
     return found
 
 
-def off_by(axes, data, unit):
+def off_by(axes, data, what):
     """Points with one standard error as shares of what is expected."""
     for (name, points), colour, marker in zip(data.items(), (RED, BLUE), "os"):
         axes.errorbar([p[1] for p in points], [100 * (p[2] / p[1] - 1) for p in points], [100 * p[3] / p[1] for p in points], fmt=marker,
                       color=colour, ms=4, lw=1.2, capsize=2, label=name)
     axes.axhline(0, color=GREY, lw=0.8)
-    axes.set(xscale="log", xlabel=f"closed form{unit}", ylabel="deviation [%], ± 1 σ")
+    axes.set(xscale="log", xlabel=f"closed form of {what}", ylabel="deviation from it [%], ± 1 σ")
 
 
 def draw_view_factors(axes, data):
-    off_by(axes, data, "")
+    off_by(axes, data, "the view factor")
     axes.legend(loc="lower left", frameon=False)
 
 
 def draw_recoupling(axes, data):
-    off_by(axes, data, " $f_r$")
+    off_by(axes, data, "the recoupled fraction $f_r$")
 
 
 def draw_wrapped(axes, data):
@@ -115,7 +115,7 @@ def draw_wrapped(axes, data):
     hz = [float(p[0].split()[0]) for p in points]
     axes.plot(hz, [p[1] for p in points], color=BLUE, lw=1.4, label="exact spectrum (7.7)")
     axes.errorbar(hz, [p[2] for p in points], [p[3] for p in points], fmt="o", ms=3.5, lw=1.2, capsize=2, color=RED, label=f"{name}, ± 1 σ")
-    axes.set(yscale="log", xlabel="frequency [Hz]", ylabel="fringes, mean over $\\varphi_0$ [1/Hz]")
+    axes.set(yscale="log", xlabel="frequency [Hz]", ylabel="one-sided PSD of $\\sin\\varphi$,\nmean over $\\varphi_0$ [1/Hz]")
     axes.legend(frameon=False)
 
 
@@ -124,7 +124,7 @@ def draw_finesse(axes, data):
         for who, style in (("FINESSE", {"lw": 1.4}), ("", {"ls": "", "marker": "o", "ms": 3.5})):
             of = [p for p in points if p[0] == who]
             axes.loglog([p[1] for p in of], [p[2] for p in of], color=colour, label=f"{name}: {'FINESSE 3' if who else 'straytrace'}", **style)
-    axes.set(xlabel="frequency [Hz]", ylabel="dark port per DARM [W/m]")
+    axes.set(xlabel="frequency [Hz]", ylabel="dark port power per DARM [W/m]")
     axes.legend(frameon=False, fontsize=8.5)
 
 
@@ -136,7 +136,7 @@ def draw_tracers(axes, data):
                       lw=1.2, capsize=2, label=name)
     axes.axhline(0, color=GREY, lw=0.8)
     axes.set_xticks(range(len(problems)), [p.replace("_", "\n") for p in problems])
-    axes.set(ylabel="deviation from straytrace [%], ± 1 σ")
+    axes.set(xlabel="problem", ylabel="deviation from straytrace [%], ± 1 σ")
     axes.legend(frameon=False, ncol=2, fontsize=8.5)
 
 
