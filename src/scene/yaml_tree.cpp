@@ -121,15 +121,26 @@ void refuse_directives(SceneDocument& document, std::uint32_t file) {
   }
 }
 
-// No-break and thin spaces are plain ones where YAML needs a space: before the first word of a line, and before a value
-// or element.
-void blank_typeset_spaces(std::string& text) {
+// No-break and thin spaces before a value or element are plain ones; every byte keeps its place. In the indentation,
+// whose width counts, they are problems; then the text cannot be used.
+bool blank_typeset_spaces(SceneDocument& document, std::uint32_t file, std::string& text) {
+  bool usable = true;
+  std::uint32_t line = 1, column = 1;
   char last = '\n';  // that is no space
-  for (std::size_t at = 0; at < text.size(); ++at) {
+  for (std::size_t at = 0; at < text.size(); ++column) {
     std::size_t const bytes = typeset_space(std::string_view(text).substr(at));
-    if (bytes > 0 && std::string_view("\n:,[{-").find(last) != std::string_view::npos) text.replace(at, bytes, " ");
-    if (text[at] != ' ') last = text[at];
+    if (bytes > 0 && last == '\n') {
+      document.add({{file, line, column}, "a no-break or thin space in the indentation", "use plain spaces"});
+      usable = false;
+    }
+    if (bytes > 0 && std::string_view("\n:,[{-").find(last) != std::string_view::npos)
+      text.replace(at, bytes, bytes, ' ');
+    else if (text[at] != ' ')
+      last = text[at];
+    at += std::max<std::size_t>(bytes > 0 ? bytes : sequence_length(text, at), 1);
+    if (last == '\n' && text[at - 1] == '\n') ++line, column = 0;
   }
+  return usable;
 }
 
 // The text to hand to the parser (byte order mark, tabs and typeset spaces blanked), or nothing when it cannot be read.
@@ -172,8 +183,7 @@ std::optional<std::string> checked_text(SceneDocument& document, std::uint32_t f
     }
   }
   refuse_directives(document, file);
-  if (!readable) return {};
-  blank_typeset_spaces(text);
+  if (!readable || !blank_typeset_spaces(document, file, text)) return {};
   return text;
 }
 

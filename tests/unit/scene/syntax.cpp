@@ -61,15 +61,19 @@ TEST(Syntax, InvalidTextsNextToAcceptedOnes) {
   }
 }
 
-// Where YAML needs a space, and in values; the place of a later mistake counts code points.
-TEST(Syntax, NoBreakSpacesAreSpaces) {
+// Before values and elements, and in values; the place of a later mistake counts code points. The width of an
+// indentation counts, so there they are errors.
+TEST(Syntax, NoBreakSpacesAreSpacesExceptInIndentations) {
   for (std::string const space : {"\xc2\xa0", "\xe2\x80\x89", "\xe2\x80\xaf"}) {
-    Scene const scene = scene_of("trace:\n" + space + space + "a:" + space + "5" + space + "m\n" + space + " b: [1 m," +
-                                 space + "2 m]\n");
+    Scene const scene =
+        scene_of("trace:\n  a:" + space + "5" + space + "m\n  b: [1 m," + space + "2 m," + space + space + "3 m]\n");
     EXPECT_EQ(scene.table("trace").number("a", dim::length), 5);
-    EXPECT_EQ(scene.table("trace")["b"].as_numbers(dim::length, 2), (std::vector<double>{1, 2}));
+    EXPECT_EQ(scene.table("trace")["b"].as_numbers(dim::length, 3), (std::vector<double>{1, 2, 3}));
     EXPECT_EQ(said_by(scene), "");
     EXPECT_THAT(errors_of("trace: {a:" + space + "[x], b: &y 1}\n"), HasSubstr("2:20: error: anchors"));
+    EXPECT_THAT(errors_of("trace:\n" + space + " a: 1\n  b: 2\n"),
+                ::testing::AllOf(HasSubstr("3:1: error: a no-break or thin space in the indentation"),
+                                 HasSubstr("\n1 error.")));
   }
 }
 
