@@ -22,6 +22,13 @@ def label(column):
     return f"{column['name']} [{column['unit']}]" if column["unit"] not in ("", "1") else column["name"]
 
 
+def axis_label(unit, columns):
+    """Quantity and unit; many quantities have their names in the legend alone."""
+    drawn = (c["name"].removesuffix("_limit") for c in columns if c["style"] in ("line", "points", "upper-limit"))
+    names = ", ".join(dict.fromkeys(drawn))
+    return " ".join(filter(None, (names if len(names) <= 40 else "", f"[{unit}]" if unit not in ("", "1") else "")))
+
+
 def clock(x, unit):
     """Times of GPS are counted from the first, which the label names."""
     if unit != "s" or not x.size or abs(x[0]) < 1e6:
@@ -162,7 +169,7 @@ def draw_panel(axes, sheet, unit, columns):
         axes.set_yscale("log", nonpositive="mask")
     if turns:
         axes.set(ylim=(-190, 190), yticks=range(-180, 181, 90))
-    axes.set_ylabel(f"[{unit}]" if unit not in ("", "1") else "")
+    axes.set_ylabel(axis_label(unit, columns))
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="best")
     axes.grid(True, which="major", color=LIGHT, lw=0.7)
@@ -208,7 +215,8 @@ def draw_map(figure, axes, sheet):
     if sheet["lines"]:
         axes.legend(loc="upper right", frameon=True, facecolor="#333333", labelcolor="white")
     bar = figure.colorbar(mesh, ax=axes)
-    bar.set_label(f"[{sheet['unit']}]" if sheet["unit"] != "1" else "normalised")
+    quantity = "ASD " if sheet["unit"].endswith("/sqrt(Hz)") else ""
+    bar.set_label(f"{quantity}[{sheet['unit']}]" if sheet["unit"] != "1" else "normalised")
     axes.set(xlabel=f"time after GPS {origin:.0f} [s]" if origin else "time [s]", ylabel="frequency [Hz]")
 
 

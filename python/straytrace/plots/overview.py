@@ -9,7 +9,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from .bands import draw_bands
 from .style import GREY, LIGHT, ROUTE_COLOURS, TERM_COLOURS, plain_number
-from .words import hertz, plain, power_of_ten, shortened
+from .words import hertz, plain, power_of_ten, shortened, told_apart
 
 DESIGN_STYLES = ("-", (0, (8, 1.5)), (0, (3, 1, 1, 1)))
 CLOSED = 1e-12  # of the emitted power: what lies below is rounding, as in report.txt
@@ -49,9 +49,9 @@ def draw_budget(axes, run, band):
             axes.plot(f, noise.margin * design, color=GREY, lw=1.5, ls=(0, (6, 2)), label=margin)
             shown.append(noise.margin * design)
     order, _, _ = ranked(run, band)
+    names = told_apart([noise.routes[i].name for i in order[:TOP]], 54)
     for k, i in enumerate(order[:TOP]):
-        route = noise.routes[i]
-        axes.plot(f, route.mean, color=ROUTE_COLOURS[k], lw=1.5, label=shortened(route.name, 54))
+        axes.plot(f, noise.routes[i].mean, color=ROUTE_COLOURS[k], lw=1.5, label=names[k])
     shown += [noise.routes[i].mean for i in order[:3]]
     axes.set(xscale="log", yscale="log", xlim=(noise.edges[0], noise.edges[-1]), ylim=limits(shown))
     axes.set_xlabel("frequency [Hz]")
@@ -77,12 +77,13 @@ def draw_shares(axes, run, band):
     place = np.arange(len(rows))[::-1]
     axes.barh(place, [100 * r[1] for r in rows], height=0.52, color=[r[3] for r in rows],
               xerr=[100 * r[2] for r in rows], error_kw={"lw": 1.2, "capsize": 3, "ecolor": "black"})
-    for y, (name, value, sigma, _, i) in zip(place, rows):
+    names = told_apart([r[0] for r in rows], 84)
+    for y, name, (_, value, sigma, _, i) in zip(place, names, rows):
         words = plain(100 * value, 100 * sigma, " %") if value > 0 else "nothing moves on them"
         if i is not None:
             words += f"   coupling {power_of_ten(run.routes.coupling[i], run.routes.sigma[i], run.routes.kind[i] == 'edge')}"
         axes.annotate(words, (100 * (value + sigma), y), xytext=(6, 0), textcoords="offset points", va="center", fontsize=9.5)
-        axes.annotate(shortened(name, 84), (0, y + 0.28), xytext=(2, 0), textcoords="offset points", va="bottom", fontsize=9.5)
+        axes.annotate(name, (0, y + 0.28), xytext=(2, 0), textcoords="offset points", va="bottom", fontsize=9.5)
     widest = max([100 * (r[1] + r[2]) for r in rows], default=100)
     axes.set_xlim(0, 1.75 * widest)
     axes.set_ylim(-0.6, max(len(rows) - 0.15, 1))
@@ -192,8 +193,9 @@ def notes(run, width=62):
 
 def footer(run):
     a = run.attributes
+    motion = f"    motion {a['motion_file']}" if a.get("motion_file") else ""
     return (f"{a['program']} {a['version']} ({a['commit']})    model {a['model_hash'][:12]}    seed {int(a['seed'])}"
-            f"    {int(a['histories']):,} histories    {a['created']}").replace(",", " ")
+            f"    {int(a['histories']):,} histories    {a['created']}").replace(",", " ") + motion
 
 
 def draw(run, band=None):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Numbers and names as text."""
 
+import os.path
+
 import numpy as np
 
 
@@ -10,6 +12,19 @@ def shortened(text, length):
         return text
     head = (length - 1) // 2
     return text[:head] + "…" + text[-(length - 1 - head):]
+
+
+def told_apart(names, length):
+    """Long names made shorter, each around the place where it differs from those that would look the same."""
+    short = [shortened(name, length) for name in names]
+    told = list(short)
+    for i, name in enumerate(names):
+        alike = {other for other, s in zip(names, short) if s == short[i]}
+        if len(alike) > 1:
+            start = name.rfind(" ", 0, len(os.path.commonprefix(list(alike)))) + 1
+            end = length // 4
+            told[i] = f"{name[:end]}…{name[start:start + length - 2 * end - 2]}…{name[-end:]}"
+    return told
 
 
 def _last_digit(sigma):

@@ -161,10 +161,12 @@ def check_curves():
     sheet = {"title": "made up", "notes": ["one", "two"], "x": {"name": "frequency", "unit": "Hz", "values": [10, 20, 30]},
              "log_x": True, "log_y": True, "y": coupling + noise}
     panels = plot_curves.picture(sheet).axes
-    assert [a.get_ylabel() for a in panels] == ["[1/m]", "[1/sqrt(Hz)]"], "each unit has axes of its own"
+    assert [a.get_ylabel() for a in panels] == ["predicted [1/m]", "h_driven [1/sqrt(Hz)]"], "each unit has axes of its own"
     assert panels[0].get_ylim()[1] < 1e-16 and panels[1].get_ylim()[1] < 1e-22
     assert panels[1].get_xlabel() == "frequency [Hz]"
     check_errors(sheet, noise[0])
+    many = [column(f"coupling of the {place} to h", "1/m", 1e-17) for place in ("link", "bench")]
+    assert plot_curves.picture(sheet | {"y": many}).axes[0].get_ylabel() == "[1/m]", "many names are in the legend alone"
     alone = plot_curves.picture(sheet | {"y": coupling})
     assert len(alone.axes) == 1 and tuple(alone.get_size_inches()) == plot_curves.SIZE
     plt.close("all")

@@ -144,6 +144,20 @@ def check_numbers():
     assert words.power_of_ten(np.nan, 1) == "unresolved"
     assert words.power_of_ten(2.617193e-26, 4e-32, bound=True) == r"at most 2.7$\times 10^{-26}$"
     assert words.shortened("abcdefghij", 5) == "ab…ij"
+    ghosts = [f"ETM/front·T > ETM/back·T > viewport·T > {face}·R > viewport·T > ETM/back·T > ETM/front·T" for face in ("lens", "fold")]
+    assert words.told_apart([*ghosts, "fold·S"], 54)[2] == "fold·S"
+    short = words.told_apart(ghosts, 54)
+    assert max(map(len, short)) <= 54 and "lens·R" in short[0] and "fold·R" in short[1], short
+    assert len({words.shortened(name, 54) for name in ghosts}) == 1, "control: both ends alone are the same"
+
+
+def check_footer():
+    """Another motion than that of the scene is named."""
+    about = {"program": "straytrace", "version": "0", "commit": "abc", "model_hash": "0" * 64, "seed": 1, "histories": 1e4, "created": "now"}
+    run = type("Run", (), {"attributes": about})
+    assert "motion" not in overview.footer(run)
+    run.attributes = about | {"motion_file": "a, storm.yaml"}
+    assert overview.footer(run).endswith("motion a, storm.yaml") and "10 000 histories" in overview.footer(run)
 
 
 def check_bounds():
@@ -219,6 +233,7 @@ with tempfile.TemporaryDirectory() as name:
     made_run(here / "run.h5")
     given = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else here / "run.h5"
     check_numbers()
+    check_footer()
     check_limits()
     check_bounds()
     check_map_errors()
