@@ -258,10 +258,10 @@ std::string verdict_sentence(NoiseBudget const& b, double low_hz, double high_hz
   auto const [low, high] = band_of(b.grid, low_hz, high_hz);
   std::string text = compared(b, low, high);
   if (!b.faint.empty())
-    text += fmt::format(" {} unresolved route{} too faint to matter ({}).", b.faint.size(),
-                        b.faint.size() == 1 ? " is" : "s are",
-                        b.faint_share > 0 ? fmt::format("seen: {:.1g} of the noise power at most", b.faint_share)
-                                          : std::string("nothing on them moves"));
+    text += fmt::format(
+        " {} unresolved route{} too faint to matter ({}).", b.faint.size(), b.faint.size() == 1 ? " is" : "s are",
+        b.faint_share > 0 ? fmt::format("seen: {:.1g} of the noise power at most", b.faint_share)
+                          : std::string(b.faint.size() == 1 ? "nothing on it moves" : "nothing on them moves"));
   if (b.unresolved.empty()) return text + (b.faint.empty() ? " Unresolved: none." : " Otherwise unresolved: none.");
   text += fmt::format(
       " This is {}; unresolved ({}):", bound_bins(b) > 0 ? "no bound, since it contains upper bounds" : "a lower bound",

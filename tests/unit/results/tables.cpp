@@ -281,6 +281,15 @@ TEST(ReportOutcome, UnresolvedRoutesMakeItALowerBound) {
   EXPECT_THAT(verdict_sentence(b, 0, 0), HasSubstr("lower bound; unresolved (1): ITM·S: too few scores"));
 }
 
+TEST(ReportOutcome, CountsFaintRoutes) {
+  NoiseBudget b = simple(0.5);
+  b.faint = {"ITM·S > ETM·S: too few scores"};
+  EXPECT_THAT(verdict_sentence(b, 0, 0), HasSubstr("1 unresolved route is too faint to matter (nothing on it moves)."));
+  b.faint.push_back("ETM·S > ITM·S: too few scores");
+  EXPECT_THAT(verdict_sentence(b, 0, 0),
+              HasSubstr("2 unresolved routes are too faint to matter (nothing on them moves)."));
+}
+
 TEST(ReportOutcome, StatesWhenNoCurveIsGiven) {
   NoiseBudget b = simple(0.5);
   b.design[0].asd = {not_a_number, not_a_number};
