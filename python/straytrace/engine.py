@@ -53,7 +53,10 @@ class Answer:
 def program() -> str:
     """The program: STRAYTRACE_PROGRAM, or that of this package, of its source tree, or of the search path."""
     if chosen := os.environ.get("STRAYTRACE_PROGRAM"):
-        return chosen
+        if found := shutil.which(chosen):
+            return found
+        raise InputError(f"the environment variable STRAYTRACE_PROGRAM names '{chosen}', which is no program: name another, or build "
+                         "it with scripts/build")
     for place in (HERE / "bin" / "straytrace", HERE.parents[1] / "build" / "straytrace"):
         if os.access(place, os.X_OK) and place.is_file():
             return str(place)

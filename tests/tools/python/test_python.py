@@ -161,6 +161,15 @@ class Errors(unittest.TestCase):
             with unittest.mock.patch.dict(os.environ, STRAYTRACE_PROGRAM=str(script)):
                 arm().check()
 
+    def test_missing_program_is_an_input_error(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bare = pathlib.Path(folder, "program")
+            bare.write_text("#!/bin/sh\n")                       # not executable
+            for place in (bare, pathlib.Path(folder, "none")):
+                with unittest.mock.patch.dict(os.environ, STRAYTRACE_PROGRAM=str(place)), \
+                        self.assertRaisesRegex(straytrace.InputError, f"STRAYTRACE_PROGRAM names '{place}'"):
+                    arm().check()
+
     def test_check_tells_numbers_and_warnings(self):
         model = arm(bodies={"mirrors": {"motion": "still"}, "tube": {"motion": "still"}})
         found = model.check()
