@@ -186,13 +186,13 @@ std::optional<std::string> SceneDocument::read(std::string const& name, std::siz
 std::uint32_t SceneDocument::open_main(std::string const& name) {
   std::string why;
   auto text = read(name, model_file_limit, why);
-  if (!text)
+  if (!text) {
+    std::string const remedy = remedy_for_unreadable(name);
     throw InputError(
-        {{{}, "cannot read this file: " + why, "check the name and the folder"}},
-        fmt::format(
-            "{}: error: cannot read this file: {}\n      | check the name and the folder\n1 error. Nothing was run.\n",
-            name, why),
+        {{{}, "cannot read this file: " + why, remedy}},
+        fmt::format("{}: error: cannot read this file: {}\n      | {}\n1 error. Nothing was run.\n", name, why, remedy),
         {name});
+  }
   return add_source(name, std::move(*text), true);
 }
 

@@ -37,7 +37,7 @@ void refuse_binary(std::string_view bytes, std::string const& file) {
 std::string read_text(std::string const& file) {
   FileBytes read = bytes_of_file(file);
   if (!read.why.empty())
-    throw InputError(fmt::format("cannot read '{}': {}", file, read.why), "check the name and the folder");
+    throw InputError(fmt::format("cannot read '{}': {}", file, read.why), remedy_for_unreadable(file));
   refuse_binary(read.bytes, file);
   return std::move(read.bytes);
 }

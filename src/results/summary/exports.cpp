@@ -261,7 +261,7 @@ void write_files(std::vector<std::pair<std::string, std::string>> const& files) 
 std::string read_file(std::string const& file) {
   FileBytes read = bytes_of_file(file);
   if (!read.why.empty())
-    throw InputError(fmt::format("cannot read '{}': {}", file, read.why), "check the name and the folder");
+    throw InputError(fmt::format("cannot read '{}': {}", file, read.why), remedy_for_unreadable(file));
   return std::move(read.bytes);
 }
 
