@@ -9,7 +9,7 @@ const stage = new Stage(place, data.scene);
 window.stage = stage;
 const light = new Light(stage);
 place.append(el("p", {class: "legend"}, "Red: main beams and lit spots. Ghosts by order: orange 1, pink 2, brown 3. Sample rays: green until a " +
-    "surface, light blue where they leave the scene. Click a part for its name, material and body; ● solid, ◐ glass, ○ hidden."));
+    "surface, light blue where they leave the scene. Click a part for its name, material and body; ● solid, ◐ transparent, ○ hidden."));
 if (data.table && data.table.rows > 0) {
   const part = section("Routes", "routes");
   const table = new PathTable(part, data.table, ids => {

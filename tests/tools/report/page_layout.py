@@ -31,6 +31,14 @@ for (const node of document.querySelectorAll("p, li, h3, figcaption, td, th, sum
       if (lines(range) > 1) said.push(`broken: ${found[0]} of ${words(node)}`);
     }
 }
+// A short name of a surface in a table, with its event.
+for (const cell of document.querySelectorAll("td.text"))
+  for (const text of [...cell.childNodes].filter(n => n.nodeType === Node.TEXT_NODE))
+    for (const found of text.data.matchAll(/(?<![\\w/.])[\\w/]{1,10}·[A-Z](?!\\w)/g)) {
+      range.setStart(text, found.index);
+      range.setEnd(text, found.index + found[0].length);
+      if (lines(range) > 1) said.push(`broken: ${found[0]} of ${words(cell)}`);
+    }
 
 for (const svg of document.querySelectorAll("svg.plot")) {
   const box = svg.getBoundingClientRect(), texts = [...svg.querySelectorAll("text")].filter(t => t.textContent);
