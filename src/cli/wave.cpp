@@ -145,7 +145,7 @@ void print_rims(ArmWaves const& waves, World const& world, std::size_t show) {
   if (order.size() > show) std::cout << fmt::format("and {} more; --show N has more rows\n", order.size() - show);
 }
 
-nlohmann::ordered_json complex_json(Complex z) { return {z.real(), z.imag()}; }
+nlohmann::ordered_json complex_json(std::complex<double> z) { return {z.real(), z.imag()}; }
 
 nlohmann::ordered_json rim_json(ArmWaves const& waves, World const& world, std::size_t i) {
   ArmRim const& rim = waves.arm.rims[i];
