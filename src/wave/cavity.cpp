@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "wave/cavity.hpp"
 
-#include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "base/math/functions.hpp"
 #include "beams/cavity_mode.hpp"
 #include "beams/higher_modes.hpp"
+#include "wave/krylov.hpp"
 
 namespace straytrace::wave {
 namespace {
@@ -21,80 +20,6 @@ double sum_of_squares(Field const& field) {
   for (Complex z : field.values) sum += std::norm(z);
   return sum;
 }
-
-// The elements of a spectrum below an angle, as a vector.
-class Disc {
- public:
-  Disc() = default;
-  Disc(Grid const& grid, double largest_frequency) {
-    for (int row = 0; row < grid.points; ++row)
-      for (int column = 0; column < grid.points; ++column)
-        if (std::hypot(grid.frequency(row), grid.frequency(column)) < largest_frequency)
-          at_.push_back(std::size_t(row) * std::size_t(grid.points) + std::size_t(column));
-  }
-  Eigen::VectorXcd pack(Field const& spectrum) const {
-    Eigen::VectorXcd packed(Eigen::Index(at_.size()));
-    for (std::size_t i = 0; i < at_.size(); ++i) packed[Eigen::Index(i)] = spectrum.values[at_[i]];
-    return packed;
-  }
-  void unpack(Eigen::VectorXcd const& packed, Field& spectrum) const {
-    std::ranges::fill(spectrum.values, Complex{});
-    for (std::size_t i = 0; i < at_.size(); ++i) spectrum.values[at_[i]] = packed[Eigen::Index(i)];
-  }
-
- private:
-  std::vector<std::size_t> at_;
-};
-
-// Arnoldi's orthonormal vectors of start, G start, G^2 start, ... and the matrix of G between them.
-class Krylov {
- public:
-  explicit Krylov(Eigen::VectorXcd const& start) { vectors_.push_back(start.normalized()); }
-
-  int steps() const { return int(vectors_.size()) - 1; }
-  Eigen::VectorXcd const& last() const { return vectors_.back(); }
-  // `image` is G times `last()`. False when nothing new is in it.
-  bool extend(Eigen::VectorXcd image) {
-    auto const m = Eigen::Index(vectors_.size());
-    matrix_.conservativeResizeLike(Eigen::MatrixXcd::Zero(m + 1, m));
-    for (int pass = 0; pass < 2; ++pass)  // the second removes the rounding of the first
-      for (Eigen::Index i = 0; i < m; ++i) {
-        Complex const share = vectors_[std::size_t(i)].dot(image);
-        matrix_(i, m - 1) += share;
-        image -= share * vectors_[std::size_t(i)];
-      }
-    double const rest = image.norm();
-    matrix_(m, m - 1) = rest;
-    vectors_.push_back(rest > 0 ? Eigen::VectorXcd(image / rest) : image);
-    return rest > 1e-14;
-  }
-
-  struct Ritz {
-    Complex value;
-    double residual = 0, overlap = 0;  // eq. W.9; share of amplitude of the start
-    Eigen::VectorXcd coordinates;
-  };
-  std::vector<Ritz> ritz() const {  // by overlap with the start, largest first
-    Eigen::Index const m = matrix_.cols();
-    Eigen::ComplexEigenSolver<Eigen::MatrixXcd> const solved(matrix_.topRows(m));
-    std::vector<Ritz> pairs;
-    for (Eigen::Index i = 0; i < m; ++i) {
-      Eigen::VectorXcd const y = solved.eigenvectors().col(i).normalized();
-      pairs.push_back({solved.eigenvalues()[i], std::abs(matrix_(m, m - 1) * y[m - 1]), std::abs(y[0]), y});
-    }
-    std::ranges::stable_sort(pairs, std::ranges::greater{}, &Ritz::overlap);
-    return pairs;
-  }
-  Eigen::VectorXcd vector(Ritz const& pair) const {
-    Eigen::VectorXcd sum = Eigen::VectorXcd::Zero(vectors_.front().size());
-    for (Eigen::Index i = 0; i < pair.coordinates.size(); ++i) sum += pair.coordinates[i] * vectors_[std::size_t(i)];
-    return sum;
-  }
-
- private:
-  std::vector<Eigen::VectorXcd> vectors_;
-  Eigen::MatrixXcd matrix_;  // Hessenberg, one row more than columns
-};
 
 }  // namespace
 
@@ -114,7 +39,7 @@ struct CavityWaves::Parts {
   std::vector<Mask> masks;              // one of each kind of rim
   std::vector<std::size_t> mask_index;  // of each baffle
   std::vector<Leg> legs;                // in order of place
-  Disc disc;                            // of the first leg: the fields of which modes are made
+  SpectrumDisc disc;                    // of the first leg: the fields of which modes are made
 
   Parts(WaveCavity c, int t)
       : cavity(std::move(c)),
@@ -126,7 +51,7 @@ struct CavityWaves::Parts {
         mirror2(reflection(cavity.mirror2, outline2, cavity.wavelength, cavity.grid)) {
     make_masks();
     make_legs();
-    disc = Disc(cavity.grid, legs.front().cut() / cavity.wavelength);
+    disc = SpectrumDisc(cavity.grid, legs.front().cut() / cavity.wavelength);
   }
 
   void make_masks() {
@@ -260,7 +185,7 @@ Field CavityWaves::hermite_gauss(int n, int m) const {
 namespace {
 
 // Unit power: the sum of |spectrum|^2 is N^2/pitch^2.
-WaveMode mode_of(Krylov const& krylov, Krylov::Ritz const& pair, Disc const& disc, Grid const& grid) {
+WaveMode mode_of(Krylov const& krylov, RitzPair const& pair, SpectrumDisc const& disc, Grid const& grid) {
   WaveMode mode{pair.value, pair.residual, krylov.steps(), Field(grid)};
   disc.unpack(krylov.vector(pair) * (grid.points / grid.pitch()), mode.spectrum);
   return mode;
@@ -277,7 +202,7 @@ WaveMode CavityWaves::mode(Field const& start, SolveOptions const& options) cons
     parts_->disc.unpack(krylov.last(), work);
     parts_->travel(work, {}, nullptr);
     bool const more = krylov.extend(parts_->disc.pack(work));
-    Krylov::Ritz const best = krylov.ritz().front();
+    RitzPair const best = krylov.ritz().front();
     double const loss = std::max(1 - std::norm(best.value), 1e-9);
     settled = std::abs(best.value - before) < std::max(0.1 * options.loss_error * loss, 1e-14) ? settled + 1 : 0;
     before = best.value;
@@ -299,7 +224,7 @@ std::vector<WaveMode> CavityWaves::modes(Field const& start, int round_trips, in
     more = krylov.extend(parts_->disc.pack(work));
   }
   std::vector<WaveMode> found;
-  for (Krylov::Ritz const& pair : krylov.ritz())
+  for (RitzPair const& pair : krylov.ritz())
     if (int(found.size()) < count) found.push_back(mode_of(krylov, pair, parts_->disc, parts_->cavity.grid));
   return found;
 }
