@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -17,30 +16,17 @@
 #include "cli/options.hpp"
 #include "results/text/columns.hpp"
 #include "session/diagnostics.hpp"
-#include "session/interrupt.hpp"
+#include "session/light/cavity_waves.hpp"
 #include "session/model.hpp"
-#include "wave/arm_waves.hpp"
 
 namespace straytrace::cli {
 namespace {
 
 struct WaveOptions : SceneOptions {
   std::size_t show = 12;
-  int threads = 0, order = 2;
+  unsigned threads = 0;
+  int order = 2;
 };
-
-ArmWaves solve(World const& world, WaveOptions const& options) {
-  ProgressLine line(options.quiet);
-  auto const begin = std::chrono::steady_clock::now();
-  ArmOptions arm;
-  arm.threads = options.threads;
-  arm.highest_order = options.order;
-  arm.progress = [&](std::string const& what) {
-    line.at(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
-            [&] { return "wave: " + what; });
-  };
-  return solve_arm(world, world.wave, arm);
-}
 
 double sum(std::vector<double> const& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
@@ -208,7 +194,7 @@ int wave(WaveOptions const& options) {
   if (!model.world.wave.present)
     throw InputError(fmt::format("{} has no table 'wave'", options.input),
                      "add for example 'wave: {beam: arm, baffles: \"baffles*\"}'");
-  ArmWaves const waves = solve(model.world, options);
+  ArmWaves const waves = solve_waves(model.world, options.threads, options, options.order);
   if (options.json()) {
     std::cout << as_json(waves, model.world).dump() << '\n';
     return done;

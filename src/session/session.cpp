@@ -12,6 +12,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <unistd.h>
 
 #include "base/errors.hpp"
@@ -26,8 +27,10 @@
 #include "session/diagnostics.hpp"
 #include "session/importance_map.hpp"
 #include "session/interrupt.hpp"
+#include "session/light/cavity_waves.hpp"
 #include "session/light/ghost_noise.hpp"
 #include "trace/deterministic/edges.hpp"
+#include "trace/deterministic/wave_rims.hpp"
 #include "trace/importance/importance.hpp"
 #include "trace/run/ranks.hpp"
 #include "trace/run/trace.hpp"
@@ -113,10 +116,15 @@ struct DeterministicLight {
   std::vector<CouplingClass> classes;
   std::vector<std::string> warnings;
 
-  explicit DeterministicLight(Model const& model) {
+  DeterministicLight(Model const& model, unsigned threads, PrintOptions const& options) {
     EdgeClasses edges = edge_classes(model.world);
     classes = std::move(edges.classes);
     warnings = std::move(edges.warnings);
+    if (model.world.wave.present) {
+      ArmWaves const waves = solve_waves(model.world, threads, options);
+      std::vector<CouplingClass> rims = wave_rim_classes(model.world, waves);
+      std::ranges::move(rims, std::back_inserter(classes));
+    }
     GhostClasses ghosts;
     if (auto const wanted = read_ghosts(model.scene)) ghosts = ghosts_beside(model.world, *wanted);
     classes.insert(classes.end(), ghosts.classes.begin(), ghosts.classes.end());
@@ -234,7 +242,7 @@ TracedModel trace_model(Model& model, TraceOptions const& options, std::string c
     settings.wanted_error = model.until.wanted_error();
     settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
   }
-  DeterministicLight const beside(model);
+  DeterministicLight const beside(model, options.threads, options);
   settings.deterministic = beside.classes;
   SteeredWorld world = steer(model.world, options.threads);
   ProgressLine progress(options.quiet);
@@ -258,7 +266,7 @@ TracedModel trace_model(Model& model, TraceOptions const& options, std::string c
 }
 
 TraceResult result_of(Model& model, SumTree tree, PrintOptions const& options) {
-  DeterministicLight const beside(model);
+  DeterministicLight const beside(model, 0, options);
   TraceSettings settings;
   settings.seed = model.seed;
   settings.deterministic = beside.classes;

@@ -82,8 +82,8 @@ std::vector<DrawnPath> by_ghosts(CouplingClass const& c, std::vector<GhostReport
 
 std::vector<DrawnPath> computed_paths(World const& world, CouplingClass const& c,
                                       std::vector<GhostReport> const& ghosts, std::size_t most) {
-  if (c.kind == ClassKind::edge) return by_rims(world, c, most);
-  return c.kind == ClassKind::ghost ? by_ghosts(c, ghosts, most) : std::vector<DrawnPath>{};
+  if (c.kind == ClassKind::scattered) return {};
+  return c.kind == ClassKind::ghost ? by_ghosts(c, ghosts, most) : by_rims(world, c, most);
 }
 
 }  // namespace straytrace::session

@@ -21,8 +21,9 @@ using Sum = EdgeSettings::Sum;
 // would be infinite: the field is then that of a displacement of this size, m.
 constexpr double placed_within = 10e-6;
 
-// Power of the path: that of its field.
-double power_of(EdgeWave const& wave) {
+}  // namespace
+
+double edge_power(EdgeWave const& wave) {
   double power = std::norm(wave.amplitude);
   for (EdgeWave::Gradient const& g : wave.gradient) {
     double slope = 0;
@@ -32,11 +33,9 @@ double power_of(EdgeWave const& wave) {
   return power;
 }
 
-// A small displacement x changes the field to (1 + i J x + A x) times itself: J from 8.13, A from 8.12. In the mean
-// over the static phase both quadratures act like a phase, so the path is two records of half its power,
-// with phase sensitivities sqrt(2) J and sqrt(2) A.
-void add_records(std::vector<PathRecord>& records, EdgeWave const& wave, double weight) {
-  double const size = std::abs(wave.amplitude), root = std::sqrt(power_of(wave));
+void add_edge_records(std::vector<PathRecord>& records, EdgeWave const& wave, double weight) {
+  // Two records of half the power, with phase sensitivities sqrt(2) J (8.13) and sqrt(2) A (8.12).
+  double const size = std::abs(wave.amplitude), root = std::sqrt(edge_power(wave));
   Complex const turn = size > 0 ? std::conj(wave.amplitude) / size : Complex{1};
   for (bool const phase : {true, false}) {
     PathRecord record;
@@ -54,6 +53,8 @@ void add_records(std::vector<PathRecord>& records, EdgeWave const& wave, double 
     if (record.weight > 0) records.push_back(std::move(record));
   }
 }
+
+namespace {
 
 EdgeWave sum_of(std::vector<EdgeWave> const& waves) {
   EdgeWave sum;
@@ -81,9 +82,9 @@ struct Group {
 
   void finish() {
     for (EdgeWave const& wave : waves) {
-      powers += power_of(wave);
-      sizes += std::sqrt(power_of(wave));
-      patches += power_of(wave) * wave.patches;
+      powers += edge_power(wave);
+      sizes += std::sqrt(edge_power(wave));
+      patches += edge_power(wave) * wave.patches;
       for (PathRecord const& r : wave.teeth) teeth += r.weight;
     }
     if (powers > 0) patches /= powers;
@@ -92,10 +93,10 @@ struct Group {
   // In phase: (sum |a|)^2, and no phases of the rims make more noise, for |sum a J x|^2 <= sum |a| sum |a| |J x|^2.
   std::vector<PathRecord> records(Sum sum) const {
     std::vector<PathRecord> all;
-    if (sum == Sum::geometric) add_records(all, together, power_of(together));
+    if (sum == Sum::geometric) add_edge_records(all, together, edge_power(together));
     for (EdgeWave const& wave : waves) {
-      double const power = power_of(wave);
-      if (sum != Sum::geometric) add_records(all, wave, sum == Sum::in_phase ? std::sqrt(power) * sizes : power);
+      double const power = edge_power(wave);
+      if (sum != Sum::geometric) add_edge_records(all, wave, sum == Sum::in_phase ? std::sqrt(power) * sizes : power);
       all.insert(all.end(), wave.teeth.begin(), wave.teeth.end());
     }
     return all;

@@ -32,6 +32,12 @@ struct EdgeWave {
 };
 EdgeWave edge_wave(World const&, std::uint32_t source, std::uint32_t goal, InnerRim const&);
 
+// Appends the records of a wave that stands for `weight` of the coupling: for a small displacement x the field is
+// (1 + i J x + A x) times itself, and in the mean over the static phase both quadratures act like a phase.
+void add_edge_records(std::vector<PathRecord>&, EdgeWave const&, double weight);
+// Power of the wave; where its static field vanishes, that of a displacement by 10 um.
+double edge_power(EdgeWave const&);
+
 struct EdgeClasses {
   std::vector<CouplingClass> classes;
   std::vector<std::string> warnings;

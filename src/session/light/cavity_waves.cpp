@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/light/cavity_waves.hpp"
+
+#include <chrono>
+
+#include "session/interrupt.hpp"
+#include "world/model/world.hpp"
+
+namespace straytrace::session {
+
+ArmWaves solve_waves(World const& world, unsigned threads, PrintOptions const& print, int highest_order) {
+  ProgressLine line(print.quiet);
+  auto const begin = std::chrono::steady_clock::now();
+  ArmOptions options;
+  options.threads = int(threads);
+  options.highest_order = highest_order;
+  options.progress = [&](std::string const& what) {
+    std::chrono::duration<double> const passed = std::chrono::steady_clock::now() - begin;
+    line.at(passed.count(), [&] { return "wave: " + what; });
+  };
+  return solve_arm(world, world.wave, options);
+}
+
+}  // namespace straytrace::session
