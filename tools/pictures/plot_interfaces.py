@@ -118,11 +118,11 @@ def media(axes):
                  label="bk7")
     axes[0].plot(x, sellmeier(x, (1.4313493, 0.65054713, 5.3414021), (0.0726631**2, 0.1193242**2, 18.028251**2)),
                  label="sapphire")
-    axes[0].set(xlabel="wavelength (µm)", ylabel="n")
+    axes[0].set(xlabel="wavelength (µm)", ylabel="refractive index n")
     x = np.linspace(1.36, 4, 300)
     axes[1].plot(x, sellmeier(x, (10.6684293, 0.003043475, 1.54133408), (0.301516485**2, 1.13475115**2, 1104.0**2)),
                  label="silicon", color="C3")
-    axes[1].set(xlabel="wavelength (µm)", ylabel="n")
+    axes[1].set(xlabel="wavelength (µm)", ylabel="refractive index n")
 
 
 def main(root):

@@ -56,7 +56,7 @@ def draw_residuals(axes, fit, data, incidences):
         axes.plot(data["offset"][sel], np.clip(residual[sel], -OUT_OF_PICTURE, OUT_OF_PICTURE), "v", markersize=3,
                   color=COLOURS[number % len(COLOURS)])
     axes.axhline(0, color=GREY, linewidth=0.8)
-    axes.set_ylabel(fit["model"], fontsize=8.5)
+    axes.set_ylabel(f"{fit['model']}\nresidual [dex]", fontsize=7.5)
 
 
 def notes_of(scatter):
