@@ -159,13 +159,13 @@ namespace {
 
 // Heights whose light below the hand-over angle is that of the scatter law or of the measured map.
 std::vector<double> heights_of(World const& world, WaveSettings::Mirror const& settings, ArmMirror const& mirror,
-                               Vec3 travel, ArmCavity const& arm) {
+                               Vec3 travel, ArmCavity const& arm, std::uint32_t number) {
   double const wavelength = arm.cavity.wavelength, highest = arm.hand_over / wavelength;
   if (settings.heights == WaveSettings::Heights::none) return {};
   auto const spectrum = [&](double f) {
     return height_spectrum(mirror_brdf(world, mirror, travel, f * wavelength), wavelength);
   };
-  return synthesise(spectrum, arm.cavity.grid, 0, highest, settings.seed);
+  return synthesise(spectrum, arm.cavity.grid, 0, highest, settings.seed, number);
 }
 
 }  // namespace
@@ -190,7 +190,11 @@ ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
     Vec3 const travel = spots.of[i]->travel;
     mirror.scattered = scattered_beyond([&](double a) { return mirror_brdf(world, mirror, travel, a); }, arm.hand_over);
     WaveMirror& wave = i == 0 ? arm.cavity.mirror1 : arm.cavity.mirror2;
-    wave = {mirror.curvature, {mirror.radius}, 0, 0, heights_of(world, settings.mirrors[i], mirror, travel, arm),
+    wave = {mirror.curvature,
+            {mirror.radius},
+            0,
+            0,
+            heights_of(world, settings.mirrors[i], mirror, travel, arm, std::uint32_t(i)),
             mirror.scattered};
     mirror.roughness = rms(wave.height);
   }

@@ -13,16 +13,30 @@
 namespace straytrace::wave {
 
 // Heights towards the light that falls on the mirror, without its radius of curvature, on a rectangular array; NaN
-// where nothing was measured.
+// where nothing was measured. Both pitches are above zero.
 struct HeightMap {
   std::vector<double> x, y;    // m, equidistant and ascending
   std::vector<double> height;  // m, [row of y * size of x + column]
+
+  double pitch_x() const { return (x.back() - x.front()) / double(x.size() - 1); }  // m
+  double pitch_y() const { return (y.back() - y.front()) / double(y.size() - 1); }  // m
+  double nyquist() const;                                                           // of the larger pitch, 1/m
 };
 
-// HDF5 with `x`, `y` and the height `A` or `height` [m], or a text matrix; errors name the file and the place.
-HeightMap read_height_map(std::string const& path);
+// The map in the bytes of a file; errors name `file` and the place. Three kinds of files:
+//   HDF5 with the lists `x` and `y` and the heights `A` or `height` [y][x]; in m without the attribute `unit`;
+//   a text with the columns x, y and height and their units, in any order of the rows: "x [mm], y [mm], height [nm]";
+//   a text of a matrix below "# pixel: 0.4 mm" and "# unit: nm", its first row at the largest y, the axis in its
+//   middle.
+HeightMap height_map_of(std::string const& bytes, std::string const& file);
 
-// Removed in the measure of the beam, weight |u|^2 = exp(-2 r^2/w^2).
+// The largest disc about the middle of the measured points that they span.
+struct MeasuredDisc {
+  double x = 0, y = 0, radius = 0;  // m
+};
+MeasuredDisc measured_disc(HeightMap const&);
+
+// The best fit in the measure of a beam on the axis, weight |u|^2 = exp(-2 r^2/w^2).
 struct LowOrders {
   double piston = 0;              // m
   double tilt_x = 0, tilt_y = 0;  // rad, slope of the surface
@@ -35,23 +49,28 @@ struct RemovedOrders {
 LowOrders fit_low_orders(HeightMap const&, double beam_radius);
 void remove(HeightMap&, LowOrders const&, RemovedOrders const&);
 
-// Fills holes inside the measured disc by iterated band-limited continuation; throws beyond 10 % of its area.
-void fill_holes(HeightMap&);
+// Fills holes inside the measured disc by iterated band-limited continuation and returns their share of it; throws
+// InputError beyond 10 %.
+double fill_holes(HeightMap&);
 
-// The content of the map below `largest_frequency` [1/m] on the grid; the edge beyond the measured disc tapers to zero
-// over 5 %.
+// The content of a map without holes up to `largest_frequency` [1/m] or its own Nyquist frequency, on the grid. The
+// heights taper to zero over the outer 5 % of the measured disc.
 std::vector<double> resample(HeightMap const&, Grid const&, double largest_frequency);
 
-// Heights with the two-sided spectrum S2(f) [m^4] between two frequencies [1/m]. Random numbers are addressed by seed
-// and frequency, so that a finer grid of the same window keeps the coarse map.
+// The periods of a frequency [1/m] across the window, and rounding: where one band of frequencies of the grid ends and
+// the next begins.
+inline double periods_across(double frequency, Grid const& grid) { return frequency * grid.window * (1 + 1e-12); }
+
+// Heights with the two-sided spectrum S2(f) [m^4] above one frequency and up to another [1/m]. Random numbers are
+// addressed by seed, mirror and frequency, so that a finer grid of the same window keeps the coarse map.
 std::vector<double> synthesise(std::function<double(double)> const& spectrum, Grid const&, double smallest_frequency,
-                               double largest_frequency, std::uint64_t seed);
+                               double largest_frequency, std::uint64_t seed, std::uint32_t mirror);
 
 // eq. W.20 and 3.8: the spectrum of heights that scatters with the BRDF at a small angle, S2 = brdf lambda^4/(16 pi^2).
 double height_spectrum(double brdf, double wavelength);
 
 // eq. W.17: mean of |psi|^2 [1/m^2] at a distance from the axis after scattering by one mirror with a spot of 1/e^2
-// radius w and a wavefront of radius of curvature `roc`; brdf(theta) [1/sr].
+// radius w and a wavefront of curvature 1/RoC, to 1e-6; brdf(theta >= 0) [1/sr]. Without the beam itself.
 double mean_irradiance(std::function<double(double)> const& brdf, double beam_radius, double curvature, double distance,
                        double off_axis);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/math/bessel.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/functions.hpp"
 
@@ -28,17 +29,6 @@ void add_scaled(Complex (&sum)[3], ComplexVector const& v, Complex factor) {
   sum[0] += factor * v.x;
   sum[1] += factor * v.y;
   sum[2] += factor * v.z;
-}
-
-// exp(-x) I_n(x), n = 0 or 1, at any x >= 0: the asymptotic series where it reaches rounding.
-double scaled_bessel(int n, double x) {
-  if (x < 50) return std::exp(-x) * std::cyl_bessel_i(double(n), x);
-  double term = 1, sum = 1;
-  for (int j = 1; j < 100 && std::fabs(term) > 1e-17; ++j) {
-    term *= ((2 * j - 1) * (2 * j - 1) - 4 * n * n) / (8 * j * x);
-    sum += term;
-  }
-  return sum / std::sqrt(2 * pi * x);
 }
 
 }  // namespace

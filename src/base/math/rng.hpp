@@ -22,7 +22,8 @@ enum class Stream : std::uint32_t {
   receiver = 6,
   backward = 8,
   motion = 9,
-  static_phase = 10
+  static_phase = 10,
+  height = 11
 };
 
 class Rng {
