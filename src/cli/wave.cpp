@@ -58,12 +58,12 @@ void print_cavity(ArmWaves const& waves, World const& world) {
   auto const in_band = std::ranges::count_if(arm.rims, &ArmRim::in_band);
   std::cout << fmt::format(
       "cavity {}: {:.6g} m, grid of {} x {} points over {:.4g} m, which carries angles up to {:.4g} urad\n"
-      "hand-over angle {:.4g} urad: {} of {} rims are within it, seen from both mirrors\n",
+      "crossover angle {:.4g} urad: {} of {} rims are within it, seen from both mirrors\n",
       world.wave.beam_name, arm.cavity.length, grid.points, grid.points, grid.window,
-      1e6 * grid.largest_angle(arm.cavity.wavelength), 1e6 * arm.hand_over, in_band, arm.rims.size());
+      1e6 * grid.largest_angle(arm.cavity.wavelength), 1e6 * arm.crossover, in_band, arm.rims.size());
   for (ArmMirror const& m : arm.mirrors)
     std::cout << fmt::format(
-        "mirror {}: radius of the mode {:.4g} mm; heights below the hand-over angle {:.3g} nm rms; scatters "
+        "mirror {}: radius of the mode {:.4g} mm; heights below the crossover angle {:.3g} nm rms; scatters "
         "{:.3g} beyond it\n",
         world.name_of(m.surface), 1e3 * m.spot, 1e9 * m.roughness, m.scattered);
 }
@@ -124,7 +124,7 @@ void print_rims(ArmWaves const& waves, World const& world, std::size_t show) {
   }
   std::cout << "\nStray field over the main field per round trip, per displacement of a rim (eq. W.14), largest first. "
                "speckle:\n"
-               "expected rms over random mirrors with the scatter laws of the materials (eq. W.22); it stands for a "
+               "expected rms over random mirrors with the BSDF models of the materials (eq. W.22); it stands for a "
                "rim whose light\n"
                "the grid does not hold.\n\n"
             << aligned(table);
@@ -177,7 +177,7 @@ nlohmann::ordered_json as_json(ArmWaves const& waves, World const& world) {
           {"length_m", arm.cavity.length},
           {"points", arm.cavity.grid.points},
           {"window_m", arm.cavity.grid.window},
-          {"hand_over_rad", arm.hand_over},
+          {"crossover_rad", arm.crossover},
           {"loss", waves.mode.loss()},
           {"loss_of_smooth_mirrors", known(waves.perfect_loss)},
           {"residual", waves.mode.residual},

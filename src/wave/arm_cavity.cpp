@@ -69,7 +69,7 @@ std::vector<ArmRim> rims_of(World const& world, WaveSettings const& settings, Ca
 
 // The angle at which the far mirror sees the rims next to the near one, and some more; and twenty angles of divergence
 // of the mode.
-double chosen_hand_over(std::array<ArmMirror, 2> const& mirrors, std::vector<ArmRim> const& rims, double length,
+double chosen_crossover(std::array<ArmMirror, 2> const& mirrors, std::vector<ArmRim> const& rims, double length,
                         double wavelength) {
   double angle = 0;
   for (ArmMirror const& m : mirrors) angle = std::fmax(angle, 20 * wavelength / (pi * m.spot));
@@ -77,11 +77,11 @@ double chosen_hand_over(std::array<ArmMirror, 2> const& mirrors, std::vector<Arm
   return angle;
 }
 
-// Light that mirrors scatter up to the hand-over angle, on top of the slopes of the mode.
+// Light that mirrors scatter up to the crossover angle, on top of the slopes of the mode.
 double largest_field_angle(ArmCavity const& arm) {
   double slope = 0;
   for (ArmMirror const& m : arm.mirrors) slope = std::fmax(slope, 2.5 * m.spot * std::fabs(m.curvature));
-  return arm.hand_over + slope;
+  return arm.crossover + slope;
 }
 
 // The window that the legs need without a limit by it (eq. W.6), with the mirrors alone as one of the cases.
@@ -111,24 +111,24 @@ void choose_grid(ArmCavity& arm, WaveSettings const& settings) {
     while (grid.points < needed) grid.points *= 2;
     if (grid.points > 8192)
       throw InputError(fmt::format(
-          "wave: a hand-over angle of {:.3g} rad needs a grid of {} x {} points over {:.3g} m, more than 8192: "
+          "wave: a crossover angle of {:.3g} rad needs a grid of {} x {} points over {:.3g} m, more than 8192: "
           "choose a smaller one",
-          arm.hand_over, needed, needed, grid.window));
+          arm.crossover, needed, needed, grid.window));
     return;
   }
   grid.points = int(settings.points);
   if (grid.points < needed)
     throw InputError(fmt::format(
-        "wave: a grid of {} points over {:.3g} m does not carry a hand-over angle of {:.3g} rad: use {} points "
+        "wave: a grid of {} points over {:.3g} m does not carry a crossover angle of {:.3g} rad: use {} points "
         "or more, or a smaller angle",
-        grid.points, grid.window, arm.hand_over, needed + needed % 2));
+        grid.points, grid.window, arm.crossover, needed + needed % 2));
 }
 
 // eq. W.2, in steps of a factor 1.2 of the angle.
-double scattered_beyond(std::function<double(double)> const& brdf, double hand_over) {
+double scattered_beyond(std::function<double(double)> const& brdf, double crossover) {
   GaussPoints const gauss(8);
   double sum = 0;
-  for (double from = hand_over; from < pi / 2;) {
+  for (double from = crossover; from < pi / 2;) {
     double const to = std::fmin(1.2 * from, pi / 2);
     for (std::size_t i = 0; i < gauss.at.size(); ++i) {
       double const angle = from + (to - from) * gauss.at[i];
@@ -157,15 +157,36 @@ double mirror_brdf(World const& world, ArmMirror const& mirror, Vec3 travel, dou
 
 namespace {
 
-// Heights whose light below the hand-over angle is that of the scatter law or of the measured map.
+// A measured map, and above its largest frequency the spectrum of the scatter of the mirror.
+std::vector<double> measured_heights(WaveSettings::Mirror const& settings, ArmMirror const& mirror, Grid const& grid,
+                                     double highest, std::vector<double> const& above) {
+  HeightMap map = height_map_of(settings.bytes, settings.file);
+  MeasuredDisc const disc = measured_disc(map);
+  if (disc.radius < 2 * mirror.spot)
+    throw InputError(
+        fmt::format("{}: the map covers a disc of radius {:.3g} m, less than twice the radius {:.3g} m of the mode",
+                    settings.file, disc.radius, mirror.spot),
+        "give a map of the whole mirror, or 'spectrum: material'");
+  fill_holes(map);
+  auto const& r = settings.removed;
+  remove(map, fit_low_orders(map, mirror.spot), {r.piston, r.tilt, r.curvature, r.astigmatism});
+  std::vector<double> heights = resample(map, grid, highest);
+  for (std::size_t i = 0; i < above.size(); ++i) heights[i] += above[i];
+  return heights;
+}
+
+// Heights that scatter below the crossover angle as the BSDF of the mirror, or as measured.
 std::vector<double> heights_of(World const& world, WaveSettings::Mirror const& settings, ArmMirror const& mirror,
                                Vec3 travel, ArmCavity const& arm, std::uint32_t number) {
-  double const wavelength = arm.cavity.wavelength, highest = arm.hand_over / wavelength;
   if (settings.heights == WaveSettings::Heights::none) return {};
+  double const wavelength = arm.cavity.wavelength, highest = arm.crossover / wavelength;
+  bool const measured = settings.heights == WaveSettings::Heights::file;
+  double const lowest = measured ? height_map_of(settings.bytes, settings.file).nyquist() : 0;
   auto const spectrum = [&](double f) {
     return height_spectrum(mirror_brdf(world, mirror, travel, f * wavelength), wavelength);
   };
-  return synthesise(spectrum, arm.cavity.grid, 0, highest, settings.seed, number);
+  std::vector<double> random = synthesise(spectrum, arm.cavity.grid, lowest, highest, settings.seed, number);
+  return measured ? measured_heights(settings, mirror, arm.cavity.grid, highest, random) : random;
 }
 
 }  // namespace
@@ -178,24 +199,20 @@ ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
   arm.cavity.length = length(spots.of[1]->centre - spots.of[0]->centre);
   for (std::size_t i : {0, 1}) arm.mirrors[i] = mirror_of(world, *spots.of[i]);
   arm.rims = rims_of(world, settings, arm.frame, arm.cavity.length);
-  arm.hand_over =
-      settings.hand_over.value_or(chosen_hand_over(arm.mirrors, arm.rims, arm.cavity.length, world.wavelength));
+  arm.crossover =
+      settings.crossover.value_or(chosen_crossover(arm.mirrors, arm.rims, arm.cavity.length, world.wavelength));
   for (ArmRim& r : arm.rims) {
-    r.in_band = r.angle1 <= arm.hand_over && r.angle2 <= arm.hand_over;
+    r.in_band = r.angle1 <= arm.crossover && r.angle2 <= arm.crossover;
     arm.cavity.baffles.push_back({r.centre.z, {r.rim.radius + r.rim.tooth_depth / 2, r.centre.x, r.centre.y}, 0});
   }
   choose_grid(arm, settings);
   for (std::size_t i : {0, 1}) {
     ArmMirror& mirror = arm.mirrors[i];
     Vec3 const travel = spots.of[i]->travel;
-    mirror.scattered = scattered_beyond([&](double a) { return mirror_brdf(world, mirror, travel, a); }, arm.hand_over);
+    mirror.scattered = scattered_beyond([&](double a) { return mirror_brdf(world, mirror, travel, a); }, arm.crossover);
     WaveMirror& wave = i == 0 ? arm.cavity.mirror1 : arm.cavity.mirror2;
-    wave = {mirror.curvature,
-            {mirror.radius},
-            0,
-            0,
-            heights_of(world, settings.mirrors[i], mirror, travel, arm, std::uint32_t(i)),
-            mirror.scattered};
+    std::vector<double> heights = heights_of(world, settings.mirrors[i], mirror, travel, arm, std::uint32_t(i));
+    wave = {mirror.curvature, {mirror.radius}, 0, 0, std::move(heights), mirror.scattered};
     mirror.roughness = rms(wave.height);
   }
   return arm;

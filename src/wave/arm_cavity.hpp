@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The cavity of a scene as planes of a wave computation: frame, grid, hand-over angle, mirrors and rims
+// The cavity of a scene as planes of a wave computation: frame, grid, crossover angle, mirrors and rims
 // (docs/theory/wave.md).
 #pragma once
 
@@ -26,7 +26,7 @@ struct CavityFrame {
 struct ArmMirror {
   SurfaceId surface;
   double radius = 0, curvature = 0, spot = 0;  // clear aperture [m], 1/RoC [1/m], 1/e^2 radius of the mode [m]
-  double scattered = 0;                        // beyond the hand-over angle (eq. W.2)
+  double scattered = 0;                        // beyond the crossover angle (eq. W.2)
   double roughness = 0;                        // rms of its heights in the map, m
 };
 // BRDF [1/sr] of a mirror that the beam meets at its centre.
@@ -37,19 +37,19 @@ struct ArmRim {
   InnerRim rim;                   // in the world
   Vec3 centre;                    // in the frame of the cavity, m
   double angle1 = 0, angle2 = 0;  // from the mirrors, rad
-  bool in_band = false;           // both within the hand-over angle: the grid holds the light that meets it
+  bool in_band = false;           // both within the crossover angle: the grid holds the light that meets it
 };
 
 struct ArmCavity {
   CavityFrame frame;
   std::array<ArmMirror, 2> mirrors;
   std::vector<ArmRim> rims;  // in order of place; the baffles of `cavity` are these
-  double hand_over = 0;      // rad
+  double crossover = 0;      // rad
   WaveCavity cavity;
   std::vector<std::string> warnings;
 };
 // Throws InputError where settings and scene do not fit together: a grid that is too coarse or too narrow, or a mirror
-// whose scatter law begins above the hand-over angle.
+// whose BSDF begins above the crossover angle.
 ArmCavity arm_cavity(World const&, WaveSettings const&);
 
 // The curve of a rim in the frame of the cavity, teeth included, displaced and widened [m].

@@ -15,7 +15,7 @@ namespace straytrace::wave {
 struct RimResult {
   std::vector<RimResponse> responses;  // as drawn in the scene, then with each draw of the tolerances
   Complex clipped;                     // s of the light that the baffle takes from the mode
-  SpeckleMeans speckle;                // eq. W.22 with the scatter laws of the mirrors
+  SpeckleMeans speckle;                // eq. W.22 with the BSDF of the mirrors
 };
 struct ModeLine {
   int n = 0, m = 0;    // of the Hermite-Gauss mode that it shares most power with

@@ -38,7 +38,7 @@ using Observer = std::function<void(Arrival const&)>;
 // Where the power of a field of unit power goes in one round trip (eq. W.24).
 struct PowerLedger {
   std::vector<double> towards_mirror2, towards_mirror1;  // on each baffle
-  double mirror1 = 0, mirror2 = 0;  // beyond their outlines, and scattered beyond the hand-over angle
+  double mirror1 = 0, mirror2 = 0;  // beyond their outlines, and scattered beyond the crossover angle
   double beyond_band = 0;           // at angles that reach no opening
   double total() const;
 };

@@ -40,7 +40,7 @@ struct WaveMirror {
   RoundHole outline;              // clear aperture
   double tilt_x = 0, tilt_y = 0;  // turns the reflected beam by twice this towards +x, +y. rad
   std::vector<double> height;     // towards the light, without the curvature, on the grid; empty: none. m
-  double scattered = 0;           // power that it scatters beyond the hand-over angle (eq. W.2)
+  double scattered = 0;           // power that it scatters beyond the crossover angle (eq. W.2)
 };
 // eq. W.1: its factor on the grid.
 Field reflection(WaveMirror const&, Mask const& outline, double wavelength, Grid const&);

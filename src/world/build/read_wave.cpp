@@ -196,7 +196,7 @@ void read_wave(Scene const& scene, World& world, Registry const& names) {
   WaveSettings& wave = world.wave;
   wave.present = true;
   WaveCavity const cavity = find_cavity(table, scene, world);
-  if (table.has("hand_over")) wave.hand_over = table.number("hand_over", dim::angle, required, 1e-6, 0.1);
+  if (table.has("crossover")) wave.crossover = table.number("crossover", dim::angle, required, 1e-6, 0.1);
   std::vector<std::string> const with_rims = groups_with_rims(world);
   for (Node const& node : table.list("baffles")) choose_rims(node, world, names, with_rims, wave.groups);
   read_wave_grid(table, wave);

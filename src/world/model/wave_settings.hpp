@@ -44,7 +44,7 @@ struct WaveSettings {
   std::uint32_t beam = 0;  // number of the cavity, as in its footprints
   std::string beam_name;
   std::array<Mirror, 2> mirrors;    // in the order of `cavity`
-  std::optional<double> hand_over;  // rad; none: chosen by the computation
+  std::optional<double> crossover;  // rad; none: chosen by the computation
   std::vector<std::string> groups;  // entries of the scene whose inner rims the field passes
   std::uint32_t points = 0;         // of the grid, along one side; 0: chosen by the computation
   double window = 0;                // m, side of the grid; 0: chosen by the computation

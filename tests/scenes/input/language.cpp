@@ -187,11 +187,11 @@ TEST(Diff, EachPhysicalDifferenceIsFound) {
     EXPECT_THAT(models[0]["key"].get<std::string>(), HasSubstr(e.key));
   }
   write_text(folder / "c.yaml", baffle + "wave: {beam: arm}\n");
-  write_text(folder / "d.yaml", baffle + "wave: {beam: arm, hand_over: 100 urad}\n");
+  write_text(folder / "d.yaml", baffle + "wave: {beam: arm, crossover: 100 urad}\n");
   auto const models = answer({"diff", folder / "c.yaml", folder / "d.yaml"})["models"];
   ASSERT_EQ(models.size(), 1u) << models;
   EXPECT_EQ(models[0]["section"], "wave");
-  EXPECT_THAT(models[0]["key"].get<std::string>(), HasSubstr("hand_over"));
+  EXPECT_THAT(models[0]["key"].get<std::string>(), HasSubstr("crossover"));
 }
 
 // A parameter that moves many instances is reported once, by its name and in common units, before its consequences.

@@ -39,7 +39,7 @@ std::string with_map(std::string const& map) { return wave_problem("wave: {beam:
 
 TEST(ReadWave, ReadsTheKeys) {
   World const w = wave_world(
-      "wave:\n  beam: arm\n  hand_over: 100 urad\n  baffles: [\"ring*\", ring_two]\n"
+      "wave:\n  beam: arm\n  crossover: 100 urad\n  baffles: [\"ring*\", ring_two]\n"
       "  grid: {points: 1000, window: 2 m}\n"
       "  maps: {I: {file: maps/i.h5, remove: [tilt, curvature]}, E: {spectrum: material, seed: 7}}\n"
       "  tolerance: {rim: 1 mm, centre: 2 mm, place: 5 mm}\n  draws: 5\n");
@@ -49,7 +49,7 @@ TEST(ReadWave, ReadsTheKeys) {
   EXPECT_EQ(wave.beam_name, "arm");
   EXPECT_EQ(w.name_of(wave.mirrors[0].surface), "E");  // in the order of the cavity, not of the scene
   EXPECT_EQ(w.name_of(wave.mirrors[1].surface), "I");
-  EXPECT_DOUBLE_EQ(wave.hand_over.value(), 1e-4);
+  EXPECT_DOUBLE_EQ(wave.crossover.value(), 1e-4);
   EXPECT_EQ(wave.groups, (std::vector<std::string>{"ring_one", "ring_two"}));
   EXPECT_EQ(wave.points, 1000u);
   EXPECT_EQ(wave.window, 2);
@@ -71,7 +71,7 @@ TEST(ReadWave, ReadsTheKeys) {
 TEST(ReadWave, Defaults) {
   EXPECT_FALSE(wave_world("").wave.present);
   WaveSettings const wave = wave_world("wave: {beam: arm}\n").wave;
-  EXPECT_TRUE(wave.present && wave.groups.empty() && !wave.hand_over && !wave.tolerance.any());
+  EXPECT_TRUE(wave.present && wave.groups.empty() && !wave.crossover && !wave.tolerance.any());
   EXPECT_EQ(wave.points, 0u);
   EXPECT_EQ(wave.window, 0);
   EXPECT_EQ(wave.draws, 1u);
@@ -98,7 +98,7 @@ TEST(ReadWave, KeepsTheFileOfAMap) {
 }
 
 TEST(ReadWave, AWrongBeamIsExplained) {
-  EXPECT_THAT(wave_problem("wave: {hand_over: 1 mrad}\n"), HasSubstr("key 'beam' (text) is missing in 'wave'"));
+  EXPECT_THAT(wave_problem("wave: {crossover: 1 mrad}\n"), HasSubstr("key 'beam' (text) is missing in 'wave'"));
   EXPECT_THAT(wave_problem("wave: {beam: amr}\n"),
               AllOf(HasSubstr("beam 'amr' is not defined"), HasSubstr("did you mean 'arm'?")));
   EXPECT_THAT(wave_problem("wave: {beam: lamp}\n"),
@@ -134,9 +134,9 @@ TEST(ReadWave, WrongNumbersAreExplained) {
   for (char const* const points : {"64", "90", "8192"}) EXPECT_EQ(with_points(points), "no error") << points;
   EXPECT_THAT(wave_problem("wave: {beam: arm, grid: {window: -1 m}}\n"), HasSubstr("'window' must be between"));
   EXPECT_THAT(wave_problem("wave: {beam: arm, grid: {widow: 1 m}}\n"), HasSubstr("did you mean 'window'?"));
-  EXPECT_THAT(wave_problem("wave: {beam: arm, hand_over: 1 m}\n"), HasSubstr("'hand_over' is an angle"));
-  EXPECT_THAT(wave_problem("wave: {beam: arm, hand_over: 0}\n"), HasSubstr("'hand_over' must be between"));
-  EXPECT_THAT(wave_problem("wave: {beam: arm, handover: 1 mrad}\n"), HasSubstr("did you mean 'hand_over'?"));
+  EXPECT_THAT(wave_problem("wave: {beam: arm, crossover: 1 m}\n"), HasSubstr("'crossover' is an angle"));
+  EXPECT_THAT(wave_problem("wave: {beam: arm, crossover: 0}\n"), HasSubstr("'crossover' must be between"));
+  EXPECT_THAT(wave_problem("wave: {beam: arm, crossovr: 1 mrad}\n"), HasSubstr("did you mean 'crossover'?"));
   std::string const ring = "wave: {beam: arm, baffles: ring_one, tolerance: ";
   EXPECT_THAT(wave_problem(ring + "{rim: -1 mm}}\n"), HasSubstr("'rim' must be between 0 and"));
   EXPECT_THAT(wave_problem(ring + "{rims: 1 mm}}\n"), HasSubstr("did you mean 'rim'?"));
@@ -164,9 +164,9 @@ TEST(ReadWave, WrongMapsAreExplained) {
 }
 
 TEST(ReadWave, ReportsAllProblemsAtOnce) {
-  EXPECT_THAT(wave_problem("wave: {beam: amr, hand_over: 1 m, baffles: wall, grid: {points: 70}, draws: 2,"
+  EXPECT_THAT(wave_problem("wave: {beam: amr, crossover: 1 m, baffles: wall, grid: {points: 70}, draws: 2,"
                            " maps: {I: {seed: -1}}, colour: red}\n"),
-              AllOf(HasSubstr("'amr'"), HasSubstr("'hand_over'"), HasSubstr("'wall'"), HasSubstr("'points'"),
+              AllOf(HasSubstr("'amr'"), HasSubstr("'crossover'"), HasSubstr("'wall'"), HasSubstr("'points'"),
                     HasSubstr("'draws'"), HasSubstr("'seed'"), HasSubstr("'colour'"), HasSubstr("7 errors.")));
 }
 
