@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Power spectrum of a mirror map, as read by the BSDF model `psd`.
+"""Power spectrum of a mirror map, as read by the BSDF model `psd`, or its heights, as read by the table `wave`.
 
 python3 -m straytrace.maps ETM.dat -o etm_psd.csv --aperture "30 cm" --remove curvature
 python3 -m straytrace.maps ETM_asc.dat -o etm_psd.csv --aperture "16 cm" --remove tilt --join wide.json --plot etm.png
+python3 -m straytrace.maps ETM.dat -o etm.h5
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import json
 import pathlib
 import sys
 
+import h5py
 import numpy as np
 
 from .files import MapError, MirrorMap, read_map
@@ -209,18 +211,51 @@ def draw(path, residual, aperture, spectrum, f, s2, title):
 def parse(arguments):
     parser = argparse.ArgumentParser(prog="straytrace.maps", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("map", type=pathlib.Path, help="MetroPro .dat, Zygo .asc or .xyz, LIGO _asc.dat")
-    parser.add_argument("-o", "--out", type=pathlib.Path, required=True, help="PSD file for the law psd")
-    parser.add_argument("--aperture", type=length, required=True, help="diameter of the disc that counts: '30 cm'")
-    parser.add_argument("--remove", choices=REMOVED, required=True,
+    parser.add_argument("map", type=pathlib.Path,
+                        help="MetroPro .dat, Zygo .asc or .xyz, LIGO _asc.dat, FINESSE map, matrix of heights in m (OSCAR)")
+    parser.add_argument("-o", "--out", type=pathlib.Path, required=True,
+                        help="PSD file for the law psd, or heights for the table wave: FILE.h5")
+    parser.add_argument("--aperture", type=length,
+                        help="diameter of the disc that counts: '30 cm'. Without it FILE.h5 holds the whole map")
+    parser.add_argument("--remove", choices=REMOVED,
                         help="figure to remove, each with those before it: errors that do not scatter the beam")
     parser.add_argument("--pixel", type=length, help="of maps that do not state it: '0.4 mm'")
-    parser.add_argument("--centre", type=length, nargs=2, default=(0.0, 0.0), metavar=("X", "Y"),
-                        help="of the disc, from the middle of the map: '1 mm' '-2 mm'")
+    parser.add_argument("--centre", type=length, nargs=2, metavar=("X", "Y"),
+                        help="of the disc, from the middle of the map: '1 mm' '-2 mm' (as the file states, else '0 mm' '0 mm')")
     parser.add_argument("--wavelength", type=length, default=1.064e-6, help="of the scattered light (1064 nm)")
     parser.add_argument("--join", type=pathlib.Path, help="wide-angle scatter: JSON of straytrace inspect")
     parser.add_argument("--plot", type=pathlib.Path, help="picture of map and spectrum")
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    given = [f"--{name}" for name in ("remove", "join", "plot") if getattr(options, name)]
+    missing = [f"--{name}" for name in ("aperture", "remove") if getattr(options, name) is None]
+    if writes_heights(options.out) and given:
+        parser.error(f"{given[0]} is for spectra; remove it: the scene states what the cavity does not keep")
+    if not writes_heights(options.out) and missing:
+        parser.error(f"a spectrum needs {' and '.join(missing)}")
+    return options
+
+
+def writes_heights(out) -> bool:
+    return out.suffix in (".h5", ".hdf5")
+
+
+def write_heights(options, surface, pixel, centre):
+    """Heights in m with x and y from the centre, rows from the lowest y."""
+    x, y = (values[::-1] for values in grid(surface.height.shape, pixel, centre))
+    height = surface.height[::-1].copy()
+    if options.aperture:
+        height[np.hypot(x, y) > options.aperture / 2] = np.nan
+    measured = np.count_nonzero(np.isfinite(height))
+    if measured == 0:
+        raise MapError(f"{options.map}: the disc holds no pixel with data; check --aperture and --centre")
+    temporary = options.out.with_name(options.out.name + ".part")
+    with h5py.File(temporary, "w") as file:
+        for name, values in (("x", x[0]), ("y", y[:, 0]), ("height", height)):
+            file.create_dataset(name, data=values).attrs["unit"] = "m"
+    temporary.replace(options.out)
+    print(f"{options.map.name}: {surface.kind}, {height.shape[1]} x {height.shape[0]} pixels of {pixel * 1e3:.5g} mm, "
+          f"{measured} with data, {surface.scale}")
+    print(f"written: {options.out}\n  wave: {{maps: {{MIRROR: {{file: {options.out.name}}}}}}}")
 
 
 def run(options):
@@ -228,7 +263,10 @@ def run(options):
     pixel = options.pixel or surface.pixel
     if not 0 < pixel < 1:
         raise MapError(f"{options.map}: the file does not state its pixel size; give it: --pixel '0.4 mm'")
-    spectrum, residual, roc, missing = analyse(surface, pixel, options.aperture, options.remove, options.centre)
+    centre = options.centre or surface.centre
+    if writes_heights(options.out):
+        return write_heights(options, surface, pixel, centre)
+    spectrum, residual, roc, missing = analyse(surface, pixel, options.aperture, options.remove, centre)
     f, s2, raised = table_of(spectrum)
     factor = None
     if options.join:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reads maps of mirror surfaces: MetroPro .dat, Zygo .asc and .xyz, LIGO _asc.dat, chosen by their content."""
+"""Reads maps of mirror surfaces, chosen by their content: MetroPro .dat, Zygo .asc and .xyz, LIGO _asc.dat, FINESSE and pykat
+maps, matrices of numbers (OSCAR)."""
 
 from __future__ import annotations
 
@@ -13,6 +14,7 @@ MAGIC = {0x881B036F: (1, 834), 0x881B0370: (2, 834), 0x881B0371: (3, 4096)}   # 
 INVALID = 2147483640                                                        # phase of pixels without data
 RESOLUTION = {0: 4096, 1: 32768, 2: 131072}                                 # counts per fringe, by the phase_res of the header
 TITLE = "Zygo ASCII Data File", "Zygo XYZ Data File"
+FINESSE = "% Surface map"
 HEADER_LINES = 14
 
 
@@ -29,6 +31,7 @@ class MirrorMap:
     kind: str                          # format
     wavelength: float                  # of the instrument in m; 0 where the file gives heights
     scale: str                         # how counts became heights
+    centre: tuple[float, float] = (0.0, 0.0)   # of the optic from the middle of the map, m: x to the right, y upwards
 
 
 def height_per_count(scale_factor: float, obliquity: float, wavelength: float, resolution: int) -> float:
@@ -136,6 +139,75 @@ def read_zygo_xyz(path, text: str) -> MirrorMap:
     return MirrorMap(height, header["pixel"], "Zygo XYZ", 0.0, "heights in micrometres")
 
 
+def matrix_of(path, lines) -> np.ndarray:
+    """Rows of as many numbers; '%' and '#' begin comments. `lines`: with their numbers."""
+    rows = []
+    for number, line in lines:
+        words = line.split("%")[0].split("#")[0].replace(",", " ").split()
+        try:
+            row = [float(w) for w in words]
+        except ValueError as error:
+            raise MapError(f"{path}:{number}:1: {error}; write rows of numbers with decimal points") from None
+        if row and rows and len(row) != len(rows[0]):
+            raise MapError(f"{path}:{number}:1: {len(row)} numbers, the rows before have {len(rows[0])}")
+        if row:
+            rows.append(row)
+    if not rows:
+        raise MapError(f"{path}: no numbers in it; export the map again")
+    return np.array(rows)
+
+
+def read_finesse(path, text: str) -> MirrorMap:
+    """FINESSE and pykat: a header of lines '% Name: value', then rows from the lowest y, in units of the scaling. Heights
+    are positive towards light that arrives at the first node."""
+    lines = list(enumerate(text.splitlines(), 1))
+    header = {}
+    for number, line in lines:
+        name, colon, value = line.lstrip("% ").partition(": ")
+        if line.startswith("%") and colon:
+            header[name.lower()] = number, value
+
+    def numbers(name, count):
+        number, value = header.get(name, (0, ""))
+        if not number:
+            raise MapError(f"{path}: the header has no line '% {name.capitalize()}: '; export the map again")
+        return numbers_of(path, value, number, count)
+
+    kind = header.get("type", (0, "phase"))[1]
+    if "phase" not in kind:
+        raise MapError(f"{path}:{header['type'][0]}:1: a map of type '{kind}' has no heights; give one of type 'phase'")
+    centre = numbers("optical center (x,y)", 2)
+    step, step_y = numbers("step size (x,y)", 2)
+    scaling, = numbers("scaling", 1)
+    if not (step > 0 and abs(step_y / step - 1) < 1e-6):
+        raise MapError(f"{path}: steps of {step:g} and {step_y:g} m; give a map of square pixels")
+    height = matrix_of(path, lines)[::-1] * scaling
+    middle = [(n + 1) / 2 for n in height.shape[::-1]]      # the first pixel is number 1
+    return MirrorMap(height, step, "FINESSE", 0.0, f"heights times {scaling:g} m",
+                     tuple((c - m) * step for c, m in zip(centre, middle)))
+
+
+def read_matrix(path, text: str) -> MirrorMap:
+    """A matrix of heights in m, as OSCAR loads it: rows from the lowest y, towards the light."""
+    height = matrix_of(path, enumerate(text.splitlines(), 1))
+    if min(height.shape) < 8:
+        raise MapError(f"{path}: a matrix of {height.shape[1]} x {height.shape[0]} numbers is no map; give 8 x 8 or more")
+    return MirrorMap(height[::-1], 0.0, "matrix", 0.0, "heights in m")
+
+
+def is_matrix(text: str) -> bool:
+    """Whether the first line that is no comment begins with a number."""
+    for line in text.splitlines():
+        words = line.split("%")[0].split("#")[0].replace(",", " ").split()
+        if words:
+            try:
+                float(words[0])
+            except ValueError:
+                return False
+            return True
+    return False
+
+
 def read_map(path) -> MirrorMap:
     """The map in a file. MapError explains errors."""
     data = pathlib.Path(path).read_bytes()
@@ -147,9 +219,14 @@ def read_map(path) -> MirrorMap:
             result = read_zygo_text(path, text)
         elif text.startswith(TITLE[1]):
             result = read_zygo_xyz(path, text)
+        elif text.startswith(FINESSE):
+            result = read_finesse(path, text)
+        elif is_matrix(text):
+            result = read_matrix(path, text)
         else:
             raise MapError(f"{path}: no known map: MetroPro .dat begins with 88 1B 03, Zygo .asc and LIGO _asc.dat with "
-                           f"'{TITLE[0]}', .xyz with '{TITLE[1]}'; export it as one of them")
+                           f"'{TITLE[0]}', .xyz with '{TITLE[1]}', FINESSE with '{FINESSE}', a matrix with a number; export it "
+                           f"as one of them")
     if not np.isfinite(result.height).any():
         raise MapError(f"{path}: no pixel has data; check the mask of the measurement")
     return result

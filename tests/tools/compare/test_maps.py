@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 
+import h5py
 import numpy as np
 
 from records import Records
@@ -93,6 +94,69 @@ def check_formats(folder):
     assert not np.allclose(read_map(folder / "a.xyz").height, expected[:, ::-1], equal_nan=True)
 
 
+def finesse(height, pixel, centre, kind="phase reflection", scaling=1e-9):
+    """As pykat writes it: rows from the lowest y."""
+    rows, columns = height.shape
+    lines = ["% Surface map", "% Name: m", f"% Type: {kind}", f"% Size: {rows} {columns}",
+             f"% Optical center (x,y): {centre[0]} {centre[1]}", f"% Step size (x,y): {pixel} {pixel}", f"% Scaling: {scaling}",
+             "", ""]
+    return "\n".join(lines + [" ".join("%.15g" % (v / scaling) for v in row) + " " for row in height]) + "\n"
+
+
+def check_heights(folder):
+    """FINESSE maps and matrices of OSCAR have the lowest y first; FILE.h5 has heights by rows from the lowest y, with x and
+    y from the centre. Controls: rows upside down, the middle of the map instead of its centre."""
+    height = 1e-9 * (np.arange(10)[None, :] + 100.0 * np.arange(12)[:, None])    # y upwards
+    height[0, 3] = np.nan
+    (folder / "a.map").write_text(finesse(height, 5e-4, (5.5 + 2, 6.5 - 1)))
+    (folder / "a.txt").write_text("\n".join(" ".join(map(str, row)) for row in height))
+    for name, options, centre in (("a.map", [], (1e-3, -5e-4)), ("a.map", ["--centre", "0 mm", "0 mm"], (0, 0)),
+                                  ("a.txt", ["--pixel", "0.5 mm"], (0, 0)),
+                                  ("a.txt", ["--pixel", "0.5 mm", "--centre", "1 mm", "-0.5 mm"], (1e-3, -5e-4))):
+        assert maps.main([str(folder / name), "-o", str(folder / "a.h5"), *options]) == 0
+        with h5py.File(folder / "a.h5") as file:
+            np.testing.assert_allclose(file["height"][:], height, rtol=1e-12)
+            assert not np.allclose(file["height"][:][::-1], height, equal_nan=True)
+            np.testing.assert_allclose(file["x"][:], (np.arange(10) - 4.5) * 5e-4 - centre[0], atol=1e-15)
+            np.testing.assert_allclose(file["y"][:], (np.arange(12) - 5.5) * 5e-4 - centre[1], atol=1e-15)
+            assert file["height"].attrs["unit"] == "m"
+    assert not list(folder.glob("*.part"))
+    disc = ["--pixel", "0.5 mm", "--aperture", "4 mm"]
+    assert maps.main([str(folder / "a.txt"), "-o", str(folder / "a.h5"), *disc]) == 0
+    with h5py.File(folder / "a.h5") as file:
+        x, y = np.meshgrid(file["x"], file["y"])
+        assert np.array_equal(np.isfinite(file["height"]), np.hypot(x, y) <= 2e-3)
+    counts = np.array([[0, 32768], [16384, 7]])             # the first row of MetroPro is at the top
+    (folder / "a.dat").write_bytes(metropro(counts))
+    assert maps.main([str(folder / "a.dat"), "-o", str(folder / "a.h5")]) == 0
+    with h5py.File(folder / "a.h5") as file:
+        np.testing.assert_allclose(file["height"][:] / WAVELENGTH, [[0.25, 0.5 * 7 / 32768], [0, 0.5]], rtol=1e-6)
+
+
+def check_refused_heights(folder):
+    height = np.zeros((9, 8))
+    path = folder / "bad"
+    for content, reason in ((finesse(height, 5e-4, (4, 4), "absorption both"), ":3:1: a map of type 'absorption both'"),
+                            (finesse(height, 5e-4, (4, 4)).replace("% Scaling", "% Other"), "no line '% Scaling: '"),
+                            (finesse(height, 5e-4, (4, 4)).replace("Step size (x,y): 0.0005", "Step size (x,y): 0.001"),
+                             "square pixels"),
+                            (finesse(height, 5e-4, (4, 4)) + "1 2\n", ":19:1: 2 numbers, the rows before have 8"),
+                            ("1 2 3\n4 5 six\n", ":2:1: could not convert"), ("1 2\n3 4\n", "2 x 2 numbers is no map"),
+                            ("% Surface map\n", "no line '% Optical")):
+        path.write_text(content)
+        rejected(path, reason)
+    path.write_text("0 " * 8 + "\n" + ("0 " * 8 + "\n") * 8)
+    assert maps.main([str(path), "-o", str(folder / "no.h5")]) == 2    # without --pixel
+    for arguments in (["-o", str(folder / "no.h5"), "--remove", "tilt"], ["-o", str(folder / "no.csv"), "--remove", "tilt"]):
+        try:
+            maps.main([str(path), *arguments])
+        except SystemExit as error:
+            assert error.code == 2
+        else:
+            raise AssertionError(f"{arguments} were accepted")
+    assert not (folder / "no.h5").exists()
+
+
 def check_refusals(folder):
     counts = np.zeros((4, 4))
     path = folder / "bad"
@@ -175,6 +239,8 @@ with tempfile.TemporaryDirectory() as name:
     here = pathlib.Path(name)
     check_formats(here)
     check_refusals(here)
+    check_heights(here)
+    check_refused_heights(here)
     made_height, made_pixel = check_spectrum()
     check_tis(here, sys.argv[1])
     check_join(here, sys.argv[1], made_height, made_pixel)

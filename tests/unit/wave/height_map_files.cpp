@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Height maps from HDF5 files and texts, and what is refused.
+// Height maps from HDF5 files and texts, and errors in them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
