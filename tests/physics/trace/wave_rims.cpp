@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Routes of the rims of a solved cavity: what their records make of the levers (docs/theory/wave.md, eq. W.14 and
+// W.22).
+#include "trace/deterministic/wave_rims.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <complex>
+
+#include "support/kilometre_arm.hpp"
+#include "support/recorded.hpp"
+
+namespace straytrace::testing::trace_wave_rims {
+namespace {
+
+using ::testing::HasSubstr;
+using Complex = std::complex<double>;
+
+enum Coordinate { x, y, z, rx, ry, rz };
+
+// The cavity of a scene with the levers of the test in place of computed ones.
+struct Bench {
+  World world;
+  ArmWaves waves;
+
+  explicit Bench(KilometreArm const& scene = {})
+      : world(scene.world()), waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, 0, {}, {}, {}, {}, {}} {
+    waves.rims.resize(waves.arm.rims.size());
+  }
+  std::vector<CouplingClass> classes() const { return wave_rim_classes(world, waves); }
+  CouplingClass of(std::string const& group) const {
+    for (CouplingClass const& c : classes())
+      if (world.groups()[c.steps.at(1).group.value] == group) return c;
+    ADD_FAILURE() << "no class of " << group;
+    return {};
+  }
+};
+
+RimResponse levers(Complex a_x, Complex a_y = 0, Complex a_z = 0, Complex r_y = 0) {
+  RimResponse response;
+  response.levers.displacement[0] = a_x;
+  response.levers.displacement[1] = a_y;
+  response.levers.displacement[2] = a_z;
+  response.levers.rotation[1] = r_y;
+  return response;
+}
+
+// Mean square of the field by a coordinate of the body of all records: that of a displacement d is this times d^2.
+double square(CouplingClass const& c, Coordinate coordinate) {
+  double sum = 0;
+  for (PathRecord const& r : c.records)
+    for (PhaseSensitivity const& s : r.phase_sensitivities) sum += r.weight * s.d[coordinate] * s.d[coordinate];
+  return sum;
+}
+double weights(CouplingClass const& c) {
+  double sum = 0;
+  for (PathRecord const& r : c.records) sum += r.weight;
+  return sum;
+}
+
+Complex const first{3e-4, -4e-4}, second{1e-4, 2e-4}, vertical{0, 7e-4}, along{2e-6, 1e-6};
+
+Bench solved_bench(KilometreArm const& scene = {}) {
+  Bench bench(scene);
+  bench.waves.rims.at(0) = {{levers(first, 0, along)}, Complex{3e-6, 4e-6}, {}};
+  bench.waves.rims.at(1) = {{levers(second, vertical)}, Complex{0, 2e-6}, {}};
+  return bench;
+}
+
+TEST(WaveRims, OneClassForEachGroupAndKind) {
+  Bench bench = solved_bench();
+  bench.waves.rims[1].responses.clear();
+  bench.waves.rims[1].speckle = {1e-12, 1e-8, 1e-14};
+  auto const classes = bench.classes();
+  ASSERT_EQ(classes.size(), 2u);
+  EXPECT_EQ(classes[0].kind, ClassKind::wave);
+  EXPECT_EQ(classes[1].kind, ClassKind::speckle);
+  EXPECT_EQ(std::string(name_of(classes[1].kind)), "speckle");
+  char const* const rims[] = {"baffle_one", "baffle_two"};
+  for (std::size_t i : {0, 1}) {
+    CouplingClass const& c = classes[i];
+    ASSERT_EQ(c.steps.size(), 3u);
+    EXPECT_EQ(bench.world.groups()[c.steps[0].group.value], "E");  // the mirror without the port
+    EXPECT_EQ(bench.world.groups()[c.steps[1].group.value], rims[i]);
+    EXPECT_EQ(bench.world.groups()[c.steps[2].group.value], "I");
+    EXPECT_EQ(c.steps[1].event, Event::diffract);
+    EXPECT_EQ(bench.world.ports()[c.port.value], "I");
+    EXPECT_EQ(c.reverse, 1);  // both directions are in the levers
+    EXPECT_TRUE(c.coupling.trusted);
+    EXPECT_EQ(c.coupling.std_error, 0);
+    EXPECT_NEAR(weights(c) / c.coupling.mean, 1, 1e-12);
+    EXPECT_THAT(c.statement, HasSubstr("1 rim"));
+  }
+  EXPECT_NE(classes[0].hash, classes[1].hash);
+  EXPECT_NEAR(classes[0].coupling.mean / 25e-12, 1, 1e-12);  // |s|^2 of the light that the rim takes
+  EXPECT_NEAR(classes[1].coupling.mean / 1e-12, 1, 1e-12);
+  EXPECT_THAT(classes[1].statement, HasSubstr("mean over random mirrors"));
+}
+
+// The port of the second mirror where the first has none.
+TEST(WaveRims, PortOfTheOtherMirror) {
+  KilometreArm scene;
+  scene.ports = "ports: {E: {beam: arm, at: E}}\n";
+  Bench const bench = solved_bench(scene);
+  CouplingClass const c = bench.of("baffle_one");
+  EXPECT_EQ(bench.world.ports()[c.port.value], "E");
+  EXPECT_EQ(bench.world.groups()[c.steps[0].group.value], "I");
+  EXPECT_EQ(bench.world.groups()[c.steps[2].group.value], "E");
+}
+
+// |A|^2 summed over the rims of a group, for motion along each axis of the scene.
+TEST(WaveRims, RecordsHoldTheLevers) {
+  KilometreArm scene;
+  scene.baffles =
+      "  - {name: baffles, shape: {disk: {inner_radius: 45 mm, outer_radius: 30 cm}}, facing: [0, 0, 1], body: pipe,"
+      " material: black, repeat: {count: 2, along: z, from: 400 m, to: 600 m}}\n";
+  auto const classes = solved_bench(scene).classes();
+  ASSERT_EQ(classes.size(), 1u);
+  CouplingClass const& c = classes[0];
+  double const across = std::norm(first) + std::norm(second);
+  EXPECT_NEAR(square(c, x) / across, 1, 1e-12);
+  EXPECT_NEAR(square(c, y) / std::norm(vertical), 1, 1e-12);
+  EXPECT_NEAR(square(c, z) / std::norm(along), 1, 1e-12);
+  EXPECT_GT(std::fabs(square(c, x) / std::norm(first + second) - 1), 0.1);  // negative control: fields added
+  EXPECT_THAT(c.statement, HasSubstr("2 rims"));
+  EXPECT_THAT(c.statement, HasSubstr("one draw of the mirrors"));
+}
+
+// About the pivot at the input mirror, a rotation about y by a small angle moves a rim at 400 m by 400 m times it.
+TEST(WaveRims, RotationAboutAFarPivot) {
+  Bench bench = solved_bench();
+  double const arm = 400;
+  EXPECT_NEAR(square(bench.of("baffle_one"), ry) / std::norm(arm * first), 1, 1e-9);
+  EXPECT_NEAR(square(bench.of("baffle_one"), rz) / std::norm(first), 0, 1e-9);  // it is on the axis
+  Complex const own{0.05, 0.02};  // by the rotation about the centre of the rim
+  bench.waves.rims[0].responses[0].levers.rotation[1] = own;
+  EXPECT_NEAR(square(bench.of("baffle_one"), ry) / std::norm(arm * first + own), 1, 1e-9);
+  EXPECT_GT(std::fabs(square(bench.of("baffle_one"), ry) / std::norm(arm * first) - 1), 0.1);  // negative control
+  EXPECT_NEAR(square(bench.of("baffle_two"), rx) / std::norm(600.0 * vertical), 1, 1e-9);
+  KilometreArm near;
+  near.pipe = "{pivot: [0 m, 0 m, 400 m], motion: {x: {peterson: typical}, others: still}}";
+  EXPECT_NEAR(square(solved_bench(near).of("baffle_one"), ry) / std::norm(arm * first), 0, 1e-12);
+}
+
+// The axes of the scene, however the beam lies in it: across x are first y, then z.
+TEST(WaveRims, AxesOfTheScene) {
+  KilometreArm scene;
+  scene.input = "facing: [1, 0, 0]";
+  scene.end = "at: [1000 m, 0 m, 0 m], facing: [-1, 0, 0]";
+  scene.baffles =
+      "  - {name: baffle, shape: {disk: {inner_radius: 45 mm, outer_radius: 30 cm}}, at: [400 m, 0 m, 0 m],"
+      " facing: [1, 0, 0], body: pipe, material: black}\n";
+  Bench bench(scene);
+  bench.waves.rims.at(0) = {{levers(first, vertical, along)}, 0, {}};
+  CouplingClass const c = bench.of("baffle");
+  EXPECT_NEAR(square(c, y) / std::norm(first), 1, 1e-12);
+  EXPECT_NEAR(square(c, z) / std::norm(vertical), 1, 1e-12);
+  EXPECT_NEAR(square(c, x) / std::norm(along), 1, 1e-12);
+}
+
+// With tolerances the mean over their draws, without the rim as drawn in the scene.
+TEST(WaveRims, MeanOverDraws) {
+  Bench bench = solved_bench();
+  bench.waves.rims[0].responses = {levers(1), levers(first), levers(second)};
+  CouplingClass const c = bench.of("baffle_one");
+  EXPECT_NEAR(square(c, x) / (0.5 * std::norm(first) + 0.5 * std::norm(second)), 1, 1e-12);
+  EXPECT_NEAR(weights(c) / 25e-12, 1, 0.5);
+  EXPECT_THAT(c.statement, HasSubstr("mean over 2 draws of the tolerances"));
+}
+
+// A rim whose static field vanishes still moves: nothing is divided by zero.
+TEST(WaveRims, WithoutStaticField) {
+  Bench bench = solved_bench();
+  for (RimResult& rim : bench.waves.rims) rim.clipped = 0;
+  CouplingClass const c = bench.of("baffle_one");
+  EXPECT_NEAR(square(c, x) / std::norm(first), 1, 1e-12);
+  EXPECT_GT(c.coupling.mean, 0);
+}
+
+// Expectations over speckle: independent along the three axes; a rotation moves each patch along the beam by its
+// distance from the axis of rotation.
+TEST(WaveRims, ExpectationOverSpeckle) {
+  Bench bench = solved_bench();
+  double const field = 1e-6, across = 4e-8, longitudinal = 9e-12;
+  for (RimResult& rim : bench.waves.rims) rim = {{}, 0, {field, across, longitudinal}};
+  CouplingClass const c = bench.of("baffle_one");
+  EXPECT_EQ(c.kind, ClassKind::speckle);
+  EXPECT_NEAR(square(c, x) / across, 1, 1e-12);
+  EXPECT_NEAR(square(c, y) / across, 1, 1e-12);
+  EXPECT_NEAR(square(c, z) / longitudinal, 1, 1e-12);
+  EXPECT_NEAR(square(c, ry) / (400.0 * 400.0 * across + 0.045 * 0.045 * longitudinal / 2), 1, 1e-12);
+  EXPECT_NEAR(weights(c) / field, 1, 1e-12);
+  EXPECT_GT(std::fabs(square(c, x) / longitudinal - 1), 0.1);  // negative control: another axis
+  KilometreArm near;
+  near.pipe = "{pivot: [0 m, 0 m, 400 m], motion: {x: {peterson: typical}, others: still}}";
+  Bench own(near);
+  for (RimResult& rim : own.waves.rims) rim = {{}, 0, {field, across, longitudinal}};
+  EXPECT_NEAR(square(own.of("baffle_one"), ry) / (0.045 * 0.045 * longitudinal / 2), 1, 1e-9);
+}
+
+}  // namespace
+}  // namespace straytrace::testing::trace_wave_rims
