@@ -98,32 +98,31 @@ std::array<Complex, 2> mirror_levers(CavityWaves const& waves, WaveMirror const&
   return sum;
 }
 
-// The points of a grid that see a baffle, and the share of amplitude that it takes there.
+// The points of a grid outside an opening, without a limit: a screen that ends would add the wave of its outer edge.
+// Fields there are kept in single precision.
 class Screen {
  public:
   Screen(WaveBaffle const& baffle, Mask const& mask, Grid const& grid) {
-    double const ripple = 12 * grid.pitch();  // reach of the overshoot of the mask
-    double const from = baffle.rim.radius - ripple, to = std::max(baffle.lit_radius, baffle.rim.radius) + ripple;
+    double const from = baffle.rim.radius - 12 * grid.pitch();  // the overshoot of the mask reaches so far inwards
     for (int row = 0; row < grid.points; ++row)
-      for (int column = 0; column < grid.points; ++column) {
-        double const r = std::hypot(grid.at(column) - baffle.rim.x, grid.at(row) - baffle.rim.y);
-        if (r > from && r < to) at_.push_back(std::size_t(row) * std::size_t(grid.points) + std::size_t(column));
-      }
-    for (std::size_t i : at_) taken_.push_back((1 - mask.values()[i]) * grid.pitch() * grid.pitch());
+      for (int column = 0; column < grid.points; ++column)
+        if (std::hypot(grid.at(column) - baffle.rim.x, grid.at(row) - baffle.rim.y) > from)
+          at_.push_back(std::uint32_t(row) * std::uint32_t(grid.points) + std::uint32_t(column));
+    for (std::uint32_t i : at_) taken_.push_back(float((1 - mask.values()[i]) * grid.pitch() * grid.pitch()));
   }
   void keep(Field const& field) {
-    for (std::size_t i : at_) kept_.push_back(field.values[i]);
+    for (std::uint32_t i : at_) kept_.push_back(std::complex<float>(field.values[i]));
   }
   Complex overlap(Field const& field) const {
     Complex sum = 0;
-    for (std::size_t i = 0; i < at_.size(); ++i) sum += taken_[i] * kept_[i] * field.values[at_[i]];
+    for (std::size_t i = 0; i < at_.size(); ++i) sum += double(taken_[i]) * Complex(kept_[i]) * field.values[at_[i]];
     return sum;
   }
 
  private:
-  std::vector<std::size_t> at_;
-  std::vector<double> taken_;
-  std::vector<Complex> kept_;
+  std::vector<std::uint32_t> at_;
+  std::vector<float> taken_;
+  std::vector<std::complex<float>> kept_;
 };
 
 }  // namespace
@@ -145,8 +144,9 @@ CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,
   CavityRims result;
   result.responses.resize(n);
   result.clipped.resize(n);
-  std::vector<Screen> screens;
-  for (std::size_t j = 0; j < n; ++j) screens.emplace_back(cavity.baffles[j], waves.mask(j), cavity.grid);
+  std::vector<std::optional<Screen>> screens(n);
+  for (std::size_t j = 0; j < n; ++j)
+    if (!curves[j].empty()) screens[j].emplace(cavity.baffles[j], waves.mask(j), cavity.grid);
   std::vector<std::vector<Samples>> outward(n);
   Field departing = mode.spectrum, work = mode.spectrum;
   waves.transform().inverse(departing, cavity.grid.points, cavity.grid.points);
@@ -161,6 +161,7 @@ CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,
       result.mirror2 = mirror_levers(waves, cavity.mirror2, arrival, cavity.length);
       return;
     }
+    if (curves[plane - 1].empty()) return;
     Sampler const field(arrival.spectrum, waves.transform(), arrival.columns);
     for (std::size_t i = 0; i < curves[plane - 1].size(); ++i) {
       RimCurve const& curve = curves[plane - 1][i];
@@ -170,9 +171,9 @@ CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,
         result.responses[plane - 1].push_back(response(curve, outward[plane - 1][i], field, cavity.wavelength));
     }
     if (arrival.travel == Travel::towards_mirror2)
-      screens[plane - 1].keep(arrival.field);
+      screens[plane - 1]->keep(arrival.field);
     else
-      result.clipped[plane - 1] = 2.0 * screens[plane - 1].overlap(arrival.field);
+      result.clipped[plane - 1] = 2.0 * screens[plane - 1]->overlap(arrival.field);
   });
   // At mirror 1 the field departs as gamma times that of the mode, so that the integral of M psi^2 is gamma B.
   for (Complex& lever : result.mirror1) lever /= mode.eigenvalue * result.overlap;

@@ -27,7 +27,7 @@ struct RimResponse {
 struct CavityRims {
   Complex overlap;                                  // B of eq. W.11
   std::vector<std::vector<RimResponse>> responses;  // [baffle][curve]
-  std::vector<Complex> clipped;  // s of the light that each baffle takes from the mode (eq. W.12 with its screen)
+  std::vector<Complex> clipped;  // s of the light that each baffle with curves takes (eq. W.12 with its screen)
   std::array<Complex, 2> mirror1{}, mirror2{};  // derivatives of s by the displacement of a mirror along x and y. 1/m
 };
 // For several curves in the plane of each baffle: as built, and with its tolerances. One round trip.
