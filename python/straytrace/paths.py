@@ -62,7 +62,7 @@ class Path(ByColumn):
 
     @property
     def at_most(self) -> bool:
-        """True if its numbers are upper bounds: diffraction at edges, which speckle reduces."""
+        """True if its numbers are upper bounds: those of kind edge, which speckle reduces."""
         return bool(self.kind == "edge")
 
     @property

@@ -127,7 +127,8 @@ std::string explanation(PathTable const& table) {
                         mirrored == 1 ? "route was" : "routes were");
   if (has_kinds(table))
     text +=
-        "Kinds ghost and edge are computed, not sampled, without a Monte-Carlo error; their limits are listed below.\n";
+        "Kinds other than scattered are computed, not sampled, without a Monte-Carlo error; their limits are listed "
+        "below.\n";
   if (std::ranges::any_of(table.rows, &PathRow::upper_bound))
     text +=
         "Kind edge is an upper bound: 'at most'. Shares are those with all bounds reached; without, those of other "

@@ -107,7 +107,8 @@ void add_names(RouteList& all) {
 }
 
 void add_kind(RouteList& all, bool kinds) {
-  all.push_back({.key = "kind", .kind = ColumnKind::text, .title = "kind", .help = "scattered, ghost or edge",
+  all.push_back({.key = "kind", .kind = ColumnKind::text, .title = "kind",
+    .help = "scattered, ghost, edge, wave or speckle",
     .value = [](RouteRow const& r) { return std::string(name_of(r.row.kind)); },
     .text = {kinds ? 40 : 0}, .csv = {230}, .json = {50}, .page = {40}, .left = true});
   all.push_back({.key = "bound", .kind = ColumnKind::text, .help = "upper: coupling and h are upper bounds",

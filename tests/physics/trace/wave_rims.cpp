@@ -8,7 +8,7 @@
 #include <cmath>
 #include <complex>
 
-#include "support/kilometre_arm.hpp"
+#include "physics/wave/kilometre_arm.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::testing::trace_wave_rims {

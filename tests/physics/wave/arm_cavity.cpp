@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "base/math/constants.hpp"
-#include "support/kilometre_arm.hpp"
+#include "physics/wave/kilometre_arm.hpp"
 #include "support/message_of.hpp"
 #include "support/recorded.hpp"
 

@@ -9,7 +9,7 @@
 #include <complex>
 
 #include "beams/round_cavity.hpp"
-#include "support/kilometre_arm.hpp"
+#include "physics/wave/kilometre_arm.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::wave_arm_waves {

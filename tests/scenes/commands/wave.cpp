@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace wave, and a run of a scene with a table `wave` (docs/theory/wave.md).
+#include "physics/wave/kilometre_arm.hpp"
+#include "scenes/answers.hpp"
+
+namespace straytrace::testing::app_wave {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// The grid holds the light that meets one of the two rims.
+std::string scene_text(std::string const& grid = "{points: 256, window: 0.5 m}") {
+  KilometreArm arm;
+  arm.baffles =
+      "  - {name: baffle_near, shape: {disk: {inner_radius: 45 mm, outer_radius: 30 cm}}, at: [0 m, 0 m, 300 m],"
+      " facing: [0, 0, 1], body: pipe, material: dark}\n"
+      "  - {name: baffle_mid, shape: {disk: {inner_radius: 45 mm, outer_radius: 30 cm}}, at: [0 m, 0 m, 500 m],"
+      " facing: [0, 0, 1], body: pipe, material: dark}\n"
+      "  - {name: wall, shape: {cylinder: {radius: 30 cm, from: 0 m, to: 1000 m}}, body: pipe, material: dark}\n";
+  arm.wave = "wave: {beam: arm, baffles: \"baffle*\", crossover: 120 urad, grid: " + grid + "}\n";
+  return edited(arm.text(), "  black: {}\n", "  dark: {scatter: {model: lambertian, tis: 10 %}}\n") +
+         "interferometer: {preset: fabry-perot-michelson, arm_length: 1 km, mirror_mass: 42 kg,"
+         " input_transmission: 1.4 %}\n"
+         "noise: {band: [10 Hz, 100 Hz], points_per_decade: 5}\n";
+}
+
+class WaveCommand : public ::testing::Test {
+ protected:
+  WaveCommand() { write_text(scene_, scene_text()); }
+  Folder const folder_;
+  std::string const scene_ = folder_ / "arm.yaml";
+};
+
+TEST_F(WaveCommand, PrintsItsParts) {
+  Finished const all = straytrace({"wave", scene_, "--quiet"});
+  ASSERT_EQ(all.code, 0) << all.err;
+  EXPECT_EQ(all.err, "");
+  for (char const* const part :
+       {"cavity arm: 1000 m, grid of 256 x 256 points over 0.5 m, which carries angles up to 272.4 urad",
+        "crossover angle 120 urad: 1 of 2 rims are within it, seen from both mirrors",
+        "mirror I: radius of the mode 20.58 mm; heights below the crossover angle ", "loss per round trip",
+        "past the rim of I, and scattered", "past the rim of E, and scattered", "on baffles, towards E",
+        "on baffles, towards I", "at angles that reach no opening", "smooth mirrors without baffles lose ",
+        "Modes of the mirrors without baffles", "HG00  1.0000", "per displacement of a rim (eq. W.14)"})
+    EXPECT_THAT(all.out, HasSubstr(part));
+  EXPECT_THAT(all.out, ContainsRegex("\nbaffle_mid +500 +90 +90 +wave +[0-9]"));
+  EXPECT_THAT(all.out, ContainsRegex("\nbaffle_near +300 +150 +64.3 +speckle +- +- +- +[0-9]"));
+  EXPECT_THAT(all.out, Not(HasSubstr("more rows")));
+  Finished const one = straytrace({"wave", scene_, "--quiet", "--show", "1", "--order", "0"});
+  EXPECT_THAT(one.out, AllOf(HasSubstr("and 1 more; --show N has more rows"), Not(HasSubstr("HG01"))));
+}
+
+TEST_F(WaveCommand, JsonHasItsKeysAndBalance) {
+  auto const all = answer({"wave", scene_, "--quiet"});
+  for (char const* const key :
+       {"beam", "length_m", "points", "window_m", "crossover_rad", "loss", "loss_of_smooth_mirrors", "residual",
+        "round_trips", "beyond_band", "mirrors", "modes", "rims"})
+    EXPECT_TRUE(all.contains(key)) << key;
+  ASSERT_EQ(all["rims"].size(), 2u);
+  double lost = all["beyond_band"];
+  for (auto const& m : all["mirrors"]) lost += m["power_share_lost"].get<double>();
+  for (auto const& r : all["rims"])
+    lost += r["power_share_towards_mirror1"].get<double>() + r["power_share_towards_mirror2"].get<double>();
+  EXPECT_NEAR(lost / all["loss"].get<double>(), 1, 1e-4);
+  auto const &near = all["rims"][0], &mid = all["rims"][1];  // in order of place
+  EXPECT_EQ(near["method"], "speckle");
+  EXPECT_EQ(near["levers"].size(), 0u);
+  EXPECT_EQ(mid["method"], "wave");
+  ASSERT_EQ(mid["levers"].size(), 1u);
+  EXPECT_EQ(mid["levers"][0]["displacement_per_m"].size(), 3u);
+  EXPECT_EQ(mid["levers"][0]["rotation_per_rad"].size(), 3u);
+  // Tolerances add their draws; threads change nothing.
+  Words const drawn{"wave", scene_, "--quiet", "--format", "json"};
+  Words other = drawn;
+  other.insert(other.end(), {"--threads", "1"});
+  EXPECT_EQ(straytrace(drawn).out, straytrace(other).out);
+  write_text(scene_, edited(scene_text(), "wave: {", "wave: {tolerance: {rim: 1 mm}, draws: 2, "));
+  EXPECT_EQ(answer({"wave", scene_, "--quiet"})["rims"][1]["levers"].size(), 3u);
+}
+
+TEST_F(WaveCommand, WhatIsMissingIsExplained) {
+  std::string const text = scene_text(), none = text.substr(0, text.find("wave: {"));
+  write_text(scene_, none + text.substr(text.find("interferometer: {")));
+  EXPECT_THAT(error_text({"wave", scene_}),
+              AllOf(HasSubstr("has no table 'wave'"), HasSubstr("add for example 'wave:")));
+  write_text(scene_, scene_text("{points: 216, window: 0.5 m}"));
+  EXPECT_THAT(error_text({"wave", scene_, "--quiet"}), HasSubstr("use 222 points or more"));
+  EXPECT_THAT(error_text({"wave", folder_ / "none.yaml"}), HasSubstr("none.yaml"));
+}
+
+// Rows of their own kinds, neither of them an upper bound, as the program and its Python package print them.
+TEST_F(WaveCommand, RunHasRowsOfTheirKinds) {
+  Finished const run = straytrace({"run", scene_, "-o", folder_ / "out", "--histories", "4000", "--quiet"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("Kinds other than scattered are computed, not sampled"));
+  EXPECT_THAT(run.out, ContainsRegex("E·S > baffle_mid·E > I·S +I +wave "));
+  EXPECT_THAT(run.out, ContainsRegex("E·S > baffle_near·E > I·S +I +speckle "));
+  EXPECT_THAT(run.out, AllOf(HasSubstr("1 rim in the field of the cavity"), HasSubstr("mean over random mirrors")));
+  EXPECT_THAT(run.out, AllOf(HasSubstr("h = "), Not(HasSubstr("at most ")), Not(HasSubstr("upper bound"))));
+  EXPECT_THAT(text_of(folder_ / "out/h_asd.txt"), Not(HasSubstr("AT MOST")));
+  EXPECT_THAT(text_of(folder_ / "out/paths.csv"), AllOf(HasSubstr(",itself,wave,"), HasSubstr(",itself,speckle,")));
+  EXPECT_THAT(straytrace({"noise", folder_ / "out/run.h5", "--format", "json"}).out,
+              Not(HasSubstr("\"at_most\": true")));
+  EXPECT_THAT(straytrace({"paths", folder_ / "out/run.h5"}).out, HasSubstr("baffle_near·E"));
+  std::string const reader =
+      "PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='" + source_folder +
+      "/python' timeout 60 /usr/bin/python3 -c \"import straytrace; r = straytrace.open('" + (folder_ / "out/run.h5") +
+      "').routes; k = list(r.kind); assert {'wave', 'speckle'} <= set(k); assert r.sigma[k.index("
+      "'wave')] == 0\"";
+  EXPECT_EQ(std::system(reader.c_str()), 0);
+}
+
+}  // namespace
+}  // namespace straytrace::testing::app_wave
