@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <complex>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,7 @@ World arm_world(int seed) {
       "  - {name: E, use: mirror, radius: 31 cm, radius_of_curvature: 5070 m, at: [0 m, 0 m, 10 km], facing: [0, 0, "
       "-1],"
       " body: optics, material: coat}\n";
-  for (int place : {4700, 4787, 4869, 4960, 5047, 5131, 5222, 5300})
+  for (int place : {4700, 5000, 5300})
     text += fmt::format(
         "  - {{name: baffle_{}, shape: {{disk: {{inner_radius: 42 cm, outer_radius: 50 cm}}}}, at: [0 m, 0 m, {} m],"
         " facing: [0, 0, 1], body: pipe, material: black}}\n",
@@ -46,6 +47,15 @@ World arm_world(int seed) {
   return world;
 }
 
+constexpr double radii[] = {0.35, 0.38, 0.41, 0.44, 0.47, 0.50};  // m, farther apart than a patch of speckle, 15 mm
+
+SpeckleMeans expected(World const& world, ArmCavity const& arm, double place, double radius) {
+  double const far = arm.cavity.length - place;
+  return speckle_means({world.wavelength, radius, place, far, arm.mirrors[0].spot, arm.mirrors[1].spot,
+                        mirror_brdf(world, arm.mirrors[0], {0, 0, -1}, radius / place),
+                        mirror_brdf(world, arm.mirrors[1], {0, 0, 1}, radius / far)});
+}
+
 // Of one draw of both mirrors: mean over edges and the two transverse axes of |A|^2 over its expectation. Openings wide
 // enough to clip nothing leave out what the equation does: the waves of the edges of mirrors, and the shadows that
 // baffles cast on each other.
@@ -53,33 +63,30 @@ double relative_square(int seed) {
   World const world = arm_world(seed);
   ArmCavity arm = arm_cavity(world, world.wave);
   arm.cavity.mirror1.outline.radius = arm.cavity.mirror2.outline.radius = 0.36;
-  std::vector<std::vector<RimCurve>> curves;
+  std::vector<std::vector<RimCurve>> curves(arm.rims.size());
   for (std::size_t i = 0; i < arm.rims.size(); ++i) {
     arm.cavity.baffles[i].rim.radius = 0.55;
-    curves.push_back({curve_of(arm, arm.rims[i])});
+    for (double radius : radii) curves[i].push_back(curve_of(arm, arm.rims[i], {}, radius - arm.rims[i].rim.radius));
   }
   CavityWaves const waves(arm.cavity, 0);
   CavityRims const found = rim_responses(waves, waves.mode(waves.hermite_gauss()), curves);
-  double sum = 0;
-  for (std::size_t i = 0; i < arm.rims.size(); ++i) {
-    ArmRim const& rim = arm.rims[i];
-    double const brdf1 = mirror_brdf(world, arm.mirrors[0], {0, 0, -1}, rim.angle1),
-                 brdf2 = mirror_brdf(world, arm.mirrors[1], {0, 0, 1}, rim.angle2);
-    SpeckleMeans const expected = speckle_means({world.wavelength, rim.rim.radius, rim.centre.z, 10e3 - rim.centre.z,
-                                                 arm.mirrors[0].spot, arm.mirrors[1].spot, brdf1, brdf2});
-    for (int axis : {0, 1}) sum += std::norm(found.responses[i][0].levers.displacement[axis]) / expected.transverse / 2;
-  }
-  return sum / double(arm.rims.size());
+  testing::Sampler mean;
+  for (std::size_t i = 0; i < arm.rims.size(); ++i)
+    for (std::size_t j = 0; j < std::size(radii); ++j)
+      for (int axis : {0, 1})
+        mean.add(std::norm(found.responses[i][j].levers.displacement[axis]) /
+                 expected(world, arm, arm.rims[i].centre.z, radii[j]).transverse);
+  return mean.mean().mean;
 }
 
-// Some 16 values of each draw, each of them spread like its mean, so that 24 draws give it to 5 %.
+// 5 standard errors over the draws are less than 40 %.
 TEST(NightlyWave, SquaredLeversAgreeWithTheirExpectationV14) {
   testing::Sampler mean;
   for (int seed = 1; seed <= 24; ++seed) mean.add(relative_square(seed));
   expect_mean("|A_x|^2 over eq. W.22", mean.mean(), 1, 0.64);
-  expect_rejected("one direction of the light", mean.mean(), 0.25);
-  expect_rejected("both directions as independent fields", mean.mean(), 0.5);
-  expect_rejected("the scatter of both mirrors doubled", mean.mean(), 4);
+  expect_rejected("one direction of the light", mean.mean(), 4);
+  expect_rejected("both directions as independent fields", mean.mean(), 2);
+  expect_rejected("two axes in place of one", mean.mean(), 0.5);
 }
 
 }  // namespace
