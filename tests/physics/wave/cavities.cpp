@@ -18,6 +18,8 @@
 namespace straytrace::wave_cavities {
 namespace {
 
+using wave::Complex;
+
 using testing::deviation;
 
 constexpr double nd_yag = 1.064e-6;  // m

@@ -15,6 +15,8 @@
 namespace straytrace::wave_moving_rims {
 namespace {
 
+using wave::Complex;
+
 constexpr double nd_yag = 1.064e-6;  // m
 
 WaveCavity kilometre(RoundHole rim, double place = 400) {

@@ -19,6 +19,8 @@
 namespace straytrace {
 namespace {
 
+using wave::Complex;
+
 // Random numbers in the rows about the middle, zero elsewhere.
 Field noise_of_rows(int points, int rows) {
   Field field({points, 1.0});
