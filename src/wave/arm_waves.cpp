@@ -119,6 +119,7 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmOptions 
   MirrorModes const mirrors = modes_of_mirrors(arm, options, threads);
   CavityWaves const waves(arm.cavity, threads);
   SolveOptions solve;
+  solve.loss_error = 1e-5;  // levers of rims converge as the field, the loss as its square
   solve.progress = [&](int trips, double residual) {
     say(options, fmt::format("round trip {}, residual {:.1e}", trips, residual));
   };

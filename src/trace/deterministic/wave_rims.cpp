@@ -98,7 +98,9 @@ std::string statement(ArmWaves const& waves, ClassKind kind, RimGroup const& gro
   if (kind == ClassKind::speckle)
     return fmt::format(
         "{}, mean over random mirrors with their scatter (docs/theory/wave.md, eq. W.22): light at angles above "
-        "{:.3g} urad, which the grid does not hold; powers added; first order in the motion",
+        "{:.3g} urad, which the grid does not hold; without the waves of other edges, which raised powers up to "
+        "fourfold where the grid held "
+        "them; powers added; first order in the motion",
         rims, 1e6 * waves.arm.crossover);
   std::string const drawn = group.draws > 1 ? fmt::format("mean over {} draws of the tolerances", group.draws)
                                             : std::string("one draw of the mirrors, rims as in the scene");
