@@ -94,8 +94,9 @@ void print_modes(ArmWaves const& waves) {
   for (ModeLine const& m : waves.modes)
     table.rows.push_back({fmt::format("HG{}{}", m.n, m.m), fmt::format("{:.4f}", m.overlap),
                           fmt::format("{:.4g}", m.loss), fmt::format("{:+.5f}", m.phase)});
-  std::cout << "\nModes of the mirrors without baffles, by the Hermite-Gauss mode with which each shares most power;\n"
-               "phase of the round trip over that of the fundamental mode.\n\n"
+  std::cout << "\nModes of the mirrors without baffles next to Hermite-Gauss modes, and the power shared with them; "
+               "phase of the\n"
+               "round trip over that of the fundamental mode.\n\n"
             << aligned(table);
 }
 

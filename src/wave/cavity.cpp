@@ -215,20 +215,6 @@ WaveMode CavityWaves::mode(Field const& start, SolveOptions const& options) cons
   }
 }
 
-std::vector<WaveMode> CavityWaves::modes(Field const& start, int round_trips, int count) const {
-  Krylov krylov(parts_->disc.pack(start));
-  Field work(parts_->cavity.grid);
-  for (bool more = true; more && krylov.steps() < round_trips;) {
-    parts_->disc.unpack(krylov.last(), work);
-    parts_->travel(work, {}, nullptr);
-    more = krylov.extend(parts_->disc.pack(work));
-  }
-  std::vector<WaveMode> found;
-  for (RitzPair const& pair : krylov.ritz())
-    if (int(found.size()) < count) found.push_back(mode_of(krylov, pair, parts_->disc, parts_->cavity.grid));
-  return found;
-}
-
 Complex CavityWaves::overlap(Field const& departing, Field const& arriving) const {
   double const pitch = parts_->cavity.grid.pitch();
   Complex sum = 0;

@@ -74,8 +74,6 @@ class CavityWaves {
   void round_trip(Field& spectrum, Observer const& = {}) const;
   // The mode that shares most with `start`, a spectrum after mirror 1. NumericalError if none is found.
   WaveMode mode(Field const& start, SolveOptions const& = {}) const;
-  // Resonances of all orders that the Krylov space of `start` resolves, by their overlap with it.
-  std::vector<WaveMode> modes(Field const& start, int round_trips, int count) const;
   // B of eq. W.11 of the field after mirror 1 and that which arrives there.
   Complex overlap(Field const& departing, Field const& arriving) const;
   PowerLedger ledger(WaveMode const&) const;
