@@ -141,19 +141,33 @@ InputError also_at(InputError const& e, std::vector<std::string> const& point) {
   return {e.problems, fmt::format("{}; {}", e.what(), fmt::join(point, ", ")), e.files};
 }
 
+std::string without_numbers(std::string text) {
+  std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-'; });
+  return text;
+}
+
+// Equal for errors that differ only in the values of their points.
+std::string fault_of(InputError const& e) {
+  std::string fault;
+  for (Problem const& p : e.problems)
+    fault += fmt::format("{}:{}:{} {}\n{}\n", p.place.file, p.place.line, p.place.column, without_numbers(p.what),
+                         without_numbers(p.suggestion));
+  return fault;
+}
+
 }  // namespace
 
 void Scanner::check(ScanList const& list) const {
   constexpr std::size_t most_told = 20;
   std::vector<InputError> errors;
-  std::map<std::string, std::size_t> known;  // the error with these problems
+  std::map<std::string, std::size_t> known;  // the error with this fault
   std::size_t bad = 0;
   for (std::size_t i = 0; i < list.points.size() && bad < most_told; ++i) try {
       model_at(list.points[i]);
     } catch (InputError const& e) {
       ++bad;
       InputError const here = in_points(e, list, i, options_.overrides.size());
-      auto const [same, is_new] = known.emplace(problems_as_json(here), errors.size());
+      auto const [same, is_new] = known.emplace(fault_of(e), errors.size());
       if (is_new)
         errors.push_back(here);
       else if (!here.files.empty())

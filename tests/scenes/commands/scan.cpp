@@ -124,6 +124,24 @@ TEST_F(Scan, BadPointsAreToldBeforeAnyTrace) {
   EXPECT_THAT(good.err, HasSubstr("scan  1 of 2"));
 }
 
+// One fault in all points is one error; another fault is another error.
+TEST_F(Scan, AFaultOfAllPointsIsToldOnce) {
+  auto const errors = [&](Words words) {
+    words.insert(words.begin(), {"scan", scene});
+    Finished const r = straytrace(words);
+    EXPECT_EQ(r.code, 2);
+    std::size_t n = 0;
+    for (std::size_t at = r.err.find("error: "); at != r.err.npos; at = r.err.find("error: ", at + 1)) ++n;
+    return std::pair(n, r.err);
+  };
+  auto const [units, said] = errors({"black=1e-4,2e-4,10e-4"});
+  EXPECT_EQ(units, 1u) << said;
+  EXPECT_THAT(said, HasSubstr("at the point black=1e-4; black=2e-4; black=10e-4"));
+  write_text(folder / "points.csv", "black\n1e-4\n2e-4\n");
+  EXPECT_EQ(errors({"--points", folder / "points.csv"}).first, 1u);
+  EXPECT_EQ(errors({"black=1e-4,-2/sr"}).first, 2u);
+}
+
 // Without a design curve nothing is traced, which would not end. Control: with one, the search begins.
 TEST_F(Scan, InvertNeedsALineBeforeAnyTrace) {
   Words words{"scan", et_hf, "--invert", "param(rings)", "rings=20..40"};
