@@ -79,9 +79,7 @@ int run(RunOptions const& options) {
     if (!options.quiet)
       std::cerr << merit_text(merits(content), merits_shown)
                 << (alone ? fmt::format("run file: {}\n", run_file)
-                          : fmt::format("results in {}: report.html report.png report.txt{} paths.csv{} run.h5\n",
-                                        options.out, budget ? " h_asd.txt" : "",
-                                        content.receivers.empty() ? "" : " receivers.csv"));
+                          : results_line(options.out, content, "report.html", undrawn.empty()));
   }
   if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';

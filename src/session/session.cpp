@@ -327,6 +327,12 @@ std::string write_results(std::string const& folder, RunContent const& content, 
   return draw_picture(folder + "/run.h5", folder + "/report.png", message) ? "" : message;
 }
 
+std::string results_line(std::string const& folder, RunContent const& content, std::string const& page, bool drawn) {
+  return fmt::format("results in {}:{}{} report.txt{} paths.csv{} run.h5\n", folder, page.empty() ? "" : " " + page,
+                     drawn ? " report.png" : "", content.noise ? " h_asd.txt" : "",
+                     content.receivers.empty() ? "" : " receivers.csv");
+}
+
 void print_traced(RunContent const& content, Model const& model, std::string const& run_file,
                   PrintOptions const& options) {
   PathTable const paths = table_for(content.trace->coupling, nullptr, model);

@@ -67,6 +67,8 @@ inline constexpr char how_to_go_on[] = "stopped early with a valid result; the s
 RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);
 // run.h5, h_asd.txt, paths.csv, report.txt, report.png in the folder; returns failures of pictures.
 std::string write_results(std::string const& folder, RunContent const&, PathTable const&, ProjectionModel const&);
+// "results in FOLDER: report.png ... run.h5\n". `page`: its page, if any; `drawn`: with the picture.
+std::string results_line(std::string const& folder, RunContent const&, std::string const& page, bool drawn);
 
 // Results of a trace: coupling table, receivers, energy balance on stdout; figures of merit and next steps on stderr.
 void print_traced(RunContent const&, Model const&, std::string const& run_file, PrintOptions const&);

@@ -76,12 +76,15 @@ int noise(NoiseOptions const& options) {
     if (!options.quiet) std::cerr << fmt::format("projected in {:.2f} s without tracing\n", seconds);
   }
   if (options.out.empty()) return done;
+  bool const tells = !options.json() && !options.quiet;
   if (alone) {
     write_run(options.out, content);
+    if (tells) std::cerr << fmt::format("run file: {}\n", options.out);
     return done;
   }
   warn_of_own_folder(options);
   std::string const undrawn = write_results(options.out, content, paths, model);
+  if (tells) std::cerr << results_line(options.out, content, "", undrawn.empty());
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
   return done;
 }
@@ -107,7 +110,10 @@ void add_noise(CLI::App& app, int& exit_code) {
       "Examples:\n"
       "  straytrace noise out/run.h5\n"
       "  straytrace noise out/run.h5 --motion examples/storm.yaml -o storm/");
-  command->callback([options, &exit_code] { exit_code = noise(*options); });
+  command->callback([options, &exit_code] {
+    drop_slashes(options->out);
+    exit_code = noise(*options);
+  });
 }
 
 }  // namespace straytrace::cli

@@ -80,6 +80,26 @@ TEST_F(NoiseResponse, ReplacesThatOfTheScene) {
   EXPECT_GT(std::fabs(own.mean.front() / own.phase.front() - 1), 0.1);  // control: the scene has radiation pressure
 }
 
+// Each file that the line names is there. Control: --quiet and JSON do not print the line.
+TEST_F(NoiseResponse, NamesTheFilesItWrites) {
+  std::string const out = folder / "told";
+  Finished const r = straytrace({"noise", run, "-o", out});
+  std::size_t const at = r.err.find("results in " + out + ":");
+  ASSERT_NE(at, r.err.npos) << r.err;
+  std::istringstream names(r.err.substr(at + out.size() + 12, r.err.find('\n', at) - at - out.size() - 12));
+  std::size_t n = 0;
+  for (std::string name; names >> name; ++n) EXPECT_TRUE(fs::exists(fs::path(out) / name)) << name;
+  EXPECT_EQ(n, std::size_t(std::distance(fs::directory_iterator(out), fs::directory_iterator())));
+  EXPECT_THAT(straytrace({"noise", run, "-o", folder / "told.h5"}).err,
+              HasSubstr("run file: " + (folder / "told.h5") + "\n"));
+  for (Words const& more : {Words{"--quiet"}, Words{"--format", "json"}}) {
+    Words words{"noise", run, "-o", out};
+    words.insert(words.end(), more.begin(), more.end());
+    Finished const silent = straytrace(words);
+    EXPECT_THAT(silent.out + silent.err, Not(HasSubstr("results in")));
+  }
+}
+
 TEST_F(NoiseResponse, LeavesOtherPortsAndIsRemembered) {
   write_text(folder / "itm.yaml", response_of("ITM", "phase: zero.txt, amplitude: zero.txt"));
   write_text(folder / "etm.yaml", response_of("ETM", "phase: zero.txt, amplitude: zero.txt"));
