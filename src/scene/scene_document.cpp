@@ -187,7 +187,7 @@ std::uint32_t SceneDocument::open_main(std::string const& name) {
   std::string why;
   auto text = read(name, model_file_limit, why);
   if (!text) {
-    std::string const remedy = remedy_for_unreadable(name);
+    std::string const remedy = remedy_for_unreadable(folder_ / name);
     throw InputError(
         {{{}, "cannot read this file: " + why, remedy}},
         fmt::format("{}: error: cannot read this file: {}\n      | {}\n1 error. Nothing was run.\n", name, why, remedy),

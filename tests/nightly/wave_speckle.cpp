@@ -11,7 +11,7 @@
 #include "base/every_module.hpp"
 #include "scene/scene.hpp"
 #include "support/statistics.hpp"
-#include "wave/arm_cavity.hpp"
+#include "wave/arm/arm_cavity.hpp"
 
 namespace straytrace::testing::nightly_wave {
 namespace {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "session/options.hpp"
-#include "wave/arm_waves.hpp"
+#include "wave/arm/arm_waves.hpp"
 
 namespace straytrace::session {
 

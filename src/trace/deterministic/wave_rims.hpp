@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "trace/coupling.hpp"
-#include "wave/arm_waves.hpp"
+#include "wave/arm/arm_waves.hpp"
 
 namespace straytrace::trace {
 

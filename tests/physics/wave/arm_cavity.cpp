@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The cavity of a scene as planes of a wave computation (docs/theory/wave.md): its frame, its rims, its grid, and what
 // its mirrors scatter beyond the crossover angle (eq. W.2).
-#include "wave/arm_cavity.hpp"
+#include "wave/arm/arm_cavity.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The solved cavity of a scene: its loss against the Hankel transform (docs/theory/wave.md, eq. W.10), where its power
 // goes (eq. W.24), the levers of its rims (eq. W.14), and that threads change no bit.
-#include "wave/arm_waves.hpp"
+#include "wave/arm/arm_waves.hpp"
 
 #include <gtest/gtest.h>
 

@@ -14,7 +14,7 @@
 #include "support/message_of.hpp"
 #include "support/recorded.hpp"
 #include "support/statistics.hpp"
-#include "wave/height_map.hpp"
+#include "wave/heights/height_map.hpp"
 #include "wave/transform.hpp"
 
 namespace straytrace::height_maps {

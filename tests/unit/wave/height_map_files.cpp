@@ -10,7 +10,7 @@
 #include "base/every_module.hpp"
 #include "io/hdf5/writer.hpp"
 #include "support/message_of.hpp"
-#include "wave/height_map.hpp"
+#include "wave/heights/height_map.hpp"
 
 namespace straytrace::height_map_files {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "wave/arm_cavity.hpp"
+#include "wave/arm/arm_cavity.hpp"
 
 namespace straytrace::wave {
 

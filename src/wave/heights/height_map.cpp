@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Low orders, holes and resampling of height maps.
-#include "wave/height_map.hpp"
+#include "wave/heights/height_map.hpp"
 
 #include <Eigen/Dense>
 #include <fmt/format.h>

@@ -8,7 +8,7 @@
 #include "base/math/bessel.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
-#include "wave/height_map.hpp"
+#include "wave/heights/height_map.hpp"
 #include "wave/transform.hpp"
 
 namespace straytrace::wave {

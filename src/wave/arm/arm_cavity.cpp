@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "wave/arm_cavity.hpp"
+#include "wave/arm/arm_cavity.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "base/math/constants.hpp"
 #include "base/math/gauss_points.hpp"
 #include "optics/scatter/mixture.hpp"
-#include "wave/height_map.hpp"
+#include "wave/heights/height_map.hpp"
 #include "world/model/vertex.hpp"
 #include "world/model/world.hpp"
 

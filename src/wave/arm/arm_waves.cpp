@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "wave/arm_waves.hpp"
+#include "wave/arm/arm_waves.hpp"
 
 #include <fmt/format.h>
 

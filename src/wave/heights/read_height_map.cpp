@@ -14,7 +14,7 @@
 #include "base/units/quantity.hpp"
 #include "io/delimited_text.hpp"
 #include "io/hdf5/reader.hpp"
-#include "wave/height_map.hpp"
+#include "wave/heights/height_map.hpp"
 
 namespace straytrace::wave {
 namespace {
