@@ -20,7 +20,8 @@ struct FileBytes {
 constexpr std::size_t any_size = std::size_t(-1);
 FileBytes bytes_of_file(std::filesystem::path const&, std::size_t limit = any_size);
 
-// What to do about a file that cannot be read: name the run.h5 of a folder, or the file beside it with the nearest name.
+// What to do about a file that cannot be read: name the run.h5 of a folder, or the file beside it with the nearest
+// name.
 std::string remedy_for_unreadable(std::filesystem::path const&);
 
 // The first `count` bytes or fewer; empty when the file cannot be read.
