@@ -148,7 +148,7 @@ TEST(CommandLine, MistakesAreExplained) {
   EXPECT_EQ(fault(straytrace({"check", virgo_arm}), all[0]), "exit code 0");
   Words const first_order{"paths", virgo_arm, "--first-order", "--histories", "4096", "-p", "rim=48cm"};
   EXPECT_EQ(straytrace(first_order).code, 0);  // negative control
-  EXPECT_EQ(fault(straytrace({"run"}), all[3]), "wrong reason");
+  EXPECT_EQ(fault(straytrace({"run", "-o", out}), all[3]), "wrong reason");
 }
 
 // Every option that is a number refuses nan, which compares as within any range, and numbers beyond its range. The
