@@ -19,6 +19,7 @@
 #include "cli/options.hpp"
 #include "io/hdf5/reader.hpp"
 #include "report/html/page_json.hpp"
+#include "results/curves/curve_file.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"
 #include "session/diagnostics.hpp"
@@ -184,6 +185,12 @@ void check_model(Scene const& scene, InspectOptions const& i) {
     }
 }
 
+void check_outputs(InspectOptions const& i, bool motion) {
+  if (!i.write.empty())
+    throw InputError("--write converts files of measured scatter", "name such a file, or remove --write");
+  if (!i.plot.empty() && !motion) check_ending(i.plot, {".png"}, "--plot");
+}
+
 // Whether an HDF5 file is marked as a run, unlike records of sensors.
 bool is_run(std::string const& file) {
   try {
@@ -208,11 +215,10 @@ int inspect(InspectOptions const& i) {
   FileTexts texts;
   std::optional<Scene> const asked = scene_asked(i, texts);
   if (!asked) return inspect_scatter(i);
-  if (!i.write.empty())
-    throw InputError("--write converts files of measured scatter", "name such a file, or remove --write");
   Scene const& scene = *asked;
-  bool const own = !i.scene.empty();
-  if (is_scene(i.file) && shows_motion(scene)) return inspect_motion(scene, i.plot, i);
+  bool const own = !i.scene.empty(), motion = is_scene(i.file) && shows_motion(scene);
+  check_outputs(i, motion);
+  if (motion) return inspect_motion(scene, i.plot, i);
   check_model(scene, i);
   World world;
   Registry names;

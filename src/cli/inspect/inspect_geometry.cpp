@@ -12,6 +12,7 @@
 #include "base/units/quantity.hpp"
 #include "cli/inspect/inspect.hpp"
 #include "report/scene_picture.hpp"
+#include "results/curves/curve_file.hpp"
 #include "results/text/image.hpp"
 #include "world/import/geometry_file.hpp"
 #include "world/import/mesh_doctor.hpp"
@@ -122,6 +123,7 @@ void draw(GeometryFile const& g, std::string const& plot, PrintOptions const& op
 
 int inspect_geometry(std::string const& file, std::string const& units, std::string const& plot,
                      PrintOptions const& options) {
+  if (!plot.empty()) check_ending(plot, {".png"}, "--plot");
   GeometryFile const g = read_geometry(file, units == "from_file" ? "" : units);
   std::string const name = std::filesystem::path(file).filename().string();
   if (options.json())

@@ -73,6 +73,7 @@ CurveSheet sheet_of(std::vector<CoordinateMotion> const& rows, std::vector<Motio
 bool shows_motion(Scene const& scene) { return scene.table("bodies") && !scene.root().has("materials"); }
 
 int inspect_motion(Scene const& scene, std::string const& plot, PrintOptions const& options) {
+  if (!plot.empty()) check_curve_ending(plot, "--plot");
   MotionSet const motion = read_motion_file(scene);
   print_warnings(scene, options);
   std::vector<MotionClass> const classes = group_by_shape(motion);

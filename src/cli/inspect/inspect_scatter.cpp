@@ -11,6 +11,7 @@
 #include "base/input/document.hpp"
 #include "cli/inspect/inspect.hpp"
 #include "io/delimited_text.hpp"
+#include "results/curves/curve_file.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"
 #include "results/text/scatter_text.hpp"
@@ -53,6 +54,7 @@ void draw(nlohmann::json const& data, std::string const& png) {
 }  // namespace
 
 int inspect_scatter(ScatterRequest const& r) {
+  if (!r.plot.empty()) check_ending(r.plot, {".png"}, "--plot");
   ScatterFile const file = read(r);
   std::string const name = std::filesystem::path(r.file).filename().string();
   ScatterAudit const audit = audit_scatter(file, r.beyond);

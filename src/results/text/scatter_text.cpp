@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/math/constants.hpp"
+#include "base/text/words.hpp"
 
 namespace straytrace::results {
 namespace {
@@ -157,6 +158,18 @@ bool seems_to_be_radian(ScatterFile const& file) {
   return most > 0.5 * degree && most < 1.58 * degree && least < 0.9 * most;
 }
 
+// What the order of the points shows: a scan that turns back, directions measured twice.
+std::string order_text(ScatterFile const& file, ScatterAudit const& audit) {
+  bool const tested = file.stated.empty() &&
+                      std::ranges::none_of(file.points, [](ScatterPoint const& p) { return std::isnan(p.theta_s); });
+  if (!tested) return "order and repeats of directions not tested: the points are not a scan";
+  return fmt::format("{}; {}",
+                     audit.turns == 0 ? "theta_s runs one way at each incidence"
+                                      : "theta_s turns back " + counted(audit.turns, "time"),
+                     audit.duplicates == 0 ? "each direction was measured once"
+                                           : counted(audit.duplicates, "direction", "was", "were") + " measured twice");
+}
+
 std::string findings(ScatterFile const& file, ScatterAudit const& audit) {
   std::string out = "\n";
   auto const most = std::max_element(audit.incidences.begin(), audit.incidences.end(),
@@ -178,7 +191,7 @@ std::string findings(ScatterFile const& file, ScatterAudit const& audit) {
   bool const tiny = seems_to_be_radian(file);
   out += finding(
       "angles", audit.turns + audit.duplicates == 0 && !tiny,
-      fmt::format("run back {} times; {} directions measured twice{}", audit.turns, audit.duplicates,
+      fmt::format("{}{}", order_text(file, audit),
                   tiny ? "; none is above 1.58 deg: if they are radian, write 'theta_i [rad], theta_s [rad]'" : ""));
   out += finding(
       "isotropy", audit.spread < 1.5,

@@ -146,6 +146,23 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
   EXPECT_THAT(straytrace({"inspect", "x", "--plot", folder / "none/a.png"}).err, HasSubstr("there is no folder"));
 }
 
+// A picture needs an ending that tells its format. Control: motion can be written as CSV.
+TEST(Inspect, PicturesNeedAKnownEnding) {
+  Folder const folder;
+  std::string const examples = source_folder + "/examples/";
+  for (std::string const& what : {std::string("black_anodise"), examples + "data/cad_bench.step",
+                                  examples + "data/dump_bsdf.csv", examples + "storm.yaml"}) {
+    Finished const r = straytrace({"inspect", what, "--plot", folder / "dump"});
+    EXPECT_EQ(r.code, 2) << what;
+    EXPECT_THAT(r.err, HasSubstr("dump' does not have a known ending\n  end it with ")) << what;
+    EXPECT_EQ(r.out, "");
+    EXPECT_FALSE(fs::exists(folder / "dump")) << what;
+  }
+  Finished const curves = straytrace({"inspect", examples + "storm.yaml", "--plot", folder / "motion.csv"});
+  EXPECT_EQ(curves.code, 0) << curves.err;
+  EXPECT_TRUE(fs::exists(folder / "motion.csv"));
+}
+
 // What check finds wrong with a model; control: a list of materials alone.
 TEST(Inspect, ModelsAreCheckedWhole) {
   Folder const folder;

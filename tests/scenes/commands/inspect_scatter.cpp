@@ -31,6 +31,20 @@ TEST(InspectScatter, AuditFitsAndJson) {
     }
 }
 
+// The audit states what it checked of the angles. Control: a scan that turns back and repeats a direction.
+TEST(InspectScatter, TheOrderOfAnglesIsStated) {
+  EXPECT_THAT(
+      straytrace({"inspect", dump}).out,
+      HasSubstr("angles        ok: theta_s runs one way at each incidence; each direction was measured once\n"));
+  Folder const folder;
+  std::string rows =
+      "# wavelength: 532 nm\n# angles: from_normal\n# noise_floor: none\ntheta_i [deg], theta_s [deg], brdf [1/sr]\n";
+  for (int t : {10, 20, 30, 40, 30, 50, 60, 70, 80}) rows += "0, " + std::to_string(t) + ", 0.1\n";
+  write_text(folder / "back.csv", rows);
+  EXPECT_THAT(straytrace({"inspect", folder / "back.csv"}).out,
+              HasSubstr("angles        look: theta_s turns back 2 times; 1 direction was measured twice\n"));
+}
+
 // The printed line can be pasted: its model has the total of the fit.
 TEST(InspectScatter, FitsCanBePasted) {
   Folder const folder;
