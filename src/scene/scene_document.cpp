@@ -232,10 +232,15 @@ std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::stri
       refuse_library_name(named_by, name);
       return {};
     }
+    std::string const near = texts_ ? "" : nearest_file(folder_ / name);
+    std::string const meant = near.empty()
+                                  ? ""
+                                  : fmt::format("did you mean '{}'? ",
+                                                (std::filesystem::path(written).parent_path() / near).generic_string());
     named_by.problem(
         fmt::format("cannot read file '{}': {}", shortened(written), why),
-        fmt::format("names are relative to the file that contains them; '{}' was searched next to the main file",
-                    shortened(name)));
+        fmt::format("{}names are relative to the file that contains them; '{}' was searched next to the main file",
+                    meant, shortened(name)));
     return {};
   }
   return add_source(name, std::move(*text), true);

@@ -110,21 +110,25 @@ FileBytes bytes_of_file(fs::path const& name, std::size_t limit) try {
   return {"", "it is larger than the memory"};
 }
 
-std::string remedy_for_unreadable(fs::path const& file) {
+std::string nearest_file(fs::path const& file) {
   constexpr std::size_t most = 1000;
-  std::string const otherwise = "check the name and the folder";
   std::error_code failed, unknown;
-  if (fs::is_regular_file(file / "run.h5", failed))
-    return fmt::format("name the run in this folder: '{}'", (file / "run.h5").string());
-  if (fs::exists(file, failed)) return otherwise;
   std::vector<std::string> names;
   fs::path const folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  failed.clear();
   for (fs::directory_iterator at(folder, failed), end; !failed && at != end && names.size() < most;
        at.increment(failed))
     if (at->is_regular_file(unknown)) names.push_back(at->path().filename().string());
   std::sort(names.begin(), names.end());
-  std::string const near = nearest_word(file.filename().string(), names);
+  return nearest_word(file.filename().string(), names);
+}
+
+std::string remedy_for_unreadable(fs::path const& file) {
+  std::string const otherwise = "check the name and the folder";
+  std::error_code failed;
+  if (fs::is_regular_file(file / "run.h5", failed))
+    return fmt::format("name the run in this folder: '{}'", (file / "run.h5").string());
+  if (fs::exists(file, failed)) return otherwise;
+  std::string const near = nearest_file(file);
   return near.empty() ? otherwise : fmt::format("did you mean '{}'?", (file.parent_path() / near).string());
 }
 

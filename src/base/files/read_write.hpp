@@ -20,6 +20,9 @@ struct FileBytes {
 constexpr std::size_t any_size = std::size_t(-1);
 FileBytes bytes_of_file(std::filesystem::path const&, std::size_t limit = any_size);
 
+// The name of the file in the same folder whose name is nearest; empty when none is near.
+std::string nearest_file(std::filesystem::path const&);
+
 // What to do about a file that cannot be read: name the run.h5 of a folder, or the file beside it with the nearest
 // name.
 std::string remedy_for_unreadable(std::filesystem::path const&);

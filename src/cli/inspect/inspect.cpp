@@ -69,7 +69,9 @@ Scene scene_of_preset(std::string const& name, FileTexts& texts) {
           fmt::format("see straytrace library {}", name));
     names.push_back(e.name);
   }
-  std::string const near = nearest_word(name, names);
+  std::filesystem::path const file = name;
+  std::string near = file.has_extension() ? nearest_file(file) : "";
+  near = near.empty() ? nearest_word(name, names) : (file.parent_path() / near).string();
   throw InputError(
       fmt::format("'{}' is neither a file nor in the library", name),
       fmt::format("{}for a material of a scene, name the scene after it: straytrace inspect steel arm.yaml",

@@ -31,8 +31,7 @@ namespace fs = std::filesystem;
 std::string contents(fs::path const& file) {
   FileBytes read = bytes_of_file(file);
   if (!read.why.empty())
-    throw InputError(fmt::format("cannot read '{}': {}", file.string(), read.why),
-                     "check the name and the folder, and that it is a file");
+    throw InputError(fmt::format("cannot read '{}': {}", file.string(), read.why), remedy_for_unreadable(file));
   return std::move(read.bytes);
 }
 

@@ -146,6 +146,25 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
   EXPECT_THAT(straytrace({"inspect", "x", "--plot", folder / "none/a.png"}).err, HasSubstr("there is no folder"));
 }
 
+// Missing CAD, mesh and data files: the nearest name of their folder. Control: a name that nothing is near to.
+TEST(Inspect, MissingFilesNameTheNearest) {
+  Folder const folder;
+  std::string const data = source_folder + "/examples/data/";
+  for (auto const& [wrong, right] : {std::pair("cad_bnch.step", "cad_bench.step"), {"dump_bsd.csv", "dump_bsdf.csv"}})
+    EXPECT_THAT(straytrace({"inspect", data + wrong}).err, HasSubstr("did you mean '" + data + right + "'?"));
+  EXPECT_THAT(straytrace({"inspect", folder / "none.obj"}).err, HasSubstr("\n  check the name and the folder"));
+  fs::create_directory(folder / "cad");
+  fs::copy_file(source_folder + "/examples/holder.obj", folder / "cad/holder.obj");
+  std::string const head = "straytrace: 1\nscene:\n  - {name: holder, body: b, units: mm, material: m, file: ";
+  write_text(folder / "a.yaml", head + "cad/holdr.obj}\n");
+  EXPECT_THAT(straytrace({"check", folder / "a.yaml"}).err,
+              HasSubstr("did you mean 'cad/holder.obj'? names are relative to the file that contains them"));
+  write_text(folder / "a.yaml", head + "cad/lens.step}\n");
+  Finished const far = straytrace({"check", folder / "a.yaml"});
+  EXPECT_THAT(far.err, HasSubstr("names are relative to the file that contains them"));
+  EXPECT_THAT(far.err, Not(HasSubstr("did you mean 'cad/")));
+}
+
 // A picture needs an ending that tells its format. Control: motion can be written as CSV.
 TEST(Inspect, PicturesNeedAKnownEnding) {
   Folder const folder;
