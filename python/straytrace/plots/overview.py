@@ -14,6 +14,8 @@ from .words import hertz, plain, power_of_ten, shortened, told_apart
 DESIGN_STYLES = ("-", (0, (8, 1.5)), (0, (3, 1, 1, 1)))
 CLOSED = 1e-12  # of the emitted power: what lies below is rounding, as in report.txt
 TOP = 6
+FAINT = 1e-4  # of the total, at every frequency: such a route is not listed
+FALL = 1e-15  # of the highest total: what lies below is where a curve ends
 SIZE = (16.0, 10.0)  # inches at 100 dpi: 1600 x 1000 pixels
 def ranked(run, band):
     """Indices of resolved routes, loudest first, and their shares with errors."""
@@ -22,13 +24,21 @@ def ranked(run, band):
     return order, share, error
 
 
+def listed_routes(noise, order):
+    """The first of `order` without those that are far below the total at every frequency."""
+    visible = [i for i in order[:TOP] if np.any(noise.routes[i].mean >= FAINT * noise.total.mean)]
+    return visible or order[:1]
+
+
 def limits(curves):
-    """Logarithmic range: at most 8 decades below the top, or 5 below the highest value of the first curve."""
+    """Logarithmic range: the first curve, and others down to 8 decades below the top or 5 below its highest value."""
     values = np.concatenate([c[np.isfinite(c) & (c > 0)] for c in curves] or [np.array([])])
     if values.size == 0:
         return 1e-26, 1e-20
-    top, first = values.max() * 3, np.nanmax(curves[0], initial=0) * 1e3
-    return max(values.min() / 2, min(top, first or top) * 1e-8), top
+    highest = np.nanmax(curves[0], initial=0)
+    top, first = values.max() * 3, highest * 1e3
+    low = max(values.min() / 2, min(top, first or top) * 1e-8)
+    return min(low, np.min(curves[0][curves[0] > FALL * highest], initial=2 * low) / 2), top
 
 
 def draw_budget(axes, run, band):
@@ -49,9 +59,12 @@ def draw_budget(axes, run, band):
             axes.plot(f, noise.margin * design, color=GREY, lw=1.5, ls=(0, (6, 2)), label=margin)
             shown.append(noise.margin * design)
     order, _, _ = ranked(run, band)
-    names = told_apart([noise.routes[i].name for i in order[:TOP]], 54)
-    for k, i in enumerate(order[:TOP]):
+    listed = listed_routes(noise, order)
+    names = told_apart([noise.routes[i].name for i in listed], 54)
+    for k, i in enumerate(listed):
         axes.plot(f, noise.routes[i].mean, color=ROUTE_COLOURS[k], lw=1.5, label=names[k])
+    if len(order) > len(listed):
+        axes.plot([], [], ls="none", label=f"and {len(order) - len(listed)} fainter")
     shown += [noise.routes[i].mean for i in order[:3]]
     axes.set(xscale="log", yscale="log", xlim=(noise.edges[0], noise.edges[-1]), ylim=limits(shown))
     axes.set_xlabel("frequency [Hz]")
@@ -69,8 +82,9 @@ def draw_budget(axes, run, band):
 def draw_shares(axes, run, band):
     """Bars of the share of noise power, with the coupling of each route in words."""
     order, share, error = ranked(run, band)
-    rows = [(run.noise.routes[i].name, share[i], error[i], ROUTE_COLOURS[k], i) for k, i in enumerate(order[:TOP])]
-    rest = order[TOP:]
+    listed = listed_routes(run.noise, order)
+    rows = [(run.noise.routes[i].name, share[i], error[i], ROUTE_COLOURS[k], i) for k, i in enumerate(listed)]
+    rest = [i for i in order if i not in listed]
     if rest:
         plural = "s" if len(rest) > 1 else ""
         rows.append((f"{len(rest)} further route{plural}", share[rest].sum(), np.sqrt(np.sum(error[rest] ** 2)), GREY, None))

@@ -7,6 +7,7 @@ Without arguments a small run file is made here, from the paths of schema/run-2.
 import pathlib
 import sys
 import tempfile
+import types
 
 SOURCE = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(SOURCE / "python"))
@@ -181,6 +182,21 @@ def check_limits():
     assert low < 1e-32 and high > 1e-20, (low, high)
     low, _ = overview.limits([np.array([1e-21, 1e-60]), design])      # a curve that ends is not followed down
     assert low > 1e-29, low
+    total, route = np.array([1e-20, 1e-31]), np.array([1e-21, 1e-60])
+    low, _ = overview.limits([total, route, design])                  # the total stays inside, other curves need not
+    assert 1e-60 < low < 1e-31, low
+    low, _ = overview.limits([design, total])                         # control: not the total
+    assert low > 1e-31, low
+
+
+def check_listed():
+    """A route far below the total everywhere is not listed; one that is seen at one frequency is."""
+    def curve(*mean):
+        return types.SimpleNamespace(mean=np.array(mean))
+    noise = types.SimpleNamespace(total=curve(1.0, 1.0), routes=[curve(1.0, 1.0), curve(0.0, 2e-4), curve(1e-5, 9e-5)])
+    assert overview.listed_routes(noise, [0, 1, 2]) == [0, 1]
+    assert overview.listed_routes(noise, [2]) == [2]                  # the loudest always is
+    assert overview.listed_routes(noise, []) == []
 
 
 def check_map_errors():
@@ -235,6 +251,7 @@ with tempfile.TemporaryDirectory() as name:
     check_numbers()
     check_footer()
     check_limits()
+    check_listed()
     check_bounds()
     check_map_errors()
     check_receivers(here)
