@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "results/curves/band.hpp"
+#include "results/route_table/route_names.hpp"
+#include "results/text/columns.hpp"
 #include "unit/results/synthetic.hpp"
 
 namespace straytrace::test {
@@ -123,6 +125,36 @@ TEST_F(ReportTables, TextStatesUnresolvedAndSums) {
   EXPECT_THAT(text, HasSubstr("linear > "));
   noise.routes[4].resolved = trace.coupling.classes[4].coupling.trusted = true;
   EXPECT_THAT(path_text(table(), 3), Not(HasSubstr("unresolved")));
+}
+
+// Whole steps around "…". Names that would look the same differ; controls: short names, and one name twice.
+TEST(RouteNames, LongOnesKeepTheirEndsAndStayDifferent) {
+  std::string const inside = "A·T > B·T > C·T > A·T > ", a = inside + "B·R > " + inside + "C·R",
+                    b = inside + "C·R > " + inside + "C·R";
+  std::vector<std::string> const names{a, b, "A·T > B·T", a, "other > ITM"}, short_names = shortened_routes(names, 24);
+  EXPECT_EQ(short_names[0], "A·T > B·T > … > C·R");
+  EXPECT_NE(short_names[1], short_names[0]);
+  for (std::string const& name : short_names) EXPECT_LE(width_of(name), 24u) << name;
+  for (std::size_t i : {0u, 1u}) {
+    EXPECT_TRUE(short_names[i].starts_with("A·T > ")) << short_names[i];
+    EXPECT_TRUE(short_names[i].ends_with(" > C·R")) << short_names[i];
+  }
+  EXPECT_EQ(short_names[2], names[2]);
+  EXPECT_EQ(short_names[3], short_names[0]);
+  EXPECT_EQ(short_names[4], names[4]);
+  EXPECT_EQ(shortened_routes(names, 1000), names);
+}
+
+TEST_F(ReportTables, TextShortensLongRoutesAndOtherFormatsDoNot) {
+  std::string const note = "…: steps of a long route";
+  PathTable t = table();
+  EXPECT_THAT(path_text(t, 12), Not(HasSubstr(note)));
+  std::string name = "ITM·S";
+  for (int i = 0; i < 20; ++i) name += " > lens/front·R";
+  t.rows[0].sequence = name;
+  EXPECT_THAT(path_text(t, 12), AllOf(HasSubstr(note), HasSubstr("ITM·S > lens/front·R > "), Not(HasSubstr(name))));
+  EXPECT_THAT(path_csv(t, content(trace, &noise)), HasSubstr(name));
+  EXPECT_THAT(path_json(t, content(trace, &noise)), HasSubstr(name));
 }
 
 std::vector<std::string> split(std::string const& line) {
