@@ -28,14 +28,18 @@ struct WaveOptions : SceneOptions {
   int order = 2;
 };
 
+constexpr double rounding_of_shares = 1e-12;  // of the power; smaller ones are rounding
+
 double sum(std::vector<double> const& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 // Root mean square over the draws of the tolerances of |A| along an axis; NaN where the grid does not hold the light.
 double lever_rms(RimResult const& rim, std::size_t axis) {
   if (rim.responses.empty()) return NAN;
+  std::size_t const first = rim.responses.size() > 1 ? 1 : 0;  // with tolerances, of their draws alone
   double squares = 0;
-  for (RimResponse const& r : rim.responses) squares += std::norm(r.levers.displacement[axis]);
-  return std::sqrt(squares / double(rim.responses.size()));
+  for (std::size_t i = first; i < rim.responses.size(); ++i)
+    squares += std::norm(rim.responses[i].levers.displacement[axis]);
+  return std::sqrt(squares / double(rim.responses.size() - first));
 }
 double expected_lever(RimResult const& rim, std::size_t axis) {
   return std::sqrt(axis < 2 ? rim.speckle.transverse : rim.speckle.longitudinal);
@@ -73,7 +77,11 @@ void print_losses(ArmWaves const& waves, World const& world) {
   PowerLedger const& l = waves.ledger;
   Columns table{{"loss per round trip", "share", "W"}, {true}, {}};
   auto const row = [&](std::string const& what, double share) {
-    table.rows.push_back({what, fmt::format("{:.4g}", share), power > 0 ? fmt::format("{:.4g}", share * power) : "-"});
+    bool const known = share > rounding_of_shares;
+    std::string const below = known ? "" : "below ";
+    double const size = known ? share : rounding_of_shares;
+    table.rows.push_back(
+        {what, fmt::format("{}{:.4g}", below, size), power > 0 ? fmt::format("{}{:.4g}", below, size * power) : "-"});
   };
   row("past the rim of " + world.name_of(waves.arm.mirrors[0].surface) + ", and scattered", l.mirror1);
   row("past the rim of " + world.name_of(waves.arm.mirrors[1].surface) + ", and scattered", l.mirror2);
@@ -85,7 +93,9 @@ void print_losses(ArmWaves const& waves, World const& world) {
   row("all", loss);
   std::cout << '\n' << aligned(table);
   if (!std::isnan(waves.perfect_loss))
-    std::cout << fmt::format("smooth mirrors without baffles lose {:.4g} (eq. W.10)\n", waves.perfect_loss);
+    std::cout << fmt::format(
+        "smooth mirrors without baffles lose {} (eq. W.10)\n",
+        waves.perfect_loss > rounding_of_shares ? fmt::format("{:.4g}", waves.perfect_loss) : "below 1e-12");
 }
 
 void print_modes(ArmWaves const& waves) {
@@ -173,7 +183,9 @@ nlohmann::ordered_json as_json(ArmWaves const& waves, World const& world) {
   for (ModeLine const& m : waves.modes)
     modes.push_back({{"n", m.n}, {"m", m.m}, {"shared", m.overlap}, {"loss", m.loss}, {"phase_turns", m.phase}});
   for (std::size_t i = 0; i < waves.rims.size(); ++i) rims.push_back(rim_json(waves, world, i));
-  auto const known = [](double x) { return std::isnan(x) ? nlohmann::ordered_json() : nlohmann::ordered_json(x); };
+  auto const known = [](double x) {  // null: not known, or rounding
+    return x > rounding_of_shares ? nlohmann::ordered_json(x) : nlohmann::ordered_json();
+  };
   return {{"beam", world.wave.beam_name},
           {"length_m", arm.cavity.length},
           {"points", arm.cavity.grid.points},
@@ -183,7 +195,7 @@ nlohmann::ordered_json as_json(ArmWaves const& waves, World const& world) {
           {"loss_of_smooth_mirrors", known(waves.perfect_loss)},
           {"residual", waves.mode.residual},
           {"round_trips", waves.mode.round_trips},
-          {"beyond_band", waves.ledger.beyond_band},
+          {"beyond_band", known(waves.ledger.beyond_band)},
           {"mirrors", mirrors},
           {"modes", modes},
           {"rims", rims}};
@@ -196,6 +208,7 @@ int wave(WaveOptions const& options) {
     throw InputError(fmt::format("{} has no table 'wave'", options.input),
                      "add for example 'wave: {beam: arm, baffles: \"baffles*\"}'");
   ArmWaves const waves = solve_waves(model.world, options.threads, options, options.order);
+  for (std::string const& warning : waves.arm.warnings) print_warning(warning, options);
   if (options.json()) {
     std::cout << as_json(waves, model.world).dump() << '\n';
     return done;
@@ -221,7 +234,7 @@ void add_wave(CLI::App& app, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace wave examples/et_hf_wave.yaml\n"
-      "  straytrace wave examples/et_hf_wave.yaml --show 98 --format json");
+      "  straytrace wave examples/et_hf_wave.yaml --format json");
   command->callback([options, &exit_code] { exit_code = wave(*options); });
 }
 

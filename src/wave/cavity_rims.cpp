@@ -98,32 +98,14 @@ std::array<Complex, 2> mirror_levers(CavityWaves const& waves, WaveMirror const&
   return sum;
 }
 
-// The points of a grid outside an opening, without a limit: a screen that ends would add the wave of its outer edge.
-// Fields there are kept in single precision.
-class Screen {
- public:
-  Screen(WaveBaffle const& baffle, Mask const& mask, Grid const& grid) {
-    double const from = baffle.rim.radius - 12 * grid.pitch();  // the overshoot of the mask reaches so far inwards
-    for (int row = 0; row < grid.points; ++row)
-      for (int column = 0; column < grid.points; ++column)
-        if (std::hypot(grid.at(column) - baffle.rim.x, grid.at(row) - baffle.rim.y) > from)
-          at_.push_back(std::uint32_t(row) * std::uint32_t(grid.points) + std::uint32_t(column));
-    for (std::uint32_t i : at_) taken_.push_back(float((1 - mask.values()[i]) * grid.pitch() * grid.pitch()));
-  }
-  void keep(Field const& field) {
-    for (std::uint32_t i : at_) kept_.push_back(std::complex<float>(field.values[i]));
-  }
-  Complex overlap(Field const& field) const {
-    Complex sum = 0;
-    for (std::size_t i = 0; i < at_.size(); ++i) sum += double(taken_[i]) * Complex(kept_[i]) * field.values[at_[i]];
-    return sum;
-  }
-
- private:
-  std::vector<std::uint32_t> at_;
-  std::vector<float> taken_;
-  std::vector<std::complex<float>> kept_;
-};
+// Integral of (1 - T) psi_f psi_b over the whole plane; the series of the mask and the product of the fields are exact
+// together, also where the mask overshoots.
+Complex taken(Mask const& mask, Field const& forward, Field const& backward) {
+  Complex sum = 0;
+  for (std::size_t i = 0; i < forward.values.size(); ++i)
+    sum += (1 - mask.values()[i]) * forward.values[i] * backward.values[i];
+  return sum * (forward.grid.pitch() * forward.grid.pitch());
+}
 
 }  // namespace
 
@@ -144,9 +126,7 @@ CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,
   CavityRims result;
   result.responses.resize(n);
   result.clipped.resize(n);
-  std::vector<std::optional<Screen>> screens(n);
-  for (std::size_t j = 0; j < n; ++j)
-    if (!curves[j].empty()) screens[j].emplace(cavity.baffles[j], waves.mask(j), cavity.grid);
+  std::vector<std::optional<Field>> forward(n);  // of baffles with curves
   std::vector<std::vector<Samples>> outward(n);
   Field departing = mode.spectrum, work = mode.spectrum;
   waves.transform().inverse(departing, cavity.grid.points, cavity.grid.points);
@@ -171,9 +151,9 @@ CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,
         result.responses[plane - 1].push_back(response(curve, outward[plane - 1][i], field, cavity.wavelength));
     }
     if (arrival.travel == Travel::towards_mirror2)
-      screens[plane - 1]->keep(arrival.field);
+      forward[plane - 1] = arrival.field;
     else
-      result.clipped[plane - 1] = 2.0 * screens[plane - 1]->overlap(arrival.field);
+      result.clipped[plane - 1] = 2.0 * taken(waves.mask(plane - 1), *forward[plane - 1], arrival.field);
   });
   // At mirror 1 the field departs as gamma times that of the mode, so that the integral of M psi^2 is gamma B.
   for (Complex& lever : result.mirror1) lever /= mode.eigenvalue * result.overlap;

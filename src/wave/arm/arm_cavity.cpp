@@ -10,6 +10,7 @@
 #include "base/math/constants.hpp"
 #include "base/math/gauss_points.hpp"
 #include "optics/scatter/mixture.hpp"
+#include "wave/arm/arm_checks.hpp"
 #include "wave/heights/height_map.hpp"
 #include "world/model/vertex.hpp"
 #include "world/model/world.hpp"
@@ -51,18 +52,32 @@ ArmMirror mirror_of(World const& world, Footprint const& spot) {
   return mirror;
 }
 
-std::vector<ArmRim> rims_of(World const& world, WaveSettings const& settings, CavityFrame const& frame, double length) {
+// Seen from a mirror at this distance, the farthest point of a rim. rad
+double angle_of(ArmRim const& rim, double distance) {
+  return std::atan2(rim.rim.radius + std::hypot(rim.centre.x, rim.centre.y), distance);
+}
+
+std::vector<ArmRim> rims_of(World const& world, WaveSettings const& settings, CavityFrame const& frame, double length,
+                            std::vector<std::string>& warnings) {
   std::vector<ArmRim> rims;
+  std::size_t outside = 0;
   for (std::uint32_t id = 0; id < world.surfaces().size(); ++id) {
     if (std::ranges::find(settings.groups, world.name_of({id})) == settings.groups.end()) continue;
     auto const rim = rim_of(world, {id});
     if (!rim) continue;
     ArmRim arm{{id}, *rim, frame.to_local(rim->centre)};
-    if (!(arm.centre.z > 0 && arm.centre.z < length)) continue;
-    arm.angle1 = rim->radius / arm.centre.z;
-    arm.angle2 = rim->radius / (length - arm.centre.z);
+    if (!(arm.centre.z > 0 && arm.centre.z < length)) {
+      ++outside;
+      continue;
+    }
+    arm.angle1 = angle_of(arm, arm.centre.z);
+    arm.angle2 = angle_of(arm, length - arm.centre.z);
     rims.push_back(arm);
   }
+  if (outside > 0)
+    warnings.push_back(
+        fmt::format("wave: {} of the {} inner edges in 'baffles' are not between the mirrors; they are left out",
+                    outside, outside + rims.size()));
   std::ranges::sort(rims, {}, [](ArmRim const& r) { return r.centre.z; });
   return rims;
 }
@@ -106,22 +121,11 @@ void choose_grid(ArmCavity& arm, WaveSettings const& settings) {
   grid.window = settings.window > 0 ? settings.window : needed_window(arm);
   double const wanted = largest_field_angle(arm) / 0.6;
   int const needed = int(std::ceil(2 * grid.window * wanted / arm.cavity.wavelength));
+  grid.points = int(settings.points);
   if (settings.points == 0) {
     grid.points = 64;
-    while (grid.points < needed) grid.points *= 2;
-    if (grid.points > 8192)
-      throw InputError(fmt::format(
-          "wave: a crossover angle of {:.3g} rad needs a grid of {} x {} points over {:.3g} m, more than 8192: "
-          "choose a smaller one",
-          arm.crossover, needed, needed, grid.window));
-    return;
+    while (grid.points < needed && grid.points < 8192) grid.points *= 2;
   }
-  grid.points = int(settings.points);
-  if (grid.points < needed)
-    throw InputError(fmt::format(
-        "wave: a grid of {} points over {:.3g} m does not carry a crossover angle of {:.3g} rad: use {} points "
-        "or more, or a smaller angle",
-        grid.points, grid.window, arm.crossover, needed + needed % 2));
 }
 
 // eq. W.2, in steps of a factor 1.2 of the angle.
@@ -157,22 +161,39 @@ double mirror_brdf(World const& world, ArmMirror const& mirror, Vec3 travel, dou
 
 namespace {
 
-// A measured map, and above its largest frequency the spectrum of the scatter of the mirror.
-std::vector<double> measured_heights(WaveSettings::Mirror const& settings, ArmMirror const& mirror, Grid const& grid,
-                                     double highest, std::vector<double> const& above) {
-  HeightMap map = height_map_of(settings.bytes, settings.file);
-  MeasuredDisc const disc = measured_disc(map);
-  if (disc.radius < 2 * mirror.spot)
+// The content of a measured map up to a frequency.
+std::vector<double> cleaned_heights(HeightMap map, WaveSettings::Mirror const& settings, ArmMirror const& mirror,
+                                    Grid const& grid, double highest) {
+  if (MeasuredDisc const disc = measured_disc(map); disc.radius < 2 * mirror.spot)
     throw InputError(
-        fmt::format("{}: the map covers a disc of radius {:.3g} m, less than twice the radius {:.3g} m of the mode",
-                    settings.file, disc.radius, mirror.spot),
+        fmt::format("the map covers a disc of radius {:.3g} m, less than twice the radius {:.3g} m of the mode",
+                    disc.radius, mirror.spot),
         "give a map of the whole mirror, or 'spectrum: material'");
   fill_holes(map);
   auto const& r = settings.removed;
   remove(map, fit_low_orders(map, mirror.spot), {r.piston, r.tilt, r.curvature, r.astigmatism});
-  std::vector<double> heights = resample(map, grid, highest);
-  for (std::size_t i = 0; i < above.size(); ++i) heights[i] += above[i];
-  return heights;
+  return resample(map, grid, highest);
+}
+
+// A measured map, and above its largest frequency the spectrum of the scatter of the mirror.
+std::vector<double> measured_heights(WaveSettings::Mirror const& settings, ArmMirror const& mirror, Grid const& grid,
+                                     double highest, double wavelength, std::vector<double> const& above) {
+  try {
+    std::vector<double> heights =
+        cleaned_heights(height_map_of(settings.bytes, settings.file), settings, mirror, grid, highest);
+    if (double const size = rms(heights); !(size < wavelength / 4))
+      throw InputError(
+          fmt::format(
+              "the heights are {:.3g} m rms after the removal of low orders, more than a quarter of the wavelength",
+              size),
+          "check their unit; see docs/reference/scene.md#wave");
+    for (std::size_t i = 0; i < above.size(); ++i) heights[i] += above[i];
+    return heights;
+  } catch (InputError const& e) {
+    bool const named = e.reason().find(settings.file) != std::string::npos;
+    throw InputError((named ? "" : settings.file + ": ") + e.reason(),
+                     e.remedy().empty() ? "check the map and its units" : e.remedy());
+  }
 }
 
 // Heights that scatter below the crossover angle as the BSDF of the mirror, or as measured.
@@ -186,7 +207,7 @@ std::vector<double> heights_of(World const& world, WaveSettings::Mirror const& s
     return height_spectrum(mirror_brdf(world, mirror, travel, f * wavelength), wavelength);
   };
   std::vector<double> random = synthesise(spectrum, arm.cavity.grid, lowest, highest, settings.seed, number);
-  return measured ? measured_heights(settings, mirror, arm.cavity.grid, highest, random) : random;
+  return measured ? measured_heights(settings, mirror, arm.cavity.grid, highest, wavelength, random) : random;
 }
 
 }  // namespace
@@ -198,14 +219,16 @@ ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
   arm.cavity.wavelength = world.wavelength;
   arm.cavity.length = length(spots.of[1]->centre - spots.of[0]->centre);
   for (std::size_t i : {0, 1}) arm.mirrors[i] = mirror_of(world, *spots.of[i]);
-  arm.rims = rims_of(world, settings, arm.frame, arm.cavity.length);
+  arm.rims = rims_of(world, settings, arm.frame, arm.cavity.length, arm.warnings);
   arm.crossover =
       settings.crossover.value_or(chosen_crossover(arm.mirrors, arm.rims, arm.cavity.length, world.wavelength));
   for (ArmRim& r : arm.rims) {
     r.in_band = r.angle1 <= arm.crossover && r.angle2 <= arm.crossover;
     arm.cavity.baffles.push_back({r.centre.z, {r.rim.radius + r.rim.tooth_depth / 2, r.centre.x, r.centre.y}, 0});
   }
+  check_rims(world, settings, arm);
   choose_grid(arm, settings);
+  check_grid(world, arm);
   for (std::size_t i : {0, 1}) {
     ArmMirror& mirror = arm.mirrors[i];
     Vec3 const travel = spots.of[i]->travel;

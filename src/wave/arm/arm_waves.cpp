@@ -97,7 +97,14 @@ MirrorModes modes_of_mirrors(ArmCavity const& arm, ArmOptions const& options, in
   mirrors.baffles.clear();
   CavityWaves const waves(mirrors, threads);
   say(options, "mode of the mirrors");
-  WaveMode mode = waves.mode(waves.hermite_gauss());
+  WaveMode mode = [&] {
+    try {
+      return waves.mode(waves.hermite_gauss());
+    } catch (NumericalError const& e) {
+      throw InputError(fmt::format("wave: the mirrors hold no mode that resembles a Gaussian beam: {}", e.what()),
+                       "enlarge the mirrors or change their curvatures");
+    }
+  }();
   MirrorModes result{mode.spectrum, {}};
   if (options.highest_order < 0) return result;
   say(options, "higher modes");
@@ -118,6 +125,11 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmOptions 
     say(options, fmt::format("round trip {}, residual {:.1e}", trips, residual));
   };
   WaveMode mode = waves.mode(mirrors.start, solve);
+  if (mode.loss() > 0.01)
+    arm.warnings.push_back(
+        fmt::format("wave: the mode loses {:.2g} of its power per round trip: mirrors or baffles clip the "
+                    "beam itself, and the levers are those of the clipped mode",
+                    mode.loss()));
   say(options, "rims");
   std::vector<std::vector<RimCurve>> curves;
   for (std::size_t j = 0; j < arm.rims.size(); ++j)

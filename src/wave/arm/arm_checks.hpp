@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a table `wave` cannot compute: each is an error before any field is allocated.
+#pragma once
+
+#include "wave/arm/arm_cavity.hpp"
+
+namespace straytrace::wave {
+
+// Edges that are tilted, or that W.22 does not describe; tolerances as large as the edges. Throws InputError with all
+// of them, and adds warnings.
+void check_rims(World const&, WaveSettings const&, ArmCavity&);
+// Points, window and memory of the grid.
+void check_grid(World const&, ArmCavity&);
+
+// The next number of points that transforms are fast for, at most 8192; 0: none.
+int allowed_points(int least);
+
+}  // namespace straytrace::wave
