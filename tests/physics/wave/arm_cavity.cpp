@@ -56,13 +56,13 @@ TEST(ArmCavity, MirrorsAndRimsInTheirOrder) {
   ASSERT_EQ(arm.rims.size(), 3u);  // not that behind the end mirror
   ASSERT_EQ(arm.cavity.baffles.size(), 3u);
   char const* const names[] = {"baffle_one", "baffle_three", "baffle_two"};
-  double const places[] = {400, 500, 600}, radii[] = {0.045, 0.06, 0.045};
+  double const places[] = {400, 500, 600}, radii[] = {0.045, 0.06, 0.045}, shifts[] = {0, 0.005, 0};
   for (std::size_t i = 0; i < 3; ++i) {
     ArmRim const& rim = arm.rims[i];
     EXPECT_EQ(world.name_of(rim.surface), names[i]);
     EXPECT_LT(deviation(rim.centre.z, places[i]), 1e-12);
-    EXPECT_LT(deviation(rim.angle1, std::atan(radii[i] / places[i])), 1e-12);
-    EXPECT_LT(deviation(rim.angle2, std::atan(radii[i] / (1000 - places[i]))), 1e-12);
+    EXPECT_LT(deviation(rim.angle1, std::atan((radii[i] + shifts[i]) / places[i])), 1e-12);
+    EXPECT_LT(deviation(rim.angle2, std::atan((radii[i] + shifts[i]) / (1000 - places[i]))), 1e-12);
     EXPECT_LT(deviation(arm.cavity.baffles[i].rim.radius, radii[i]), 1e-12);
     EXPECT_LT(deviation(arm.cavity.baffles[i].place, places[i]), 1e-12);
   }
@@ -153,13 +153,56 @@ TEST(ArmCavity, ChoosesTheGrid) {
   EXPECT_EQ(cavity_with("crossover: 120 urad, grid: {window: 0.6 m}").cavity.grid.window, 0.6);
 }
 
+std::string disk(std::string const& name, std::string const& at, std::string const& facing = "[0, 0, 1]") {
+  return "  - {name: " + name + ", shape: {disk: {inner_radius: 45 mm, outer_radius: 30 cm}}, at: " + at +
+         ", facing: " + facing + ", body: pipe, material: black}\n";
+}
+std::string problem_of_baffles(std::string const& baffles, std::string const& crossover = "120 urad") {
+  KilometreArm arm = kilometre_arm("crossover: " + crossover + ", " + std::string(perfect));
+  arm.baffles = baffles;
+  return test::message_of([&] { cavity_of(arm); });
+}
+
+// Each with its control: the same edge where the field or W.22 describes it.
+TEST(ArmCavity, EdgesThatItDoesNotDescribeAreErrors) {
+  EXPECT_THAT(problem_of_baffles(disk("baffle_a", "[0 m, 0 m, 500 m]", "[0.5, 0, 1]")),
+              HasSubstr("is tilted by 26.6 deg"));
+  EXPECT_EQ(problem_of_baffles(disk("baffle_a", "[0 m, 0 m, 500 m]", "[0.05, 0, 1]")), "no error");
+  // Off the axis, beyond the crossover angle: light of the mode itself meets the edge.
+  EXPECT_THAT(problem_of_baffles(disk("baffle_a", "[0.03 m, 0 m, 300 m]")),
+              HasSubstr("light of the mode itself meets it"));
+  EXPECT_EQ(problem_of_baffles(disk("baffle_a", "[0.001 m, 0 m, 300 m]"), "60 urad"), "no error");
+  EXPECT_EQ(problem_of_baffles(disk("baffle_a", "[0.03 m, 0 m, 500 m]"), "160 urad"), "no error");
+  // Two errors at once.
+  std::string const two = problem_of_baffles(disk("baffle_a", "[0 m, 0 m, 500 m]", "[0.5, 0, 1]") +
+                                             disk("baffle_b", "[0 m, 0 m, 600 m]", "[0.5, 0, 1]"));
+  EXPECT_THAT(two, AllOf(HasSubstr("'baffle_a' at 500 m"), HasSubstr("'baffle_b' at 600 m")));
+}
+
+TEST(ArmCavity, EdgesOutsideAreAWarning) {
+  KilometreArm arm = kilometre_arm("crossover: 120 urad, " + std::string(perfect));
+  arm.baffles = disk("baffle_a", "[0 m, 0 m, 500 m]") + disk("baffle_b", "[0 m, 0 m, 1010 m]");
+  EXPECT_THAT(cavity_of(arm).warnings, ::testing::ElementsAre(HasSubstr("1 of the 2 inner edges")));
+  arm.baffles = disk("baffle_a", "[0 m, 0 m, 500 m]");
+  EXPECT_TRUE(cavity_of(arm).warnings.empty());
+}
+
+TEST(ArmCavity, WindowsAndTolerancesOutOfProportionAreErrors) {
+  EXPECT_THAT(problem_with("crossover: 120 urad, grid: {points: 2048, window: 0.2 m}"),
+              AllOf(HasSubstr("light would wrap around it"), HasSubstr("state 'window: ")));
+  EXPECT_THAT(problem_with("crossover: 120 urad, tolerance: {rim: 1 cm}"),
+              HasSubstr("a tolerance of 0.01 m is too large"));
+  EXPECT_EQ(problem_with("crossover: 120 urad, tolerance: {rim: 1 mm}"), "no error");
+}
+
 TEST(ArmCavity, GridsTooCoarseAreExplained) {
   int const needed = int(std::ceil(2 * 0.5 * (120e-6 + slope) / 0.6 / nd_yag));
   EXPECT_EQ(needed, 221);
   EXPECT_THAT(problem_with("crossover: 120 urad, grid: {points: 216, window: 0.5 m}"),
               AllOf(HasSubstr("a grid of 216 points over 0.5 m does not carry"), HasSubstr("state 'points: 240'")));
   EXPECT_EQ(problem_with("crossover: 120 urad, grid: {points: 240, window: 0.5 m}"), "no error");  // control
-  EXPECT_THAT(problem_with("crossover: 10 mrad"), AllOf(HasSubstr("choose a 'crossover' of at most"), HasSubstr("8192 points")));
+  EXPECT_THAT(problem_with("crossover: 10 mrad"),
+              AllOf(HasSubstr("choose a 'crossover' of at most"), HasSubstr("8192 points")));
 }
 
 double area_of(RimCurve const& curve) {
