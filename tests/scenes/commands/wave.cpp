@@ -87,7 +87,8 @@ TEST_F(WaveCommand, WhatIsMissingIsExplained) {
   EXPECT_THAT(error_text({"wave", scene_}),
               AllOf(HasSubstr("has no table 'wave'"), HasSubstr("add for example 'wave:")));
   write_text(scene_, scene_text("{points: 216, window: 0.5 m}"));
-  EXPECT_THAT(error_text({"wave", scene_, "--quiet"}), HasSubstr("use 222 points or more"));
+  EXPECT_THAT(error_text({"wave", scene_, "--quiet"}),
+              HasSubstr("state 'points: 240' in 'grid', or a 'crossover' of at most"));
   EXPECT_THAT(error_text({"wave", folder_ / "none.yaml"}), HasSubstr("none.yaml"));
 }
 
