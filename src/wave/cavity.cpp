@@ -67,8 +67,7 @@ struct CavityWaves::Parts {
   void make_legs() {
     std::size_t const n = cavity.baffles.size();
     for (std::size_t j = 0; j <= n; ++j)
-      legs.emplace_back(place(j + 1) - place(j), std::max(opening(j) + lit(j + 1), lit(j) + opening(j + 1)),
-                        cavity.wavelength, cavity.grid);
+      legs.emplace_back(place(j + 1) - place(j), opening(j) + opening(j + 1), cavity.wavelength, cavity.grid);
   }
 
   // Planes: mirror 1, baffles, mirror 2.
@@ -86,11 +85,6 @@ struct CavityWaves::Parts {
   double opening(std::size_t plane) const {  // the farthest point of the opening from the axis
     return hole(plane).radius + std::hypot(hole(plane).x, hole(plane).y);
   }
-  double lit(std::size_t plane) const {
-    bool const is_baffle = plane > 0 && plane <= cavity.baffles.size();
-    return std::max(opening(plane), is_baffle ? cavity.baffles[plane - 1].lit_radius : 0);
-  }
-
   void travel(Field& spectrum, Observer const&, PowerLedger*) const;
   void pass(std::size_t plane, Field&) const;
   double taken(std::size_t plane, Field const&) const;

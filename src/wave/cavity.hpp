@@ -15,7 +15,6 @@ namespace straytrace::wave {
 struct WaveBaffle {
   double place = 0;  // m from mirror 1
   RoundHole rim;
-  double lit_radius = 0;  // outer radius of what the field must reach there; 0: the rim is enough. m
 };
 struct WaveCavity {
   double wavelength = 0, length = 0;  // m

@@ -92,42 +92,6 @@ double chosen_crossover(std::array<ArmMirror, 2> const& mirrors, std::vector<Arm
   return angle;
 }
 
-// Light that mirrors scatter up to the crossover angle, on top of the slopes of the mode.
-double largest_field_angle(ArmCavity const& arm) {
-  double slope = 0;
-  for (ArmMirror const& m : arm.mirrors) slope = std::fmax(slope, 2.5 * m.spot * std::fabs(m.curvature));
-  return arm.crossover + slope;
-}
-
-// The window that the legs need without a limit by it (eq. W.6), with the mirrors alone as one of the cases.
-double needed_window(ArmCavity const& arm) {
-  double window = 0;
-  auto const leg = [&](double length, double reach) {
-    double const fresnel = std::sqrt(arm.cavity.wavelength / length);
-    window = std::fmax(window, std::fmin(reach + length * (reach / length + 5 * fresnel), 4 * reach));
-  };
-  leg(arm.cavity.length, arm.mirrors[0].radius + arm.mirrors[1].radius);
-  double before = 0, radius = arm.mirrors[0].radius;
-  for (ArmRim const& r : arm.rims) {
-    leg(r.centre.z - before, radius + r.rim.radius);
-    before = r.centre.z;
-    radius = r.rim.radius;
-  }
-  return window;
-}
-
-void choose_grid(ArmCavity& arm, WaveSettings const& settings) {
-  Grid& grid = arm.cavity.grid;
-  grid.window = settings.window > 0 ? settings.window : needed_window(arm);
-  double const wanted = largest_field_angle(arm) / 0.6;
-  int const needed = int(std::ceil(2 * grid.window * wanted / arm.cavity.wavelength));
-  grid.points = int(settings.points);
-  if (settings.points == 0) {
-    grid.points = 64;
-    while (grid.points < needed && grid.points < 8192) grid.points *= 2;
-  }
-}
-
 // eq. W.2, in steps of a factor 1.2 of the angle.
 double scattered_beyond(std::function<double(double)> const& brdf, double crossover) {
   GaussPoints const gauss(8);
@@ -224,7 +188,7 @@ ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
       settings.crossover.value_or(chosen_crossover(arm.mirrors, arm.rims, arm.cavity.length, world.wavelength));
   for (ArmRim& r : arm.rims) {
     r.in_band = r.angle1 <= arm.crossover && r.angle2 <= arm.crossover;
-    arm.cavity.baffles.push_back({r.centre.z, {r.rim.radius + r.rim.tooth_depth / 2, r.centre.x, r.centre.y}, 0});
+    arm.cavity.baffles.push_back({r.centre.z, {r.rim.radius + r.rim.tooth_depth / 2, r.centre.x, r.centre.y}});
   }
   check_rims(world, settings, arm);
   choose_grid(arm, settings);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unistd.h>
+#include <vector>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
@@ -72,21 +73,30 @@ void check_tolerance(WaveSettings const& settings, ArmCavity& arm, std::vector<I
                         fmt::format("state one standard deviation of at most {:.3g} m", 0.1 * smallest));
 }
 
-// m; light that reaches both ends of a leg must not wrap around the window (eq. W.5, W.6).
-double least_window(ArmCavity const& arm) {
-  double least = 0, before = 0, radius = arm.mirrors[0].radius;
-  auto const leg = [&](double length, double reach) {
-    least = std::fmax(least, 2 * reach + 1.2 * std::sqrt(arm.cavity.wavelength * length));
-  };
-  leg(arm.cavity.length, arm.mirrors[0].radius + arm.mirrors[1].radius);
+struct LegReach {
+  double length, reach;  // m; sum of the radii of both ends
+};
+// Between neighbouring openings; first that from mirror to mirror, which the search for the mode starts with.
+std::vector<LegReach> legs_of(ArmCavity const& arm) {
+  std::vector<LegReach> legs{{arm.cavity.length, arm.mirrors[0].radius + arm.mirrors[1].radius}};
+  double before = 0, radius = arm.mirrors[0].radius;
   for (ArmRim const& r : arm.rims) {
     double const opening = r.rim.radius + std::hypot(r.centre.x, r.centre.y);
-    leg(r.centre.z - before, radius + opening);
+    legs.push_back({r.centre.z - before, radius + opening});
     before = r.centre.z;
     radius = opening;
   }
-  leg(arm.cavity.length - before, radius + arm.mirrors[1].radius);
-  return least;
+  legs.push_back({arm.cavity.length - before, radius + arm.mirrors[1].radius});
+  return legs;
+}
+
+// m; a window in which light that reaches both ends of each leg, and `widths` of Fresnel diffraction beyond, does not
+// wrap (eq. W.5, W.6).
+double window_for(ArmCavity const& arm, double widths) {
+  double window = 0;
+  for (LegReach const& leg : legs_of(arm))
+    window = std::fmax(window, 2 * leg.reach + widths * std::sqrt(arm.cavity.wavelength * leg.length));
+  return window;
 }
 
 // rad; on top of the slopes of the mode (theory, Mirrors, legs and masks).
@@ -115,7 +125,8 @@ void check_points(ArmCavity const& arm, std::vector<InputError>& errors) {
 
 void check_memory(ArmCavity const& arm, std::vector<InputError>& errors) {
   double const field = 16 * double(arm.cavity.grid.size());
-  double const needed = field * (12 + 0.4 * 30),
+  auto const kept = double(std::ranges::count_if(arm.rims, &ArmRim::in_band));  // a field each
+  double const needed = field * (12 + 0.4 * 30 + kept),
                there = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
   if (needed > 0.9 * there)
     errors.emplace_back(
@@ -152,10 +163,21 @@ void check_rims(World const& world, WaveSettings const& settings, ArmCavity& arm
   throw_all(errors);
 }
 
+void choose_grid(ArmCavity& arm, WaveSettings const& settings) {
+  Grid& grid = arm.cavity.grid;
+  grid.window = settings.window > 0 ? settings.window : window_for(arm, 5);
+  grid.points = int(settings.points);
+  if (settings.points > 0) return;
+  double const wanted = (arm.crossover + slope_of_mode(arm)) / 0.6;
+  int const needed = int(std::ceil(2 * grid.window * wanted / arm.cavity.wavelength));
+  grid.points = 64;
+  while (grid.points < needed && grid.points < most_points) grid.points *= 2;
+}
+
 void check_grid(World const& world, ArmCavity& arm) {
   Grid const& grid = arm.cavity.grid;
   std::vector<InputError> errors;
-  if (double const least = least_window(arm); grid.window < least)
+  if (double const least = window_for(arm, 1.2); grid.window < least)
     errors.emplace_back(
         fmt::format("wave: a window of {:.4g} m is too narrow: light would wrap around it", grid.window),
         fmt::format("state 'window: {:.4g} m' or more in 'grid', or leave it out", 1.01 * least));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a table `wave` cannot compute: each is an error before any field is allocated.
+// The grid of a table `wave`, and what cannot be computed: each is an error before any field is allocated.
 #pragma once
 
 #include "wave/arm/arm_cavity.hpp"
@@ -9,6 +9,9 @@ namespace straytrace::wave {
 // Edges that are tilted, or that W.22 does not describe; tolerances as large as the edges. Throws InputError with all
 // of them, and adds warnings.
 void check_rims(World const&, WaveSettings const&, ArmCavity&);
+// Those of the table; otherwise a window as wide as the legs need and the power of two that carries the crossover
+// angle.
+void choose_grid(ArmCavity&, WaveSettings const&);
 // Points, window and memory of the grid.
 void check_grid(World const&, ArmCavity&);
 
