@@ -120,7 +120,7 @@ RimCurve round_curve(WaveBaffle const& baffle, WaveCavity const& cavity) {
 }
 
 CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,
-                         std::vector<std::vector<RimCurve>> const& curves) {
+                         std::vector<std::vector<RimCurve>> const& curves, Observer const& also) {
   WaveCavity const& cavity = waves.cavity();
   std::size_t const n = cavity.baffles.size();
   CavityRims result;
@@ -132,6 +132,7 @@ CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,
   waves.transform().inverse(departing, cavity.grid.points, cavity.grid.points);
   waves.round_trip(work, [&](Arrival const& arrival) {
     auto const plane = std::size_t(arrival.plane);
+    if (also) also(arrival);
     if (plane == 0) {
       result.overlap = waves.overlap(departing, arrival.field);
       result.mirror1 = mirror_levers(waves, cavity.mirror1, arrival, 0);

@@ -30,7 +30,9 @@ struct CavityRims {
   std::vector<Complex> clipped;  // s of the light that each baffle with curves takes (eq. W.12 with its screen)
   std::array<Complex, 2> mirror1{}, mirror2{};  // derivatives of s by the displacement of a mirror along x and y. 1/m
 };
-// For several curves in the plane of each baffle: as built, and with its tolerances. One round trip.
-CavityRims rim_responses(CavityWaves const&, WaveMode const&, std::vector<std::vector<RimCurve>> const&);
+// For several curves in the plane of each baffle: as built, and with its tolerances. One round trip, whose arrivals
+// `also` is shown.
+CavityRims rim_responses(CavityWaves const&, WaveMode const&, std::vector<std::vector<RimCurve>> const&,
+                         Observer const& also = {});
 
 }  // namespace straytrace::wave

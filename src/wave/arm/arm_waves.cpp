@@ -134,15 +134,16 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmOptions 
   std::vector<std::vector<RimCurve>> curves;
   for (std::size_t j = 0; j < arm.rims.size(); ++j)
     curves.push_back(arm.rims[j].in_band ? curves_of(arm, j, settings) : std::vector<RimCurve>{});
-  CavityRims const found = rim_responses(waves, mode, curves);
+  IrradianceMeter meter(arm.cavity.grid, arm.rims.size() + 2);
+  CavityRims const found = rim_responses(waves, mode, curves, std::ref(meter));
   std::vector<RimResult> rims;
   for (std::size_t j = 0; j < arm.rims.size(); ++j)
     rims.push_back({found.responses[j], found.clipped[j], speckle_of(world, arm, arm.rims[j])});
   say(options, "balance of power");
   PowerLedger ledger = waves.ledger(mode);
   double const perfect = loss_of_smooth_mirrors(arm);
-  return {std::move(arm),    std::move(mode), perfect,       mirrors.lines,
-          std::move(ledger), std::move(rims), found.mirror1, found.mirror2};
+  return {std::move(arm),  std::move(mode),           perfect,       mirrors.lines, std::move(ledger),
+          std::move(rims), std::move(meter).result(), found.mirror1, found.mirror2};
 }
 
 }  // namespace straytrace::wave

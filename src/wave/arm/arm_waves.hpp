@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "wave/arm/arm_cavity.hpp"
+#include "wave/arm/irradiance.hpp"
 
 namespace straytrace::wave {
 
@@ -30,7 +31,8 @@ struct ArmWaves {
   double perfect_loss = 0;  // per round trip, of smooth mirrors without baffles, by eq. W.10
   std::vector<ModeLine> modes;
   PowerLedger ledger;
-  std::vector<RimResult> rims;                  // as arm.rims
+  std::vector<RimResult> rims;  // as arm.rims
+  PlaneIrradiance irradiance;
   std::array<Complex, 2> mirror1{}, mirror2{};  // derivatives of s by displacements of the mirrors along x and y. 1/m
 };
 

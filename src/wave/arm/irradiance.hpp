@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Irradiance of the field of a cavity on its planes, by rings and sectors about the axis.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "wave/cavity.hpp"
+
+namespace straytrace::wave {
+
+// |psi|^2 of the light that arrives at a plane, before its mask, over the power of the mode: means over cells of equal
+// width in radius and azimuth. Ring i holds radii from i to i + 1 times `step`; sector j azimuths from j to j + 1 times
+// 2 pi/sectors, from x towards y of the frame of the cavity. A ring with fewer points of the grid than sectors has the
+// mean over the whole ring in each sector.
+struct PolarIrradiance {
+  double step = 0;  // m
+  int rings = 0, sectors = 0;
+  std::vector<float> mean;    // of |psi|^2, 1/m^2, [ring * sectors + sector]
+  std::vector<float> square;  // of |psi|^4, 1/m^4: with speckle twice the square of the mean
+
+  double radius(int ring) const { return (ring + 0.5) * step; }  // m
+  double azimuth(int sector) const;                              // rad
+  double cell_area(int ring) const;                              // m^2
+  // Share of the power of the mode on a ring between two radii.
+  double power(double from, double to) const;
+};
+
+// Of all planes of a cavity, in the order of `Arrival::plane`.
+struct PlaneIrradiance {
+  std::vector<PolarIrradiance> towards_mirror2, towards_mirror1;  // empty where light does not arrive
+  PolarIrradiance const& of(int plane, Travel) const;
+};
+
+// Collects the irradiance of the arrivals of one round trip; call for each.
+class IrradianceMeter {
+ public:
+  IrradianceMeter(Grid const&, std::size_t planes);
+  void operator()(Arrival const&);
+  PlaneIrradiance result() && { return std::move(result_); }
+
+ private:
+  double step_;
+  int rings_;
+  std::vector<std::int32_t> cell_;    // of each point of the grid; -1: outside of the rings
+  std::vector<std::int32_t> points_;  // in each cell
+  PlaneIrradiance result_;
+};
+
+}  // namespace straytrace::wave
