@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "wave/plane.hpp"
+#include "wave/round_trip.hpp"
 
 namespace straytrace::wave {
 
@@ -40,21 +40,6 @@ struct PowerLedger {
   double mirror1 = 0, mirror2 = 0;  // beyond their outlines, and scattered beyond the crossover angle
   double beyond_band = 0;           // at angles that reach no opening
   double total() const;
-};
-
-// A mode of the cavity without the transmission of its mirrors: after the reflection by mirror 1, in the plane of it.
-struct WaveMode {
-  Complex eigenvalue;                                        // of the round trip, without exp(2ikL)
-  double residual = 0;                                       // norm of G E - gamma E (eq. W.9)
-  int round_trips = 0;                                       // that the search took
-  Field spectrum;                                            // of unit power
-  double loss() const { return 1 - std::norm(eigenvalue); }  // of power per round trip
-};
-
-struct SolveOptions {
-  int most_round_trips = 60;
-  double loss_error = 1e-3;  // relative, or of 1e-9 per round trip: ten times what two more round trips change
-  std::function<void(int round_trips, double residual)> progress;  // after each round trip
 };
 
 class CavityWaves {

@@ -14,22 +14,30 @@
 namespace straytrace::wave {
 namespace {
 
-// Transform of a disc of radius a, 2 pi a J1(qa)/q with q = 2 pi sqrt(m^2 + n^2)/W, for 0 <= n <= m < N/2. m^2
+// Transform of a disc of radius a, 2 pi a J1(qa)/q with q = 2 pi sqrt(m^2 + n^2)/W, for 0 <= n <= m < N/2; of an
+// ellipse of half axes a c and a: c times that with q = 2 pi sqrt((c m)^2 + n^2)/W, for 0 <= m, n < N/2. m^2
 class DiscSpectrum {
  public:
-  DiscSpectrum(double radius, Grid const& grid) {
+  DiscSpectrum(RoundHole const& hole, Grid const& grid) : half_(hole.cosine == 1 ? 0 : grid.points / 2) {
+    double const radius = hole.radius;
     for (int m = 0; m < grid.points / 2; ++m)
-      for (int n = 0; n <= m; ++n) {
-        double const q = 2 * pi * std::hypot(m, n) / grid.window;
-        values_.push_back(m ? 2 * pi * radius * boost::math::cyl_bessel_j(1, q * radius) / q : pi * radius * radius);
+      for (int n = 0; n <= (half_ ? half_ - 1 : m); ++n) {
+        double const q = 2 * pi * std::hypot(m * hole.cosine, n) / grid.window;
+        double const disc =
+            m || n ? 2 * pi * radius * boost::math::cyl_bessel_j(1, q * radius) / q : pi * radius * radius;
+        values_.push_back(hole.cosine * disc);
       }
   }
   double operator()(int m, int n) const {
-    int const small = std::min(std::abs(m), std::abs(n)), large = std::max(std::abs(m), std::abs(n));
+    m = std::abs(m);
+    n = std::abs(n);
+    if (half_) return values_[std::size_t(m) * std::size_t(half_) + std::size_t(n)];
+    int const small = std::min(m, n), large = std::max(m, n);
     return values_[std::size_t(large) * std::size_t(large + 1) / 2 + std::size_t(small)];
   }
 
  private:
+  int half_;  // 0: symmetric in m and n
   std::vector<double> values_;
 };
 
@@ -40,7 +48,7 @@ constexpr int taper_steps = 8192;
 
 Mask::Mask(RoundHole const& hole, Grid const& grid, Transform const& transform) : values_(grid.size()) {
   int const N = grid.points;
-  DiscSpectrum const disc(hole.radius, grid);
+  DiscSpectrum const disc(hole, grid);
   Field spectrum(grid);
   for (int row = 0; row < N; ++row)
     for (int column = 0; column < N; ++column) {
@@ -62,15 +70,17 @@ double Mask::clipped(Field const& field) const {
   return sum;
 }
 
-Field reflection(WaveMirror const& mirror, Mask const& outline, double wavelength, Grid const& grid) {
+Field reflection(WaveMirror const& mirror, Mask const& outline, double wavelength, Grid const& grid, double wavefront) {
   Field factor(grid);
-  double const kept = std::sqrt(1 - mirror.scattered);
+  double const kept = std::sqrt(1 - mirror.scattered), cosine = mirror.outline.cosine;
   for (int row = 0; row < grid.points; ++row)
     for (int column = 0; column < grid.points; ++column) {
       double const x = grid.at(column), y = grid.at(row);
       std::size_t const i = std::size_t(row) * std::size_t(grid.points) + std::size_t(column);
       double const height = mirror.height.empty() ? 0 : mirror.height[i];
-      double const path = (x * x + y * y) * mirror.curvature + 2 * height - 2 * (mirror.tilt_x * x + mirror.tilt_y * y);
+      double const on_mirror = x / cosine;
+      double const path = (on_mirror * on_mirror + y * y) * (mirror.curvature * cosine) + 2 * height * cosine -
+                          2 * (mirror.tilt_x * x + mirror.tilt_y * y) - (x * x + y * y) * (wavefront / 2);
       factor.values[i] = kept * outline.values()[i] * turned(-path / wavelength);
     }
   return factor;

@@ -13,6 +13,8 @@ namespace straytrace::wave {
 struct RoundHole {
   double radius = 0;    // m
   double x = 0, y = 0;  // of its centre, m
+  double cosine = 1;    // of the angle by which its plane is turned about y: seen along the axis, its half axis along x
+                        // is radius * cosine
   bool operator==(RoundHole const&) const = default;
 };
 
@@ -37,13 +39,14 @@ class Mask {
 // A mirror, seen by the light that falls on it. Left out: its reflectivity, which multiplies the eigenvalue.
 struct WaveMirror {
   double curvature = 0;           // 1/RoC, positive when concave. 1/m
-  RoundHole outline;              // clear aperture
+  RoundHole outline;              // clear aperture; its cosine is that of the angle of incidence (eq. W.27)
   double tilt_x = 0, tilt_y = 0;  // turns the reflected beam by twice this towards +x, +y. rad
-  std::vector<double> height;     // towards the light, without the curvature, on the grid; empty: none. m
+  std::vector<double> height;     // towards the light, without the curvature, on the grid across it; empty: none. m
   double scattered = 0;           // power that it scatters beyond the crossover angle (eq. W.2)
 };
-// eq. W.1: its factor on the grid.
-Field reflection(WaveMirror const&, Mask const& outline, double wavelength, Grid const&);
+// eq. W.1, W.27: its factor on the grid. `wavefront`: curvature of the wave that the grid follows to it less that of
+// the wave from it (eq. W.26), 1/m.
+Field reflection(WaveMirror const&, Mask const& outline, double wavelength, Grid const&, double wavefront = 0);
 
 // Free space with a smooth limit of angles: 1 below `keep`, 0 from `cut` on (eq. W.3 to W.6). The limit lies some
 // widths sqrt(lambda/length) of Fresnel diffraction beyond the largest angle between points that matter at both ends.

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "wave/round_trip.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "wave/krylov.hpp"
+
+namespace straytrace::wave {
+namespace {
+
+double sum_of_squares(Field const& field) {
+  double sum = 0;
+  for (Complex z : field.values) sum += std::norm(z);
+  return sum;
+}
+
+// The mask of an opening between two spherical waves; `wavefront`: difference of their curvatures, 1/m.
+Field phase_mask(Mask const& mask, double wavefront, double wavelength, Grid const& grid) {
+  Field factor(grid);
+  for (int row = 0; row < grid.points; ++row)
+    for (int column = 0; column < grid.points; ++column) {
+      double const x = grid.at(column), y = grid.at(row);
+      std::size_t const i = std::size_t(row) * std::size_t(grid.points) + std::size_t(column);
+      factor.values[i] = mask.values()[i] * turned((x * x + y * y) * wavefront / (2 * wavelength));
+    }
+  return factor;
+}
+
+// x to -x: the frequency of an element changes sign.
+void mirror_image(Field& spectrum, int threads) {
+  int const N = spectrum.grid.points;
+  for_rows(0, N, threads, [&](int row) {
+    Complex* const line = &spectrum(row, 0);
+    std::reverse(line + 1, line + N);
+  });
+}
+
+}  // namespace
+
+double TripLosses::total() const {
+  double sum = beyond_band;
+  for (double p : taken) sum += p;
+  return sum;
+}
+
+struct RoundTrip::Parts {
+  // A leg between two stops of the way, in either direction.
+  struct Way {
+    double length, reach, window;
+    bool operator==(Way const&) const = default;
+  };
+  struct Opening {
+    RoundHole hole;
+    double scale;
+    bool operator==(Opening const&) const = default;
+  };
+  static constexpr std::size_t none = std::size_t(-1);
+  struct Stop {
+    std::size_t leg, mask, factor = none;  // with a factor, that of the mask is in it
+  };
+
+  Trip trip;
+  int threads;
+  Transform transform;
+  std::vector<Mask> masks;  // one of each kind
+  std::vector<Field> factors;
+  std::vector<Leg> legs;
+  std::vector<Stop> stops;
+  SpectrumDisc disc;  // of the first leg: the fields of which modes are made
+
+  Parts(Trip t, int threads_) : trip(std::move(t)), threads(threads_), transform(trip.grid.points, threads) {
+    make_masks();
+    make_legs();
+    make_factors();
+    disc = SpectrumDisc(trip.grid, first_leg().cut() / trip.wavelength);
+  }
+
+  Leg const& first_leg() const { return legs[stops.front().leg]; }
+  TripStop const& before(std::size_t stop) const { return trip.stops[stop > 0 ? stop - 1 : trip.stops.size() - 1]; }
+  TripStop const& after(std::size_t stop) const { return trip.stops[stop + 1 < trip.stops.size() ? stop + 1 : 0]; }
+  Grid grid_at(TripStop const& stop) const { return {trip.grid.points, trip.grid.window * stop.scale}; }
+  // The farthest point of the opening from the axis.
+  static double reach(TripStop const& stop) { return stop.opening.radius + std::hypot(stop.opening.x, stop.opening.y); }
+  // How much wider the grid becomes on the way to a stop.
+  double widening(std::size_t stop) const { return trip.stops[stop].scale / before(stop).scale; }
+  // Of the spherical wave that the grid follows from a stop to the next less that to it (eq. W.26), 1/m.
+  double wavefront(std::size_t stop) const {
+    std::size_t const next = stop + 1 < trip.stops.size() ? stop + 1 : 0;
+    double const here = widening(stop), there = widening(next);
+    return (here - 1) / (here * trip.stops[stop].leg) - (there - 1) / trip.stops[next].leg;
+  }
+
+  void make_masks() {
+    std::vector<Opening> kinds;
+    for (TripStop const& stop : trip.stops) {
+      auto const known = std::ranges::find(kinds, Opening{stop.opening, stop.scale});
+      stops.push_back({0, std::size_t(known - kinds.begin())});
+      if (known != kinds.end()) continue;
+      kinds.push_back({stop.opening, stop.scale});
+      masks.emplace_back(stop.opening, grid_at(stop), transform);
+    }
+  }
+  void make_legs() {
+    std::vector<Way> kinds;
+    for (std::size_t i = 0; i < stops.size(); ++i) {
+      double const wider = widening(i);
+      Grid const grid = grid_at(before(i));
+      Way const way{trip.stops[i].leg / wider, reach(before(i)) + reach(trip.stops[i]) / wider, grid.window};
+      auto const known = std::ranges::find(kinds, way);
+      stops[i].leg = std::size_t(known - kinds.begin());
+      if (known != kinds.end()) continue;
+      kinds.push_back(way);
+      legs.emplace_back(way.length, way.reach, trip.wavelength, grid);
+    }
+  }
+  void make_factors() {
+    for (std::size_t i = 0; i < stops.size(); ++i) {
+      TripStop const& stop = trip.stops[i];
+      double const bent = wavefront(i);
+      if (!stop.mirror && bent == 0) continue;
+      Mask const& mask = masks[stops[i].mask];
+      stops[i].factor = factors.size();
+      factors.push_back(stop.mirror ? reflection(*stop.mirror, mask, trip.wavelength, grid_at(stop), bent)
+                                    : phase_mask(mask, bent, trip.wavelength, grid_at(stop)));
+    }
+    for (TripStop& stop : trip.stops)
+      if (stop.mirror) stop.mirror->height = {};  // they are in the factor
+  }
+
+  void travel(Field& spectrum, std::function<void(StopArrival const&)> const&, TripLosses*) const;
+  void pass(std::size_t stop, Field&) const;
+  double taken(std::size_t stop, Field const&) const;
+};
+
+// Power that does not go on, as a sum of |values|^2.
+double RoundTrip::Parts::taken(std::size_t stop, Field const& field) const {
+  double const clipped = masks[stops[stop].mask].clipped(field);
+  if (!trip.stops[stop].mirror) return clipped;
+  return clipped + trip.stops[stop].mirror->scattered * (sum_of_squares(field) - clipped);
+}
+
+// Through the opening of a baffle, or back from a mirror.
+void RoundTrip::Parts::pass(std::size_t stop, Field& field) const {
+  Mask const& opening = masks[stops[stop].mask];
+  Field const* const factor = stops[stop].factor != none ? &factors[stops[stop].factor] : nullptr;
+  std::vector<double> const& mask = opening.values();
+  int const N = trip.grid.points, rows = opening.rows();
+  for_rows(N / 2 - rows / 2, N / 2 + rows / 2, threads, [&](int row) {
+    std::size_t const from = std::size_t(row) * std::size_t(N), to = from + std::size_t(N);
+    if (!factor)
+      for (std::size_t i = from; i < to; ++i) field.values[i] *= mask[i];
+    else
+      for (std::size_t i = from; i < to; ++i) field.values[i] *= factor->values[i];
+  });
+}
+
+void RoundTrip::Parts::travel(Field& spectrum, std::function<void(StopArrival const&)> const& observer,
+                              TripLosses* losses) const {
+  int const N = trip.grid.points;
+  double const plane_power = trip.grid.pitch() * trip.grid.pitch(), spectral_power = plane_power / double(N) / N;
+  Field arriving(observer ? trip.grid : Grid{});
+  double left = losses ? sum_of_squares(spectrum) * spectral_power : 0;
+  for (std::size_t i = 0; i < stops.size(); ++i) {
+    Leg const& leg = legs[stops[i].leg];
+    int const rows = masks[stops[i].mask].rows();
+    leg.apply(spectrum, threads);
+    if (observer) arriving.values = spectrum.values;
+    transform.inverse(spectrum, leg.columns(), observer || losses ? N : rows);
+    if (observer) observer({i, arriving, leg.columns(), spectrum});
+    if (losses) {
+      double const arrived = sum_of_squares(spectrum) * plane_power, lost = taken(i, spectrum) * plane_power;
+      losses->beyond_band += left - arrived;
+      left = arrived - lost;
+      losses->taken[i] += lost;
+    }
+    pass(i, spectrum);
+    transform.forward(spectrum, rows, i + 1 < stops.size() ? legs[stops[i + 1].leg].columns() : first_leg().columns());
+  }
+  if (trip.mirrored) mirror_image(spectrum, threads);
+  if (losses) losses->beyond_band += left - disc.pack(spectrum).squaredNorm() * spectral_power;
+}
+
+RoundTrip::RoundTrip(Trip trip, int threads) : parts_(std::make_unique<Parts>(std::move(trip), threads)) {}
+RoundTrip::~RoundTrip() = default;
+RoundTrip::RoundTrip(RoundTrip&&) noexcept = default;
+Trip const& RoundTrip::trip() const { return parts_->trip; }
+Transform const& RoundTrip::transform() const { return parts_->transform; }
+Mask const& RoundTrip::mask(std::size_t stop) const { return parts_->masks[parts_->stops[stop].mask]; }
+int RoundTrip::start_columns() const { return parts_->first_leg().columns(); }
+
+void RoundTrip::travel(Field& spectrum, std::function<void(StopArrival const&)> const& observer) const {
+  parts_->travel(spectrum, observer, nullptr);
+}
+
+namespace {
+
+// Unit power: the sum of |spectrum|^2 is N^2/pitch^2.
+WaveMode mode_of(Krylov const& krylov, RitzPair const& pair, SpectrumDisc const& disc, Grid const& grid) {
+  WaveMode mode{pair.value, pair.residual, krylov.steps(), Field(grid)};
+  disc.unpack(krylov.vector(pair) * (grid.points / grid.pitch()), mode.spectrum);
+  return mode;
+}
+
+}  // namespace
+
+WaveMode RoundTrip::mode(Field const& start, SolveOptions const& options) const {
+  Grid const& grid = parts_->trip.grid;
+  Krylov krylov(parts_->disc.pack(start));
+  Field work(grid);
+  Complex before = 0;
+  for (int settled = 0;;) {
+    parts_->disc.unpack(krylov.last(), work);
+    parts_->travel(work, {}, nullptr);
+    bool const more = krylov.extend(parts_->disc.pack(work));
+    RitzPair const best = krylov.ritz().front();
+    double const loss = std::max(1 - std::norm(best.value), 1e-9);
+    settled = std::abs(best.value - before) < std::max(0.1 * options.loss_error * loss, 1e-14) ? settled + 1 : 0;
+    before = best.value;
+    if (options.progress) options.progress(krylov.steps(), best.residual);
+    if (!more || settled == 2) return mode_of(krylov, best, parts_->disc, grid);
+    if (krylov.steps() == options.most_round_trips)
+      throw NumericalError(
+          fmt::format("the mode of the cavity was not found within {} round trips; the residual is {:.2g}",
+                      options.most_round_trips, best.residual));
+  }
+}
+
+TripLosses RoundTrip::losses(WaveMode const& mode) const {
+  TripLosses losses{std::vector<double>(parts_->stops.size())};
+  Field work = mode.spectrum;
+  parts_->travel(work, {}, &losses);
+  return losses;
+}
+
+}  // namespace straytrace::wave
