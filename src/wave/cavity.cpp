@@ -30,10 +30,10 @@ Trip there_and_back(WaveCavity const& cavity) {
     std::size_t const plane = outward ? step : 2 * last - step, farther = outward ? plane : plane + 1;
     double const leg = place(farther) - place(farther - 1);
     if (plane > 0 && plane < last)
-      trip.stops.push_back({leg, cavity.baffles[plane - 1].rim, {}});
+      trip.stops.push_back({leg, cavity.baffles[plane - 1].rim, {}, 1, cavity.baffles[plane - 1].lit});
     else {
       WaveMirror const& mirror = plane == 0 ? cavity.mirror1 : cavity.mirror2;
-      trip.stops.push_back({leg, mirror.outline, mirror});
+      trip.stops.push_back({leg, mirror.outline, mirror, 1, mirror.lit});
     }
   }
   return trip;

@@ -15,6 +15,7 @@ namespace straytrace::wave {
 struct WaveBaffle {
   double place = 0;  // m from mirror 1
   RoundHole rim;
+  double lit = 0;  // m, distance from the axis up to which light on its screen is wanted; 0: of the opening alone
 };
 struct WaveCavity {
   double wavelength = 0, length = 0;  // m

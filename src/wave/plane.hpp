@@ -43,6 +43,7 @@ struct WaveMirror {
   double tilt_x = 0, tilt_y = 0;  // turns the reflected beam by twice this towards +x, +y. rad
   std::vector<double> height;     // towards the light, without the curvature, on the grid across it; empty: none. m
   double scattered = 0;           // power that it scatters beyond the crossover angle (eq. W.2)
+  double lit = 0;                 // m, distance from the axis up to which light around it is wanted
 };
 // eq. W.1, W.27: its factor on the grid. `wavefront`: curvature of the wave that the grid follows to it less that of
 // the wave from it (eq. W.26), 1/m.

@@ -85,6 +85,9 @@ struct RoundTrip::Parts {
   Grid grid_at(TripStop const& stop) const { return {trip.grid.points, trip.grid.window * stop.scale}; }
   // The farthest point of the opening from the axis.
   static double reach(TripStop const& stop) { return stop.opening.radius + std::hypot(stop.opening.x, stop.opening.y); }
+  // From the axis up to which light that arrives is wanted; the same for both directions of a leg, so that the round
+  // trip of a linear cavity stays symmetric (eq. W.11).
+  static double seen(TripStop const& stop) { return std::max(reach(stop), stop.lit); }
   // How much wider the grid becomes on the way to a stop.
   double widening(std::size_t stop) const { return trip.stops[stop].scale / before(stop).scale; }
   // Of the spherical wave that the grid follows from a stop to the next less that to it (eq. W.26), 1/m.
@@ -109,7 +112,10 @@ struct RoundTrip::Parts {
     for (std::size_t i = 0; i < stops.size(); ++i) {
       double const wider = widening(i);
       Grid const grid = grid_at(before(i));
-      Way const way{trip.stops[i].leg / wider, reach(before(i)) + reach(trip.stops[i]) / wider, grid.window};
+      Way const way{
+          trip.stops[i].leg / wider,
+          std::max(reach(before(i)) + seen(trip.stops[i]) / wider, seen(before(i)) + reach(trip.stops[i]) / wider),
+          grid.window};
       auto const known = std::ranges::find(kinds, way);
       stops[i].leg = std::size_t(known - kinds.begin());
       if (known != kinds.end()) continue;

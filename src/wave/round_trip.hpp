@@ -19,6 +19,7 @@ struct TripStop {
   RoundHole opening;  // of a mirror: its outline
   std::optional<WaveMirror> mirror;
   double scale = 1;  // pitch of the grid over that at the last stop, where it is 1 (eq. W.26)
+  double lit = 0;    // m, distance from the axis up to which light beside the opening is wanted
 };
 struct Trip {
   double wavelength = 0;        // m
