@@ -42,9 +42,12 @@ def length(text: str) -> float:
     if len(words) != 2 or words[1] not in UNITS:
         raise argparse.ArgumentTypeError(f"'{text}' is not a length; write for example '30 cm' ({', '.join(UNITS)})")
     try:
-        return float(words[0]) * UNITS[words[1]]
+        value = float(words[0]) * UNITS[words[1]]
     except ValueError:
-        raise argparse.ArgumentTypeError(f"'{words[0]}' is not a number; write for example '30 cm'") from None
+        value = np.nan
+    if not np.isfinite(value):
+        raise argparse.ArgumentTypeError(f"'{words[0]}' is not a finite number; write for example '30 cm'")
+    return value
 
 
 def grid(shape, pixel, centre):
@@ -258,12 +261,34 @@ def write_heights(options, surface, pixel, centre):
     print(f"written: {options.out}\n  wave: {{maps: {{MIRROR: {{file: {options.out.name}}}}}}}")
 
 
+def pixel_of(options, surface) -> float:
+    """Side of a pixel in m, from the file or the command line."""
+    given, stated = options.pixel, surface.pixel if 0 < surface.pixel < 1 else None
+    if given is not None and not 0 < given < 1:
+        raise MapError(f"--pixel is {given:g} m; give a length between 0 and 1 m: --pixel '0.4 mm'")
+    if None not in (given, stated) and abs(given / stated - 1) > 1e-3:
+        raise MapError(f"{options.map}: the file states pixels of {stated * 1e3:.6g} mm, --pixel is {given * 1e3:.6g} mm; "
+                       f"leave out --pixel, or correct the file")
+    if given is None and stated is None:
+        raise MapError(f"{options.map}: the file does not state its pixel size; give it: --pixel '0.4 mm'")
+    return stated or given
+
+
+def centre_of(options, surface, pixel):
+    """Of the disc, in m from the middle of the map."""
+    centre = options.centre or surface.centre
+    half = [n * pixel / 2 for n in surface.height.shape[::-1]]
+    if any(abs(c) > h for c, h in zip(centre, half)):
+        source = "--centre" if options.centre else f"{options.map}: the centre that the file states"
+        raise MapError(f"{source} is {centre[0] * 1e3:.6g} mm, {centre[1] * 1e3:.6g} mm from the middle of a map of "
+                       f"{2e3 * half[0]:.6g} x {2e3 * half[1]:.6g} mm; give a --centre within it")
+    return centre
+
+
 def run(options):
     surface = read_map(options.map)
-    pixel = options.pixel or surface.pixel
-    if not 0 < pixel < 1:
-        raise MapError(f"{options.map}: the file does not state its pixel size; give it: --pixel '0.4 mm'")
-    centre = options.centre or surface.centre
+    pixel = pixel_of(options, surface)
+    centre = centre_of(options, surface, pixel)
     if writes_heights(options.out):
         return write_heights(options, surface, pixel, centre)
     spectrum, residual, roc, missing = analyse(surface, pixel, options.aperture, options.remove, centre)

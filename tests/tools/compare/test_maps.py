@@ -1,4 +1,6 @@
 """Mirror maps: the formats give heights in m, and the spectrum is that of the surface. Usage: test_maps.py STRAYTRACE"""
+import contextlib
+import io
 import json
 import pathlib
 import struct
@@ -157,6 +159,33 @@ def check_refused_heights(folder):
     assert not (folder / "no.h5").exists()
 
 
+def check_refused_options(folder):
+    """Options that are no lengths, or contradict the map; each with the same option as it is accepted."""
+    (folder / "a.map").write_text(finesse(np.zeros((12, 10)), 5e-4, (5.5, 6.5)))
+
+    def said(*options):
+        text = io.StringIO()
+        with contextlib.redirect_stderr(text), contextlib.redirect_stdout(io.StringIO()):
+            try:
+                code = maps.main([str(folder / "a.map"), "-o", str(folder / "o.h5"), *options])
+            except SystemExit as error:
+                code = error.code
+        assert code == (2 if text.getvalue() else 0) and (folder / "o.h5").exists() == (code == 0), text.getvalue()
+        (folder / "o.h5").unlink(missing_ok=True)
+        return text.getvalue()
+    assert "'nan' is not a finite number" in said("--centre", "nan mm", "0 mm")
+    assert "'inf' is not a finite number" in said("--pixel", "inf mm")
+    outside = said("--centre", "3 mm", "0 mm")
+    assert "--centre is 3 mm, 0 mm from the middle of a map of 5 x 6 mm; give a --centre within it" in outside
+    assert said("--centre", "2 mm", "2.9 mm") == ""
+    contradicting = said("--pixel", "0.4 mm")
+    assert "the file states pixels of 0.5 mm, --pixel is 0.4 mm; leave out --pixel" in contradicting
+    assert said("--pixel", "0.5 mm") == ""
+    assert "--pixel is -0.0005 m; give a length between" in said("--pixel", "-0.5 mm")
+    (folder / "a.map").write_text(finesse(np.zeros((12, 10)), 5e-4, (50, 6.5)))
+    assert "the centre that the file states is 22.25 mm" in said()
+
+
 def check_refusals(folder):
     counts = np.zeros((4, 4))
     path = folder / "bad"
@@ -241,6 +270,7 @@ with tempfile.TemporaryDirectory() as name:
     check_refusals(here)
     check_heights(here)
     check_refused_heights(here)
+    check_refused_options(here)
     made_height, made_pixel = check_spectrum()
     check_tis(here, sys.argv[1])
     check_join(here, sys.argv[1], made_height, made_pixel)
