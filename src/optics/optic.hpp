@@ -47,6 +47,9 @@ struct Optic {
   PoolRef law[most_laws];                     // in LawTypes
   bool through[most_laws] = {};               // scatters to the other side (optics/scatter/through.hpp)
   View<AngleWeight const> weight[most_laws];  // none, or one
+  // Light reflected within this angle of the specular direction is left to the field of a cavity (docs/theory/wave.md,
+  // eq. W.20); `below`: its share of all light at normal incidence.
+  double crossover = 0, below = 0;  // rad, 1
 };
 
 }  // namespace straytrace::optics

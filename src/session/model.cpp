@@ -20,6 +20,7 @@
 #include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
 #include "session/report_page.hpp"
+#include "wave/arm/arm_cavity.hpp"
 #include "world/model/material.hpp"
 
 namespace straytrace::session {
@@ -186,6 +187,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
     table.problem("a model does not take a table 'scan'",
                   "name parameters on the command line: straytrace scan MODEL NAME=lo..hi:n");
   model.scene.throw_if_problems();
+  if (model.world.wave.present) begin_rays_at_crossover(model.world);
   warn_of_gaps(model.motion, model.noise, model.scene.table("bodies"), model.world.wavelength);
   warn_of_other_detector(model, model.scene.table("noise")["compare"]);
   warn_of_uncounted_ghosts(model);

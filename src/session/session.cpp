@@ -30,6 +30,7 @@
 #include "session/light/cavity_waves.hpp"
 #include "session/light/ghost_noise.hpp"
 #include "trace/deterministic/edges.hpp"
+#include "trace/deterministic/halo.hpp"
 #include "trace/deterministic/wave_rims.hpp"
 #include "trace/importance/importance.hpp"
 #include "trace/run/ranks.hpp"
@@ -126,6 +127,9 @@ struct DeterministicLight {
       std::ranges::copy(waves.arm.warnings, std::back_inserter(warnings));
       if (rims.empty()) warnings.push_back("wave: no inner edge couples light into a port; the field adds no noise");
       std::ranges::move(rims, std::back_inserter(classes));
+      HaloClasses halo = halo_classes(model.world, waves);
+      std::ranges::move(halo.classes, std::back_inserter(classes));
+      std::ranges::move(halo.warnings, std::back_inserter(warnings));
     }
     GhostClasses ghosts;
     if (auto const wanted = read_ghosts(model.scene)) ghosts = ghosts_beside(model.world, *wanted);

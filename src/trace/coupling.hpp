@@ -21,9 +21,9 @@ char letter(Event);  // emit, scatter, couple: 'S'; reflect: 'R'; transmit: 'T';
 
 // Light of the Monte-Carlo walk and the routes computed without it (docs/theory/diffraction.md): specular returns and
 // diffraction at rims: as an upper bound (edge), by Fourier propagation (wave), or in the mean over speckle (speckle;
-// docs/theory/wave.md). All but the first are deterministic: a fixed set of path records, no Monte-Carlo error, and
-// limits stated in words.
-enum class ClassKind : std::uint8_t { scattered, ghost, edge, wave, speckle };
+// docs/theory/wave.md); and light at small angles that surfaces in the field of a cavity scatter back (halo). All but
+// the first are deterministic: a fixed set of path records, no Monte-Carlo error, and limits stated in words.
+enum class ClassKind : std::uint8_t { scattered, ghost, edge, wave, speckle, halo };
 char const* name_of(ClassKind);
 
 struct PathStep {

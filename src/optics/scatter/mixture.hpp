@@ -29,16 +29,23 @@ STRAY_HD double law_albedo(LawPool const& pool, Optic const& optic, int i, Incid
 }
 
 template <class Incidence>
-STRAY_HD double scatter_albedo(LawPool const& pool, Optic const& optic, Incidence in, double n_in = 1,
-                               double n_out = 1) {
+STRAY_HD double sum_of_albedos(LawPool const& pool, Optic const& optic, Incidence in, double n_in, double n_out) {
   double sum = 0;
   for (int i = 0; i < optic.laws; ++i) sum += law_albedo(pool, optic, i, in, n_in, n_out);
   return sum;
+}
+// A small cone about the specular direction has the solid angle of that at normal incidence, and cos theta_i.
+template <class Incidence>
+STRAY_HD double scatter_albedo(LawPool const& pool, Optic const& optic, Incidence in, double n_in = 1,
+                               double n_out = 1) {
+  double const sum = sum_of_albedos(pool, optic, in, n_in, n_out);
+  return optic.below > 0 ? std::fmax(sum - optic.below * cosine_of(in), 0.0) : sum;
 }
 
 // BSDF of all models together, 1/sr.
 STRAY_HD double scatter_eval(LawPool const& pool, Optic const& optic, Vec3 wi, Vec3 wo, double n_in = 1,
                              double n_out = 1) {
+  if (optic.crossover > 0 && wo.z > 0 && angle_between(specular(wi), wo) < optic.crossover) return 0;
   double sum = 0;
   for (int i = 0; i < optic.laws; ++i) {
     if (optic.through[i] != (wo.z < 0)) continue;
@@ -66,7 +73,7 @@ STRAY_HD double scatter_pdf(LawPool const& pool, Optic const& optic, Vec3 wi, Ve
 // Draws a direction from the sum of the models; the returned pdf is that of the whole sum.
 STRAY_HD BsdfSample scatter_sample(LawPool const& pool, Optic const& optic, Vec3 wi, double choice, double u, double v,
                                    double n_in = 1, double n_out = 1) {
-  double left = choice * scatter_albedo(pool, optic, wi, n_in, n_out);
+  double left = choice * sum_of_albedos(pool, optic, wi, n_in, n_out);
   for (int i = 0; i < optic.laws; ++i) {
     left -= law_albedo(pool, optic, i, wi, n_in, n_out);
     if (left > 0 && i + 1 < optic.laws) continue;

@@ -37,7 +37,7 @@ std::vector<DrawnPath> by_rims(World const& world, CouplingClass const& c, std::
     path.weight = c.coupling.mean / double(most);
     Vec3 const edge = rim_point(rim, 2 * pi * 0.381966 * double(i));  // golden angle: evenly around
     path.points = {on_surface(world, from->surface, from->centre, Event::emit),
-                   on_surface(world, rim.surface, edge, Event::diffract),
+                   on_surface(world, rim.surface, edge, c.steps[1].event),
                    on_surface(world, to->surface, to->centre, Event::couple)};
     path.path_length = length(edge - from->centre) + length(to->centre - edge);
     all.push_back(std::move(path));

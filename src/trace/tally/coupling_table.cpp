@@ -235,7 +235,7 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
 }
 
 char const* name_of(ClassKind kind) {
-  constexpr char const* names[] = {"scattered", "ghost", "edge", "wave", "speckle"};
+  constexpr char const* names[] = {"scattered", "ghost", "edge", "wave", "speckle", "halo"};
   return names[std::size_t(kind)];
 }
 

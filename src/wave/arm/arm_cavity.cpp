@@ -119,8 +119,9 @@ double mirror_brdf(World const& world, ArmMirror const& mirror, Vec3 travel, dou
   WorldView const view = world.view();
   Vec3 const centre = view.shapes.visit(world.surfaces()[mirror.surface.value].shape,
                                         [](auto const& s) -> Vec3 { return s.reference(); });
-  Vertex const vertex = make_vertex(view, mirror.surface, centre, travel);
-  return scatter_eval(view.laws, *vertex.optic, {0, 0, 1}, {std::sin(angle), 0, std::cos(angle)});
+  Optic whole = *make_vertex(view, mirror.surface, centre, travel).optic;
+  whole.crossover = 0;
+  return scatter_eval(view.laws, whole, {0, 0, 1}, {std::sin(angle), 0, std::cos(angle)});
 }
 
 namespace {
@@ -174,10 +175,8 @@ std::vector<double> heights_of(World const& world, WaveSettings::Mirror const& s
   return measured ? measured_heights(settings, mirror, arm.cavity.grid, highest, wavelength, random) : random;
 }
 
-}  // namespace
-
-ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
-  Spots const spots = spots_of(world, settings);
+// Mirrors, edges and crossover angle, without fields.
+ArmCavity outline_of(World const& world, WaveSettings const& settings, Spots const& spots) {
   ArmCavity arm;
   arm.frame = frame_of(spots.of[0]->centre, spots.of[1]->centre);
   arm.cavity.wavelength = world.wavelength;
@@ -190,6 +189,30 @@ ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
     r.in_band = r.angle1 <= arm.crossover && r.angle2 <= arm.crossover;
     arm.cavity.baffles.push_back({r.centre.z, {r.rim.radius + r.rim.tooth_depth / 2, r.centre.x, r.centre.y}});
   }
+  return arm;
+}
+
+}  // namespace
+
+void begin_rays_at_crossover(World& world) {
+  Spots const spots = spots_of(world, world.wave);
+  ArmCavity const arm = outline_of(world, world.wave, spots);
+  WorldView const view = world.view();
+  for (std::size_t i : {0, 1}) {
+    Footprint const& spot = *spots.of[i];
+    Vertex const vertex = make_vertex(view, spot.surface, spot.centre, spot.travel);
+    double reflected = 0;
+    for (int law = 0; law < vertex.optic->laws; ++law)
+      if (!vertex.optic->through[law]) reflected += law_albedo(view.laws, *vertex.optic, law, 1.0);
+    double const beyond =
+        scattered_beyond([&](double a) { return mirror_brdf(world, arm.mirrors[i], spot.travel, a); }, arm.crossover);
+    world.begin_scatter_at(spot.surface, vertex.front, arm.crossover, std::fmax(reflected - beyond, 0.0));
+  }
+}
+
+ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
+  Spots const spots = spots_of(world, settings);
+  ArmCavity arm = outline_of(world, settings, spots);
   check_rims(world, settings, arm);
   choose_grid(arm, settings);
   check_grid(world, arm);

@@ -52,6 +52,10 @@ struct ArmCavity {
 // whose BSDF begins above the crossover angle.
 ArmCavity arm_cavity(World const&, WaveSettings const&);
 
+// Leaves the light that the mirrors of the table `wave` scatter below the crossover angle to the field: their rays
+// begin there (eq. W.20). Once, before the trace.
+void begin_rays_at_crossover(World&);
+
 // The curve of a rim in the frame of the cavity, teeth included, displaced and widened [m].
 RimCurve curve_of(ArmCavity const&, ArmRim const&, Vec3 displacement = {}, double wider = 0);
 

@@ -112,6 +112,7 @@ std::string World::fingerprint() const {
       out.add(std::uint64_t(o.through[i]));
       if (o.weight[i].size) out.add_doubles(o.weight[i][0]);
     }
+    if (o.crossover > 0) out.add(o.crossover);
   }
   for (Volume const& volume : volumes_) {
     out.add(media_[volume.medium].index);

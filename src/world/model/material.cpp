@@ -45,7 +45,8 @@ std::vector<PlacedMaterial> placed_materials(World const& world) {
   for (MaterialInfo const& info : world.materials) {
     PlacedMaterial material{info.name, info.spread, {}};
     for (Surface const& s : world.surfaces())
-      if (s.front == info.optic || s.back == info.optic) material.groups.push_back(s.group);
+      if (world.material_optic(s.front) == info.optic || world.material_optic(s.back) == info.optic)
+        material.groups.push_back(s.group);
     std::sort(material.groups.begin(), material.groups.end());
     material.groups.erase(std::unique(material.groups.begin(), material.groups.end()), material.groups.end());
     if (!material.groups.empty() && !(info.laws.empty() && !info.spread.stated())) all.push_back(std::move(material));

@@ -27,8 +27,20 @@ void World::too_many_shapes(std::string_view kind) const {
 }
 
 std::uint32_t World::add_optic(Optic const& optic) {
+  material_optic_.push_back(std::uint32_t(optics_.size()));
   optics_.push_back(optic);
-  return std::uint32_t(optics_.size() - 1);
+  return material_optic_.back();
+}
+
+void World::begin_scatter_at(SurfaceId id, bool front, double crossover, double below) {
+  Surface& surface = surfaces_[id.value];
+  std::uint32_t& side = front ? surface.front : surface.back;
+  Optic optic = optics_[side];
+  optic.crossover = crossover;
+  optic.below = below;
+  std::uint32_t const own = add_optic(optic);
+  material_optic_[own] = material_optic_[side];
+  side = own;
 }
 
 std::uint32_t World::add_volume(Medium const& medium) {

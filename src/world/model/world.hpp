@@ -45,6 +45,10 @@ class World {
  public:
   std::uint32_t most_shapes = SurfaceRef::most_shapes;  // of one kind; more throw InputError
   std::uint32_t add_optic(Optic const&);
+  // Gives one side of a surface an optic of its own that leaves light within an angle of the specular direction to the
+  // field of a cavity (docs/theory/wave.md); `below`: its share at normal incidence.
+  void begin_scatter_at(SurfaceId, bool front, double crossover, double below);
+  std::uint32_t material_optic(std::uint32_t optic) const { return material_optic_[optic]; }  // that it was made from
   std::uint32_t add_volume(Medium const&);
   template <class T>
   PoolRef add_interface(T const& coating) {
@@ -150,6 +154,7 @@ class World {
   std::vector<Volume> volumes_;
   std::vector<Medium> media_;
   std::vector<Optic> optics_;
+  std::vector<std::uint32_t> material_optic_;  // by optic
   std::vector<Footprint> lit_;
   std::vector<Feed> feeds_;
   std::vector<std::uint32_t> lit_of_surface_, emitters_, receiver_of_surface_;

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Light at small angles that baffles scatter back into the mode of a cavity, from a known irradiance
+// (docs/theory/wave.md, eq. W.19 to W.21).
+#include "trace/deterministic/halo.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "base/math/gauss_points.hpp"
+#include "physics/wave/kilometre_arm.hpp"
+#include "support/recorded.hpp"
+#include "wave/heights/height_map.hpp"
+
+namespace straytrace::testing::trace_halo {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double brdf = 0.03 / pi;  // of the baffles, 1/sr
+constexpr double inner = 0.045, outer = 0.2;
+
+KilometreArm lit_arm() {
+  KilometreArm arm = kilometre_arm("crossover: 120 urad, grid: {points: 256, window: 0.5 m}");
+  arm.baffles =
+      "  - {name: baffle_two, shape: {disk: {inner_radius: 45 mm, outer_radius: 20 cm}}, at: [0 m, 0 m, 600 m],"
+      " facing: [0, 0, -1], body: pipe, material: grey}\n"
+      "  - {name: baffle_one, shape: {disk: {inner_radius: 45 mm, outer_radius: 20 cm}}, at: [0 m, 0 m, 400 m],"
+      " facing: [0, 0, 1], body: pipe, material: grey}\n";
+  return arm;
+}
+World lit_world() {
+  FileTexts const texts{{"a.yaml", [] {
+                           std::string text = lit_arm().text();
+                           std::string const black = "  black: {}\n";
+                           return text.insert(text.find(black), "  grey: {scatter: {model: lambertian, tis: 0.03}}\n");
+                         }()}};
+  Scene const scene = read_scene("a.yaml", {}, &texts);
+  World world = build_world(scene);
+  scene.throw_if_problems();
+  return world;
+}
+
+// The same irradiance everywhere beyond a radius, with the square of speckle.
+PolarIrradiance even_irradiance(double mean, double from) {
+  PolarIrradiance light{1e-3, 250, 32, std::vector<float>(250 * 32), std::vector<float>(250 * 32)};
+  for (int ring = 0; ring < light.rings; ++ring)
+    for (int s = 0; s < light.sectors; ++s)
+      if (light.radius(ring) > from) {
+        light.mean[std::size_t(ring * light.sectors + s)] = float(mean);
+        light.square[std::size_t(ring * light.sectors + s)] = float(2 * mean * mean);
+      }
+  return light;
+}
+
+struct LitBench {
+  World world = lit_world();
+  ArmWaves waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, 0, {}, {}, {}, {}, {}, {}};
+
+  LitBench() {
+    PolarIrradiance const dark = even_irradiance(0, 0);
+    waves.irradiance.towards_mirror1.assign(4, dark);
+    waves.irradiance.towards_mirror2.assign(4, dark);
+  }
+  double coupling(std::string const& mirror, std::string const& baffle) const {
+    for (CouplingClass const& c : halo_classes(world, waves).classes)
+      if (world.groups()[c.steps.at(0).group.value] == mirror && world.groups()[c.steps.at(1).group.value] == baffle)
+        return c.coupling.mean;
+    return 0;
+  }
+};
+
+// 2 lambda^2 beta I^2 over the area, on the side that the light comes from (eq. W.19); the factor 2 is that of speckle.
+TEST(Halo, ScattersBackWithTheSquareOfTheIrradiance) {
+  LitBench bench;
+  constexpr double irradiance = 1e-4, from = 0.1;
+  bench.waves.irradiance.towards_mirror2[1] = even_irradiance(irradiance, from);
+  auto const result = halo_classes(bench.world, bench.waves);
+  ASSERT_EQ(result.classes.size(), 1u);
+  CouplingClass const& c = result.classes[0];
+  double const area = pi * (outer * outer - from * from);
+  double beyond = 0;  // 4 I_L I_H, light beyond the crossover angle on one way
+  GaussPoints const gauss(16);
+  for (std::size_t i = 0; i < gauss.at.size(); ++i) {
+    double const r = from + (outer - from) * gauss.at[i];
+    auto const law = [](double angle) { return angle < 120e-6 ? 0 : 5e-7 / (angle * angle); };
+    beyond += gauss.weight[i] * (outer - from) * 2 * pi * r *
+              mean_irradiance(law, bench.waves.arm.mirrors[0].spot, 1 / 2500., 400, r);
+  }
+  double const scale = bench.world.wavelength * bench.world.wavelength * brdf,
+               expected = scale * (2 * irradiance * irradiance * area + 4 * irradiance * beyond);
+  EXPECT_LT(deviation(c.coupling.mean, expected), 5e-3);
+  EXPECT_GT(deviation(c.coupling.mean, scale * irradiance * irradiance * area), 0.5);  // control: without speckle
+  EXPECT_EQ(c.kind, ClassKind::halo);
+  EXPECT_EQ(c.reverse, 1);
+  EXPECT_EQ(bench.world.groups()[c.steps.at(0).group.value], "I");
+  EXPECT_EQ(bench.world.groups()[c.steps.at(1).group.value], "baffle_one");
+  EXPECT_EQ(bench.world.ports()[c.port.value], "I");
+  EXPECT_THAT(c.statement, HasSubstr("eq. W.19"));
+}
+
+// Along the beam +2k of the baffle (and -2k of the mirror), as for every single vertex (eq. 2.3 and 2.5).
+TEST(Halo, MovesWithTheBaffle) {
+  LitBench bench;
+  bench.waves.irradiance.towards_mirror2[1] = even_irradiance(1e-4, 0.1);
+  auto const result = halo_classes(bench.world, bench.waves);
+  ASSERT_EQ(result.classes.size(), 1u);
+  double const twice_k = 4 * pi / bench.world.wavelength;
+  double along = 0, weights = 0, tilt = 0;
+  for (PathRecord const& r : result.classes[0].records) {
+    weights += r.weight;
+    EXPECT_NEAR(r.path_length, 800, 0.1);
+    for (PhaseSensitivity const& s : r.phase_sensitivities)
+      if (bench.world.bodies()[s.body.value].name == "pipe") {
+        EXPECT_LT(deviation(std::fabs(s.d[2]), twice_k), 1e-6);
+        along += r.weight * s.d[2];
+        tilt += r.weight * s.d[3];
+      }
+  }
+  EXPECT_LT(deviation(std::fabs(along), twice_k * weights), 1e-6);
+  EXPECT_LT(std::fabs(tilt), 1e-3 * 0.1 * twice_k * weights);  // of the two halves against each other
+}
+
+// Light from the other mirror meets the other side of the same baffle, and joins the mode at its own mirror.
+TEST(Halo, EachSideWithItsMirror) {
+  LitBench bench;
+  bench.waves.irradiance.towards_mirror1[1] = even_irradiance(1e-4, 0.1);
+  EXPECT_GT(bench.coupling("E", "baffle_one"), 0);
+  EXPECT_EQ(bench.coupling("I", "baffle_one"), 0);
+  bench.waves.irradiance.towards_mirror2[2] = even_irradiance(2e-4, 0.1);
+  EXPECT_GT(bench.coupling("I", "baffle_two"), bench.coupling("E", "baffle_one"));
+}
+
+// The rays of the mirrors begin at the crossover angle, and scatter what the BSDF scatters beyond it (eq. W.20).
+TEST(Halo, RaysBeginAtTheCrossover) {
+  World world = lit_world();
+  ArmCavity const before = arm_cavity(world, world.wave);
+  WorldView const old = world.view();
+  auto const optic = [&world] {
+    SurfaceId const mirror = world.wave.mirrors[0].surface;
+    return world.view().optics[world.surfaces()[mirror.value].front];
+  };
+  auto const at = [&](double angle) {
+    return scatter_eval(world.view().laws, optic(), {0, 0, 1}, {std::sin(angle), 0, std::cos(angle)});
+  };
+  double const whole = scatter_albedo(old.laws, optic(), 1.0), inside = at(100e-6), outside = at(140e-6);
+  EXPECT_GT(inside, outside);
+  begin_rays_at_crossover(world);
+  EXPECT_EQ(at(100e-6), 0);
+  EXPECT_EQ(at(140e-6), outside);
+  double const left = scatter_albedo(world.view().laws, optic(), 1.0);
+  EXPECT_LT(deviation(left, before.mirrors[0].scattered), 1e-4);
+  EXPECT_GT(whole, 1.2 * left);  // control
+  EXPECT_EQ(world.material_optic(world.surfaces()[world.wave.mirrors[0].surface.value].front),
+            world.material_optic(world.surfaces()[world.wave.mirrors[1].surface.value].front));
+  ArmCavity const after = arm_cavity(world, world.wave);  // the field still has the whole BSDF
+  EXPECT_EQ(after.cavity.mirror1.height, before.cavity.mirror1.height);
+}
+
+}  // namespace
+}  // namespace straytrace::testing::trace_halo
