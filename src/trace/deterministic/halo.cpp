@@ -61,7 +61,7 @@ class LitColumn {
     start_ = side.waves.arm.frame.origin + before * side.waves.arm.frame.z;
     length_ = std::fabs(after - before);
   }
-  // Nothing: the light goes on, or the point lies behind a wall.
+  // None: the light passes, or the point lies behind a wall.
   std::optional<Vertex> at(double radius, double azimuth) const {
     CavityFrame const& frame = side_.waves.arm.frame;
     Vec3 const out = std::cos(azimuth) * frame.x + std::sin(azimuth) * frame.y;
