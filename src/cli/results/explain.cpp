@@ -271,6 +271,8 @@ constexpr Mark marks[] = {
     {"edge", "kind of a route: light diffracted at rims, computed, an upper bound", "docs/theory/diffraction.md"},
     {"wave", "kind of a route: light diffracted at rims, by Fourier propagation in the cavity", "docs/theory/wave.md"},
     {"speckle", "kind of a route: light diffracted at rims, in the mean over random mirrors", "docs/theory/wave.md"},
+    {"halo", "kind of a route: light below the crossover angle that surfaces in the field of a cavity scatter back",
+     "docs/theory/wave.md"},
     {"linear", "regime of a route: at least half of its noise power is to first order in the motion",
      "docs/theory/spectra.md"},
     {"wrapped",
