@@ -168,6 +168,7 @@ struct PathRow {
   std::vector<WithError> strain;              // 1/sqrt(Hz), one per frequency; NaN outside the grid
   std::vector<double> hint;                   // 1/sqrt(Hz), of unresolved routes: the observed part
   std::vector<double> input_low, input_high;  // of it: range due to stated input uncertainties; NaN where not computed
+  std::vector<double> draws_low, draws_high;  // of it: percentiles 5 and 95 over draws of mirrors and edges; or NaN
   WithError power;                            // of its strain noise in the band, strain^2
   WithError share;               // of the resolved strain noise power in the band [1]; NaN without a budget
   std::string body;              // whose motion contributes most; without motion, of the largest phase sensitivity

@@ -64,6 +64,14 @@ WaveCavity const& CavityWaves::cavity() const { return parts_->cavity; }
 Transform const& CavityWaves::transform() const { return parts_->trip.transform(); }
 Mask const& CavityWaves::mask(std::size_t baffle) const { return parts_->trip.mask(baffle); }
 
+void CavityWaves::set_heights(std::array<std::vector<double>, 2> heights) {
+  std::size_t const baffles = parts_->cavity.baffles.size();
+  parts_->trip.set_height(2 * baffles + 1, heights[0]);
+  parts_->trip.set_height(baffles, heights[1]);
+  parts_->cavity.mirror1.height = std::move(heights[0]);
+  parts_->cavity.mirror2.height = std::move(heights[1]);
+}
+
 void CavityWaves::round_trip(Field& spectrum, Observer const& observer) const {
   if (!observer) return parts_->trip.travel(spectrum);
   parts_->trip.travel(spectrum, [&](StopArrival const& at) {

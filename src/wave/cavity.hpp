@@ -3,6 +3,7 @@
 // (docs/theory/wave.md, eq. W.8, W.9, W.11, W.24).
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -50,6 +51,8 @@ class CavityWaves {
   WaveCavity const& cavity() const;
   Transform const& transform() const;
   Mask const& mask(std::size_t baffle) const;
+  // Other heights of both mirrors, on the grid; empty: none.
+  void set_heights(std::array<std::vector<double>, 2>);
 
   // Spectrum of a Hermite-Gauss mode of the mirrors alone, n quanta along x and m along y, after the reflection by
   // mirror

@@ -125,16 +125,17 @@ struct RoundTrip::Parts {
   }
   void make_factors() {
     for (std::size_t i = 0; i < stops.size(); ++i) {
-      TripStop const& stop = trip.stops[i];
-      double const bent = wavefront(i);
-      if (!stop.mirror && bent == 0) continue;
-      Mask const& mask = masks[stops[i].mask];
+      if (!trip.stops[i].mirror && wavefront(i) == 0) continue;
       stops[i].factor = factors.size();
-      factors.push_back(stop.mirror ? reflection(*stop.mirror, mask, trip.wavelength, grid_at(stop), bent)
-                                    : phase_mask(mask, bent, trip.wavelength, grid_at(stop)));
+      factors.push_back(factor(i));
+      if (trip.stops[i].mirror) trip.stops[i].mirror->height = {};  // it is in the factor
     }
-    for (TripStop& stop : trip.stops)
-      if (stop.mirror) stop.mirror->height = {};  // they are in the factor
+  }
+  Field factor(std::size_t i) const {
+    TripStop const& stop = trip.stops[i];
+    Mask const& mask = masks[stops[i].mask];
+    return stop.mirror ? reflection(*stop.mirror, mask, trip.wavelength, grid_at(stop), wavefront(i))
+                       : phase_mask(mask, wavefront(i), trip.wavelength, grid_at(stop));
   }
 
   void travel(Field& spectrum, std::function<void(StopArrival const&)> const&, TripLosses*) const;
@@ -197,6 +198,13 @@ Trip const& RoundTrip::trip() const { return parts_->trip; }
 Transform const& RoundTrip::transform() const { return parts_->transform; }
 Mask const& RoundTrip::mask(std::size_t stop) const { return parts_->masks[parts_->stops[stop].mask]; }
 int RoundTrip::start_columns() const { return parts_->first_leg().columns(); }
+
+void RoundTrip::set_height(std::size_t stop, std::vector<double> height) {
+  WaveMirror& mirror = *parts_->trip.stops[stop].mirror;
+  mirror.height = std::move(height);
+  parts_->factors[parts_->stops[stop].factor] = parts_->factor(stop);
+  mirror.height = {};
+}
 
 void RoundTrip::travel(Field& spectrum, std::function<void(StopArrival const&)> const& observer) const {
   parts_->travel(spectrum, observer, nullptr);

@@ -69,6 +69,8 @@ class RoundTrip {
   Transform const& transform() const;
   Mask const& mask(std::size_t stop) const;
   int start_columns() const;  // that hold a spectrum at the start
+  // Another surface of the mirror at a stop, as WaveMirror::height.
+  void set_height(std::size_t stop, std::vector<double>);
 
   // eq. W.8, in place. Calls the observer for each arrival, in order of the way.
   void travel(Field& spectrum, std::function<void(StopArrival const&)> const& = {}) const;

@@ -226,6 +226,12 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
     budget.routes.push_back(finished(name, why_not.empty() ? own : hint_of(own)));
     NoiseTrace& trace = budget.routes.back();
     if (c.mixes_routes()) trace.mean_square_phase = route.mean_square_phase_of_noise;
+    DrawBand const draws = draw_band(c, first, nodes);
+    for (std::size_t i = 0; i < draws.low.size(); ++i) {
+      double const to_strain = factor * response.at(c.port.value).both(i);
+      trace.draws_low.push_back(std::sqrt(to_strain * draws.low[i]));
+      trace.draws_high.push_back(std::sqrt(to_strain * draws.high[i]));
+    }
     trace.hash = c.hash;
     trace.resolved = why_not.empty();
     trace.why_not = why_not;

@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "base/math/constants.hpp"
+#include "base/math/percentile.hpp"
 
 namespace straytrace::noise {
 FirstOrderRatio::FirstOrderRatio(PhaseSpectra const& spectra, MotionSet const& motion, CouplingTable const& table,
@@ -157,6 +159,32 @@ double jackknife_variance(std::span<double const> without) {
   double sum = 0;
   for (double x : without) sum += (x - mean) * (x - mean);
   return (n - 1) / n * sum;
+}
+
+DrawBand draw_band(CouplingClass const& c, std::size_t first, SpectrumInterpolator const& nodes) {
+  std::uint64_t draws = 0;
+  if (c.kind == ClassKind::wave)
+    for (PathRecord const& r : c.records) draws = std::max(draws, r.history + 1);
+  if (draws < 2) return {};
+  std::vector<std::vector<double>> weights(draws, std::vector<double>(nodes.basis().size()));
+  std::vector<SpectrumInterpolator::Share> shares;
+  for (std::size_t i = 0; i < c.records.size(); ++i) {
+    nodes.shares(first + i, shares);
+    for (SpectrumInterpolator::Share const& s : shares)
+      weights[c.records[i].history][s.basis] += double(draws) * c.records[i].weight * s.weight;
+  }
+  std::vector<Bins> psd;
+  for (std::vector<double> const& w : weights)
+    psd.push_back(sum_of(w, nodes.basis(), &SpectrumInterpolator::Basis::psd));
+  DrawBand band;
+  for (std::size_t bin = 0; bin < psd.front().size(); ++bin) {
+    std::vector<double> values;
+    for (Bins const& of_draw : psd) values.push_back(of_draw[bin]);
+    std::ranges::sort(values);
+    band.low.push_back(nearest_rank(values, 0.05));
+    band.high.push_back(nearest_rank(values, 0.95));
+  }
+  return band;
 }
 
 RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c, std::size_t first,

@@ -78,6 +78,13 @@ RouteSpectrum route_spectrum(CouplingTable const&, CouplingClass const&, std::si
 // Replica of a history: its block modulo their number.
 std::size_t replica_of(std::uint64_t history, std::uint64_t block_size);
 
+// Percentiles 5 and 95 per bin of the PSD over the draws of a class of kind wave, each draw as if it were the mean;
+// its records have the number of their draw as history. Empty for other classes and with one draw.
+struct DrawBand {
+  Bins low, high;
+};
+DrawBand draw_band(CouplingClass const&, std::size_t first, SpectrumInterpolator const&);
+
 // Squared standard error of a mean from its delete-one values; NaN with fewer than two.
 double jackknife_variance(std::span<double const> without);
 

@@ -161,6 +161,9 @@ void add_noise(PathRow& row, NoiseTrace const& trace, FrequencyGrid const& grid,
     bool const made = row.resolved && !trace.input_low.empty();
     row.input_low.push_back(made ? band_at(trace.input_low, grid, f) : not_a_number);
     row.input_high.push_back(made ? band_at(trace.input_high, grid, f) : not_a_number);
+    bool const drawn = row.resolved && !trace.draws_low.empty();
+    row.draws_low.push_back(drawn ? band_at(trace.draws_low, grid, f) : not_a_number);
+    row.draws_high.push_back(drawn ? band_at(trace.draws_high, grid, f) : not_a_number);
   }
 }
 

@@ -156,6 +156,16 @@ std::string explanation(PathTable const& table, bool shortened) {
 
 constexpr std::size_t folded_shown = 5;
 
+// The range of h over draws of mirrors and edges, of routes that are their mean.
+std::string draws_text(PathRow const& row, std::vector<double> const& frequencies) {
+  std::string text;
+  for (std::size_t i = 0; i < row.draws_low.size(); ++i)
+    if (!std::isnan(row.draws_low[i]))
+      text += fmt::format("{}{:.3g} to {:.3g} at {:g} Hz", text.empty() ? "" : ", ", row.draws_low[i],
+                          row.draws_high[i], frequencies[i]);
+  return text.empty() ? text : fmt::format("  {}, h in 90 % of the draws: {}\n", row.sequence, text);
+}
+
 // Statements of deterministic routes, each once with its routes; also of rows that are not shown.
 std::string statements(PathTable const& table, std::size_t show) {
   constexpr std::size_t named = 4;
@@ -174,6 +184,7 @@ std::string statements(PathTable const& table, std::size_t show) {
       text += fmt::format("{}{}", k > 0 ? ", " : "", rows[k]->sequence);
     if (rows.size() > named) text += fmt::format(" and {} more", rows.size() - named);
     text += ":\n  " + statement + "\n";
+    for (std::size_t k = 0; k < std::min(named, rows.size()); ++k) text += draws_text(*rows[k], table.frequencies);
   }
   if (all.size() > show) text += "\nand " + counted(all.size() - show, "more statement") + "; --csv has all\n";
   return text;

@@ -9,13 +9,11 @@
 
 namespace straytrace::session {
 
-ArmWaves solve_waves(World const& world, unsigned threads, PrintOptions const& print, int highest_order) {
+ArmWaves solve_waves(World const& world, unsigned threads, PrintOptions const& print, ArmOptions options) {
   InterruptGuard const guard;
   ProgressLine line(print.quiet);
   auto const begin = std::chrono::steady_clock::now();
-  ArmOptions options;
   options.threads = int(threads);
-  options.highest_order = highest_order;
   options.progress = [&](std::string const& what) {
     if (guard.stop())
       throw InputError("interrupted while the field of the cavity was computed; nothing was traced", "run it again");

@@ -7,7 +7,7 @@
 
 namespace straytrace::session {
 
-// With progress on stderr. `highest_order` of the modes listed; -1: none.
-ArmWaves solve_waves(World const&, unsigned threads, PrintOptions const&, int highest_order = -1);
+// With progress on stderr.
+ArmWaves solve_waves(World const&, unsigned threads, PrintOptions const&, ArmOptions = {});
 
 }  // namespace straytrace::session

@@ -51,22 +51,26 @@ double way_by(ArmCavity const& arm, ArmRim const& rim) {  // m, from mirror to m
   return std::hypot(one, rim.rim.radius) + std::hypot(two, rim.rim.radius);
 }
 
-// As drawn in the scene; with tolerances the mean over their draws instead.
+// The mean over the draws; the number of a draw is that of the histories of its records.
 void add_solved(std::vector<PathRecord>& records, World const& world, ArmCavity const& arm, ArmRim const& rim,
                 RimResult const& found) {
-  std::size_t const first = found.responses.size() > 1 ? 1 : 0;
-  double const share = 1 / double(found.responses.size() - first);
-  for (std::size_t i = first; i < found.responses.size(); ++i) {
-    RimLevers const& levers = found.responses[i].levers;
-    BodyGradient gradient(world, arm, rim);
-    for (int axis = 0; axis < 3; ++axis) gradient.displacement(axis, levers.displacement[axis]);
-    for (int axis = 0; axis < 3; ++axis) gradient.rotation(axis, levers.rotation[axis]);
-    EdgeWave wave;
-    wave.amplitude = found.clipped;
-    wave.gradient = gradient.values();
-    wave.path_length = way_by(arm, rim);
-    add_edge_records(records, wave, share * edge_power(wave));
-  }
+  double const share = 1 / double(found.ensemble().size());
+  std::uint64_t number = 0;
+  for (RimDraw const& draw : found.draws)
+    for (std::size_t i = draw.responses.size() > 1 ? 1 : 0; i < draw.responses.size(); ++i) {
+      RimLevers const& levers = draw.responses[i].levers;
+      BodyGradient gradient(world, arm, rim);
+      for (int axis = 0; axis < 3; ++axis) gradient.displacement(axis, levers.displacement[axis]);
+      for (int axis = 0; axis < 3; ++axis) gradient.rotation(axis, levers.rotation[axis]);
+      EdgeWave wave;
+      wave.amplitude = draw.clipped;
+      wave.gradient = gradient.values();
+      wave.path_length = way_by(arm, rim);
+      std::size_t const first = records.size();
+      add_edge_records(records, wave, share * edge_power(wave));
+      for (std::size_t r = first; r < records.size(); ++r) records[r].history = number;
+      ++number;
+    }
 }
 
 // The levers along the three axes are independent of each other, with independent phases. A rotation about an axis
@@ -90,7 +94,7 @@ void add_expected(std::vector<PathRecord>& records, World const& world, ArmCavit
 
 struct RimGroup {
   std::vector<PathRecord> records;
-  std::size_t rims = 0, draws = 0;
+  std::size_t rims = 0, map_draws = 0, tolerance_draws = 0;
 };
 
 std::string statement(ArmWaves const& waves, ClassKind kind, RimGroup const& group) {
@@ -102,8 +106,10 @@ std::string statement(ArmWaves const& waves, ClassKind kind, RimGroup const& gro
         "fourfold where the grid held "
         "them; powers added; first order in the motion",
         rims, 1e6 * waves.arm.crossover);
-  std::string const drawn = group.draws > 1 ? fmt::format("mean over {} draws of the tolerances", group.draws)
-                                            : std::string("one draw of the mirrors, rims as in the scene");
+  std::string drawn = group.map_draws > 1 ? fmt::format("mean over {} draws of the mirrors", group.map_draws)
+                                          : std::string("one draw of the mirrors");
+  drawn += group.tolerance_draws > 0 ? fmt::format(", each with {} of the tolerances", group.tolerance_draws)
+                                     : std::string(", rims as in the scene");
   return fmt::format(
       "{} in the field of the cavity (docs/theory/wave.md, eq. W.14): {}; both directions; powers added; first order "
       "in the motion",
@@ -116,10 +122,13 @@ RimGroup rims_of_kind(World const& world, ArmWaves const& waves, std::string con
   for (std::size_t i = 0; i < waves.rims.size(); ++i) {
     ArmRim const& rim = waves.arm.rims[i];
     RimResult const& found = waves.rims[i];
-    bool const solved = !found.responses.empty();
+    bool const solved = !found.draws.empty();
     if (world.name_of(rim.surface) != name || solved != (kind == ClassKind::wave)) continue;
     ++group.rims;
-    group.draws = std::max(group.draws, found.responses.size() - (solved ? 1 : 0));
+    if (solved) {
+      group.map_draws = found.draws.size();
+      group.tolerance_draws = found.draws.front().responses.size() - 1;
+    }
     if (solved)
       add_solved(group.records, world, waves.arm, rim, found);
     else

@@ -107,13 +107,13 @@ double scattered_beyond(std::function<double(double)> const& brdf, double crosso
   return sum;
 }
 
-double rms(std::vector<double> const& heights) {
+}  // namespace
+
+double height_rms(std::vector<double> const& heights) {
   double sum = 0;
   for (double h : heights) sum += h * h;
   return heights.empty() ? 0 : std::sqrt(sum / double(heights.size()));
 }
-
-}  // namespace
 
 double mirror_brdf(World const& world, ArmMirror const& mirror, Vec3 travel, double angle) {
   WorldView const view = world.view();
@@ -146,7 +146,7 @@ std::vector<double> measured_heights(WaveSettings::Mirror const& settings, ArmMi
   try {
     std::vector<double> heights =
         cleaned_heights(height_map_of(settings.bytes, settings.file), settings, mirror, grid, highest);
-    if (double const size = rms(heights); !(size < wavelength / 4))
+    if (double const size = height_rms(heights); !(size < wavelength / 4))
       throw InputError(
           fmt::format(
               "the heights are {:.3g} m rms after the removal of low orders, more than a quarter of the wavelength",
@@ -194,6 +194,15 @@ ArmCavity outline_of(World const& world, WaveSettings const& settings, Spots con
 
 }  // namespace
 
+std::array<std::vector<double>, 2> drawn_heights(World const& world, WaveSettings const& settings, ArmCavity const& arm,
+                                                 std::uint32_t draw) {
+  Spots const spots = spots_of(world, settings);
+  std::array<std::vector<double>, 2> heights;
+  for (std::uint32_t i : {0u, 1u})
+    heights[i] = heights_of(world, settings.mirrors[i], arm.mirrors[i], spots.of[i]->travel, arm, i + 2 * draw);
+  return heights;
+}
+
 void begin_rays_at_crossover(World& world) {
   Spots const spots = spots_of(world, world.wave);
   ArmCavity const arm = outline_of(world, world.wave, spots);
@@ -221,9 +230,12 @@ ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
     Vec3 const travel = spots.of[i]->travel;
     mirror.scattered = scattered_beyond([&](double a) { return mirror_brdf(world, mirror, travel, a); }, arm.crossover);
     WaveMirror& wave = i == 0 ? arm.cavity.mirror1 : arm.cavity.mirror2;
-    std::vector<double> heights = heights_of(world, settings.mirrors[i], mirror, travel, arm, std::uint32_t(i));
-    wave = {mirror.curvature, {mirror.radius}, 0, 0, std::move(heights), mirror.scattered};
-    mirror.roughness = rms(wave.height);
+    wave = {mirror.curvature, {mirror.radius}, 0, 0, {}, mirror.scattered};
+  }
+  auto heights = drawn_heights(world, settings, arm, 0);
+  for (std::size_t i : {0, 1}) {
+    arm.mirrors[i].roughness = height_rms(heights[i]);
+    (i == 0 ? arm.cavity.mirror1 : arm.cavity.mirror2).height = std::move(heights[i]);
   }
   return arm;
 }

@@ -51,6 +51,10 @@ struct ArmCavity {
 // Throws InputError where settings and scene do not fit together: a grid that is too coarse or too narrow, or a mirror
 // whose BSDF begins above the crossover angle.
 ArmCavity arm_cavity(World const&, WaveSettings const&);
+// The heights of its mirrors with other random numbers; draw 0 is that of `arm_cavity`.
+std::array<std::vector<double>, 2> drawn_heights(World const&, WaveSettings const&, ArmCavity const&,
+                                                 std::uint32_t draw);
+double height_rms(std::vector<double> const& heights);
 
 // Leaves the light that the mirrors of the table `wave` scatter below the crossover angle to the field: their rays
 // begin there (eq. W.20). Once, before the trace.

@@ -5,21 +5,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/functions.hpp"
+#include "base/math/percentile.hpp"
 #include "base/math/rng.hpp"
 #include "base/process/threads.hpp"
 #include "beams/round_cavity.hpp"
+#include "wave/arm/arm_solver.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::wave {
 namespace {
-
-void say(ArmOptions const& options, std::string const& what) {
-  if (options.progress) options.progress(what);
-}
 
 // NaN beyond the reach of the Hankel transform.
 double loss_of_smooth_mirrors(ArmCavity const& arm) {
@@ -43,13 +42,15 @@ double normal(Rng& random) {
   return radius * sincos_turn(random.uniform()).cos;
 }
 
-// The rim as drawn in the scene, then with its tolerances.
-std::vector<RimCurve> curves_of(ArmCavity const& arm, std::size_t number, WaveSettings const& settings) {
+// The rim as drawn in the scene, then with its tolerances, drawn anew in each draw of the heights.
+std::vector<RimCurve> curves_of(ArmCavity const& arm, std::size_t number, WaveSettings const& settings,
+                                std::uint32_t map_draw) {
   ArmRim const& rim = arm.rims[number];
   std::vector<RimCurve> curves{curve_of(arm, rim)};
   if (!settings.tolerance.any()) return curves;
   for (std::uint32_t draw = 0; draw < settings.draws; ++draw) {
-    Rng random(settings.mirrors[0].seed, draw, std::uint32_t(number), Stream::static_phase);
+    Rng random(settings.mirrors[0].seed, std::uint64_t(map_draw) * settings.draws + draw, std::uint32_t(number),
+               Stream::static_phase);
     double const wider = settings.tolerance.rim * normal(random);
     Vec3 const displacement{settings.tolerance.centre * normal(random), settings.tolerance.centre * normal(random),
                             settings.tolerance.place * normal(random)};
@@ -65,12 +66,6 @@ SpeckleMeans speckle_of(World const& world, ArmCavity const& arm, ArmRim const& 
                         two.spot, mirror_brdf(world, one, -along, rim.angle1),
                         mirror_brdf(world, two, along, rim.angle2)});
 }
-
-// Higher modes of the mirrors alone, and the start of the search with baffles.
-struct MirrorModes {
-  Field start;
-  std::vector<ModeLine> lines;
-};
 
 // The mode next to each Hermite-Gauss mode. Those of one order are nearly degenerate, so that a mode may share less
 // than half of its power with one of them.
@@ -92,58 +87,134 @@ std::vector<ModeLine> listed_modes(CavityWaves const& waves, WaveMode const& fun
   return lines;
 }
 
-MirrorModes modes_of_mirrors(ArmCavity const& arm, ArmOptions const& options, int threads) {
-  WaveCavity mirrors = arm.cavity;
-  mirrors.baffles.clear();
-  CavityWaves const waves(mirrors, threads);
-  say(options, "mode of the mirrors");
-  WaveMode mode = [&] {
-    try {
-      return waves.mode(waves.hermite_gauss());
-    } catch (NumericalError const& e) {
-      throw InputError(fmt::format("wave: the mirrors hold no mode that resembles a Gaussian beam: {}", e.what()),
-                       "enlarge the mirrors or change their curvatures");
-    }
-  }();
-  MirrorModes result{mode.spectrum, {}};
-  if (options.highest_order < 0) return result;
-  say(options, "higher modes");
-  result.lines = listed_modes(waves, mode, options.highest_order);
-  return result;
+PowerLedger mean_of(std::vector<ArmDraw> const& draws) {
+  PowerLedger mean = draws.front().ledger;
+  double const count = double(draws.size());
+  auto const average = [&](auto const& part) {
+    double sum = 0;
+    for (ArmDraw const& d : draws) sum += part(d.ledger);
+    return sum / count;
+  };
+  for (std::size_t i = 0; i < mean.towards_mirror1.size(); ++i) {
+    mean.towards_mirror1[i] = average([i](PowerLedger const& l) { return l.towards_mirror1[i]; });
+    mean.towards_mirror2[i] = average([i](PowerLedger const& l) { return l.towards_mirror2[i]; });
+  }
+  mean.mirror1 = average([](PowerLedger const& l) { return l.mirror1; });
+  mean.mirror2 = average([](PowerLedger const& l) { return l.mirror2; });
+  mean.beyond_band = average([](PowerLedger const& l) { return l.beyond_band; });
+  return mean;
+}
+
+// One draw of the heights after the other.
+class ArmEnsemble {
+ public:
+  ArmEnsemble(World const& world, WaveSettings const& settings, ArmSolver& solver, ArmSolver::Progress progress)
+      : world_(world), settings_(settings), solver_(solver), progress_(std::move(progress)) {}
+
+  // The mode, whose levers and losses are added to `waves`, and its light to the meter.
+  WaveMode solve(ArmWaves& waves, IrradianceMeter& meter, std::uint32_t number, Field const& start) {
+    WaveMode mode = solver_.mode(start);
+    progress_("rims");
+    std::vector<std::vector<RimCurve>> curves;
+    for (std::size_t j = 0; j < waves.arm.rims.size(); ++j)
+      curves.push_back(waves.arm.rims[j].in_band ? curves_of(waves.arm, j, settings_, number)
+                                                 : std::vector<RimCurve>{});
+    CavityRims found = rim_responses(solver_.waves(), mode, curves, std::ref(meter));
+    for (std::size_t j = 0; j < waves.rims.size(); ++j)
+      if (!curves[j].empty()) waves.rims[j].draws.push_back({std::move(found.responses[j]), found.clipped[j]});
+    progress_("balance of power");
+    WaveCavity const& cavity = solver_.waves().cavity();
+    waves.draws.push_back({{height_rms(cavity.mirror1.height), height_rms(cavity.mirror2.height)},
+                           mode.loss(),
+                           mode.residual,
+                           mode.round_trips,
+                           solver_.waves().ledger(mode),
+                           found.mirror1,
+                           found.mirror2});
+    return mode;
+  }
+  // False if nothing in them is random.
+  bool draw_heights(ArmCavity const& arm, std::uint32_t number) {
+    auto const heights = drawn_heights(world_, settings_, arm, number);
+    if (heights[0] == arm.cavity.mirror1.height && heights[1] == arm.cavity.mirror2.height) return false;
+    solver_.set_heights(heights);
+    return true;
+  }
+
+ private:
+  World const& world_;
+  WaveSettings const& settings_;
+  ArmSolver& solver_;
+  ArmSolver::Progress progress_;
+};
+
+void warn_of_clipping(ArmWaves& waves) {
+  double largest = 0;
+  for (ArmDraw const& d : waves.draws) largest = std::fmax(largest, d.loss);
+  if (largest > 0.01)
+    waves.arm.warnings.push_back(
+        fmt::format("wave: the mode loses {:.2g} of its power per round trip: mirrors or baffles clip the "
+                    "beam itself, and the levers are those of the clipped mode",
+                    largest));
 }
 
 }  // namespace
 
+Spread spread_of(std::vector<double> values) {
+  std::ranges::sort(values);
+  std::size_t const n = values.size();
+  double const sum = std::accumulate(values.begin(), values.end(), 0.0);
+  double const median = 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+  return {sum / double(n), median, nearest_rank(values, 0.05), nearest_rank(values, 0.95)};
+}
+
+std::vector<RimResponse const*> RimResult::ensemble() const {
+  std::vector<RimResponse const*> all;
+  for (RimDraw const& draw : draws)
+    for (std::size_t i = draw.responses.size() > 1 ? 1 : 0; i < draw.responses.size(); ++i)
+      all.push_back(&draw.responses[i]);
+  return all;
+}
+
 ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmOptions const& options) {
   int const threads = int(thread_count(unsigned(options.threads)));
-  ArmCavity arm = arm_cavity(world, settings);
-  MirrorModes const mirrors = modes_of_mirrors(arm, options, threads);
-  CavityWaves const waves(arm.cavity, threads);
-  SolveOptions solve;
-  solve.loss_error = 1e-5;  // levers of rims converge as the field, the loss as its square
-  solve.progress = [&](int trips, double residual) {
-    say(options, fmt::format("round trip {}, residual {:.1e}", trips, residual));
+  std::string prefix;
+  ArmSolver::Progress const say = [&](std::string const& what) {
+    if (options.progress) options.progress(prefix + what);
   };
-  WaveMode mode = waves.mode(mirrors.start, solve);
-  if (mode.loss() > 0.01)
-    arm.warnings.push_back(
-        fmt::format("wave: the mode loses {:.2g} of its power per round trip: mirrors or baffles clip the "
-                    "beam itself, and the levers are those of the clipped mode",
-                    mode.loss()));
-  say(options, "rims");
-  std::vector<std::vector<RimCurve>> curves;
-  for (std::size_t j = 0; j < arm.rims.size(); ++j)
-    curves.push_back(arm.rims[j].in_band ? curves_of(arm, j, settings) : std::vector<RimCurve>{});
-  IrradianceMeter meter(arm.cavity.grid, arm.rims.size() + 2);
-  CavityRims const found = rim_responses(waves, mode, curves, std::ref(meter));
-  std::vector<RimResult> rims;
-  for (std::size_t j = 0; j < arm.rims.size(); ++j)
-    rims.push_back({found.responses[j], found.clipped[j], speckle_of(world, arm, arm.rims[j])});
-  say(options, "balance of power");
-  PowerLedger ledger = waves.ledger(mode);
+  ArmCavity arm = arm_cavity(world, settings);
+  std::optional<ArmCavity> const finer =
+      options.grid_check ? std::optional(finer_arm(world, settings, arm)) : std::nullopt;
+  ArmSolver solver(arm, threads, say);
+  WaveMode const mirrors = solver.mode_of_mirrors();
+  std::vector<ModeLine> lines;
+  if (options.highest_order >= 0) {
+    say("higher modes");
+    lines = listed_modes(solver.mirrors(), mirrors, options.highest_order);
+  }
   double const perfect = loss_of_smooth_mirrors(arm);
-  return {std::move(arm),  std::move(mode),           perfect,       mirrors.lines, std::move(ledger),
-          std::move(rims), std::move(meter).result(), found.mirror1, found.mirror2};
+  ArmWaves waves{std::move(arm), mirrors, {}, perfect, std::move(lines), {}, {}, {}, {}, {}};
+  for (ArmRim const& rim : waves.arm.rims) waves.rims.push_back({{}, speckle_of(world, waves.arm, rim)});
+  ArmEnsemble ensemble(world, settings, solver, say);
+  IrradianceMeter meter(waves.arm.cavity.grid, waves.rims.size() + 2);
+  waves.mode = ensemble.solve(waves, meter, 0, mirrors.spectrum);
+  for (std::uint32_t draw = 1; draw < settings.map_draws; ++draw) {
+    prefix = fmt::format("heights {} of {}, ", draw + 1, settings.map_draws);
+    if (!ensemble.draw_heights(waves.arm, draw)) {
+      waves.arm.warnings.push_back(
+          "wave: 'map_draws' has no effect: the measured maps hold all heights up to the crossover angle");
+      break;
+    }
+    ensemble.solve(waves, meter, draw, solver.mode_of_mirrors().spectrum);
+  }
+  prefix.clear();
+  warn_of_clipping(waves);
+  waves.ledger = mean_of(waves.draws);
+  waves.irradiance = std::move(meter).result();
+  if (finer) waves.grid_check = grid_check(*finer, waves, threads, say);
+  prefix = "heights by frequency, ";
+  if (options.by_frequency) waves.bands = frequency_bands(waves.arm, solver);
+  return waves;
 }
 
 }  // namespace straytrace::wave

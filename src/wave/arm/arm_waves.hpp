@@ -1,23 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The solved cavity of a scene: its mode, where its light goes, and the levers of its rims (docs/theory/wave.md).
+// The solved cavity of a scene: its mode, where its light goes, and the levers of its rims, for each draw of the random
+// heights of its mirrors (docs/theory/wave.md).
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "wave/arm/arm_cavity.hpp"
+#include "wave/arm/frequency_bands.hpp"
+#include "wave/arm/grid_check.hpp"
 #include "wave/arm/irradiance.hpp"
 
 namespace straytrace::wave {
 
-// One rim. Where the grid does not hold the light that meets it, `responses` is empty and the expectation over speckle
-// stands for it.
-struct RimResult {
+// Of a quantity over draws. `low` and `high` are its percentiles 5 and 95: with fewer than 20 draws, the smallest and
+// the largest.
+struct Spread {
+  double mean = 0, median = 0, low = 0, high = 0;
+};
+Spread spread_of(std::vector<double> values);  // not empty
+
+// A rim in one draw of the heights.
+struct RimDraw {
   std::vector<RimResponse> responses;  // as drawn in the scene, then with each draw of the tolerances
   Complex clipped;                     // s of the light that the baffle takes from the mode
-  SpeckleMeans speckle;                // eq. W.22 with the BSDF of the mirrors
 };
+struct RimResult {
+  std::vector<RimDraw> draws;  // of the heights; empty where the grid does not hold the light that meets the rim
+  SpeckleMeans speckle;        // eq. W.22 with the BSDF of the mirrors; stands for it there
+
+  // All draws of the heights, with all draws of the tolerances where there are any, otherwise as drawn in the scene.
+  std::vector<RimResponse const*> ensemble() const;
+};
+
 struct ModeLine {
   int n = 0, m = 0;    // of the Hermite-Gauss mode that it shares most power with
   double overlap = 0;  // power shared
@@ -25,20 +42,35 @@ struct ModeLine {
   double phase = 0;    // of the round trip, less that of the fundamental mode; turns, -0.5 to 0.5
   double residual = 0;
 };
-struct ArmWaves {
-  ArmCavity arm;
-  WaveMode mode;
-  double perfect_loss = 0;  // per round trip, of smooth mirrors without baffles, by eq. W.10
-  std::vector<ModeLine> modes;
+
+// One draw of the heights.
+struct ArmDraw {
+  std::array<double, 2> roughness{};  // rms of the heights of both mirrors, m
+  double loss = 0;                    // of power per round trip
+  double residual = 0;                // of the mode (eq. W.9)
+  int round_trips = 0;                // that the search took
   PowerLedger ledger;
-  std::vector<RimResult> rims;  // as arm.rims
-  PlaneIrradiance irradiance;
   std::array<Complex, 2> mirror1{}, mirror2{};  // derivatives of s by displacements of the mirrors along x and y. 1/m
 };
 
+struct ArmWaves {
+  ArmCavity arm;               // with the heights of the first draw
+  WaveMode mode;               // of the first draw
+  std::vector<ArmDraw> draws;  // of the heights, one at least
+  double perfect_loss = 0;     // per round trip, of smooth mirrors without baffles, by eq. W.10
+  std::vector<ModeLine> modes;
+  PowerLedger ledger;           // mean over the draws
+  std::vector<RimResult> rims;  // as arm.rims
+  PlaneIrradiance irradiance;   // mean over the draws
+  std::optional<GridCheck> grid_check;
+  std::optional<HeightBands> bands;
+};
+
 struct ArmOptions {
-  int threads = 0;        // 0: all
-  int highest_order = 2;  // of the modes listed; < 0: none
+  int threads = 0;            // 0: all
+  int highest_order = -1;     // of the modes listed; < 0: none
+  bool grid_check = false;    // solve the first draw again on a finer grid
+  bool by_frequency = false;  // split the loss by the spatial frequency of the heights
   std::function<void(std::string const& what)> progress;
 };
 ArmWaves solve_arm(World const&, WaveSettings const&, ArmOptions const& = {});

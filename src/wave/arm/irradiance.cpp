@@ -29,6 +29,22 @@ double PolarIrradiance::power(double from, double to) const {
   return sum;
 }
 
+std::vector<double> PolarIrradiance::beyond(RoundHole const& hole) const {
+  std::vector<double> shares;
+  for (int s = 0; s < sectors; ++s) {
+    double const x = std::cos(azimuth(s)), y = std::sin(azimuth(s));
+    double const across = hole.x * y - hole.y * x;
+    double const edge = hole.x * x + hole.y * y + std::sqrt(std::fmax(0, hole.radius * hole.radius - across * across));
+    double sum = 0;
+    for (int ring = 0; ring < rings; ++ring) {
+      double const low = std::fmax(edge, ring * step), high = (ring + 1) * step;
+      if (high > low) sum += pi * (high * high - low * low) / sectors * double(mean[std::size_t(ring * sectors + s)]);
+    }
+    shares.push_back(sum);
+  }
+  return shares;
+}
+
 PolarIrradiance const& PlaneIrradiance::of(int plane, Travel travel) const {
   return (travel == Travel::towards_mirror2 ? towards_mirror2 : towards_mirror1)[std::size_t(plane)];
 }
@@ -61,7 +77,8 @@ void IrradianceMeter::operator()(Arrival const& arrival) {
   }
   auto& side = arrival.travel == Travel::towards_mirror2 ? result_.towards_mirror2 : result_.towards_mirror1;
   PolarIrradiance& out = side[std::size_t(arrival.plane)];
-  out = {step_, rings_, sectors, std::vector<float>(cells), std::vector<float>(cells)};
+  if (out.mean.empty()) out = {step_, rings_, sectors, std::vector<float>(cells), std::vector<float>(cells)};
+  if (arrival.plane == 0) ++round_trips_;
   for (int ring = 0; ring < rings_; ++ring) {
     std::size_t const first = std::size_t(ring * sectors), last = first + sectors;
     bool const sparse = std::any_of(points_.begin() + std::ptrdiff_t(first), points_.begin() + std::ptrdiff_t(last),
@@ -73,10 +90,18 @@ void IrradianceMeter::operator()(Arrival const& arrival) {
       points += points_[i];
     }
     for (std::size_t i = first; i < last; ++i) {
-      out.mean[i] = float(sparse ? all / points : mean[i] / points_[i]);
-      out.square[i] = float(sparse ? all_square / points : square[i] / points_[i]);
+      out.mean[i] += float(sparse ? all / points : mean[i] / points_[i]);
+      out.square[i] += float(sparse ? all_square / points : square[i] / points_[i]);
     }
   }
+}
+
+PlaneIrradiance IrradianceMeter::result() && {
+  for (auto* const side : {&result_.towards_mirror2, &result_.towards_mirror1})
+    for (PolarIrradiance& plane : *side)
+      for (auto* const values : {&plane.mean, &plane.square})
+        for (float& x : *values) x /= float(round_trips_);
+  return std::move(result_);
 }
 
 }  // namespace straytrace::wave

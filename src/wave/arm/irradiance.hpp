@@ -25,6 +25,8 @@ struct PolarIrradiance {
   double cell_area(int ring) const;                              // m^2
   // Share of the power of the mode on a ring between two radii.
   double power(double from, double to) const;
+  // In each sector, the share that falls beyond the edge of an opening about the axis.
+  std::vector<double> beyond(RoundHole const&) const;
 };
 
 // Of all planes of a cavity, in the order of `Arrival::plane`.
@@ -33,19 +35,20 @@ struct PlaneIrradiance {
   PolarIrradiance const& of(int plane, Travel) const;
 };
 
-// Collects the irradiance of the arrivals of one round trip; call for each.
+// Collects the irradiance of all arrivals of round trips, whose mean is the result.
 class IrradianceMeter {
  public:
   IrradianceMeter(Grid const&, std::size_t planes);
   void operator()(Arrival const&);
-  PlaneIrradiance result() && { return std::move(result_); }
+  PlaneIrradiance result() &&;
 
  private:
   double step_;
   int rings_;
   std::vector<std::int32_t> cell_;    // of each point of the grid; -1: outside of the rings
   std::vector<std::int32_t> points_;  // in each cell
-  PlaneIrradiance result_;
+  int round_trips_ = 0;
+  PlaneIrradiance result_;  // sums
 };
 
 }  // namespace straytrace::wave

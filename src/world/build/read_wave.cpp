@@ -177,6 +177,15 @@ void read_tolerance(Node const& table, WaveSettings& wave) {
   wave.draws = std::uint32_t(table.whole("draws", wave.tolerance.any() ? 32 : 1, 1, 1e5));
 }
 
+void read_map_draws(Node const& table, WaveSettings& wave) {
+  wave.map_draws = std::uint32_t(table.whole("map_draws", 1, 1, 1000));
+  bool const perfect = std::ranges::all_of(
+      wave.mirrors, [](WaveSettings::Mirror const& m) { return m.heights == WaveSettings::Heights::none; });
+  if (table.has("map_draws") && perfect)
+    table["map_draws"].problem("'map_draws' with perfect mirrors: nothing is drawn",
+                               "remove it, or write 'spectrum: material' for a mirror in 'maps'");
+}
+
 // Both compute light that goes from mirror to mirror past the same rims.
 void refuse_rims_of_edges(Node const& table, World const& world) {
   std::vector<std::string> twice;
@@ -201,6 +210,7 @@ void read_wave(Scene const& scene, World& world, Registry const& names) {
   for (Node const& node : table.list("baffles")) choose_rims(node, world, names, with_rims, wave.groups);
   read_wave_grid(table, wave);
   read_maps(table, cavity, names, wave);
+  read_map_draws(table, wave);
   read_tolerance(table, wave);
   refuse_rims_of_edges(table, world);
   table.refuse_unknown("'wave'");

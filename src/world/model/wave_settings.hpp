@@ -49,7 +49,8 @@ struct WaveSettings {
   std::uint32_t points = 0;         // of the grid, along one side; 0: chosen by the computation
   double window = 0;                // m, side of the grid; 0: chosen by the computation
   Tolerance tolerance;
-  std::uint32_t draws = 1;
+  std::uint32_t draws = 1;      // of the tolerances, in each draw of the heights
+  std::uint32_t map_draws = 1;  // of the random heights of the mirrors
 };
 
 }  // namespace straytrace::world

@@ -55,7 +55,7 @@ PolarIrradiance even_irradiance(double mean, double from) {
 
 struct LitBench {
   World world = lit_world();
-  ArmWaves waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, 0, {}, {}, {}, {}, {}, {}};
+  ArmWaves waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, {}, 0, {}, {}, {}, {}, {}, {}};
 
   LitBench() {
     PolarIrradiance const dark = even_irradiance(0, 0);

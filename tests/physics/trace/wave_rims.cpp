@@ -25,7 +25,8 @@ struct Bench {
   ArmWaves waves;
 
   explicit Bench(KilometreArm const& scene = {})
-      : world(scene.world()), waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, 0, {}, {}, {}, {}, {}} {
+      : world(scene.world()),
+        waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, {}, 0, {}, {}, {}, {}, {}, {}} {
     waves.rims.resize(waves.arm.rims.size());
   }
   std::vector<CouplingClass> classes() const { return wave_rim_classes(world, waves); }
@@ -61,16 +62,19 @@ double weights(CouplingClass const& c) {
 
 Complex const first{3e-4, -4e-4}, second{1e-4, 2e-4}, vertical{0, 7e-4}, along{2e-6, 1e-6};
 
+// One draw of the heights.
+RimResult found(std::vector<RimResponse> responses, Complex clipped) { return {{{std::move(responses), clipped}}, {}}; }
+
 Bench solved_bench(KilometreArm const& scene = {}) {
   Bench bench(scene);
-  bench.waves.rims.at(0) = {{levers(first, 0, along)}, Complex{3e-6, 4e-6}, {}};
-  bench.waves.rims.at(1) = {{levers(second, vertical)}, Complex{0, 2e-6}, {}};
+  bench.waves.rims.at(0) = found({levers(first, 0, along)}, {3e-6, 4e-6});
+  bench.waves.rims.at(1) = found({levers(second, vertical)}, {0, 2e-6});
   return bench;
 }
 
 TEST(WaveRims, OneClassForEachGroupAndKind) {
   Bench bench = solved_bench();
-  bench.waves.rims[1].responses.clear();
+  bench.waves.rims[1].draws.clear();
   bench.waves.rims[1].speckle = {1e-12, 1e-8, 1e-14};
   auto const classes = bench.classes();
   ASSERT_EQ(classes.size(), 2u);
@@ -134,7 +138,7 @@ TEST(WaveRims, RotationAboutAFarPivot) {
   EXPECT_NEAR(square(bench.of("baffle_one"), ry) / std::norm(arm * first), 1, 1e-9);
   EXPECT_NEAR(square(bench.of("baffle_one"), rz) / std::norm(first), 0, 1e-9);  // it is on the axis
   Complex const own{0.05, 0.02};  // by the rotation about the centre of the rim
-  bench.waves.rims[0].responses[0].levers.rotation[1] = own;
+  bench.waves.rims[0].draws[0].responses[0].levers.rotation[1] = own;
   EXPECT_NEAR(square(bench.of("baffle_one"), ry) / std::norm(arm * first + own), 1, 1e-9);
   EXPECT_GT(std::fabs(square(bench.of("baffle_one"), ry) / std::norm(arm * first) - 1), 0.1);  // negative control
   EXPECT_NEAR(square(bench.of("baffle_two"), rx) / std::norm(600.0 * vertical), 1, 1e-9);
@@ -152,27 +156,36 @@ TEST(WaveRims, AxesOfTheScene) {
       "  - {name: baffle, shape: {disk: {inner_radius: 45 mm, outer_radius: 30 cm}}, at: [400 m, 0 m, 0 m],"
       " facing: [1, 0, 0], body: pipe, material: black}\n";
   Bench bench(scene);
-  bench.waves.rims.at(0) = {{levers(first, vertical, along)}, 0, {}};
+  bench.waves.rims.at(0) = found({levers(first, vertical, along)}, 0);
   CouplingClass const c = bench.of("baffle");
   EXPECT_NEAR(square(c, y) / std::norm(first), 1, 1e-12);
   EXPECT_NEAR(square(c, z) / std::norm(vertical), 1, 1e-12);
   EXPECT_NEAR(square(c, x) / std::norm(along), 1, 1e-12);
 }
 
-// With tolerances the mean over their draws, without the rim as drawn in the scene.
+// With tolerances the mean over their draws, without the rim as drawn in the scene; with draws of the heights over all.
+// Records of one draw have its number.
 TEST(WaveRims, MeanOverDraws) {
   Bench bench = solved_bench();
-  bench.waves.rims[0].responses = {levers(1), levers(first), levers(second)};
+  bench.waves.rims[0].draws[0].responses = {levers(1), levers(first), levers(second)};
   CouplingClass const c = bench.of("baffle_one");
   EXPECT_NEAR(square(c, x) / (0.5 * std::norm(first) + 0.5 * std::norm(second)), 1, 1e-12);
   EXPECT_NEAR(weights(c) / 25e-12, 1, 0.5);
-  EXPECT_THAT(c.statement, HasSubstr("mean over 2 draws of the tolerances"));
+  EXPECT_THAT(c.statement, HasSubstr("one draw of the mirrors, each with 2 of the tolerances"));
+  bench.waves.rims[0].draws.push_back({{levers(1), levers(along), levers(along)}, Complex{3e-6, 4e-6}});
+  CouplingClass const more = bench.of("baffle_one");
+  double const mean = (std::norm(first) + std::norm(second) + 2 * std::norm(along)) / 4;
+  EXPECT_NEAR(square(more, x) / mean, 1, 1e-12);
+  EXPECT_GT(std::fabs(square(more, x) / square(c, x) - 1), 0.1);  // negative control
+  EXPECT_THAT(more.statement, HasSubstr("mean over 2 draws of the mirrors, each with 2 of the tolerances"));
+  ASSERT_EQ(more.records.size(), 8u);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(more.records[i].history, i / 2);
 }
 
 // A rim whose static field vanishes still moves: nothing is divided by zero.
 TEST(WaveRims, WithoutStaticField) {
   Bench bench = solved_bench();
-  for (RimResult& rim : bench.waves.rims) rim.clipped = 0;
+  for (RimResult& rim : bench.waves.rims) rim.draws[0].clipped = 0;
   CouplingClass const c = bench.of("baffle_one");
   EXPECT_NEAR(square(c, x) / std::norm(first), 1, 1e-12);
   EXPECT_GT(c.coupling.mean, 0);
@@ -183,7 +196,7 @@ TEST(WaveRims, WithoutStaticField) {
 TEST(WaveRims, ExpectationOverSpeckle) {
   Bench bench = solved_bench();
   double const field = 1e-6, across = 4e-8, longitudinal = 9e-12;
-  for (RimResult& rim : bench.waves.rims) rim = {{}, 0, {field, across, longitudinal}};
+  for (RimResult& rim : bench.waves.rims) rim = {{}, {field, across, longitudinal}};
   CouplingClass const c = bench.of("baffle_one");
   EXPECT_EQ(c.kind, ClassKind::speckle);
   EXPECT_NEAR(square(c, x) / across, 1, 1e-12);
@@ -195,7 +208,7 @@ TEST(WaveRims, ExpectationOverSpeckle) {
   KilometreArm near;
   near.pipe = "{pivot: [0 m, 0 m, 400 m], motion: {x: {peterson: typical}, others: still}}";
   Bench own(near);
-  for (RimResult& rim : own.waves.rims) rim = {{}, 0, {field, across, longitudinal}};
+  for (RimResult& rim : own.waves.rims) rim = {{}, {field, across, longitudinal}};
   EXPECT_NEAR(square(own.of("baffle_one"), ry) / (0.045 * 0.045 * longitudinal / 2), 1, 1e-9);
 }
 

@@ -11,6 +11,7 @@
 #include "beams/round_cavity.hpp"
 #include "physics/wave/kilometre_arm.hpp"
 #include "support/recorded.hpp"
+#include "wave/heights/height_map.hpp"
 
 namespace straytrace::wave_arm_waves {
 namespace {
@@ -18,6 +19,7 @@ namespace {
 using testing::deviation;
 using testing::kilometre_arm;
 using testing::KilometreArm;
+using wave::Complex;
 
 constexpr char grid[] = "crossover: 120 urad, grid: {points: 256, window: 0.5 m}";
 std::string const perfect = std::string(grid) + ", maps: {I: {spectrum: none}, E: {spectrum: none}}";
@@ -30,6 +32,16 @@ ArmWaves solved(KilometreArm const& scene, int threads = 1, int highest_order = 
   return solve_arm(world, world.wave, options);
 }
 ArmWaves solved(std::string const& settings) { return solved(kilometre_arm(settings)); }
+
+// As drawn in the scene, with the first draw of the heights.
+RimLevers const& nominal_levers(ArmWaves const& waves, std::size_t rim) {
+  return waves.rims.at(rim).draws.at(0).responses.at(0).levers;
+}
+bool same(RimLevers const& a, RimLevers const& b) {
+  for (int i = 0; i < 3; ++i)
+    if (a.displacement[i] != b.displacement[i] || a.rotation[i] != b.rotation[i]) return false;
+  return true;
+}
 
 double hankel_loss(std::vector<RoundOpening> openings) {
   return round_modes({1064e-9, 1 / 2500., 1 / 2500., std::move(openings)}, 0, 1).front().loss();
@@ -64,15 +76,16 @@ TEST(ArmWaves, CentredRimsHaveLongitudinalLeversOnly) {
   std::size_t const at = scene.baffles.find("[0 m, 0 m, 400 m]");
   scene.baffles.replace(at, 17, "[1 mm, 0 m, 400 m]");
   ArmWaves const moved = solved(scene);
-  double const lever = std::abs(moved.rims[0].responses.at(0).levers.displacement[0]);
+  double const lever = std::abs(nominal_levers(moved, 0).displacement[0]);
   for (RimResult const& rim : centred.rims) {
-    ASSERT_EQ(rim.responses.size(), 1u);
-    for (int axis : {0, 1}) EXPECT_LT(std::abs(rim.responses[0].levers.displacement[axis]), 1e-5 * lever);
-    EXPECT_LT(std::abs(rim.responses[0].levers.rotation[2]), 1e-5 * lever * 0.045);
-    EXPECT_GT(std::abs(rim.responses[0].levers.displacement[2]), 0);
+    ASSERT_EQ(rim.ensemble().size(), 1u);
+    RimLevers const& levers = rim.ensemble()[0]->levers;
+    for (int axis : {0, 1}) EXPECT_LT(std::abs(levers.displacement[axis]), 1e-5 * lever);
+    EXPECT_LT(std::abs(levers.rotation[2]), 1e-5 * lever * 0.045);
+    EXPECT_GT(std::abs(levers.displacement[2]), 0);
   }
-  EXPECT_LT(std::abs(moved.rims[0].responses[0].levers.displacement[1]), 1e-5 * lever);  // across its offset
-  EXPECT_GT(std::abs(centred.rims[0].clipped), 0);
+  EXPECT_LT(std::abs(nominal_levers(moved, 0).displacement[1]), 1e-5 * lever);  // across its offset
+  EXPECT_GT(std::abs(centred.rims[0].draws[0].clipped), 0);
 }
 
 // The displacements of mirrors and rims together change nothing (eq. W.16). The mode is known to 1e-5 of its amplitude,
@@ -80,11 +93,11 @@ TEST(ArmWaves, CentredRimsHaveLongitudinalLeversOnly) {
 TEST(ArmWaves, CommonMotionChangesNothing) {
   ArmWaves const waves = solved(KilometreArm{});
   for (std::size_t axis : {0, 1}) {
-    std::complex<double> sum = waves.mirror1[axis] + waves.mirror2[axis];
-    for (RimResult const& rim : waves.rims) sum += rim.responses.at(0).levers.displacement[axis];
-    double const size = std::abs(waves.mirror1[axis]);
+    std::complex<double> sum = waves.draws[0].mirror1[axis] + waves.draws[0].mirror2[axis];
+    for (std::size_t i : {0, 1}) sum += nominal_levers(waves, i).displacement[axis];
+    double const size = std::abs(waves.draws[0].mirror1[axis]);
     EXPECT_LT(std::abs(sum), 0.05 * size);
-    EXPECT_GT(std::abs(sum - waves.mirror2[axis]), 0.5 * size);  // negative control: one mirror stays
+    EXPECT_GT(std::abs(sum - waves.draws[0].mirror2[axis]), 0.5 * size);  // negative control: one mirror stays
   }
 }
 
@@ -92,7 +105,7 @@ TEST(ArmWaves, RimsBeyondTheAngleHaveTheirExpectation) {
   ArmWaves const waves = solved("crossover: 100 urad, grid: {points: 256, window: 0.5 m}");
   for (std::size_t i : {0, 1}) {
     RimResult const& rim = waves.rims[i];
-    EXPECT_TRUE(rim.responses.empty());
+    EXPECT_TRUE(rim.draws.empty());
     SpeckledRim const expected{1064e-9,
                                0.045,
                                i == 0 ? 400. : 600.,
@@ -108,42 +121,145 @@ TEST(ArmWaves, RimsBeyondTheAngleHaveTheirExpectation) {
   }
 }
 
-bool same(RimLevers const& a, RimLevers const& b) {
-  for (int i = 0; i < 3; ++i)
-    if (a.displacement[i] != b.displacement[i] || a.rotation[i] != b.rotation[i]) return false;
-  return true;
+// The first levers are those of the rim as drawn; each draw of the tolerances has its own, in each draw of the heights
+// others, and each rim. The first draw of the heights is the only one without `map_draws`.
+TEST(ArmWaves, DrawsAreReproducible) {
+  std::string const tolerance = ", tolerance: {rim: 0.2 mm, centre: 0.5 mm, place: 1 m}, draws: 2";
+  ArmWaves const drawn = solved(grid + tolerance + ", map_draws: 2"), again = solved(grid + tolerance),
+                 nominal = solved(grid);
+  ASSERT_EQ(drawn.draws.size(), 2u);
+  EXPECT_EQ(drawn.draws[0].loss, again.draws[0].loss);
+  EXPECT_NE(drawn.draws[1].loss, again.draws[0].loss);
+  EXPECT_EQ(drawn.ledger.mirror1, 0.5 * (drawn.draws[0].ledger.mirror1 + drawn.draws[1].ledger.mirror1));
+  for (std::size_t rim : {0, 1}) {
+    ASSERT_EQ(drawn.rims[rim].draws.size(), 2u);
+    ASSERT_EQ(drawn.rims[rim].draws[0].responses.size(), 3u);
+    ASSERT_EQ(drawn.rims[rim].ensemble().size(), 4u);
+    EXPECT_TRUE(same(nominal_levers(drawn, rim), nominal_levers(nominal, rim)));
+    for (std::size_t i : {0, 1, 2})
+      EXPECT_TRUE(same(drawn.rims[rim].draws[0].responses[i].levers, again.rims[rim].draws[0].responses[i].levers));
+    auto const all = drawn.rims[rim].ensemble();
+    for (std::size_t i = 0; i < all.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) EXPECT_FALSE(same(all[i]->levers, all[j]->levers));
+  }
 }
 
-// The first levers are those of the rim as drawn; each draw of the tolerances has its own, and each rim.
-TEST(ArmWaves, TolerancesAreDrawnReproducibly) {
-  std::string const settings = std::string(grid) + ", tolerance: {rim: 0.2 mm, centre: 0.5 mm, place: 1 m}, draws: 3";
-  ArmWaves const drawn = solved(settings), again = solved(settings), nominal = solved(grid);
-  for (std::size_t rim : {0, 1}) {
-    ASSERT_EQ(drawn.rims[rim].responses.size(), 4u);
-    ASSERT_EQ(nominal.rims[rim].responses.size(), 1u);
-    EXPECT_TRUE(same(drawn.rims[rim].responses[0].levers, nominal.rims[rim].responses[0].levers));
-    for (std::size_t i = 0; i < 4; ++i) {
-      EXPECT_TRUE(same(drawn.rims[rim].responses[i].levers, again.rims[rim].responses[i].levers));
-      for (std::size_t j = 0; j < i; ++j)
-        EXPECT_FALSE(same(drawn.rims[rim].responses[i].levers, drawn.rims[rim].responses[j].levers));
+// New random heights have the same spectrum: their mean square lies within 5 standard errors of the sum of eq. W.20
+// over the frequencies of the grid, each with an exponentially distributed power.
+TEST(ArmWaves, DrawsOfHeightsKeepTheSpectrum) {
+  World const world = kilometre_arm(grid).world();
+  ArmCavity const arm = arm_cavity(world, world.wave);
+  double const window = arm.cavity.grid.window, wavelength = arm.cavity.wavelength;
+  double expected = 0, variance = 0;
+  for (int row = -128; row < 128; ++row)
+    for (int column = -128; column < 128; ++column) {
+      double const f = std::hypot(row, column) / window;
+      if (f == 0 || f > arm.crossover / wavelength) continue;
+      double const share = height_spectrum(5e-7 * std::pow(f * wavelength, -2), wavelength) / (window * window);
+      expected += share;
+      variance += 2 * share * share;  // a frequency and its opposite have one random amplitude
+    }
+  std::array<std::vector<double>, 2> const first = drawn_heights(world, world.wave, arm, 0);
+  EXPECT_EQ(first[0], arm.cavity.mirror1.height);
+  for (std::uint32_t draw : {0u, 1u, 2u}) {
+    auto const heights = drawn_heights(world, world.wave, arm, draw);
+    EXPECT_NE(heights[0], heights[1]);
+    EXPECT_EQ(heights[1] == first[1], draw == 0);
+    for (std::size_t i : {0, 1}) {
+      double const square = std::pow(height_rms(heights[i]), 2);
+      EXPECT_NEAR(square, expected, 5 * std::sqrt(variance));
+      EXPECT_GT(std::fabs(2 * square - expected), 5 * std::sqrt(variance));  // negative control: a one-sided spectrum
     }
   }
 }
 
+TEST(ArmWaves, SpreadOfDraws) {
+  Spread const few = spread_of({4, 1, 3});
+  EXPECT_DOUBLE_EQ(few.mean, 8. / 3);
+  EXPECT_EQ(few.median, 3);
+  EXPECT_EQ(few.low, 1);
+  EXPECT_EQ(few.high, 4);
+  std::vector<double> hundred;
+  for (int i = 100; i > 0; --i) hundred.push_back(i);
+  Spread const many = spread_of(hundred);
+  EXPECT_EQ(many.median, 50.5);
+  EXPECT_EQ(many.low, 5);
+  EXPECT_EQ(many.high, 95);
+}
+
+// The light beyond the edge of a baffle by sectors, mean over the draws, is what the balance of power has on it,
+// within the width of a cell: over 2 mm the light falls to a third.
+TEST(ArmWaves, LightOnBafflesBySector) {
+  ArmWaves const waves = solved(grid + std::string(", map_draws: 2"));
+  for (std::size_t rim : {0, 1})
+    for (Travel const travel : {Travel::towards_mirror2, Travel::towards_mirror1}) {
+      bool const outward = travel == Travel::towards_mirror2;
+      RoundHole const& hole = waves.arm.cavity.baffles[rim].rim;
+      PolarIrradiance const& light = waves.irradiance.of(int(rim) + 1, travel);
+      auto const total = [&](RoundHole const& h) {
+        double all = 0;
+        for (double share : light.beyond(h)) all += share;
+        return all;
+      };
+      double const expected = (outward ? waves.ledger.towards_mirror2 : waves.ledger.towards_mirror1)[rim];
+      EXPECT_LT(deviation(total(hole), expected), 0.2);
+      EXPECT_LT(deviation(total(hole), light.power(hole.radius, 1)), 1e-12);
+      EXPECT_GT(deviation(total({1.1 * hole.radius}), expected), 0.5);  // control
+      // A shift towards +x moves light from the sectors there to the others.
+      std::vector<double> const centred = light.beyond(hole), shifted = light.beyond({hole.radius, 2e-3, 0});
+      EXPECT_LT(shifted.front(), centred.front());
+      EXPECT_GT(shifted[centred.size() / 2], centred[centred.size() / 2]);
+    }
+}
+
+// The check reports the change by a grid of 384 points, the next number of points above 256 times the root of two, with
+// the same heights.
+TEST(ArmWaves, GridCheckIsTheFinerGrid) {
+  World const coarse = kilometre_arm(grid).world(),
+              fine = kilometre_arm("crossover: 120 urad, grid: {points: 384, window: 0.5 m}").world();
+  ArmOptions options;
+  options.threads = 1;
+  options.grid_check = true;
+  ArmWaves const checked = solve_arm(coarse, coarse.wave, options), finer = solve_arm(fine, fine.wave);
+  ASSERT_TRUE(checked.grid_check);
+  GridCheck const& check = *checked.grid_check;
+  EXPECT_EQ(check.points, 384);
+  EXPECT_FALSE(finer.grid_check);
+  double const loss = checked.mode.loss();
+  EXPECT_LT(std::fabs(check.loss - (finer.mode.loss() - loss)), 1e-5 * loss);
+  EXPECT_LT(std::fabs(check.ledger.total() - check.loss), 1e-5 * loss);
+  EXPECT_GT(std::fabs(check.loss), 1e-4 * loss);  // control: edges that clip the beam need more than 256 points
+  double change = 0, squares = 0;
+  for (std::size_t rim : {0, 1})
+    for (int axis : {0, 1}) {
+      Complex const before = nominal_levers(checked, rim).displacement[axis];
+      change = std::max(change, std::abs(nominal_levers(finer, rim).displacement[axis] - before));
+      squares += std::norm(before);
+    }
+  EXPECT_NEAR(check.across, change / std::sqrt(squares / 4), 0.01 * check.across + 1e-4);
+  EXPECT_GT(check.along, 0);
+}
+
 // Mirrors with heights, tolerances and higher modes.
 TEST(ArmWaves, SameBitsWithAnyThreads) {
-  std::string const settings = std::string(grid) + ", tolerance: {centre: 0.5 mm}, draws: 2";
+  std::string const settings = std::string(grid) + ", tolerance: {centre: 0.5 mm}, draws: 2, map_draws: 2";
   ArmWaves const one = solved(kilometre_arm(settings), 1, 1);
   auto const differs = [&](ArmWaves const& other) {
     if (one.mode.eigenvalue != other.mode.eigenvalue || one.ledger.total() != other.ledger.total()) return true;
-    if (one.mirror1 != other.mirror1 || one.mirror2 != other.mirror2) return true;
+    for (std::size_t i : {0, 1}) {
+      ArmDraw const &a = one.draws[i], &b = other.draws[i];
+      if (a.loss != b.loss || a.mirror1 != b.mirror1 || a.mirror2 != b.mirror2) return true;
+    }
+    if (one.irradiance.of(1, Travel::towards_mirror1).mean != other.irradiance.of(1, Travel::towards_mirror1).mean)
+      return true;
     if (one.modes.size() != other.modes.size()) return true;
     for (std::size_t i = 0; i < one.modes.size(); ++i)
       if (one.modes[i].loss != other.modes[i].loss || one.modes[i].phase != other.modes[i].phase) return true;
     for (std::size_t rim : {0, 1}) {
-      if (one.rims[rim].clipped != other.rims[rim].clipped) return true;
-      for (std::size_t i = 0; i < 3; ++i)
-        if (!same(one.rims[rim].responses[i].levers, other.rims[rim].responses[i].levers)) return true;
+      if (one.rims[rim].draws[1].clipped != other.rims[rim].draws[1].clipped) return true;
+      auto const ours = one.rims[rim].ensemble(), theirs = other.rims[rim].ensemble();
+      for (std::size_t i = 0; i < 4; ++i)
+        if (!same(ours[i]->levers, theirs[i]->levers)) return true;
     }
     return false;
   };

@@ -44,13 +44,43 @@ TEST_F(WaveCommand, PrintsItsParts) {
         "mirror I: radius of the mode 20.58 mm; heights below the crossover angle ", "loss per round trip",
         "past the rim of I, and scattered", "past the rim of E, and scattered", "on baffles, towards E",
         "on baffles, towards I", "at angles that reach no opening", "smooth mirrors without baffles lose ",
-        "Modes of the mirrors without baffles", "HG00  1.0000", "per displacement of a rim (eq. W.14)"})
+        "Modes of the mirrors without baffles", "HG00  1.0000", "per displacement of a rim (eq. W.14)",
+        "Light on baffles in W", "not checked; --grid-check solves again", "residual ", "one draw; 'map_draws'",
+        "scatter of second order"})
     EXPECT_THAT(all.out, HasSubstr(part));
   EXPECT_THAT(all.out, ContainsRegex("\nbaffle_mid +500 +90 +90 +wave +[0-9]"));
-  EXPECT_THAT(all.out, ContainsRegex("\nbaffle_near +300 +150 +64.3 +speckle +- +- +- +[0-9]"));
+  EXPECT_THAT(all.out, ContainsRegex("\nbaffle_near +300 +150 +64.3 +speckle +- +- +- +- +[0-9]"));
   EXPECT_THAT(all.out, Not(HasSubstr("more rows")));
+  EXPECT_THAT(all.out, Not(HasSubstr("median")));
   Finished const one = straytrace({"wave", scene_, "--quiet", "--show", "1", "--order", "0"});
   EXPECT_THAT(one.out, AllOf(HasSubstr("and 1 more; --show N has more rows"), Not(HasSubstr("HG01"))));
+}
+
+TEST_F(WaveCommand, PrintsSpreadsAndErrors) {
+  write_text(scene_, edited(scene_text(), "wave: {", "wave: {map_draws: 2, "));
+  Words const command{"wave", scene_, "--quiet", "--order", "0", "--grid-check", "--by-frequency"};
+  Finished const all = straytrace(command);
+  ASSERT_EQ(all.code, 0) << all.err;
+  for (char const* const part :
+       {"share +W +median +5 % +95 % +finer grid", "mean over 2 draws of the heights of the mirrors",
+        "The same over 2 draws \\(2 of the heights", "\nbaffle_mid +500 +[0-9.e-]+ +[0-9.e-]+",
+        "384 points change the loss by [+-]", "levers of rims by up to [0-9]", "2 draws, above",
+        "Loss per round trip by the spatial frequency", "56.4 to 113 /m +120 ", "above 113 /m ", "between bands "})
+    EXPECT_THAT(all.out, ContainsRegex(part)) << part;
+  auto const values = answer(command);
+  EXPECT_EQ(values["grid_check"]["points"], 384);
+  ASSERT_EQ(values["draws"].size(), 2u);
+  double const one = values["draws"][0]["loss"], two = values["draws"][1]["loss"];
+  EXPECT_NE(one, two);
+  EXPECT_NEAR(values["loss"].get<double>(), (one + two) / 2, 1e-15);
+  EXPECT_EQ(values["loss_of_draws"]["percentile_95"], std::max(one, two));
+  EXPECT_EQ(values["rims"][1]["levers"].size(), 2u);
+  EXPECT_EQ(values["rims"][1]["sector_shares_towards_mirror2"].size(), 32u);
+  auto const& bands = values["by_frequency"];
+  double sum = bands["smooth"].get<double>() + bands["beyond"].get<double>();
+  for (auto const& band : bands["bands"]) sum += band["loss"].get<double>();
+  EXPECT_NEAR(sum / one, 1, 0.1);  // without interference between bands
+  EXPECT_EQ(bands["all"], one);
 }
 
 TEST_F(WaveCommand, JsonHasItsKeysAndBalance) {

@@ -42,7 +42,7 @@ TEST(ReadWave, ReadsTheKeys) {
       "wave:\n  beam: arm\n  crossover: 100 urad\n  baffles: [\"ring*\", ring_two]\n"
       "  grid: {points: 1000, window: 2 m}\n"
       "  maps: {I: {file: maps/i.h5, remove: [tilt, curvature]}, E: {spectrum: material, seed: 7}}\n"
-      "  tolerance: {rim: 1 mm, centre: 2 mm, place: 5 mm}\n  draws: 5\n");
+      "  tolerance: {rim: 1 mm, centre: 2 mm, place: 5 mm}\n  draws: 5\n  map_draws: 3\n");
   WaveSettings const& wave = w.wave;
   EXPECT_TRUE(wave.present);
   EXPECT_EQ(wave.beam, 1u);
@@ -64,6 +64,7 @@ TEST(ReadWave, ReadsTheKeys) {
   EXPECT_EQ(wave.tolerance.centre, 2e-3);
   EXPECT_EQ(wave.tolerance.place, 5e-3);
   EXPECT_EQ(wave.draws, 5u);
+  EXPECT_EQ(wave.map_draws, 3u);
   // The field at small angles is independent of the trace: the same histories are valid with another one.
   EXPECT_EQ(w.fingerprint(), wave_world("").fingerprint());
 }
@@ -75,6 +76,7 @@ TEST(ReadWave, Defaults) {
   EXPECT_EQ(wave.points, 0u);
   EXPECT_EQ(wave.window, 0);
   EXPECT_EQ(wave.draws, 1u);
+  EXPECT_EQ(wave.map_draws, 1u);
   for (WaveSettings::Mirror const& m : wave.mirrors) {
     EXPECT_EQ(m.heights, WaveSettings::Heights::material);
     EXPECT_EQ(m.seed, 1u);
@@ -143,6 +145,10 @@ TEST(ReadWave, WrongNumbersAreExplained) {
   EXPECT_THAT(wave_problem(ring + "{rim: 1 mm}, draws: 0}\n"), HasSubstr("'draws' must be between 1 and"));
   EXPECT_THAT(wave_problem("wave: {beam: arm, tolerance: {rim: 1 mm}}\n"), HasSubstr("'tolerance' without 'baffles'"));
   EXPECT_THAT(wave_problem("wave: {beam: arm, draws: 8}\n"), HasSubstr("'draws' without 'tolerance'"));
+  EXPECT_THAT(wave_problem("wave: {beam: arm, map_draws: 0}\n"), HasSubstr("'map_draws' must be between 1 and"));
+  std::string const perfect = "wave: {beam: arm, map_draws: 2, maps: {E: {spectrum: none}, I: {spectrum: ";
+  EXPECT_THAT(wave_problem(perfect + "none}}}\n"), HasSubstr("'map_draws' with perfect mirrors"));
+  EXPECT_EQ(wave_problem(perfect + "material}}}\n"), "no error");  // control
 }
 
 TEST(ReadWave, WrongMapsAreExplained) {

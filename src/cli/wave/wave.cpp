@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace wave: the field of a cavity at small angles, where its light goes, and what its rims couple back.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+
+#include "base/errors.hpp"
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
+#include "cli/wave/wave_output.hpp"
+#include "session/diagnostics.hpp"
+#include "session/light/cavity_waves.hpp"
+#include "session/model.hpp"
+
+namespace straytrace::cli {
+namespace {
+
+struct WaveOptions : SceneOptions {
+  std::size_t show = 12;
+  unsigned threads = 0;
+  int order = 2;
+  bool grid_check = false, by_frequency = false;
+};
+
+int wave(WaveOptions const& options) {
+  Model const model = read_model(options.input, options.overrides);
+  print_warnings(model.scene, options);
+  if (!model.world.wave.present)
+    throw InputError(fmt::format("{} has no table 'wave'", options.input),
+                     "add for example 'wave: {beam: arm, baffles: \"baffles*\"}'");
+  ArmOptions what;
+  what.highest_order = options.order;
+  what.grid_check = options.grid_check;
+  what.by_frequency = options.by_frequency;
+  ArmWaves const waves = solve_waves(model.world, options.threads, options, what);
+  for (std::string const& warning : waves.arm.warnings) print_warning(warning, options);
+  if (options.json())
+    std::cout << wave_json(waves, model.world).dump() << '\n';
+  else
+    std::cout << wave_text(waves, model.world, options.show);
+  return done;
+}
+
+}  // namespace
+
+void add_wave(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<WaveOptions>();
+  WaveOptions& o = *options;
+  auto* const command = app.add_subcommand(
+      "wave", "Compute the field of a cavity at small angles: its losses, its modes, and what its rims couple back.");
+  add_scene_options(*command, o);
+  command->add_option("--show", o.show, "rows of rims")->check(whole_between(1, 1e6, "20"));
+  command->add_option("--order", o.order, "highest order of the modes listed")->check(whole_between(0, 8, "2"));
+  command->add_flag(
+      "--grid-check", o.grid_check,
+      "solve again on a grid of 1.4 times the points and print the changes, for some three times the time");
+  command->add_flag("--by-frequency", o.by_frequency,
+                    "split the loss by the spatial frequency of the heights of the mirrors; solves once per octave");
+  command->add_option("--threads", o.threads, "0: all cores")->check(whole_between(0, 4096, "8"));
+  command->footer(
+      "Examples:\n"
+      "  straytrace wave examples/et_hf_wave.yaml\n"
+      "  straytrace wave examples/et_hf_wave.yaml --grid-check\n"
+      "  straytrace wave examples/et_hf_wave.yaml --by-frequency --format json");
+  command->callback([options, &exit_code] { exit_code = wave(*options); });
+}
+
+}  // namespace straytrace::cli

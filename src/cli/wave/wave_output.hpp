@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What straytrace wave prints. Inside the module.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+#include "wave/arm/arm_waves.hpp"
+#include "world/model/world.hpp"
+
+namespace straytrace::cli {
+
+constexpr double rounding_of_shares = 1e-12;  // of the power; smaller ones are rounding
+
+// W; 0: not stated.
+inline double arm_power(World const& world) {
+  return world.wave.beam < world.beam_powers.size() ? world.beam_powers[world.wave.beam] : 0;
+}
+inline char const* method_of(RimResult const& rim) { return rim.draws.empty() ? "speckle" : "wave"; }
+// Of |A| over all draws: across the beam sqrt((|A_x|^2 + |A_y|^2)/2), or along it. The rim is in the grid.
+Spread lever_spread(RimResult const&, bool along);
+
+// `show`: rows of the tables of rims.
+std::string wave_text(ArmWaves const&, World const&, std::size_t show);
+nlohmann::ordered_json wave_json(ArmWaves const&, World const&);
+
+}  // namespace straytrace::cli
