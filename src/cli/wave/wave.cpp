@@ -12,24 +12,33 @@
 #include "cli/wave/wave_output.hpp"
 #include "session/diagnostics.hpp"
 #include "session/light/cavity_waves.hpp"
+#include "session/light/seam.hpp"
 #include "session/model.hpp"
 
 namespace straytrace::cli {
 namespace {
 
-struct WaveOptions : SceneOptions {
+struct WaveOptions : TraceOptions {
   std::size_t show = 12;
-  unsigned threads = 0;
   int order = 2;
-  bool grid_check = false, by_frequency = false;
+  bool grid_check = false, by_frequency = false, seam = false;
 };
 
+int print_seam(Model& model, WaveOptions const& options) {
+  apply(options, model);
+  Seam const seam = check_seam(model, options);
+  for (std::string const& warning : seam.warnings) print_warning(warning, options);
+  std::cout << (options.json() ? seam_json(seam) + '\n' : seam_text(seam));
+  return done;
+}
+
 int wave(WaveOptions const& options) {
-  Model const model = read_model(options.input, options.overrides);
+  Model model = read_model(options.input, options.overrides);
   print_warnings(model.scene, options);
   if (!model.world.wave.present)
     throw InputError(fmt::format("{} has no table 'wave'", options.input),
                      "add for example 'wave: {beam: arm, baffles: \"baffles*\"}'");
+  if (options.seam) return print_seam(model, options);
   ArmOptions what;
   what.highest_order = options.order;
   what.grid_check = options.grid_check;
@@ -56,6 +65,9 @@ void add_wave(CLI::App& app, int& exit_code) {
   command->add_flag(
       "--grid-check", o.grid_check,
       "solve again on a grid of 1.4 times the points and print the changes, for some three times the time");
+  command->add_flag("--seam", o.seam,
+                    "trace the scene at 0.7, 1 and 1.4 times its crossover angle, on which the noise must not depend");
+  add_history_options(*command, o);
   command->add_flag("--by-frequency", o.by_frequency,
                     "split the loss by the spatial frequency of the heights of the mirrors; solves once per octave");
   command->add_option("--threads", o.threads, "0: all cores")->check(whole_between(0, 4096, "8"));

@@ -154,6 +154,28 @@ double irradiance_beyond(LitSide const& side, double distance, double radius) {
   return mean_irradiance(brdf, m.spot, m.curvature, distance, radius);
 }
 
+// The part of a cell that a surface covers, and a point on it. An edge within the ring is resolved to an eighth of its
+// width.
+struct LitCell {
+  Vertex vertex;
+  double share = 1;
+};
+std::optional<LitCell> lit_cell(LitColumn const& column, PolarIrradiance const& light, int ring, int sector) {
+  constexpr int parts = 8;
+  double const azimuth = light.azimuth(sector), inner = ring * light.step;
+  auto const low = column.at(inner + 0.5 / parts * light.step, azimuth),
+             high = column.at(inner + (parts - 0.5) / parts * light.step, azimuth);
+  if (low && high && low->surface == high->surface) return LitCell{*low, 1};
+  if (!low && !high) return {};
+  LitCell cell{low ? *low : *high, 0};
+  for (int i = 0; i < parts; ++i) {
+    double const radius = inner + (i + 0.5) / parts * light.step;
+    auto const at = column.at(radius, azimuth);
+    if (at && at->surface == cell.vertex.surface) cell.share += radius / light.radius(ring) / parts;
+  }
+  return cell;
+}
+
 // The light of one plane.
 void add_plane(LitSide const& side, std::size_t step, LitGroups& groups) {
   PolarIrradiance const& light = side.irradiance(step);
@@ -163,13 +185,14 @@ void add_plane(LitSide const& side, std::size_t step, LitGroups& groups) {
   for (int ring = 0; ring < light.rings; ++ring) {
     double beyond = -1;  // not known yet
     for (int sector = 0; sector < light.sectors; ++sector) {
-      auto const vertex = column.at(light.radius(ring), light.azimuth(sector));
-      if (!vertex) continue;
+      auto const cut = lit_cell(column, light, ring, sector);
+      if (!cut) continue;
+      Vertex const* const vertex = &cut->vertex;
       double const bsdf = back_scatter(side, *vertex);
       if (!(bsdf > 0)) continue;
       if (beyond < 0) beyond = irradiance_beyond(side, distance, light.radius(ring));
       std::size_t const cell = std::size_t(ring * light.sectors + sector);
-      double const scale = wavelength * wavelength * bsdf * light.cell_area(ring);  // across the beam: cos theta is in
+      double const scale = wavelength * wavelength * bsdf * cut->share * light.cell_area(ring);  // cos theta is in
       double const mixed = scale * 4 * double(light.mean[cell]) * beyond;
       double const weight = scale * double(light.square[cell]) + mixed;
       if (!(weight > 0)) continue;

@@ -203,6 +203,10 @@ std::array<std::vector<double>, 2> drawn_heights(World const& world, WaveSetting
   return heights;
 }
 
+double crossover_angle(World const& world, WaveSettings const& settings) {
+  return outline_of(world, settings, spots_of(world, settings)).crossover;
+}
+
 void begin_rays_at_crossover(World& world) {
   Spots const spots = spots_of(world, world.wave);
   ArmCavity const arm = outline_of(world, world.wave, spots);

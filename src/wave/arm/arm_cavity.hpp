@@ -56,6 +56,8 @@ std::array<std::vector<double>, 2> drawn_heights(World const&, WaveSettings cons
                                                  std::uint32_t draw);
 double height_rms(std::vector<double> const& heights);
 
+// As stated, or chosen from mirrors and edges, rad.
+double crossover_angle(World const&, WaveSettings const&);
 // Leaves the light that the mirrors of the table `wave` scatter below the crossover angle to the field: their rays
 // begin there (eq. W.20). Once, before the trace.
 void begin_rays_at_crossover(World&);

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/light/seam.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "results/text/columns.hpp"
+#include "session/diagnostics.hpp"
+#include "wave/arm/arm_cavity.hpp"
+
+namespace straytrace::session {
+namespace {
+
+constexpr double steps[] = {1 / 1.4142135623730951, 1, 1.4142135623730951};
+
+// Sum of the PSDs of the routes of some kinds; errors of routes are independent.
+WithError curve_of(NoiseBudget const& budget, CouplingTable const& table, std::vector<ClassKind> const& kinds,
+                   std::size_t bin) {
+  double psd = 0, variance = 0;
+  for (std::size_t i = 0; i < table.classes.size(); ++i) {
+    NoiseTrace const& route = budget.routes[i];
+    if (!route.resolved || std::ranges::find(kinds, table.classes[i].kind) == kinds.end()) continue;
+    psd += route.psd(bin);
+    variance += route.psd_sigma(bin) * route.psd_sigma(bin);
+  }
+  double const asd = std::sqrt(psd);
+  return {asd, asd > 0 ? std::sqrt(variance) / (2 * asd) : 0};
+}
+
+SeamPoint point_of(NoiseBudget const& budget, CouplingTable const& table, double crossover, std::size_t bin) {
+  using enum ClassKind;
+  auto const curve = [&](std::vector<ClassKind> const& kinds) { return curve_of(budget, table, kinds, bin); };
+  return {crossover,
+          curve({scattered}),
+          curve({halo}),
+          curve({scattered, halo}),
+          curve({edge, wave, speckle}),
+          {budget.total.asd[bin], budget.total.sigma[bin]}};
+}
+
+// 10 Hz where the band holds it, otherwise its lower end.
+std::size_t bin_of_check(FrequencyGrid const& grid) {
+  std::size_t const bin = grid.bin_of(10);
+  return bin < grid.size() ? bin : 0;
+}
+
+// Of the largest crossover angle that a grid carries. Heights of the mirrors are random numbers by frequency, so that
+// one window gives all angles the same heights.
+double window_of(World const& world, double own) {
+  WaveSettings settings = world.wave;
+  settings.points = 0;
+  settings.window = 0;
+  settings.crossover = steps[2] * own;
+  try {
+    return arm_cavity(world, settings).cavity.grid.window;
+  } catch (InputError const&) {
+    settings.crossover = own;
+    return arm_cavity(world, settings).cavity.grid.window;
+  }
+}
+
+}  // namespace
+
+WithError Seam::change(WithError SeamPoint::*curve) const {
+  WithError largest{0, 0};
+  auto const middle = std::ranges::find(points, crossover, &SeamPoint::crossover);
+  if (middle == points.end() || points.size() < 2) return {not_a_number, not_a_number};
+  for (SeamPoint const& p : points) {
+    if (p.crossover == crossover) continue;
+    WithError const one = p.*curve, two = (*middle).*curve;
+    WithError const change{one.value / two.value - 1, std::hypot(one.sigma, two.sigma) / two.value};
+    if (std::fabs(change.value) >= std::fabs(largest.value)) largest = change;
+  }
+  return largest;
+}
+
+Seam check_seam(Model& model, TraceOptions const& options) {
+  if (!model.detector)
+    throw InputError("without an interferometer there is no noise to compare",
+                     "add 'ports' and 'interferometer' to the scene");
+  WaveSettings const stated = model.world.wave;
+  double const own = crossover_angle(model.world, stated);
+  Seam seam;
+  seam.crossover = own;
+  std::size_t const bin = bin_of_check(model.noise.grid);
+  seam.frequency = model.noise.grid.centre(bin);
+  double const window = window_of(model.world, own);
+  for (double const step : steps) {
+    model.world.wave = stated;
+    model.world.wave.crossover = step * own;
+    model.world.wave.window = window;
+    model.world.wave.points = 0;  // the grid of the scene need not carry it
+    try {
+      begin_rays_at_crossover(model.world);
+      TracedModel const traced = trace_model(model, options, "");
+      seam.points.push_back(point_of(model.project(traced.result.coupling), traced.result.coupling, step * own, bin));
+    } catch (InputError const& e) {
+      if (step == 1) throw;
+      seam.warnings.push_back(fmt::format("crossover angle {:.4g} urad: {}", 1e6 * step * own, e.reason()));
+    }
+  }
+  model.world.wave = stated;
+  begin_rays_at_crossover(model.world);
+  return seam;
+}
+
+std::string seam_text(Seam const& seam) {
+  Columns table{{"crossover/urad", "rays", "halo", "rays and halo", "edges", "all"}, {}, {}};
+  for (SeamPoint const& p : seam.points)
+    table.rows.push_back({fmt::format("{:.4g}", 1e6 * p.crossover), with_error(p.rays), with_error(p.halo),
+                          with_error(p.baffles), with_error(p.edges), with_error(p.total)});
+  auto const percent = [](WithError const& change) {
+    return fmt::format("{:+.2g} % ± {:.2g} %", 100 * change.value, 100 * change.sigma);
+  };
+  return fmt::format(
+      "strain noise at {:.4g} Hz by crossover angle, 1/sqrt(Hz); errors: one standard error, Monte Carlo only\n\n{}\n"
+      "seam: largest change of rays and halo {}, of all stray light {}\n",
+      seam.frequency, aligned(table), percent(seam.change(&SeamPoint::baffles)),
+      percent(seam.change(&SeamPoint::total)));
+}
+
+std::string seam_json(Seam const& seam) {
+  auto const number = [](WithError const& x) { return nlohmann::ordered_json{{"value", x.value}, {"sigma", x.sigma}}; };
+  nlohmann::ordered_json points = nlohmann::ordered_json::array();
+  for (SeamPoint const& p : seam.points)
+    points.push_back({{"crossover_rad", p.crossover},
+                      {"rays", number(p.rays)},
+                      {"halo", number(p.halo)},
+                      {"rays_and_halo", number(p.baffles)},
+                      {"edges", number(p.edges)},
+                      {"total", number(p.total)}});
+  return nlohmann::ordered_json{{"frequency_hz", seam.frequency},
+                                {"points", points},
+                                {"change_of_rays_and_halo", number(seam.change(&SeamPoint::baffles))},
+                                {"change_of_total", number(seam.change(&SeamPoint::total))}}
+      .dump();
+}
+
+}  // namespace straytrace::session

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Noise does not depend on the angle at which rays begin and waves end (docs/theory/wave.md, eq. W.21): case V16.
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "scenes/benches.hpp"
+#include "support/recorded.hpp"
+
+namespace straytrace::testing::crossover {
+namespace {
+
+std::string const crossover_arm = source_folder + "/tests/scenes/crossover_arm.yaml";
+
+struct SeamCurve {
+  std::vector<double> value, sigma;
+  double spread() const { return std::ranges::max(value) / std::ranges::min(value) - 1; }
+  double error() const { return 5 * std::ranges::max(sigma) / std::ranges::min(value); }
+};
+SeamCurve curve_of(nlohmann::json const& seam, char const* name) {
+  SeamCurve curve;
+  for (auto const& point : seam["points"]) {
+    curve.value.push_back(point[name]["value"]);
+    curve.sigma.push_back(point[name]["sigma"]);
+  }
+  return curve;
+}
+
+// Strain noise at 10 Hz of the scene without its table `wave`: all angles by rays.
+double rays_from_above() {
+  Folder const folder;
+  std::string text = text_of(crossover_arm);
+  std::size_t const at = text.find("\nwave: ");
+  write_text(folder / "arm.yaml", text.erase(at, text.find('\n', at + 1) - at));
+  expect_done({"run", folder / "arm.yaml", "-o", folder / "out", "--histories", "65536", "--quiet"});
+  auto const said = nlohmann::json::parse(expect_done({"paths", folder / "out/run.h5", "--format", "json"}).out);
+  return said["total_strain"][0]["value"];
+}
+
+// Between 140 and 280 urad, half of the coupling goes from rays to the halo.
+TEST(Crossover, NoiseDoesNotDependOnItV16) {
+  auto const seam = nlohmann::json::parse(
+      expect_done({"wave", crossover_arm, "--seam", "--histories", "65536", "--format", "json"}).out);
+  ASSERT_EQ(seam["points"].size(), 3u);
+  SeamCurve const rays = curve_of(seam, "rays"), halo = curve_of(seam, "halo"), both = curve_of(seam, "rays_and_halo");
+  EXPECT_LT(both.error(), 0.03);
+  EXPECT_LT(both.spread(), 0.03);
+  // Controls: each part alone, and rays that begin at `above` with the halo beside them.
+  EXPECT_GT(rays.spread(), 0.2);
+  EXPECT_GT(halo.spread(), 0.15);
+  EXPECT_GT(std::hypot(rays_from_above(), halo.value[1]) / both.value[1] - 1, 0.2);
+}
+
+}  // namespace
+}  // namespace straytrace::testing::crossover
