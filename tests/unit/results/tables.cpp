@@ -287,6 +287,8 @@ NoiseBudget simple(double first) {
              {},
              {},
              {},
+             {},
+             {},
              0,
              true,
              "",
