@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the rims of a cavity couple back into its mode when they move (docs/theory/wave.md, eq. W.11 to W.16).
+// What the rims and mirrors of a cavity couple back into its mode when they move (docs/theory/wave.md, eq. W.11 to
+// W.16).
 #pragma once
 
 #include <array>
 #include <vector>
 
 #include "wave/cavity.hpp"
+#include "wave/moving_mirrors.hpp"
 #include "wave/rims.hpp"
 
 namespace straytrace::wave {
@@ -28,7 +30,7 @@ struct CavityRims {
   Complex overlap;                                  // B of eq. W.11
   std::vector<std::vector<RimResponse>> responses;  // [baffle][curve]
   std::vector<Complex> clipped;  // s of the light that each baffle with curves takes (eq. W.12 with its screen)
-  std::array<Complex, 2> mirror1{}, mirror2{};  // derivatives of s by the displacement of a mirror along x and y. 1/m
+  std::array<MirrorLevers, 2> mirrors;
 };
 // For several curves in the plane of each baffle: as built, and with its tolerances. One round trip, whose arrivals
 // `also` is shown.

@@ -16,21 +16,25 @@ Json spread_json(Spread const& s) {
   return {{"mean", s.mean}, {"median", s.median}, {"percentile_5", s.low}, {"percentile_95", s.high}};
 }
 
+void add_levers(Json& out, RimLevers const& levers) {
+  out["displacement_per_m"] = out["rotation_per_rad"] = Json::array();
+  Json& displacement = out["displacement_per_m"];
+  Json& rotation = out["rotation_per_rad"];
+  for (int axis = 0; axis < 3; ++axis) {
+    displacement.push_back(complex_json(levers.displacement[axis]));
+    rotation.push_back(complex_json(levers.rotation[axis]));
+  }
+}
+
 // As drawn in the scene (tolerance 0), then with each draw of the tolerances, in each draw of the heights.
 Json levers_json(RimResult const& rim) {
   Json all = Json::array();
   for (std::size_t heights = 0; heights < rim.draws.size(); ++heights)
     for (std::size_t i = 0; i < rim.draws[heights].responses.size(); ++i) {
       RimResponse const& r = rim.draws[heights].responses[i];
-      Json draw{{"heights", heights},
-                {"tolerance", i},
-                {"displacement_per_m", Json::array()},
-                {"rotation_per_rad", Json::array()},
-                {"radius_per_m", complex_json(r.widening)}};
-      for (int axis = 0; axis < 3; ++axis) {
-        draw["displacement_per_m"].push_back(complex_json(r.levers.displacement[axis]));
-        draw["rotation_per_rad"].push_back(complex_json(r.levers.rotation[axis]));
-      }
+      Json draw{{"heights", heights}, {"tolerance", i}};
+      add_levers(draw, r.levers);
+      draw["radius_per_m"] = complex_json(r.widening);
       all.push_back(std::move(draw));
     }
   return all;
@@ -100,12 +104,14 @@ nlohmann::ordered_json wave_json(ArmWaves const& waves, World const& world) {
   ArmCavity const& arm = waves.arm;
   Json mirrors = Json::array(), modes = mirrors, rims = mirrors, draws = mirrors;
   std::vector<double> losses;
-  for (std::size_t i : {0, 1})
+  for (std::size_t i : {0, 1}) {
     mirrors.push_back({{"name", world.name_of(arm.mirrors[i].surface)},
                        {"mode_radius_m", arm.mirrors[i].spot},
                        {"height_rms_m", arm.mirrors[i].roughness},
                        {"scattered_beyond", arm.mirrors[i].scattered},
                        {"power_share_lost", i == 0 ? waves.ledger.mirror1 : waves.ledger.mirror2}});
+    add_levers(mirrors.back(), waves.draws[0].mirrors[i].whole);  // about the vertex (eq. W.25)
+  }
   for (ModeLine const& m : waves.modes)
     modes.push_back({{"n", m.n}, {"m", m.m}, {"shared", m.overlap}, {"loss", m.loss}, {"phase_turns", m.phase}});
   for (std::size_t i = 0; i < waves.rims.size(); ++i) rims.push_back(rim_json(waves, world, i));

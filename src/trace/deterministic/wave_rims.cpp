@@ -13,28 +13,30 @@
 namespace straytrace::trace {
 namespace {
 
-// Derivatives by the coordinates of the body of a rim, along the axes of the scene, of a stray field with these
-// derivatives by the displacement and the rotation of the rim about its reference.
+using Complex = std::complex<double>;
+
+// Derivatives of a stray field by the coordinates of bodies, along the axes of the scene.
 class BodyGradient {
  public:
-  BodyGradient(World const& world, ArmCavity const& arm, ArmRim const& rim) : world_(world), arm_(arm), rim_(rim) {}
+  BodyGradient(World const& world, ArmCavity const& arm) : world_(world), arm_(arm) {}
 
-  void displacement(int axis, std::complex<double> lever) {
-    Vec3 const along = axis == 0 ? arm_.frame.x : axis == 1 ? arm_.frame.y : arm_.frame.z;
-    Vec3 const at = arm_.frame.origin + arm_.frame.to_world(rim_.centre);
+  // By the displacement of a point of a surface, in the frame of the cavity.
+  void displacement(SurfaceId surface, Vec3 at, int axis, Complex lever) {
     std::vector<PhaseSensitivity> unit;
-    add_hit(unit, world_, rim_.surface, at, along);
+    add_hit(unit, world_, surface, arm_.frame.origin + arm_.frame.to_world(at), along(axis));
     for (PhaseSensitivity const& s : unit) add(s, lever);
   }
-  void rotation(int axis, std::complex<double> lever) {
-    Vec3 const about = axis == 0 ? arm_.frame.x : axis == 1 ? arm_.frame.y : arm_.frame.z;
-    BodyId const body = world_.surfaces()[rim_.surface.value].body;
+  // By a rotation about any point: the surface also has the displacements that go with it.
+  void rotation(SurfaceId surface, int axis, Complex lever) {
+    Vec3 const about = along(axis);
+    BodyId const body = world_.surfaces()[surface.value].body;
     if (body.valid()) add({body, {0, 0, 0, about.x, about.y, about.z}}, lever);
   }
   std::vector<EdgeWave::Gradient> const& values() const { return values_; }
 
  private:
-  void add(PhaseSensitivity const& unit, std::complex<double> lever) {
+  Vec3 along(int axis) const { return axis == 0 ? arm_.frame.x : axis == 1 ? arm_.frame.y : arm_.frame.z; }
+  void add(PhaseSensitivity const& unit, Complex lever) {
     auto at = std::ranges::find(values_, unit.body, &EdgeWave::Gradient::body);
     if (at == values_.end()) at = values_.insert(at, {unit.body, {}});
     for (int i = 0; i < 6; ++i) at->d[i] += lever * unit.d[i];
@@ -42,9 +44,34 @@ class BodyGradient {
 
   World const& world_;
   ArmCavity const& arm_;
-  ArmRim const& rim_;
   std::vector<EdgeWave::Gradient> values_;
 };
+
+// Adds a part that the light meets at a point, with its levers, and the mirrors: what counts is its motion relative to
+// the axis of the cavity and to the mirrors (eq. W.26), so that no common motion changes the field.
+void add_relative(BodyGradient& gradient, ArmCavity const& arm, SurfaceId part, Vec3 at, RimLevers const& levers) {
+  auto const &t = levers.displacement, &r = levers.rotation;
+  for (int axis : {0, 1, 2}) {
+    gradient.displacement(part, at, axis, t[axis]);
+    gradient.rotation(part, axis, r[axis]);
+  }
+  double const length = arm.cavity.length;
+  auto const axis = axis_shifts(arm.mirrors[0].curvature, arm.mirrors[1].curvature, length);
+  Complex const turn_x = r[1] - at.x * t[2], turn_y = -r[0] - at.y * t[2], roll = r[2] + at.x * t[1] - at.y * t[0];
+  for (std::size_t i : {0, 1}) {
+    SurfaceId const mirror = arm.mirrors[i].surface;
+    double const side = i == 0 ? 1 : -1, curvature = arm.mirrors[i].curvature;
+    Vec3 const vertex{0, 0, i == 0 ? 0 : length};
+    Complex const across[] = {-(t[0] * axis[i].at(at.z) + turn_x * axis[i].slope),
+                              -(t[1] * axis[i].at(at.z) + turn_y * axis[i].slope)};
+    for (int j : {0, 1}) gradient.displacement(mirror, vertex, j, curvature * across[j]);
+    gradient.rotation(mirror, 1, side * across[0]);
+    gradient.rotation(mirror, 0, -side * across[1]);
+    double const other = i == 0 ? length - at.z : at.z;
+    gradient.displacement(mirror, vertex, 2, -t[2] * other * other / (at.z * at.z + std::pow(length - at.z, 2)));
+    gradient.rotation(mirror, 2, -0.5 * roll);
+  }
+}
 
 double way_by(ArmCavity const& arm, ArmRim const& rim) {  // m, from mirror to mirror over the rim
   double const one = rim.centre.z, two = arm.cavity.length - rim.centre.z;
@@ -59,9 +86,8 @@ void add_solved(std::vector<PathRecord>& records, World const& world, ArmCavity 
   for (RimDraw const& draw : found.draws)
     for (std::size_t i = draw.responses.size() > 1 ? 1 : 0; i < draw.responses.size(); ++i) {
       RimLevers const& levers = draw.responses[i].levers;
-      BodyGradient gradient(world, arm, rim);
-      for (int axis = 0; axis < 3; ++axis) gradient.displacement(axis, levers.displacement[axis]);
-      for (int axis = 0; axis < 3; ++axis) gradient.rotation(axis, levers.rotation[axis]);
+      BodyGradient gradient(world, arm);
+      add_relative(gradient, arm, rim.surface, rim.centre, levers);
       EdgeWave wave;
       wave.amplitude = draw.clipped;
       wave.gradient = gradient.values();
@@ -79,17 +105,44 @@ void add_expected(std::vector<PathRecord>& records, World const& world, ArmCavit
                   SpeckleMeans const& means) {
   double const along = std::sqrt(means.longitudinal), across = std::sqrt(means.transverse);
   for (int part = 0; part < 5; ++part) {
-    BodyGradient gradient(world, arm, rim);
+    RimLevers levers{};
     if (part < 3)
-      gradient.displacement(part, part == 2 ? along : across);
+      levers.displacement[part] = part == 2 ? along : across;
     else
-      gradient.rotation(part - 3, rim.rim.radius * along / std::sqrt(2.0));
+      levers.rotation[part - 3] = rim.rim.radius * along / std::sqrt(2.0);
+    BodyGradient gradient(world, arm);
+    add_relative(gradient, arm, rim.surface, rim.centre, levers);
     EdgeWave wave;
     wave.amplitude = std::sqrt(means.field / 5);
     wave.gradient = gradient.values();
     wave.path_length = way_by(arm, rim);
     add_edge_records(records, wave, edge_power(wave));
   }
+}
+
+// The outlines and heights of both mirrors, one stray field for each draw of the heights. Its real part changes the
+// loss of the mode. Its imaginary part is mostly a change of length, by slopes of the heights under the beam, that
+// belongs to the beam itself; of what is stray light in it, the power is that of the real part.
+std::vector<PathRecord> mirror_records(World const& world, ArmWaves const& waves) {
+  ArmCavity const& arm = waves.arm;
+  std::vector<PathRecord> records;
+  for (std::size_t draw = 0; draw < waves.draws.size(); ++draw) {
+    BodyGradient gradient(world, arm);
+    for (std::size_t i : {0, 1}) {
+      RimLevers levers{};
+      auto const& figure = waves.draws[draw].mirrors[i].figure;
+      for (int axis : {0, 1}) levers.displacement[axis] = std::sqrt(2.0) * figure[std::size_t(axis)].real();
+      levers.rotation[2] = std::sqrt(2.0) * figure[2].real();
+      add_relative(gradient, arm, arm.mirrors[i].surface, {0, 0, i == 0 ? 0 : arm.cavity.length}, levers);
+    }
+    EdgeWave wave;
+    wave.gradient = gradient.values();
+    wave.path_length = 2 * arm.cavity.length;
+    std::size_t const first = records.size();
+    add_edge_records(records, wave, edge_power(wave) / double(waves.draws.size()));
+    for (std::size_t r = first; r < records.size(); ++r) records[r].history = draw;
+  }
+  return records;
 }
 
 struct RimGroup {
@@ -101,10 +154,9 @@ std::string statement(ArmWaves const& waves, ClassKind kind, RimGroup const& gro
   std::string const rims = group.rims == 1 ? "1 rim" : fmt::format("{} rims", group.rims);
   if (kind == ClassKind::speckle)
     return fmt::format(
-        "{}, mean over random mirrors with their scatter (docs/theory/wave.md, eq. W.22): light at angles above "
-        "{:.3g} urad, which the grid does not hold; without the waves of other edges, which raised powers up to "
-        "fourfold where the grid held "
-        "them; powers added; first order in the motion",
+        "{}, mean over random mirrors with their scatter and outlines (docs/theory/wave.md, eq. W.22): light at angles "
+        "above {:.3g} urad, which the grid does not hold; at smaller angles from the other mirror, with the irradiance "
+        "on the grid; without waves of other baffles above that angle; powers added; first order in the motion",
         rims, 1e6 * waves.arm.crossover);
   std::string drawn = group.map_draws > 1 ? fmt::format("mean over {} draws of the mirrors", group.map_draws)
                                           : std::string("one draw of the mirrors");
@@ -115,6 +167,12 @@ std::string statement(ArmWaves const& waves, ClassKind kind, RimGroup const& gro
       "in the motion",
       rims, drawn);
 }
+
+constexpr char of_mirrors[] =
+    "loss of the mode by the motion of both mirrors, their outlines and their heights below the crossover angle "
+    "(docs/theory/wave.md, eq. W.27), in the amplitude quadrature; in the phase quadrature as much, without the "
+    "coupling of angle to length of the beam itself; coupling that of a displacement of 10 um; first order in the "
+    "motion";
 
 // The rims of one entry of the scene, of one kind.
 RimGroup rims_of_kind(World const& world, ArmWaves const& waves, std::string const& name, ClassKind kind) {
@@ -152,6 +210,9 @@ std::vector<CouplingClass> wave_rim_classes(World const& world, ArmWaves const& 
   std::vector<CouplingClass> classes;
   if (!to->port.valid()) return classes;
   auto const group_of = [&](SurfaceId id) { return world.surfaces()[id.value].group; };
+  std::vector<PathStep> const mirrors{{group_of(from->surface), Event::emit}, {group_of(to->surface), Event::couple}};
+  if (std::vector<PathRecord> records = mirror_records(world, waves); !records.empty())
+    classes.push_back(deterministic_class(ClassKind::wave, mirrors, to->port, 1, std::move(records), of_mirrors));
   for (ClassKind const kind : {ClassKind::wave, ClassKind::speckle})
     for (std::string const& name : world.wave.groups) {
       RimGroup group = rims_of_kind(world, waves, name, kind);

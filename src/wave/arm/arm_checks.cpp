@@ -126,7 +126,7 @@ void check_points(ArmCavity const& arm, std::vector<InputError>& errors) {
 void check_memory(ArmCavity const& arm, std::vector<InputError>& errors) {
   double const field = 16 * double(arm.cavity.grid.size());
   auto const kept = double(std::ranges::count_if(arm.rims, &ArmRim::in_band));  // a field each
-  double const needed = field * (12 + 0.4 * 30 + kept),
+  double const needed = field * (17 + 0.4 * 30 + kept),
                there = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
   if (needed > 0.9 * there)
     errors.emplace_back(
@@ -136,6 +136,10 @@ void check_memory(ArmCavity const& arm, std::vector<InputError>& errors) {
 }
 
 }  // namespace
+
+bool clear_of_mode(ArmCavity const& arm, ArmRim const& rim) {
+  return rim.rim.radius - std::hypot(rim.centre.x, rim.centre.y) >= clear_in_spots * mode_radius(arm, rim.centre.z);
+}
 
 int allowed_points(int least) {
   for (int n = std::max(64, least + least % 2); n <= most_points; n += 2) {

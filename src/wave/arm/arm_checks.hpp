@@ -15,6 +15,9 @@ void choose_grid(ArmCavity&, WaveSettings const&);
 // Points, window and memory of the grid.
 void check_grid(World const&, ArmCavity&);
 
+// Whether no light of the mode itself meets a rim: 2e-11 of it lies beyond.
+bool clear_of_mode(ArmCavity const&, ArmRim const&);
+
 // The next number of points that transforms are fast for, at most 8192; 0: none.
 int allowed_points(int least);
 

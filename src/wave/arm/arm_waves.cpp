@@ -14,6 +14,7 @@
 #include "base/math/rng.hpp"
 #include "base/process/threads.hpp"
 #include "beams/round_cavity.hpp"
+#include "wave/arm/arm_checks.hpp"
 #include "wave/arm/arm_solver.hpp"
 #include "world/model/world.hpp"
 
@@ -59,12 +60,32 @@ std::vector<RimCurve> curves_of(ArmCavity const& arm, std::size_t number, WaveSe
   return curves;
 }
 
-SpeckleMeans speckle_of(World const& world, ArmCavity const& arm, ArmRim const& rim) {
-  auto const& [one, two] = arm.mirrors;
-  Vec3 const along = arm.frame.z;  // light falls on mirror 1 against z
-  return speckle_means({arm.cavity.wavelength, rim.rim.radius, rim.centre.z, arm.cavity.length - rim.centre.z, one.spot,
-                        two.spot, mirror_brdf(world, one, -along, rim.angle1),
-                        mirror_brdf(world, two, along, rim.angle2)});
+// eq. W.22. Where the grid holds the light of one of the mirrors at the edge, and nothing of the mode itself is in it,
+// with its irradiance there: it contains the waves of other baffles and their shadows.
+SpeckleMeans speckle_of(World const& world, ArmCavity const& arm, std::size_t number, PlaneIrradiance const& found) {
+  ArmRim const& rim = arm.rims[number];
+  SpeckledRim s{arm.cavity.wavelength, rim.rim.radius, rim.centre.z, arm.cavity.length - rim.centre.z};
+  s.spot1 = arm.mirrors[0].spot;
+  s.spot2 = arm.mirrors[1].spot;
+  s.outline1 = arm.mirrors[0].radius;
+  s.outline2 = arm.mirrors[1].radius;
+  bool const outside = !rim.in_band && clear_of_mode(arm, rim);
+  for (bool const first : {true, false}) {
+    ArmMirror const& mirror = arm.mirrors[first ? 0 : 1];
+    double const distance = first ? s.distance1 : s.distance2, angle = first ? rim.angle1 : rim.angle2;
+    Vec3 const falls = first ? -arm.frame.z : arm.frame.z;
+    double edge = outline_wave(s, distance, mirror.spot, mirror.radius, mirror.curvature);
+    double brdf = mirror_brdf(world, mirror, falls, angle);
+    if (outside && angle <= arm.crossover) {
+      Travel const travel = first ? Travel::towards_mirror2 : Travel::towards_mirror1;
+      double const all = distance * distance * found.of(int(number) + 1, travel).ring_mean(s.radius);
+      edge = std::fmin(edge, all);
+      brdf = all - edge;
+    }
+    (first ? s.edge1 : s.edge2) = edge;
+    (first ? s.brdf1 : s.brdf2) = brdf;
+  }
+  return speckle_means(s);
 }
 
 // The mode next to each Hermite-Gauss mode. Those of one order are nearly degenerate, so that a mode may share less
@@ -129,8 +150,7 @@ class ArmEnsemble {
                            mode.residual,
                            mode.round_trips,
                            solver_.waves().ledger(mode),
-                           found.mirror1,
-                           found.mirror2});
+                           found.mirrors});
     return mode;
   }
   // False if nothing in them is random.
@@ -194,7 +214,7 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmOptions 
   }
   double const perfect = loss_of_smooth_mirrors(arm);
   ArmWaves waves{std::move(arm), mirrors, {}, perfect, std::move(lines), {}, {}, {}, {}, {}};
-  for (ArmRim const& rim : waves.arm.rims) waves.rims.push_back({{}, speckle_of(world, waves.arm, rim)});
+  waves.rims.resize(waves.arm.rims.size());
   ArmEnsemble ensemble(world, settings, solver, say);
   IrradianceMeter meter(waves.arm.cavity.grid, waves.rims.size() + 2);
   waves.mode = ensemble.solve(waves, meter, 0, mirrors.spectrum);
@@ -211,6 +231,8 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmOptions 
   warn_of_clipping(waves);
   waves.ledger = mean_of(waves.draws);
   waves.irradiance = std::move(meter).result();
+  for (std::size_t j = 0; j < waves.rims.size(); ++j)
+    waves.rims[j].speckle = speckle_of(world, waves.arm, j, waves.irradiance);
   if (finer) waves.grid_check = grid_check(*finer, waves, threads, say);
   prefix = "heights by frequency, ";
   if (options.by_frequency) waves.bands = frequency_bands(waves.arm, solver);

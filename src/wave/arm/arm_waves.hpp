@@ -50,7 +50,7 @@ struct ArmDraw {
   double residual = 0;                // of the mode (eq. W.9)
   int round_trips = 0;                // that the search took
   PowerLedger ledger;
-  std::array<Complex, 2> mirror1{}, mirror2{};  // derivatives of s by displacements of the mirrors along x and y. 1/m
+  std::array<MirrorLevers, 2> mirrors;
 };
 
 struct ArmWaves {

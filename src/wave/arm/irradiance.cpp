@@ -17,14 +17,20 @@ double PolarIrradiance::azimuth(int sector) const { return (sector + 0.5) * 2 * 
 
 double PolarIrradiance::cell_area(int ring) const { return 2 * pi * radius(ring) * step / sectors; }
 
+double PolarIrradiance::ring_mean(double radius) const {
+  int const ring = int(radius / step);
+  if (!(radius >= 0) || ring >= rings) return 0;
+  double sum = 0;
+  for (int s = 0; s < sectors; ++s) sum += double(mean[std::size_t(ring * sectors + s)]);
+  return sum / sectors;
+}
+
 double PolarIrradiance::power(double from, double to) const {
   double sum = 0;
   for (int ring = 0; ring < rings; ++ring) {
     double const low = std::fmax(from, ring * step), high = std::fmin(to, (ring + 1) * step);
     if (!(high > low)) continue;
-    double all = 0;
-    for (int s = 0; s < sectors; ++s) all += double(mean[std::size_t(ring * sectors + s)]);
-    sum += pi * (high * high - low * low) * all / sectors;
+    sum += pi * (high * high - low * low) * ring_mean(radius(ring));
   }
   return sum;
 }

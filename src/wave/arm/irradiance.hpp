@@ -23,6 +23,7 @@ struct PolarIrradiance {
   double radius(int ring) const { return (ring + 0.5) * step; }  // m
   double azimuth(int sector) const;                              // rad
   double cell_area(int ring) const;                              // m^2
+  double ring_mean(double radius) const;  // of |psi|^2 over the azimuth, 1/m^2; 0 outside of the rings
   // Share of the power of the mode on a ring between two radii.
   double power(double from, double to) const;
   // In each sector, the share that falls beyond the edge of an opening about the axis.

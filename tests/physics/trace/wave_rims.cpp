@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Routes of the rims of a solved cavity: what their records make of the levers (docs/theory/wave.md, eq. W.14 and
-// W.22).
+// Routes of the rims and mirrors of a solved cavity: what their records make of the levers (docs/theory/wave.md,
+// eq. W.14, W.22, W.26 and W.27).
 #include "trace/deterministic/wave_rims.hpp"
 
 #include <gmock/gmock.h>
@@ -18,6 +18,7 @@ using ::testing::HasSubstr;
 using Complex = std::complex<double>;
 
 enum Coordinate { x, y, z, rx, ry, rz };
+enum Bodies : std::uint32_t { pipe, input, end };  // of the rims and of both mirrors; or `input` alone of both
 
 // The cavity of a scene with the levers of the test in place of computed ones.
 struct Bench {
@@ -28,11 +29,12 @@ struct Bench {
       : world(scene.world()),
         waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, {}, 0, {}, {}, {}, {}, {}, {}} {
     waves.rims.resize(waves.arm.rims.size());
+    waves.draws.resize(1);
   }
   std::vector<CouplingClass> classes() const { return wave_rim_classes(world, waves); }
   CouplingClass of(std::string const& group) const {
     for (CouplingClass const& c : classes())
-      if (world.groups()[c.steps.at(1).group.value] == group) return c;
+      if (c.steps.size() == 3 && world.groups()[c.steps.at(1).group.value] == group) return c;
     ADD_FAILURE() << "no class of " << group;
     return {};
   }
@@ -47,11 +49,12 @@ RimResponse levers(Complex a_x, Complex a_y = 0, Complex a_z = 0, Complex r_y = 
   return response;
 }
 
-// Mean square of the field by a coordinate of the body of all records: that of a displacement d is this times d^2.
-double square(CouplingClass const& c, Coordinate coordinate) {
+// Mean square of the field by a coordinate of a body of all records: that of a displacement d is this times d^2.
+double square(CouplingClass const& c, Coordinate coordinate, std::uint32_t body = pipe) {
   double sum = 0;
   for (PathRecord const& r : c.records)
-    for (PhaseSensitivity const& s : r.phase_sensitivities) sum += r.weight * s.d[coordinate] * s.d[coordinate];
+    for (PhaseSensitivity const& s : r.phase_sensitivities)
+      if (s.body.value == body) sum += r.weight * s.d[coordinate] * s.d[coordinate];
   return sum;
 }
 double weights(CouplingClass const& c) {
@@ -210,6 +213,90 @@ TEST(WaveRims, ExpectationOverSpeckle) {
   Bench own(near);
   for (RimResult& rim : own.waves.rims) rim = {{}, {field, across, longitudinal}};
   EXPECT_NEAR(square(own.of("baffle_one"), ry) / (0.045 * 0.045 * longitudinal / 2), 1, 1e-9);
+}
+
+KilometreArm separate_mirrors() {
+  KilometreArm scene;
+  scene.bodies = "input: {pivot: [0 m, 0 m, 0 m], motion: still}, end: {pivot: [0 m, 0 m, 1000 m], motion: still}";
+  scene.input_body = "input";
+  scene.end_body = "end";
+  return scene;
+}
+
+// Eq. W.26 with W.23: g = 0.6, the tilt of the end mirror moves the axis at 400 m by 1000 m (1 + 0.4 (0.6 - 1))/0.64
+// times it, and its displacement does so by its tilt of 1/2500 m.
+TEST(WaveRims, MirrorsMoveTheAxis) {
+  Bench const bench = solved_bench(separate_mirrors());
+  double const arm = 1000 * 0.84 / 0.64, other = 1000 * (0.6 + 0.4 * 0.4) / 0.64;  // by the input mirror
+  CouplingClass const c = bench.of("baffle_one");
+  EXPECT_NEAR(square(c, ry, end) / std::norm(arm * first), 1, 1e-9);
+  EXPECT_NEAR(square(c, x, end) / std::norm(arm / 2500 * first), 1, 1e-9);
+  EXPECT_NEAR(square(c, ry, input) / std::norm(other * first), 1, 1e-9);
+  EXPECT_NEAR(square(bench.of("baffle_two"), rx, input) / std::norm(arm * vertical), 1, 1e-9);
+  EXPECT_NEAR(square(c, z, end) / std::norm(400. * 400 / (400. * 400 + 600. * 600) * along), 1, 1e-9);
+  Bench speckled = solved_bench(separate_mirrors());
+  for (RimResult& rim : speckled.waves.rims) rim = {{}, {1e-6, 4e-8, 0}};
+  EXPECT_NEAR(square(speckled.of("baffle_one"), ry, end) / (arm * arm * 4e-8), 1, 1e-9);
+}
+
+// Largest change of the field of a record when all bodies that move do so by `displacement` and turn by `rotation`
+// about a point, over the largest change by one of them.
+double left_by_common_motion(Bench const& bench, CouplingClass const& c, bool mirrors_move = true) {
+  Vec3 const displacement{1e-6, -2e-6, 3e-6}, rotation{4e-9, 5e-9, -6e-9}, about{3, -2, 250};
+  double worst = 0;
+  for (PathRecord const& r : c.records) {
+    double all = 0, size = 0;
+    for (PhaseSensitivity const& s : r.phase_sensitivities) {
+      if (!mirrors_move && s.body.value != pipe) continue;
+      Vec3 const t = displacement + cross(rotation, bench.world.bodies()[s.body.value].pivot - about);
+      double const part =
+          s.d[0] * t.x + s.d[1] * t.y + s.d[2] * t.z + s.d[3] * rotation.x + s.d[4] * rotation.y + s.d[5] * rotation.z;
+      all += part;
+      size = std::fmax(size, std::fabs(part));
+    }
+    if (size > 0) worst = std::fmax(worst, std::fabs(all) / size);
+  }
+  return worst;
+}
+
+// Eq. W.16 holds for every record of every class.
+TEST(WaveRims, CommonMotionChangesNothing) {
+  KilometreArm scene = separate_mirrors();
+  scene.baffles.replace(scene.baffles.find("[0 m, 0 m, 400 m]"), 17, "[3 mm, 1 mm, 400 m]");
+  Bench bench = solved_bench(scene);
+  RimResponse full = levers(first, vertical, along, 0.05);
+  full.levers.rotation[0] = second;
+  full.levers.rotation[2] = {2e-6, 1e-6};
+  bench.waves.rims[0] = {{RimDraw{{full}, Complex{3e-6, 4e-6}}}, {}};
+  bench.waves.rims[1] = {{}, {1e-6, 4e-8, 9e-12}};
+  bench.waves.draws[0].mirrors[0].figure = {first, vertical, second};
+  bench.waves.draws[0].mirrors[1].figure = {along, first, vertical};
+  auto const classes = bench.classes();
+  ASSERT_EQ(classes.size(), 3u);
+  for (CouplingClass const& c : classes) EXPECT_LT(left_by_common_motion(bench, c), 1e-9) << c.statement;
+  EXPECT_GT(left_by_common_motion(bench, bench.of("baffle_one"), false), 0.9);  // negative control
+}
+
+// Eq. W.27: the loss of the mode by the motion of its mirrors, relative to the axis, is one stray field.
+TEST(WaveRims, MirrorsHaveARowOfTheirOwn) {
+  Bench bench = solved_bench(separate_mirrors());
+  bench.waves.rims.clear();
+  bench.waves.arm.rims.clear();
+  EXPECT_EQ(bench.classes().size(), 0u);  // perfect mirrors without outlines
+  double const loss = 3e-4;
+  bench.waves.draws[0].mirrors[1].figure[0] = Complex{loss, 5e-2};
+  auto const classes = bench.classes();
+  ASSERT_EQ(classes.size(), 1u);
+  CouplingClass const& c = classes[0];
+  EXPECT_EQ(c.kind, ClassKind::wave);
+  ASSERT_EQ(c.steps.size(), 2u);
+  EXPECT_EQ(bench.world.groups()[c.steps[0].group.value], "E");
+  EXPECT_EQ(bench.world.groups()[c.steps[1].group.value], "I");
+  // The spot on the end mirror moves by 937.5 m times its tilt, and by 1562.5 m times that of the input mirror.
+  EXPECT_NEAR(square(c, ry, end) / (2 * std::pow(937.5 * loss, 2)), 1, 1e-9);
+  EXPECT_NEAR(square(c, ry, input) / (2 * std::pow(1562.5 * loss, 2)), 1, 1e-9);
+  EXPECT_NEAR(square(c, x, end) / (2 * std::pow((1 - 937.5 / 2500) * loss, 2)), 1, 1e-9);
+  EXPECT_THAT(c.statement, HasSubstr("loss of the mode"));
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ struct KilometreArm {
       "wave: {beam: arm, baffles: \"baffle*\", crossover: 120 urad, grid: {points: 256, window: 0.5 m}}\n";
   std::string ports = "ports: {I: {beam: arm, at: I}, E: {beam: arm, at: E}}\n";
   std::string pipe = "{pivot: [0 m, 0 m, 0 m], motion: {x: {peterson: typical}, others: still}}";
+  std::string bodies = "optics: {motion: still}", input_body = "optics", end_body = "optics";
   std::string end = "at: [0 m, 0 m, 1000 m], facing: [0, 0, -1]", input = "facing: [0, 0, 1]";
 
   std::string text() const {
@@ -28,15 +29,15 @@ struct KilometreArm {
            "  polished: {specular: {reflect: 0.9999}, scatter: {model: power-law, kappa: 5e-7 /sr, exponent: 2,"
            " above: 1 urad}}\n"
            "  black: {}\n"
-           "bodies: {optics: {motion: still}, pipe: " +
-           pipe +
+           "bodies: {pipe: " +
+           pipe + ", " + bodies +
            "}\nscene:\n"
            "  - {name: I, use: mirror, radius: 75 mm, radius_of_curvature: 2500 m, at: [0 m, 0 m, 0 m], " +
-           input +
-           ", body: optics, material: polished}\n"
+           input + ", body: " + input_body +
+           ", material: polished}\n"
            "  - {name: E, use: mirror, radius: 75 mm, radius_of_curvature: 2500 m, " +
-           end + ", body: optics, material: polished}\n" + baffles + "beams: {arm: {cavity: [I, E], power: 10 kW}}\n" +
-           ports + wave;
+           end + ", body: " + end_body + ", material: polished}\n" + baffles +
+           "beams: {arm: {cavity: [I, E], power: 10 kW}}\n" + ports + wave;
   }
   World world() const {
     FileTexts const texts{{"a.yaml", text()}};

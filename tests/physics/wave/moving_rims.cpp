@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Derivatives of the eigenvalue of a cavity by the motion of a rim in it, as an integral along the rim, against
-// eigenvalues with the rim moved (docs/theory/wave.md, eq. W.11 to W.16): validation cases V4 and V15.
+// Derivatives of the eigenvalue of a cavity by the motion of a rim in it or of a mirror, as integrals along the rim and
+// over the mirror, against eigenvalues with either moved (docs/theory/wave.md, eq. W.11 to W.16, W.25, W.26):
+// validation cases V4 and V15.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,8 +25,8 @@ WaveCavity kilometre(RoundHole rim, double place = 400) {
   return {nd_yag, 1000, mirror, mirror, {{place, rim}}, {384, 0.4}};
 }
 
-// A surface of waves along all directions, longer than 10 mm, of about 0.5 nm.
-void roughen(WaveMirror& mirror, Grid const& grid, unsigned seed) {
+// A surface of waves along all directions, longer than 10 mm, of about 0.5 nm, displaced along x.
+void roughen(WaveMirror& mirror, Grid const& grid, unsigned seed, double displacement = 0) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);
   mirror.height.assign(grid.size(), 0);
@@ -36,7 +37,7 @@ void roughen(WaveMirror& mirror, Grid const& grid, unsigned seed) {
     for (int row = 0; row < grid.points; ++row)
       for (int column = 0; column < grid.points; ++column)
         mirror.height[std::size_t(row) * std::size_t(grid.points) + std::size_t(column)] +=
-            0.15e-9 * turned((m * grid.at(column) + n * grid.at(row)) / grid.window + phase).real();
+            0.15e-9 * turned((m * (grid.at(column) - displacement) + n * grid.at(row)) / grid.window + phase).real();
   }
 }
 
@@ -93,14 +94,90 @@ TEST(MovingRims, RimIntegralAgainstTheMovedBaffleV4) {
   EXPECT_GT(relative(0.5 * found.displacement[0], x), 0.4);  // one direction of the two
 }
 
-// eq. W.16: nothing changes when baffle and mirrors move together.
+// The mirror moved: its outline, its heights and, by a tilt, its curvature.
+TEST(MovingRims, LeversOfAMirrorAgainstTheMovedMirror) {
+  WaveCavity const cavity = rough();
+  CavityRims const all = levers(cavity).all;
+  Complex const x = difference(cavity, 1e-5, [](WaveCavity& c, double d) {
+    c.mirror2.outline.x += d;
+    c.mirror2.tilt_x += c.mirror2.curvature * d;
+    roughen(c.mirror2, c.grid, 2, d);
+  });
+  Complex const tilt = difference(cavity, 3e-9, [](WaveCavity& c, double d) { c.mirror1.tilt_y -= d; });
+  Complex const z = difference(cavity, 0.02, [](WaveCavity& c, double d) { c.length += d; });
+  EXPECT_LT(relative(all.mirrors[1].whole.displacement[0], x), 1e-3);
+  EXPECT_LT(relative(all.mirrors[0].whole.rotation[0], tilt), 1e-3);
+  EXPECT_LT(relative(all.mirrors[1].whole.displacement[2], z), 1e-3);
+  EXPECT_GT(relative(all.mirrors[1].figure[0], x), 0.1);  // negative control: the curvature rests
+}
+
+// eq. W.16: nothing changes when baffle and mirrors move or turn together.
 TEST(MovingRims, CommonMotionChangesNothingV4) {
-  Levers const found = levers(rough());
-  for (std::size_t axis : {0, 1}) {
-    Complex const sum = found.rim.displacement[axis] + found.all.mirror1[axis] + found.all.mirror2[axis];
-    EXPECT_LT(std::abs(sum), 1e-5 * std::abs(found.rim.displacement[axis]));
-    EXPECT_GT(std::abs(sum - found.all.mirror1[axis]), 1e-2 * std::abs(found.rim.displacement[axis]));
+  WaveCavity const cavity = rough();
+  Levers const found = levers(cavity);
+  RimLevers const bodies[] = {found.rim, found.all.mirrors[0].whole, found.all.mirrors[1].whole};
+  Vec3 const places[] = {{3e-3, -1.5e-3, cavity.baffles[0].place}, {}, {0, 0, cavity.length}};
+  auto const sum = [&](int moving, int axis) {  // of the first bodies
+    Complex total = 0;
+    for (int i = 0; i < moving; ++i) total += bodies[i].displacement[axis];
+    return total;
+  };
+  auto const turned_sum = [&](int moving, int axis) {  // about mirror 1
+    Complex total = 0;
+    int const next = (axis + 1) % 3, last = (axis + 2) % 3;
+    for (int i = 0; i < moving; ++i) {
+      double const arm[] = {places[i].x, places[i].y, places[i].z};
+      auto const& t = bodies[i].displacement;
+      total += bodies[i].rotation[axis] + arm[next] * t[last] - arm[last] * t[next];
+    }
+    return total;
+  };
+  // To the residual of the mode, which the tilt of a mirror alone turns into 97/m of lever.
+  for (int axis : {0, 1, 2}) {
+    double const size = std::abs(found.rim.displacement[axis]);
+    EXPECT_LT(std::abs(sum(3, axis)), (axis < 2 ? 1e-5 : 1e-4) * size) << axis;
+    EXPECT_GT(std::abs(sum(2, axis)), 1e-2 * size) << axis;
+    double const across = std::abs(found.rim.displacement[axis == 0 ? 1 : 0]);
+    double const turned_size = (axis < 2 ? cavity.baffles[0].place : cavity.baffles[0].rim.y) * across;
+    EXPECT_LT(std::abs(turned_sum(3, axis)), 1e-4 * std::fabs(turned_size)) << axis;
+    EXPECT_GT(std::abs(turned_sum(2, axis)), 1e-2 * std::fabs(turned_size)) << axis;
   }
+}
+
+// Eq. W.26: what a mirror couples is the motion of the axis past the rim and past the outlines and heights of both
+// mirrors. By a rotation of mirror 1 about y.
+Complex by_the_axis(WaveCavity const& cavity, Levers const& found) {
+  AxisShift const axis = axis_shifts(cavity.mirror1.curvature, cavity.mirror2.curvature, cavity.length)[0];
+  return -(found.rim.displacement[0] * axis.at(cavity.baffles[0].place) + found.rim.rotation[1] * axis.slope +
+           found.all.mirrors[0].figure[0] * axis.at(0) + found.all.mirrors[1].figure[0] * axis.at(cavity.length));
+}
+
+TEST(MovingRims, AMirrorThatTiltsMovesTheAxis) {
+  WaveCavity const cavity = rough();
+  Levers const found = levers(cavity);
+  Complex const exact = found.all.mirrors[0].whole.rotation[1];
+  EXPECT_LT(relative(by_the_axis(cavity, found), exact), 1e-4);
+  Levers bare = found;  // negative control: without the heights and outlines of the mirrors
+  for (MirrorLevers& m : bare.all.mirrors) m.figure = {};
+  EXPECT_GT(relative(by_the_axis(cavity, bare), exact), 0.1);
+}
+
+// The loss changes at first order with the tilt of a mirror where the other is misaligned, and not where it is not.
+TEST(MovingRims, LossByTheTiltOfAMisalignedCavity) {
+  WaveCavity cavity = kilometre({0.04});
+  double const centred = by_the_axis(cavity, levers(cavity)).real();
+  cavity.mirror2.tilt_x = 0.3e-6;
+  double const step = 1e-8;
+  auto const loss = [&](double tilt) {
+    WaveCavity tilted = cavity;
+    tilted.mirror1.tilt_x = tilt;
+    return 1 - std::norm(eigenvalue(tilted));
+  };
+  Levers const found = levers(cavity);
+  double const expected = (loss(step) - loss(-step)) / (2 * step), kept = 1 - loss(0);
+  EXPECT_LT(relative(-2 * kept * by_the_axis(cavity, found).real(), expected), 1e-3);
+  EXPECT_LT(relative(-2 * kept * found.all.mirrors[0].whole.rotation[1].real(), expected), 1e-3);
+  EXPECT_LT(std::abs(2 * centred), 1e-4 * std::abs(expected));
 }
 
 // A wider rim clips less: d(gamma)/gamma per radius is the integral of the product of the fields, and the longitudinal

@@ -313,5 +313,57 @@ TEST(SpeckledRim, RandomFieldsV7) {
   testing::expect_rejected("longitudinal", longitudinal.mean(), smooth / expected.longitudinal);
 }
 
+WaveAt sum_of(WaveAt const& a, WaveAt const& b, double share) {
+  return [=](Vec3 const& p) {
+    WaveValue const u = a(p), v = b(p);
+    double const size = std::sqrt(share);
+    return WaveValue{u.value + size * v.value, u.dx + size * v.dx, u.dy + size * v.dy};
+  };
+}
+
+// eq. W.22 with a coherent wave from each mirror beside its speckle.
+TEST(SpeckledRim, RandomFieldsBesideSmoothWaves) {
+  SpeckledRim setting = speckled(222.1);
+  setting.edge1 = 0.3;
+  setting.edge2 = 0.2;
+  wave::SpeckleMeans const expected = speckle_means(setting);
+  double const l1 = setting.distance1, l = l1 + setting.distance2;
+  auto const rim = wave::round_rim(setting.radius, {0, 0, l1}, 256);
+  testing::Sampler transverse, longitudinal;
+  for (std::uint64_t draw = 0; draw < 1500; ++draw) {
+    Rng random(8, draw, 0, Stream::source);
+    WaveAt const first = sum_of(speckle(0, setting.spot1, random), spherical(0), setting.edge1),
+                 second = sum_of(speckle(l, setting.spot2, random), spherical(l), setting.edge2);
+    RimLevers const levers = rim_levers(rim, first, second, nd_yag, 1, {0, 0, l1});
+    for (int i = 0; i < 2; ++i) transverse.add(std::norm(levers.displacement[i]) / expected.transverse);
+    longitudinal.add(std::norm(levers.displacement[2]) / expected.longitudinal);
+  }
+  testing::expect_mean("transverse", transverse.mean(), 1, 0.22);
+  testing::expect_mean("longitudinal", longitudinal.mean(), 1, 0.3);
+  testing::expect_rejected("transverse", transverse.mean(),
+                           speckle_means(speckled(222.1)).transverse / expected.transverse);
+}
+
+// eq. W.28 against the Kirchhoff integral of the clipped mode of ET-HF, in the mean over fringes.
+TEST(SpeckledRim, WaveFromTheOutlineOfAMirror) {
+  double const spot = 0.1205, outline = 0.31, curvature = 1 / 5070.;
+  for (double const l : {2000., 4250.}) {
+    double exact = 0, closed = 0;
+    constexpr int radii = 40, steps = 3000;
+    for (int i = 0; i < radii; ++i) {
+      SpeckledRim rim{nd_yag, 0.38 + 0.08 * (i + 0.5) / radii};
+      closed += wave::outline_wave(rim, l, spot, outline, curvature) / (l * l);
+      Complex field = 0;
+      for (int j = 0; j < steps; ++j) {
+        double const r = outline * (j + 0.5) / steps, mode = std::sqrt(2 / pi) / spot * std::exp(-r * r / spot / spot);
+        field += mode * std::cyl_bessel_j(0, k * r * rim.radius / l) * r * outline / steps *
+                 std::polar(1.0, k * r * r / 2 * (1 / l - curvature));
+      }
+      exact += std::norm(k / l * field);
+    }
+    EXPECT_LT(deviation(closed, exact), 0.05) << l;
+  }
+}
+
 }  // namespace
 }  // namespace straytrace::wave_rims

@@ -89,6 +89,7 @@ TEST_F(WaveCommand, JsonHasItsKeysAndBalance) {
        {"beam", "length_m", "points", "window_m", "crossover_rad", "loss", "loss_of_smooth_mirrors", "residual",
         "round_trips", "beyond_band", "mirrors", "modes", "rims"})
     EXPECT_TRUE(all.contains(key)) << key;
+  for (auto const& m : all["mirrors"]) EXPECT_EQ(m["rotation_per_rad"].size(), 3u);
   ASSERT_EQ(all["rims"].size(), 2u);
   double lost = all["beyond_band"];
   for (auto const& m : all["mirrors"]) lost += m["power_share_lost"].get<double>();
@@ -129,6 +130,7 @@ TEST_F(WaveCommand, RunHasRowsOfTheirKinds) {
   EXPECT_THAT(run.out, HasSubstr("Kinds other than scattered are computed, not sampled"));
   EXPECT_THAT(run.out, ContainsRegex("E·S > baffle_mid·E > I·S +I +wave "));
   EXPECT_THAT(run.out, ContainsRegex("E·S > baffle_near·E > I·S +I +speckle "));
+  EXPECT_THAT(run.out, ContainsRegex("E·S > I·S +I +wave "));
   EXPECT_THAT(run.out, AllOf(HasSubstr("1 rim in the field of the cavity"), HasSubstr("mean over random mirrors")));
   EXPECT_THAT(run.out, AllOf(HasSubstr("h = "), Not(HasSubstr("at most ")), Not(HasSubstr("upper bound"))));
   EXPECT_THAT(text_of(folder_ / "out/h_asd.txt"), Not(HasSubstr("AT MOST")));
