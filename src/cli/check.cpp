@@ -12,6 +12,7 @@
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "scene/diagnostics.hpp"
+#include "session/light/cavity_waves.hpp"
 #include "session/light/lit_table.hpp"
 #include "session/model.hpp"
 #include "session/open_run.hpp"
@@ -65,6 +66,7 @@ int check(CheckOptions const& options) {
                                        {"ports", world.ports().size()},
                                        {"receivers", world.receivers().size()},
                                        {"lit", lit_json(model)},
+                                       {"wave", wave_json(model)},
                                        {"model_hash", model.hash()}};
     std::cout << found.dump() << '\n';
     return done;
@@ -77,7 +79,7 @@ int check(CheckOptions const& options) {
                            bodies == 1 ? "1 body" : fmt::format("{} bodies", bodies),
                            counted(model.world.ports().size(), "port"), receivers);
   for (std::string const& note : model.world.notes) std::cout << note << '\n';
-  std::cout << lit_table(model);
+  std::cout << lit_table(model) << wave_line(model);
   if (model.detector) std::cout << model.detector->description() << '\n';
   std::cout << "no errors\n";
   return done;

@@ -17,6 +17,7 @@
 #include "scene/diagnostics.hpp"
 #include "session/compare/model_diff.hpp"
 #include "session/injection_points.hpp"
+#include "session/light/cavity_waves.hpp"
 #include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
 #include "session/report_page.hpp"
@@ -162,6 +163,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   Model model;
   model.scene = read_scene(file, overrides, texts);
   model.world = build_world(model.scene);
+  model.arm = plan_waves(model.scene, model.world);
   model.traced = bodies_and_ports(model.scene, model.world);
   model.motion = read_bodies(model.scene.table("bodies"), model.traced, false);
   read_noise(model, model.scene);

@@ -17,6 +17,7 @@
 #include "results/projection_inputs.hpp"
 #include "scene/model_tree.hpp"
 #include "scene/scene.hpp"
+#include "wave/arm/arm_cavity.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::session {
@@ -67,6 +68,7 @@ struct ProjectionModel {
 
 struct Model : ProjectionModel {
   World world;
+  std::optional<wave::ArmCavity> arm;  // plan of the field of the table `wave`
   std::uint64_t seed = 1, histories = 0;
   bool histories_stated = false;  // by the scene: an upper limit for every stop rule
   StopRule until;

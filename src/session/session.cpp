@@ -122,7 +122,7 @@ struct DeterministicLight {
     classes = std::move(edges.classes);
     warnings = std::move(edges.warnings);
     if (model.world.wave.present) {
-      ArmWaves const waves = solve_waves(model.world, threads, options);
+      ArmWaves const waves = solve_waves(model, threads, options);
       std::vector<CouplingClass> rims = wave_rim_classes(model.world, waves);
       std::ranges::copy(waves.arm.warnings, std::back_inserter(warnings));
       if (rims.empty()) warnings.push_back("wave: no inner edge couples light into a port; the field adds no noise");

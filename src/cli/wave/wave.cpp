@@ -43,7 +43,7 @@ int wave(WaveOptions const& options) {
   what.highest_order = options.order;
   what.grid_check = options.grid_check;
   what.by_frequency = options.by_frequency;
-  ArmWaves const waves = solve_waves(model.world, options.threads, options, what);
+  ArmWaves const waves = solve_waves(model, options.threads, options, what);
   for (std::string const& warning : waves.arm.warnings) print_warning(warning, options);
   if (options.json())
     std::cout << wave_json(waves, model.world).dump() << '\n';

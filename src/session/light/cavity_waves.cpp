@@ -1,15 +1,82 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "session/light/cavity_waves.hpp"
 
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
 #include <chrono>
 
 #include "base/errors.hpp"
 #include "session/interrupt.hpp"
+#include "wave/arm/arm_checks.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::session {
 
-ArmWaves solve_waves(World const& world, unsigned threads, PrintOptions const& print, ArmOptions options) {
+namespace {
+
+// The value of the last of these keys that the scene has.
+Node cause_of(Node table, std::vector<std::string> const& keys) {
+  for (std::string const& key : keys) {
+    if (table.kind() != Node::Kind::table || !table.has(key)) break;
+    table = table[key];
+  }
+  return table;
+}
+
+void tell(Node const& table, WaveSettings const& settings, ArmProblem const& p) {
+  Node const at = cause_of(table, p.keys);
+  if (!p.in_file) {
+    p.severity == Severity::error ? at.problem(p.what, p.remedy) : at.warning(p.what, p.remedy);
+    return;
+  }
+  for (WaveSettings::Mirror const& m : settings.mirrors)
+    if (m.name == p.keys.at(1)) at.file_problem(m.file, p.in_file->line, p.in_file->column, p.what, p.remedy);
+}
+
+char const* origin(bool stated) { return stated ? "" : " (automatic)"; }
+
+}  // namespace
+
+std::optional<ArmCavity> plan_waves(Scene const& scene, World const& world) {
+  if (!world.wave.present || !scene.root().healthy()) return {};
+  ArmCavity plan = planned_arm(world, world.wave);
+  for (ArmProblem const& p : plan.problems) tell(scene.table("wave"), world.wave, p);
+  return plan;
+}
+
+std::string wave_line(Model const& model) {
+  if (!model.arm) return {};
+  ArmCavity const& arm = *model.arm;
+  WaveSettings const& wave = model.world.wave;
+  Grid const& grid = arm.cavity.grid;
+  return fmt::format(
+      "wave {}: crossover angle {:.4g} urad{}; {} of {} inner edges within it, seen from both mirrors\n"
+      "  grid of {} x {} points{} over {:.4g} m{}, which carries {:.4g} urad; the field needs {:.2g} GB of memory\n",
+      wave.beam_name, 1e6 * arm.crossover, origin(wave.crossover.has_value()),
+      std::ranges::count_if(arm.rims, &ArmRim::in_band), arm.rims.size(), grid.points, grid.points,
+      origin(wave.points > 0), grid.window, origin(wave.window > 0), 1e6 * grid.largest_angle(arm.cavity.wavelength),
+      1e-9 * needed_memory(arm));
+}
+
+nlohmann::ordered_json wave_json(Model const& model) {
+  if (!model.arm) return {};
+  ArmCavity const& arm = *model.arm;
+  WaveSettings const& wave = model.world.wave;
+  return {{"beam", wave.beam_name},
+          {"crossover_rad", arm.crossover},
+          {"crossover_automatic", !wave.crossover.has_value()},
+          {"points", arm.cavity.grid.points},
+          {"points_automatic", wave.points == 0},
+          {"window_m", arm.cavity.grid.window},
+          {"window_automatic", !(wave.window > 0)},
+          {"inner_edges", arm.rims.size()},
+          {"inner_edges_within", std::ranges::count_if(arm.rims, &ArmRim::in_band)},
+          {"memory_bytes", needed_memory(arm)}};
+}
+
+ArmWaves solve_waves(Model const& model, unsigned threads, PrintOptions const& print, ArmOptions options) {
   InterruptGuard const guard;
   ProgressLine line(print.quiet);
   auto const begin = std::chrono::steady_clock::now();
@@ -20,7 +87,7 @@ ArmWaves solve_waves(World const& world, unsigned threads, PrintOptions const& p
     std::chrono::duration<double> const passed = std::chrono::steady_clock::now() - begin;
     line.at(passed.count(), [&] { return "wave: " + what; });
   };
-  return solve_arm(world, world.wave, options);
+  return solve_arm(model.world, model.world.wave, model.arm.value(), options);
 }
 
 }  // namespace straytrace::session

@@ -11,7 +11,7 @@
 #include "base/math/gauss_points.hpp"
 #include "optics/scatter/mixture.hpp"
 #include "wave/arm/arm_checks.hpp"
-#include "wave/heights/height_map.hpp"
+#include "wave/heights/defects.hpp"
 #include "world/model/vertex.hpp"
 #include "world/model/world.hpp"
 
@@ -43,7 +43,7 @@ CavityFrame frame_of(Vec3 one, Vec3 two) {
 }
 
 ArmMirror mirror_of(World const& world, Footprint const& spot) {
-  ArmMirror mirror{spot.surface, 0, 0, spot.radius};
+  ArmMirror mirror{spot.surface, 0, 0, spot.radius, 0, 0, spot.travel};
   world.view().shapes.visit(world.surfaces()[spot.surface.value].shape, [&](auto const& s) {
     using Shape = std::decay_t<decltype(s)>;
     if constexpr (std::is_same_v<Shape, Cap> || std::is_same_v<Shape, Disk>) mirror.radius = s.outer_radius;
@@ -58,7 +58,7 @@ double angle_of(ArmRim const& rim, double distance) {
 }
 
 std::vector<ArmRim> rims_of(World const& world, WaveSettings const& settings, CavityFrame const& frame, double length,
-                            std::vector<std::string>& warnings) {
+                            std::vector<ArmProblem>& problems) {
   std::vector<ArmRim> rims;
   std::size_t outside = 0;
   for (std::uint32_t id = 0; id < world.surfaces().size(); ++id) {
@@ -75,9 +75,12 @@ std::vector<ArmRim> rims_of(World const& world, WaveSettings const& settings, Ca
     rims.push_back(arm);
   }
   if (outside > 0)
-    warnings.push_back(
-        fmt::format("wave: {} of the {} inner edges in 'baffles' are not between the mirrors; they are left out",
-                    outside, outside + rims.size()));
+    problems.push_back(
+        {{"baffles"},
+         fmt::format("{} of the {} inner edges in 'baffles' are not between the mirrors; they are left out", outside,
+                     outside + rims.size()),
+         "name the baffles between the mirrors",
+         Severity::warning});
   std::ranges::sort(rims, {}, [](ArmRim const& r) { return r.centre.z; });
   return rims;
 }
@@ -107,6 +110,17 @@ double scattered_beyond(std::function<double(double)> const& brdf, double crosso
   return sum;
 }
 
+void add(std::vector<double>& heights, std::vector<double> const& more) {
+  for (std::size_t i = 0; i < heights.size(); ++i) heights[i] += more[i];
+}
+
+Vertex centre_of(World const& world, ArmMirror const& mirror, Vec3 travel) {
+  WorldView const view = world.view();
+  Vec3 const centre = view.shapes.visit(world.surfaces()[mirror.surface.value].shape,
+                                        [](auto const& s) -> Vec3 { return s.reference(); });
+  return make_vertex(view, mirror.surface, centre, travel);
+}
+
 }  // namespace
 
 double height_rms(std::vector<double> const& heights) {
@@ -116,63 +130,58 @@ double height_rms(std::vector<double> const& heights) {
 }
 
 double mirror_brdf(World const& world, ArmMirror const& mirror, Vec3 travel, double angle) {
-  WorldView const view = world.view();
-  Vec3 const centre = view.shapes.visit(world.surfaces()[mirror.surface.value].shape,
-                                        [](auto const& s) -> Vec3 { return s.reference(); });
-  Optic whole = *make_vertex(view, mirror.surface, centre, travel).optic;
+  Optic whole = *centre_of(world, mirror, travel).optic;
   whole.crossover = 0;
-  return scatter_eval(view.laws, whole, {0, 0, 1}, {std::sin(angle), 0, std::cos(angle)});
+  return scatter_eval(world.view().laws, whole, {0, 0, 1}, {std::sin(angle), 0, std::cos(angle)});
+}
+
+std::vector<std::function<double(double)>> mirror_models(World const& world, ArmMirror const& mirror) {
+  std::vector<std::function<double(double)>> models;
+  WorldView const view = world.view();
+  Vertex const vertex = centre_of(world, mirror, mirror.travel);
+  for (int i = 0; i < vertex.optic->laws; ++i)
+    if (!vertex.optic->through[i])
+      models.emplace_back([view, optic = vertex.optic, i](double angle) {
+        Vec3 const out{std::sin(angle), 0, std::cos(angle)};
+        return visit_law(view.laws, *optic, i, [&](auto const& l) { return l.eval({0, 0, 1}, out); });
+      });
+  return models;
 }
 
 namespace {
 
-// The content of a measured map up to a frequency.
-std::vector<double> cleaned_heights(HeightMap map, WaveSettings::Mirror const& settings, ArmMirror const& mirror,
-                                    Grid const& grid, double highest) {
-  if (MeasuredDisc const disc = measured_disc(map); disc.radius < 2 * mirror.spot)
-    throw InputError(
-        fmt::format("the map covers a disc of radius {:.3g} m, less than twice the radius {:.3g} m of the mode",
-                    disc.radius, mirror.spot),
-        "give a map of the whole mirror, or 'spectrum: material'");
-  fill_holes(map);
-  auto const& r = settings.removed;
-  remove(map, fit_low_orders(map, mirror.spot), {r.piston, r.tilt, r.curvature, r.astigmatism});
-  return resample(map, grid, highest);
+bool has_heights(WaveSettings::Mirror const& settings) {
+  return settings.heights != WaveSettings::Heights::none || !settings.absorbers.empty() || !settings.ripples.empty();
 }
 
-// A measured map, and above its largest frequency the spectrum of the scatter of the mirror.
-std::vector<double> measured_heights(WaveSettings::Mirror const& settings, ArmMirror const& mirror, Grid const& grid,
-                                     double highest, double wavelength, std::vector<double> const& above) {
-  try {
-    std::vector<double> heights =
-        cleaned_heights(height_map_of(settings.bytes, settings.file), settings, mirror, grid, highest);
-    if (double const size = height_rms(heights); !(size < wavelength / 4))
-      throw InputError(
-          fmt::format(
-              "the heights are {:.3g} m rms after the removal of low orders, more than a quarter of the wavelength",
-              size),
-          "check their unit; see docs/reference/scene.md#wave");
-    for (std::size_t i = 0; i < above.size(); ++i) heights[i] += above[i];
-    return heights;
-  } catch (InputError const& e) {
-    bool const named = e.reason().find(settings.file) != std::string::npos;
-    throw InputError((named ? "" : settings.file + ": ") + e.reason(),
-                     e.remedy().empty() ? "check the map and its units" : e.remedy());
-  }
-}
-
-// Heights that scatter below the crossover angle as the BSDF of the mirror, or as measured.
-std::vector<double> heights_of(World const& world, WaveSettings::Mirror const& settings, ArmMirror const& mirror,
-                               Vec3 travel, ArmCavity const& arm, std::uint32_t number) {
-  if (settings.heights == WaveSettings::Heights::none) return {};
+// Heights below the crossover angle: as measured, and beyond the largest frequency of the map as the BSDF of the mirror
+// yields; without a map as the BSDF alone. `number`: of the mirror, and 2 more for each draw.
+std::vector<double> figure_of(World const& world, WaveSettings::Mirror const& settings, ArmMirror const& mirror,
+                              ArmCavity const& arm, std::uint32_t number) {
+  Grid const& grid = arm.cavity.grid;
+  if (settings.heights == WaveSettings::Heights::none) return std::vector<double>(grid.size());
   double const wavelength = arm.cavity.wavelength, highest = arm.crossover / wavelength;
-  bool const measured = settings.heights == WaveSettings::Heights::file;
-  double const lowest = measured ? height_map_of(settings.bytes, settings.file).nyquist() : 0;
+  std::optional<HeightMap> map = arm.maps[number % 2];
   auto const spectrum = [&](double f) {
-    return height_spectrum(mirror_brdf(world, mirror, travel, f * wavelength), wavelength);
+    return height_spectrum(mirror_brdf(world, mirror, mirror.travel, f * wavelength), wavelength);
   };
-  std::vector<double> random = synthesise(spectrum, arm.cavity.grid, lowest, highest, settings.seed, number);
-  return measured ? measured_heights(settings, mirror, arm.cavity.grid, highest, wavelength, random) : random;
+  std::vector<double> heights = synthesise(spectrum, grid, map ? map->nyquist() : 0, highest, settings.seed, number);
+  if (!map) return heights;
+  fill_holes(*map);
+  add(heights, resample(*map, grid, highest));
+  return heights;
+}
+
+std::vector<double> heights_of(World const& world, WaveSettings::Mirror const& settings, ArmMirror const& mirror,
+                               ArmCavity const& arm, std::uint32_t number) {
+  if (!has_heights(settings)) return {};
+  std::vector<double> heights = figure_of(world, settings, mirror, arm, number);
+  Grid const& grid = arm.cavity.grid;
+  double const highest = arm.crossover / arm.cavity.wavelength;
+  for (WaveSettings::Absorber const& a : settings.absorbers)
+    add(heights, heights_of_absorber(a, grid, mirror.radius, highest));
+  for (WaveSettings::Ripple const& r : settings.ripples) add(heights, heights_of_ripple(r, grid));
+  return heights;
 }
 
 // Mirrors, edges and crossover angle, without fields.
@@ -182,7 +191,7 @@ ArmCavity outline_of(World const& world, WaveSettings const& settings, Spots con
   arm.cavity.wavelength = world.wavelength;
   arm.cavity.length = length(spots.of[1]->centre - spots.of[0]->centre);
   for (std::size_t i : {0, 1}) arm.mirrors[i] = mirror_of(world, *spots.of[i]);
-  arm.rims = rims_of(world, settings, arm.frame, arm.cavity.length, arm.warnings);
+  arm.rims = rims_of(world, settings, arm.frame, arm.cavity.length, arm.problems);
   arm.crossover =
       settings.crossover.value_or(chosen_crossover(arm.mirrors, arm.rims, arm.cavity.length, world.wavelength));
   for (ArmRim& r : arm.rims) {
@@ -196,10 +205,9 @@ ArmCavity outline_of(World const& world, WaveSettings const& settings, Spots con
 
 std::array<std::vector<double>, 2> drawn_heights(World const& world, WaveSettings const& settings, ArmCavity const& arm,
                                                  std::uint32_t draw) {
-  Spots const spots = spots_of(world, settings);
   std::array<std::vector<double>, 2> heights;
   for (std::uint32_t i : {0u, 1u})
-    heights[i] = heights_of(world, settings.mirrors[i], arm.mirrors[i], spots.of[i]->travel, arm, i + 2 * draw);
+    heights[i] = heights_of(world, settings.mirrors[i], arm.mirrors[i], arm, i + 2 * draw);
   return heights;
 }
 
@@ -223,23 +231,34 @@ void begin_rays_at_crossover(World& world) {
   }
 }
 
-ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
-  Spots const spots = spots_of(world, settings);
-  ArmCavity arm = outline_of(world, settings, spots);
-  check_rims(world, settings, arm);
-  choose_grid(arm, settings);
-  check_grid(world, arm);
+ArmCavity planned_arm(World const& world, WaveSettings const& settings) {
+  ArmCavity arm = outline_of(world, settings, spots_of(world, settings));
   for (std::size_t i : {0, 1}) {
     ArmMirror& mirror = arm.mirrors[i];
-    Vec3 const travel = spots.of[i]->travel;
-    mirror.scattered = scattered_beyond([&](double a) { return mirror_brdf(world, mirror, travel, a); }, arm.crossover);
-    WaveMirror& wave = i == 0 ? arm.cavity.mirror1 : arm.cavity.mirror2;
-    wave = {mirror.curvature, {mirror.radius}, 0, 0, {}, mirror.scattered};
+    mirror.scattered =
+        scattered_beyond([&](double a) { return mirror_brdf(world, mirror, mirror.travel, a); }, arm.crossover);
+    for (WaveSettings::Absorber const& a : settings.mirrors[i].absorbers)
+      mirror.scattered += scattered_by_absorber(a, mirror.spot, world.wavelength, arm.crossover);
   }
+  check_rims(world, settings, arm);
+  choose_grid(arm, settings);
+  check_grid(world, settings, arm);
+  check_mirrors(world, settings, arm);
+  return arm;
+}
+
+ArmCavity arm_cavity(World const& world, WaveSettings const& settings, ArmCavity planned) {
+  std::vector<InputError> errors;
+  for (ArmProblem const& p : planned.problems)
+    if (p.severity == Severity::error) errors.emplace_back(p.what, p.remedy);
+  throw_all(errors);
+  ArmCavity arm = std::move(planned);
   auto heights = drawn_heights(world, settings, arm, 0);
   for (std::size_t i : {0, 1}) {
-    arm.mirrors[i].roughness = height_rms(heights[i]);
-    (i == 0 ? arm.cavity.mirror1 : arm.cavity.mirror2).height = std::move(heights[i]);
+    ArmMirror& mirror = arm.mirrors[i];
+    mirror.roughness = height_rms(heights[i]);
+    WaveMirror& wave = i == 0 ? arm.cavity.mirror1 : arm.cavity.mirror2;
+    wave = {mirror.curvature, {mirror.radius}, 0, 0, std::move(heights[i]), mirror.scattered};
   }
   return arm;
 }

@@ -4,12 +4,15 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/errors.hpp"
 #include "wave/cavity.hpp"
 #include "wave/cavity_rims.hpp"
+#include "wave/heights/height_map.hpp"
 #include "world/ghosts/obstacle.hpp"
 #include "world/model/wave_settings.hpp"
 
@@ -28,9 +31,12 @@ struct ArmMirror {
   double radius = 0, curvature = 0, spot = 0;  // clear aperture [m], 1/RoC [1/m], 1/e^2 radius of the mode [m]
   double scattered = 0;                        // beyond the crossover angle (eq. W.2)
   double roughness = 0;                        // rms of its heights in the map, m
+  Vec3 travel{};                               // of the light that falls on it
 };
 // BRDF [1/sr] of a mirror that the beam meets at its centre.
 double mirror_brdf(World const&, ArmMirror const&, Vec3 travel, double angle);
+// The same of each of its BSDF models that reflects.
+std::vector<std::function<double(double angle)>> mirror_models(World const&, ArmMirror const&);
 
 struct ArmRim {
   SurfaceId surface;
@@ -40,17 +46,31 @@ struct ArmRim {
   bool in_band = false;           // both within the crossover angle: the grid holds the light that meets it
 };
 
+// An error or a warning about the table `wave`.
+struct ArmProblem {
+  std::vector<std::string> keys;  // below `wave`, of the value that causes it; where it is absent, of the next above
+  std::string what, remedy;
+  Severity severity = Severity::error;
+  std::optional<Place> in_file = {};  // line and column in the file of heights that `keys` name
+};
+
 struct ArmCavity {
   CavityFrame frame;
   std::array<ArmMirror, 2> mirrors;
-  std::vector<ArmRim> rims;  // in order of place; the baffles of `cavity` are these
-  double crossover = 0;      // rad
+  std::array<std::optional<HeightMap>, 2> maps;  // as measured, without the low orders that the scene removes
+  std::vector<ArmRim> rims;                      // in order of place; the baffles of `cavity` are these
+  double crossover = 0;                          // rad
   WaveCavity cavity;
-  std::vector<std::string> warnings;
+  std::vector<ArmProblem> problems;
+  std::vector<std::string> warnings;  // of the solution
 };
-// Throws InputError where settings and scene do not fit together: a grid that is too coarse or too narrow, or a mirror
-// whose BSDF begins above the crossover angle.
-ArmCavity arm_cavity(World const&, WaveSettings const&);
+// Frame, rims, crossover angle, grid and measured maps, with all that is wrong with them; no field and no heights.
+ArmCavity planned_arm(World const&, WaveSettings const&);
+// With the heights of the mirrors. Throws InputError with all errors of the plan.
+ArmCavity arm_cavity(World const&, WaveSettings const&, ArmCavity planned);
+inline ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
+  return arm_cavity(world, settings, planned_arm(world, settings));
+}
 // The heights of its mirrors with other random numbers; draw 0 is that of `arm_cavity`.
 std::array<std::vector<double>, 2> drawn_heights(World const&, WaveSettings const&, ArmCavity const&,
                                                  std::uint32_t draw);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <unistd.h>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace straytrace::wave {
 namespace {
 
 constexpr int most_points = 8192;
+constexpr int most_for_edges = 2048;      // that light between clipping edges alone makes the program choose
 constexpr double largest_tilt = 0.1;      // rad: the opening across the beam is half a per cent narrower
 constexpr int fewest_pitches = 8;         // of a radius of an opening
 constexpr double largest_shift = 0.2;     // of a speckled rim, over its radius
@@ -29,48 +31,53 @@ double mode_radius(ArmCavity const& arm, double z) {
 }
 
 std::string where(World const& world, ArmRim const& rim) {
-  return fmt::format("wave: the inner edge of '{}' at {:.6g} m", world.name_of(rim.surface), rim.centre.z);
+  return fmt::format("the inner edge of '{}' at {:.6g} m", world.name_of(rim.surface), rim.centre.z);
 }
 
 // Both waves of eq. W.22 are speckle about a centred edge, without direct light of the mode.
-void check_speckled(World const& world, ArmCavity& arm, ArmRim const& rim, std::vector<InputError>& errors) {
+void check_speckled(World const& world, ArmCavity& arm, ArmRim const& rim) {
   double const shift = std::hypot(rim.centre.x, rim.centre.y), nearest = rim.rim.radius - shift;
   double const spot = mode_radius(arm, rim.centre.z), angle = std::fmax(rim.angle1, rim.angle2);
-  std::string const remedy = fmt::format(
+  ArmProblem problem{{"baffles"}, "", ""};
+  problem.remedy = fmt::format(
       "let the grid solve it with a 'crossover' of {:.4g} urad or more, or remove it from 'baffles'", 1e6 * angle);
-  if (nearest < nearest_in_spots * spot)
-    errors.emplace_back(
-        fmt::format("{} comes within {:.3g} m of the axis, where the mode has a radius of {:.3g} m: light of the "
-                    "mode itself meets it, which the mean over speckle (eq. W.22) leaves out",
-                    where(world, rim), nearest, spot),
-        remedy);
-  else if (shift > largest_shift * rim.rim.radius)
-    errors.emplace_back(
-        fmt::format("{} is {:.3g} m off the axis of the cavity, while the mean over speckle (eq. W.22) is that of "
-                    "a centred edge",
-                    where(world, rim), shift),
-        remedy);
-  if (nearest >= nearest_in_spots * spot && nearest < clear_in_spots * spot)
-    arm.warnings.push_back(
-        fmt::format("{} comes within {:.2g} radii of the mode: the mean over speckle (eq. W.22) leaves out the "
-                    "light of the mode itself there; {}",
-                    where(world, rim), nearest / spot, remedy));
+  if (nearest < nearest_in_spots * spot) {
+    problem.what = fmt::format(
+        "{} comes within {:.3g} m of the axis, where the mode has a radius of {:.3g} m: light of the "
+        "mode itself meets it, which the mean over speckle (eq. W.22) leaves out",
+        where(world, rim), nearest, spot);
+  } else if (shift > largest_shift * rim.rim.radius) {
+    problem.what = fmt::format(
+        "{} is {:.3g} m off the axis of the cavity, while the mean over speckle (eq. W.22) is that of a centred edge",
+        where(world, rim), shift);
+  } else if (nearest < clear_in_spots * spot) {
+    problem.severity = Severity::warning;
+    problem.what = fmt::format(
+        "{} comes within {:.2g} radii of the mode: the mean over speckle (eq. W.22) leaves out the light of the mode "
+        "itself there",
+        where(world, rim), nearest / spot);
+  }
+  if (!problem.what.empty()) arm.problems.push_back(std::move(problem));
 }
 
-void check_tolerance(WaveSettings const& settings, ArmCavity& arm, std::vector<InputError>& errors) {
+void check_tolerance(WaveSettings const& settings, ArmCavity& arm) {
   if (!settings.tolerance.any()) return;
   double smallest = infinity;
   for (ArmRim const& rim : arm.rims)
     if (rim.in_band) smallest = std::fmin(smallest, rim.rim.radius);
   if (!(smallest < infinity)) {
-    arm.warnings.push_back(
-        "wave: 'tolerance' has no effect: both mirrors see no inner edge within the crossover angle");
+    arm.problems.push_back({{"tolerance"},
+                            "'tolerance' has no effect: both mirrors see no inner edge within the crossover angle",
+                            "raise 'crossover', or remove 'tolerance'",
+                            Severity::warning});
     return;
   }
-  if (double const largest = std::fmax(settings.tolerance.rim, settings.tolerance.centre); largest > 0.1 * smallest)
-    errors.emplace_back(fmt::format("wave: a tolerance of {:.3g} m is too large for an inner edge of radius {:.3g} m",
-                                    largest, smallest),
-                        fmt::format("state one standard deviation of at most {:.3g} m", 0.1 * smallest));
+  for (auto const& [key, size] : {std::pair{"rim", settings.tolerance.rim}, {"centre", settings.tolerance.centre}})
+    if (size > 0.1 * smallest)
+      arm.problems.push_back(
+          {{"tolerance", key},
+           fmt::format("a tolerance of {:.3g} m is too large for an inner edge of radius {:.3g} m", size, smallest),
+           fmt::format("state one standard deviation of at most {:.3g} m", 0.1 * smallest)});
 }
 
 struct LegReach {
@@ -106,33 +113,79 @@ double slope_of_mode(ArmCavity const& arm) {
   return slope;
 }
 
-void check_points(ArmCavity const& arm, std::vector<InputError>& errors) {
+// rad; the largest angle that the grid must carry well.
+double wanted_angle(ArmCavity const& arm) { return arm.crossover + slope_of_mode(arm); }
+
+// Points along one side of a window; more than the largest number where no grid suffices.
+int needed_points(ArmCavity const& arm, double window) {
+  double const points = std::ceil(2 * window * wanted_angle(arm) / (0.6 * arm.cavity.wavelength));
+  return int(std::fmin(points, most_points + 1));
+}
+
+// rad; the largest angle of eq. W.5 between neighbouring baffles that both clip the mode: light that the edge of one
+// diffracts meets that of the other. 0: no such baffles.
+double angle_between_edges(ArmCavity const& arm) {
+  auto const opening = [](ArmRim const& r) { return r.rim.radius + std::hypot(r.centre.x, r.centre.y); };
+  auto const clips = [&](ArmRim const& r) {
+    return r.rim.radius - std::hypot(r.centre.x, r.centre.y) < clear_in_spots * mode_radius(arm, r.centre.z);
+  };
+  double angle = 0;
+  for (std::size_t i = 1; i < arm.rims.size(); ++i) {
+    ArmRim const &one = arm.rims[i - 1], &two = arm.rims[i];
+    double const leg = two.centre.z - one.centre.z;
+    if (leg > 0 && clips(one) && clips(two))
+      angle = std::fmax(angle, (opening(one) + opening(two)) / leg + std::sqrt(arm.cavity.wavelength / leg));
+  }
+  return angle;
+}
+
+// For that light; a grid with fewer is wrong by some parts in a thousand of the loss.
+int points_for_edges(ArmCavity const& arm) {
+  double const angle = angle_between_edges(arm);
+  return int(std::fmin(std::ceil(2 * arm.cavity.grid.window * angle / (0.6 * arm.cavity.wavelength)), 1e9));
+}
+
+void check_edges_in_grid(ArmCavity& arm) {
+  int const needed = points_for_edges(arm);
+  if (arm.cavity.grid.points >= needed) return;
+  int const allowed = allowed_points(needed);
+  arm.problems.push_back(
+      {{"grid", "points"},
+       fmt::format("light diffracted from baffle to baffle reaches {:.3g} urad where they clip the mode; a grid of {} "
+                   "points carries {:.3g} urad of it: the loss may be wrong by some parts in a thousand",
+                   1e6 * angle_between_edges(arm), arm.cavity.grid.points,
+                   0.6e6 * arm.cavity.grid.largest_angle(arm.cavity.wavelength)),
+       allowed > 0 ? fmt::format("state 'points: {}' in 'grid', or compare with other 'points'", allowed)
+                   : "compare with other 'points' in 'grid'",
+       Severity::warning});
+}
+
+void check_points(WaveSettings const& settings, ArmCavity& arm) {
   Grid const& grid = arm.cavity.grid;
+  if (grid.points >= needed_points(arm, grid.window)) return;
   double const slope = slope_of_mode(arm), carried = 0.6 * grid.largest_angle(arm.cavity.wavelength) - slope;
-  if (carried >= arm.crossover) return;
-  double const wanted = (arm.crossover + slope) / 0.6;
-  int const allowed = allowed_points(int(std::ceil(2 * grid.window * wanted / arm.cavity.wavelength)));
+  int const allowed = allowed_points(needed_points(arm, grid.window));
   double const most = 0.6 * most_points * arm.cavity.wavelength / (2 * grid.window) - slope;
   std::string const smaller =
       carried > 0 ? fmt::format(", or a 'crossover' of at most {:.4g} urad", 1e6 * carried) : "";
-  errors.emplace_back(
-      fmt::format("wave: a grid of {} points over {:.4g} m does not carry a crossover angle of {:.4g} urad",
-                  grid.points, grid.window, 1e6 * arm.crossover),
-      allowed
-          ? fmt::format("state 'points: {}' in 'grid'{}", allowed, smaller)
-          : fmt::format("choose a 'crossover' of at most {:.4g} urad, which {} points carry", 1e6 * most, most_points));
+  bool const stated = settings.points > 0;
+  arm.problems.push_back(
+      {stated ? std::vector<std::string>{"grid", "points"} : std::vector<std::string>{"crossover"},
+       fmt::format("a grid of {} points over {:.4g} m does not carry a crossover angle of {:.4g} urad", grid.points,
+                   grid.window, 1e6 * arm.crossover),
+       allowed > 0 ? fmt::format("state 'points: {}' in 'grid'{}", allowed, smaller)
+                   : fmt::format("choose a 'crossover' of at most {:.4g} urad, which {} points carry", 1e6 * most,
+                                 most_points)});
 }
 
-void check_memory(ArmCavity const& arm, std::vector<InputError>& errors) {
-  double const field = 16 * double(arm.cavity.grid.size());
-  auto const kept = double(std::ranges::count_if(arm.rims, &ArmRim::in_band));  // a field each
-  double const needed = field * (17 + 0.4 * 30 + kept),
-               there = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+void check_memory(ArmCavity& arm) {
+  double const needed = needed_memory(arm), there = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
   if (needed > 0.9 * there)
-    errors.emplace_back(
-        fmt::format("wave: a grid of {} points needs some {:.2g} GB of memory; this machine has {:.2g} GB",
-                    arm.cavity.grid.points, 1e-9 * needed, 1e-9 * there),
-        "choose fewer points, with a smaller 'crossover' or 'window'");
+    arm.problems.push_back(
+        {{"grid", "points"},
+         fmt::format("a grid of {} points needs some {:.2g} GB of memory; this machine has {:.2g} GB",
+                     arm.cavity.grid.points, 1e-9 * needed, 1e-9 * there),
+         "choose fewer points, with a smaller 'crossover' or 'window'"});
 }
 
 }  // namespace
@@ -151,20 +204,24 @@ int allowed_points(int least) {
   return 0;
 }
 
+double needed_memory(ArmCavity const& arm) {
+  auto const kept = double(std::ranges::count_if(arm.rims, &ArmRim::in_band));  // a field each
+  return 16 * double(arm.cavity.grid.size()) * (17 + 0.4 * 30 + kept);
+}
+
 void check_rims(World const& world, WaveSettings const& settings, ArmCavity& arm) {
-  std::vector<InputError> errors;
   for (ArmRim const& rim : arm.rims) {
     double const tilt = std::acos(std::fmin(1.0, std::fabs(dot(rim.rim.axis, arm.frame.z))));
     if (tilt > largest_tilt)
-      errors.emplace_back(
-          fmt::format("{} is tilted by {:.3g} deg against the beam; openings on the grid are circles across it",
-                      where(world, rim), tilt * 180 / pi),
-          "remove it from 'baffles'");
+      arm.problems.push_back(
+          {{"baffles"},
+           fmt::format("{} is tilted by {:.3g} deg against the beam; openings on the grid are circles across it",
+                       where(world, rim), tilt * 180 / pi),
+           "remove it from 'baffles'"});
     else if (!rim.in_band)
-      check_speckled(world, arm, rim, errors);
+      check_speckled(world, arm, rim);
   }
-  check_tolerance(settings, arm, errors);
-  throw_all(errors);
+  check_tolerance(settings, arm);
 }
 
 void choose_grid(ArmCavity& arm, WaveSettings const& settings) {
@@ -172,33 +229,135 @@ void choose_grid(ArmCavity& arm, WaveSettings const& settings) {
   grid.window = settings.window > 0 ? settings.window : window_for(arm, 5);
   grid.points = int(settings.points);
   if (settings.points > 0) return;
-  double const wanted = (arm.crossover + slope_of_mode(arm)) / 0.6;
-  int const needed = int(std::ceil(2 * grid.window * wanted / arm.cavity.wavelength));
+  int const needed = std::max(needed_points(arm, grid.window), std::min(points_for_edges(arm), most_for_edges));
   grid.points = 64;
   while (grid.points < needed && grid.points < most_points) grid.points *= 2;
 }
 
-void check_grid(World const& world, ArmCavity& arm) {
+void check_grid(World const& world, WaveSettings const& settings, ArmCavity& arm) {
   Grid const& grid = arm.cavity.grid;
-  std::vector<InputError> errors;
   if (double const least = window_for(arm, 1.2); grid.window < least)
-    errors.emplace_back(
-        fmt::format("wave: a window of {:.4g} m is too narrow: light would wrap around it", grid.window),
-        fmt::format("state 'window: {:.4g} m' or more in 'grid', or leave it out", 1.01 * least));
-  check_points(arm, errors);
-  check_memory(arm, errors);
+    arm.problems.push_back({{"grid", "window"},
+                            fmt::format("a window of {:.4g} m is too narrow: light would wrap around it", grid.window),
+                            fmt::format("state 'window: {:.4g} m' or more in 'grid', or leave it out", 1.01 * least)});
+  check_points(settings, arm);
+  check_edges_in_grid(arm);
+  check_memory(arm);
   for (ArmRim const& rim : arm.rims)
     if (rim.rim.radius < fewest_pitches * grid.pitch())
-      errors.emplace_back(fmt::format("{} has a radius of {:.3g} m, less than {} points of the grid", where(world, rim),
-                                      rim.rim.radius, fewest_pitches),
-                          "choose more points or a narrower window");
-  throw_all(errors);
+      arm.problems.push_back({{"grid", "points"},
+                              fmt::format("{} has a radius of {:.3g} m, less than {} points of the grid",
+                                          where(world, rim), rim.rim.radius, fewest_pitches),
+                              "choose more points or a narrower window"});
   double divergence = 0;
   for (ArmMirror const& m : arm.mirrors) divergence = std::fmax(divergence, arm.cavity.wavelength / (pi * m.spot));
   if (arm.crossover < 3 * divergence)
-    arm.warnings.push_back(
-        fmt::format("wave: the crossover angle of {:.3g} urad is next to the divergence of the mode, {:.3g} urad",
-                    1e6 * arm.crossover, 1e6 * divergence));
+    arm.problems.push_back(
+        {{"crossover"},
+         fmt::format("the crossover angle of {:.3g} urad is next to the divergence of the mode, {:.3g} urad",
+                     1e6 * arm.crossover, 1e6 * divergence),
+         fmt::format("choose {:.4g} urad or more", 3e6 * divergence),
+         Severity::warning});
+}
+
+// Mirrors: their BSDF beyond the crossover angle, and measured maps.
+
+namespace {
+
+// rad; from where on a BSDF model scatters that is zero at a smaller angle, such as one with the key `above`. 0: none.
+double begins_beyond(World const& world, ArmMirror const& mirror, double from) {
+  auto const models = mirror_models(world, mirror);
+  double begin = 0;
+  for (auto const& brdf : models) {
+    if (brdf(from) > 0) continue;
+    double high = from;
+    while (high < pi / 2 && !(brdf(high) > 0)) high *= 1.02;
+    if (high >= pi / 2) continue;
+    double low = high / 1.02;
+    for (int i = 0; i < 30; ++i) (brdf((low + high) / 2) > 0 ? high : low) = (low + high) / 2;
+    begin = std::fmax(begin, high);
+  }
+  return begin;
+}
+
+// Weighted by the beam, which is at x = y = 0. m
+double rms_in_beam(HeightMap const& map, double spot) {
+  double squares = 0, weights = 0;
+  for (std::size_t i = 0; i < map.height.size(); ++i) {
+    if (!std::isfinite(map.height[i])) continue;
+    double const x = map.x[i % map.x.size()], y = map.y[i / map.x.size()];
+    double const weight = std::exp(-2 * (x * x + y * y) / (spot * spot));
+    squares += weight * map.height[i] * map.height[i];
+    weights += weight;
+  }
+  return std::sqrt(squares / weights);
+}
+
+// The map of a file without the parts that the scene removes; errors where it cannot be used.
+HeightMap measured_map(WaveSettings::Mirror const& settings, ArmMirror const& mirror, double wavelength) {
+  HeightMap map = height_map_of(settings.bytes, settings.file);
+  if (MeasuredDisc const disc = measured_disc(map); disc.radius < 2 * mirror.spot)
+    throw InputError(
+        fmt::format("the map covers a disc of radius {:.3g} m, less than twice the radius {:.3g} m of the mode",
+                    disc.radius, mirror.spot),
+        "give a map of the whole mirror, or 'spectrum: material'");
+  refuse_large_holes(map);
+  auto const& r = settings.removed;
+  remove(map, fit_low_orders(map, mirror.spot), {r.piston, r.tilt, r.curvature, r.astigmatism});
+  if (double const size = rms_in_beam(map, mirror.spot); !(size < wavelength / 4))
+    throw InputError(
+        fmt::format("the heights are {:.3g} m rms in the beam after the removal of low orders, more than a "
+                    "quarter of the wavelength",
+                    size),
+        "check their unit; see docs/reference/scene.md#wave");
+  return map;
+}
+
+void read_measured_map(WaveSettings::Mirror const& settings, std::size_t number, ArmCavity& arm) {
+  std::vector<std::string> const keys{"maps", settings.name, "file"};
+  try {
+    arm.maps[number] = measured_map(settings, arm.mirrors[number], arm.cavity.wavelength);
+  } catch (InputError const& e) {
+    for (Problem const& p : e.problems) {
+      bool const in_file = !e.files.empty();
+      arm.problems.push_back({keys, in_file ? p.what : fmt::format("{}: {}", settings.file, p.what),
+                              p.suggestion.empty() ? "check the map and its units" : p.suggestion, Severity::error,
+                              in_file ? std::optional(p.place) : std::nullopt});
+    }
+  }
+}
+
+void check_defects(WaveSettings::Mirror const& settings, ArmMirror const& mirror, ArmCavity& arm) {
+  std::vector<std::string> const keys{"maps", settings.name, "defects"};
+  for (WaveSettings::Absorber const& a : settings.absorbers)
+    if (double const distance = std::hypot(a.x, a.y); !(distance < mirror.radius))
+      arm.problems.push_back({keys, fmt::format("an absorber at [{:g} m, {:g} m] is not on the mirror", a.x, a.y),
+                              fmt::format("choose a place within {:.4g} m of the axis of the cavity", mirror.radius)});
+  for (WaveSettings::Ripple const& r : settings.ripples)
+    if (double const angle = arm.cavity.wavelength / r.period; angle > arm.crossover)
+      arm.problems.push_back(
+          {keys,
+           fmt::format("a ripple of {:.4g} m scatters to {:.4g} urad, beyond the crossover angle of {:.4g} urad",
+                       r.period, 1e6 * angle, 1e6 * arm.crossover),
+           fmt::format("choose a 'crossover' of {:.4g} urad or more", 1.001e6 * angle)});
+}
+
+}  // namespace
+
+void check_mirrors(World const& world, WaveSettings const& settings, ArmCavity& arm) {
+  for (std::size_t i : {0, 1}) {
+    WaveSettings::Mirror const& mirror = settings.mirrors[i];
+    check_defects(mirror, arm.mirrors[i], arm);
+    if (mirror.heights == WaveSettings::Heights::file) read_measured_map(mirror, i, arm);
+    if (mirror.heights == WaveSettings::Heights::none) continue;
+    if (double const begin = begins_beyond(world, arm.mirrors[i], arm.crossover); begin > 0)
+      arm.problems.push_back(
+          {{"crossover"},
+           fmt::format("a BSDF model of '{}' begins at {:.4g} urad, above the crossover angle of {:.4g} urad: light "
+                       "between these angles would be missing",
+                       world.name_of(mirror.surface), 1e6 * begin, 1e6 * arm.crossover),
+           fmt::format("choose a 'crossover' of {:.4g} urad or more, or lower 'above' of the model", 1e6 * begin)});
+  }
 }
 
 }  // namespace straytrace::wave

@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The grid of a table `wave`, and what cannot be computed: each is an error before any field is allocated.
+// The grid of a table `wave`, and what cannot be computed: found before any field is allocated, as problems of the
+// plan.
 #pragma once
 
 #include "wave/arm/arm_cavity.hpp"
 
 namespace straytrace::wave {
 
-// Edges that are tilted, or that W.22 does not describe; tolerances as large as the edges. Throws InputError with all
-// of them, and adds warnings.
+// Edges that are tilted, or that W.22 does not describe; tolerances as large as the edges.
 void check_rims(World const&, WaveSettings const&, ArmCavity&);
-// Those of the table; otherwise a window as wide as the legs need and the power of two that carries the crossover
-// angle.
+// Those of the table; otherwise a window as wide as the legs need, and the power of two that carries the crossover
+// angle and light between the edges of neighbouring baffles that clip the mode.
 void choose_grid(ArmCavity&, WaveSettings const&);
 // Points, window and memory of the grid.
-void check_grid(World const&, ArmCavity&);
+void check_grid(World const&, WaveSettings const&, ArmCavity&);
+// BSDF models that begin beyond the crossover angle; measured maps, which are read here.
+void check_mirrors(World const&, WaveSettings const&, ArmCavity&);
+
+double needed_memory(ArmCavity const&);  // bytes, of the fields
 
 // Whether no light of the mode itself meets a rim: 2e-11 of it lies beyond.
 bool clear_of_mode(ArmCavity const&, ArmRim const&);

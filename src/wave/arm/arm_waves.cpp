@@ -196,13 +196,13 @@ std::vector<RimResponse const*> RimResult::ensemble() const {
   return all;
 }
 
-ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmOptions const& options) {
+ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmCavity planned, ArmOptions const& options) {
   int const threads = int(thread_count(unsigned(options.threads)));
   std::string prefix;
   ArmSolver::Progress const say = [&](std::string const& what) {
     if (options.progress) options.progress(prefix + what);
   };
-  ArmCavity arm = arm_cavity(world, settings);
+  ArmCavity arm = arm_cavity(world, settings, std::move(planned));
   std::optional<ArmCavity> const finer =
       options.grid_check ? std::optional(finer_arm(world, settings, arm)) : std::nullopt;
   ArmSolver solver(arm, threads, say);

@@ -73,6 +73,9 @@ struct ArmOptions {
   bool by_frequency = false;  // split the loss by the spatial frequency of the heights
   std::function<void(std::string const& what)> progress;
 };
-ArmWaves solve_arm(World const&, WaveSettings const&, ArmOptions const& = {});
+ArmWaves solve_arm(World const&, WaveSettings const&, ArmCavity planned, ArmOptions const&);
+inline ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmOptions const& options = {}) {
+  return solve_arm(world, settings, planned_arm(world, settings), options);
+}
 
 }  // namespace straytrace::wave

@@ -86,6 +86,21 @@ class Continuation {
   std::vector<bool> known_;
 };
 
+struct Holes {
+  std::vector<std::size_t> places;  // indices into the heights
+  double share = 1;                 // of the points of the measured disc
+};
+Holes holes_of(HeightMap const& map) {
+  Holes holes;
+  std::size_t inside = 0;
+  for_points_in(map, measured_disc(map), [&](std::size_t i, double, double) {
+    ++inside;
+    if (!std::isfinite(map.height[i])) holes.places.push_back(i);
+  });
+  if (inside > 0) holes.share = double(holes.places.size()) / double(inside);
+  return holes;
+}
+
 // exp(-2 pi i n x/window), a row for each n from `first` to `last`.
 Eigen::MatrixXcd waves_along(std::vector<double> const& x, double window, int first, int last) {
   Eigen::MatrixXcd out(last - first + 1, Eigen::Index(x.size()));
@@ -150,25 +165,22 @@ void remove(HeightMap& map, LowOrders const& orders, RemovedOrders const& remove
     map.height[i] -= amount.dot(order_values(map.x[i % map.x.size()], map.y[i / map.x.size()]));
 }
 
-double fill_holes(HeightMap& map) {
+void refuse_large_holes(HeightMap const& map) {
   constexpr double most = 0.1;
-  MeasuredDisc const disc = measured_disc(map);
-  std::vector<std::size_t> holes;
-  std::size_t inside = 0;
-  for_points_in(map, disc, [&](std::size_t i, double, double) {
-    ++inside;
-    if (!std::isfinite(map.height[i])) holes.push_back(i);
-  });
-  double const share = inside > 0 ? double(holes.size()) / double(inside) : 1;
-  if (share > most)
+  Holes const holes = holes_of(map);
+  if (holes.share > most)
     throw InputError(fmt::format("{:.0f} % of the points of the height map, in a disc of {:.4g} m radius, have no data",
-                                 100 * share, disc.radius),
+                                 100 * holes.share, measured_disc(map).radius),
                      "give a map with data in 90 % of its disc, or cut stray points off its edge");
-  if (holes.empty()) return 0;
+}
+
+double fill_holes(HeightMap& map) {
+  Holes const holes = holes_of(map);
+  if (holes.places.empty()) return 0;
   Continuation continued(map);
   continued.run();
-  for (std::size_t i : holes) map.height[i] = continued.at(i);
-  return share;
+  for (std::size_t i : holes.places) map.height[i] = continued.at(i);
+  return holes.share;
 }
 
 std::vector<double> resample(HeightMap const& map, Grid const& grid, double largest_frequency) {

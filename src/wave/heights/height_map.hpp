@@ -49,8 +49,9 @@ struct RemovedOrders {
 LowOrders fit_low_orders(HeightMap const&, double beam_radius);
 void remove(HeightMap&, LowOrders const&, RemovedOrders const&);
 
-// Fills holes inside the measured disc by iterated band-limited continuation and returns their share of it; throws
-// InputError beyond 10 %.
+// Throws InputError if holes make up more than 10 % of the measured disc.
+void refuse_large_holes(HeightMap const&);
+// Fills holes inside the measured disc by iterated band-limited continuation and returns their share of it.
 double fill_holes(HeightMap&);
 
 // The content of a map without holes up to `largest_frequency` [1/m] or its own Nyquist frequency, on the grid. The

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/input/document.hpp"
+#include "base/math/constants.hpp"
 #include "world/build/read_parts.hpp"
 
 namespace straytrace::world {
@@ -107,6 +108,53 @@ void read_map_file(Node const& file, WaveSettings::Mirror& mirror) {
     file.problem(fmt::format("file '{}' is empty", mirror.file), "export the map again");
 }
 
+// m/W
+constexpr Dimension bulge_per_power{-2, -2, 6};
+
+WaveSettings::Absorber read_absorber(Node const& table) {
+  WaveSettings::Absorber absorber;
+  absorber.radius = table.number("radius", dim::length, required, 1e-7, 0.1);
+  double const power = table.number("power", dim::power, required, 0, 100);
+  // Expansion (1 + Poisson's ratio)/conductivity of fused silica: 0.55e-6 /K, 0.17, 1.38 W/(m K)
+  double const distortivity = table.number("distortivity", bulge_per_power, 0.55e-6 * 1.17 / 1.38, -1e-3, 1e-3);
+  absorber.rise = power * distortivity;
+  if (table.has("at"))
+    if (std::vector<double> const at = table["at"].as_numbers(dim::length, 2); at.size() == 2)
+      absorber.x = at[0], absorber.y = at[1];
+  table.refuse_unknown("defect 'absorber'");
+  return absorber;
+}
+
+WaveSettings::Ripple read_ripple(Node const& table) {
+  WaveSettings::Ripple ripple;
+  Quantity const size = table.amplitude("amplitude", dim::length);
+  double const to_peak = size.amplitude == Amplitude::peak_to_peak ? 0.5
+                         : size.amplitude == Amplitude::rms        ? std::sqrt(2)
+                                                                   : 1;
+  ripple.amplitude = to_peak * size.si;
+  ripple.period = table.number("period", dim::length, required, 1e-5, 10);
+  ripple.direction = table.number("direction", dim::angle, 0, -2 * pi, 2 * pi);
+  table.refuse_unknown("defect 'ripple'");
+  return ripple;
+}
+
+void read_defects(Node const& map, WaveSettings::Mirror& mirror) {
+  if (!map.has("defects")) return;
+  for (Node const& defect : map.list("defects")) {
+    bool const table = defect.kind() == Node::Kind::table;
+    bool const absorber = table && defect.has("absorber"), ripple = table && defect.has("ripple");
+    if (absorber == ripple) {
+      defect.problem(
+          "a defect is one of 'absorber' and 'ripple'",
+          "write {absorber: {radius: 50 um, power: 10 mW}} or {ripple: {amplitude: 1 nm peak, period: 8 mm}}");
+      continue;
+    }
+    if (Node const inner = defect.table(absorber ? "absorber" : "ripple"))
+      absorber ? mirror.absorbers.push_back(read_absorber(inner)) : mirror.ripples.push_back(read_ripple(inner));
+    defect.refuse_unknown("a defect");
+  }
+}
+
 void read_mirror_map(Node const& map, WaveSettings::Mirror& mirror) {
   static constexpr std::array<std::string_view, 2> spectra = {"material", "none"};
   bool const measured = map.has("file");
@@ -116,6 +164,7 @@ void read_mirror_map(Node const& map, WaveSettings::Mirror& mirror) {
                              : WaveSettings::Heights::material;
   mirror.seed = map.whole("seed", 1, 0, 9e15);
   mirror.removed = read_removed(map);
+  read_defects(map, mirror);
   if (measured) read_map_file(map["file"], mirror);
   if (measured && map.has("spectrum"))
     map["spectrum"].problem("'file' and 'spectrum' both state the heights of the mirror", "keep one of them");
@@ -155,6 +204,7 @@ void read_maps(Node const& table, WaveCavity const& cavity, Registry const& name
     if (std::ranges::find(done, mirror) != done.end())
       map.problem(fmt::format("'{}' is a mirror that has a map already", name), "keep one of them");
     if (mirror != &unused) done.push_back(mirror);
+    mirror->name = name;
     if (map && map.kind() != Node::Kind::table)
       map.problem(fmt::format("the map of '{}' is not a table", name),
                   "write {file: map.h5}, {spectrum: material} or {spectrum: none}");
@@ -174,7 +224,13 @@ void read_tolerance(Node const& table, WaveSettings& wave) {
   } else if (table.has("draws") && !table.has("tolerance")) {
     table["draws"].problem("'draws' without 'tolerance': nothing is drawn", "give both, or neither");
   }
-  wave.draws = std::uint32_t(table.whole("draws", wave.tolerance.any() ? 32 : 1, 1, 1e5));
+  constexpr std::uint64_t most_draws = 1000;
+  std::uint64_t const draws = table.whole("draws", wave.tolerance.any() ? 32 : 1, 1, 1e9);
+  if (draws > most_draws)
+    table["draws"].problem(fmt::format("'draws' is {}, while {} draws already give the mean over the tolerances to 3 %",
+                                       draws, most_draws),
+                           fmt::format("choose at most {}", most_draws));
+  wave.draws = std::uint32_t(std::min(draws, most_draws));
 }
 
 void read_map_draws(Node const& table, WaveSettings& wave) {

@@ -24,13 +24,25 @@ struct WaveSettings {
     none,      // a perfect mirror
     file       // measured
   };
+  // A spot of 1/e^2 radius `radius` that absorbs light and heats the surface, which bulges: eq. W.31.
+  struct Absorber {
+    double x = 0, y = 0, radius = 0;  // m
+    double rise = 0;                  // absorbed power times the bulge per power, m
+  };
+  struct Ripple {
+    double amplitude = 0, period = 0;  // peak, m
+    double direction = 0;              // of its wave vector, from x towards y, rad
+  };
   struct Mirror {
     SurfaceId surface;
+    std::string name;  // its key in `maps`
     Heights heights = Heights::material;
     std::string file;   // as the scene names it, for messages
     std::string bytes;  // its content
     std::uint64_t seed = 1;
     Removed removed;
+    std::vector<Absorber> absorbers;
+    std::vector<Ripple> ripples;
   };
   // Standard deviations of the rims, drawn for each baffle, m.
   struct Tolerance {

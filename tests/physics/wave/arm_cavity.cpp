@@ -133,6 +133,11 @@ TEST(ArmCavity, HeightsOfTheMirrors) {
   EXPECT_EQ(arm.cavity.mirror2.height, other.cavity.mirror2.height);
 }
 
+std::string disk(std::string const& name, std::string const& at, std::string const& facing = "[0, 0, 1]") {
+  return "  - {name: " + name + ", shape: {disk: {inner_radius: 45 mm, outer_radius: 30 cm}}, at: " + at +
+         ", facing: " + facing + ", body: pipe, material: black}\n";
+}
+
 TEST(ArmCavity, ChoosesTheAngle) {
   EXPECT_LT(deviation(cavity_with("draws: 1, tolerance: {rim: 0 mm}").crossover, 20 * nd_yag / (pi * spot)), 1e-6);
   EXPECT_LT(deviation(cavity_with("crossover: 90 urad").crossover, 90e-6), 1e-12);
@@ -141,7 +146,9 @@ TEST(ArmCavity, ChoosesTheAngle) {
 // 0.6 of Nyquist's frequency holds the angle and the slopes of the mode; half the points would not.
 TEST(ArmCavity, ChoosesTheGrid) {
   for (char const* const angle : {"crossover: 90 urad", "crossover: 120 urad", "crossover: 250 urad"}) {
-    ArmCavity const arm = cavity_with(angle);
+    KilometreArm scene = kilometre_arm(std::string(angle) + ", " + perfect);
+    scene.baffles = disk("baffle_a", "[0 m, 0 m, 500 m]");
+    ArmCavity const arm = cavity_of(scene);
     Grid const& grid = arm.cavity.grid;
     Grid const coarse{grid.points / 2, grid.window};
     EXPECT_GE(0.6 * grid.largest_angle(nd_yag), arm.crossover + slope) << angle;
@@ -153,10 +160,25 @@ TEST(ArmCavity, ChoosesTheGrid) {
   EXPECT_EQ(cavity_with("crossover: 120 urad, grid: {window: 0.6 m}").cavity.grid.window, 0.6);
 }
 
-std::string disk(std::string const& name, std::string const& at, std::string const& facing = "[0, 0, 1]") {
-  return "  - {name: " + name + ", shape: {disk: {inner_radius: 45 mm, outer_radius: 30 cm}}, at: " + at +
-         ", facing: " + facing + ", body: pipe, material: black}\n";
+// Edges that clip the mode and stand next to each other: the angle of eq. W.5 between them decides, 450 + 73 urad for
+// 45 mm and 200 m. Controls: edges clear of the mode, and a number of points that suffices.
+TEST(ArmCavity, ChoosesTheGridOfEdgesThatLightEachOther) {
+  double const angle = 0.09 / 200 + std::sqrt(nd_yag / 200);
+  ArmCavity const arm = cavity_with("crossover: 120 urad");
+  EXPECT_GE(0.6 * arm.cavity.grid.largest_angle(nd_yag), angle);
+  EXPECT_LT(0.3 * arm.cavity.grid.largest_angle(nd_yag), angle);
+  EXPECT_TRUE(arm.problems.empty());
+  std::vector<ArmProblem> const few = cavity_with("crossover: 120 urad, grid: {points: 512, window: 0.47 m}").problems;
+  ASSERT_EQ(few.size(), 1u);
+  EXPECT_EQ(few[0].severity, Severity::warning);
+  EXPECT_THAT(few[0].what, AllOf(HasSubstr("reaches 523 urad"), HasSubstr("carries 348 urad")));
+  EXPECT_THAT(few[0].remedy, HasSubstr("state 'points: 800'"));
+  EXPECT_TRUE(cavity_with("crossover: 120 urad, grid: {points: 800, window: 0.47 m}").problems.empty());
+  KilometreArm wide = kilometre_arm("crossover: 250 urad, " + std::string(perfect));
+  for (std::size_t at; (at = wide.baffles.find("45 mm")) != std::string::npos;) wide.baffles.replace(at, 5, "74 mm");
+  EXPECT_EQ(cavity_of(wide).cavity.grid.points, 512);
 }
+
 std::string problem_of_baffles(std::string const& baffles, std::string const& crossover = "120 urad") {
   KilometreArm arm = kilometre_arm("crossover: " + crossover + ", " + std::string(perfect));
   arm.baffles = baffles;
@@ -182,9 +204,13 @@ TEST(ArmCavity, EdgesThatItDoesNotDescribeAreErrors) {
 TEST(ArmCavity, EdgesOutsideAreAWarning) {
   KilometreArm arm = kilometre_arm("crossover: 120 urad, " + std::string(perfect));
   arm.baffles = disk("baffle_a", "[0 m, 0 m, 500 m]") + disk("baffle_b", "[0 m, 0 m, 1010 m]");
-  EXPECT_THAT(cavity_of(arm).warnings, ::testing::ElementsAre(HasSubstr("1 of the 2 inner edges")));
+  std::vector<ArmProblem> const problems = cavity_of(arm).problems;
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_THAT(problems[0].what, HasSubstr("1 of the 2 inner edges"));
+  EXPECT_EQ(problems[0].severity, Severity::warning);
+  EXPECT_THAT(problems[0].keys, ::testing::ElementsAre("baffles"));
   arm.baffles = disk("baffle_a", "[0 m, 0 m, 500 m]");
-  EXPECT_TRUE(cavity_of(arm).warnings.empty());
+  EXPECT_TRUE(cavity_of(arm).problems.empty());
 }
 
 TEST(ArmCavity, WindowsAndTolerancesOutOfProportionAreErrors) {
@@ -203,6 +229,29 @@ TEST(ArmCavity, GridsTooCoarseAreExplained) {
   EXPECT_EQ(problem_with("crossover: 120 urad, grid: {points: 240, window: 0.5 m}"), "no error");  // control
   EXPECT_THAT(problem_with("crossover: 10 mrad"),
               AllOf(HasSubstr("choose a 'crossover' of at most"), HasSubstr("8192 points")));
+}
+
+// The models of a mirror count one by one: a Lambertian one beside that with `above` does not hide the gap.
+TEST(ArmCavity, BsdfModelsThatBeginBeyondTheAngleAreErrors) {
+  auto const problem = [](std::string const& above, std::string const& maps = "") {
+    std::string const settings = "crossover: 120 urad, grid: {points: 256, window: 0.5 m}" + maps;
+    std::string text = kilometre_arm(settings).text();
+    std::string const law = "scatter: {model: power-law, kappa: 5e-7 /sr, exponent: 2, above: 1 urad}";
+    text.replace(text.find(law), law.size(),
+                 "scatter: [{model: lambertian, tis: 1 ppm}, {model: power-law, kappa: 5e-7 /sr, exponent: 2, above: " +
+                     above + "}]");
+    return test::message_of([&] {
+      FileTexts const texts{{"a.yaml", text}};
+      Scene const scene = read_scene("a.yaml", {}, &texts);
+      World const world = build_world(scene);
+      scene.throw_if_problems();
+      arm_cavity(world, world.wave);
+    });
+  };
+  EXPECT_THAT(problem("150 urad"), AllOf(HasSubstr("'I' begins at 150 urad"), HasSubstr("'E' begins at 150 urad"),
+                                         HasSubstr("choose a 'crossover' of 150 urad or more")));
+  EXPECT_EQ(problem("119 urad"), "no error");
+  EXPECT_EQ(problem("150 urad", ", " + std::string(perfect)), "no error");  // nothing is missing from a perfect mirror
 }
 
 double area_of(RimCurve const& curve) {

@@ -123,6 +123,67 @@ TEST_F(WaveCommand, WhatIsMissingIsExplained) {
   EXPECT_THAT(error_text({"wave", folder_ / "none.yaml"}), HasSubstr("none.yaml"));
 }
 
+// "arm.yaml:12:34: error: " of the value at this text.
+std::string error_at(std::string const& text, std::string const& value) {
+  std::size_t const at = text.find(value), line = text.rfind('\n', at);
+  return fmt::format("arm.yaml:{}:{}: error: ", 1 + std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '\n'),
+                     at - line);
+}
+
+// All of them, each at the key that causes it, before any field; with its key right, no error is left.
+TEST_F(WaveCommand, CheckFindsErrorsAtTheirKeys) {
+  std::string const more =
+      "wave: {\n  tolerance: {rim: 1 cm},\n"
+      "  maps: {I: {spectrum: none, defects: [{ripple: {amplitude: 1 nm peak, period: 8 mm}}]}}, ";
+  std::string const wrong = edited(scene_text("{points: 64, window: 0.2 m}"), "wave: {", more);
+  write_text(scene_, wrong);
+  std::string const said = error_text({"check", scene_});
+  EXPECT_THAT(said, HasSubstr(error_at(wrong, "1 cm}") + "a tolerance of 0.01 m is too large"));
+  EXPECT_THAT(said, HasSubstr(error_at(wrong, "[{ripple") + "a ripple of 0.008 m scatters to 133 urad"));
+  EXPECT_THAT(said, HasSubstr(error_at(wrong, "64, window") + "a grid of 64 points over 0.2 m does not carry"));
+  EXPECT_THAT(said, HasSubstr(error_at(wrong, "0.2 m}") + "a window of 0.2 m is too narrow"));
+  EXPECT_THAT(said, HasSubstr("\n4 errors. Nothing was run."));
+  for (char const* const command : {"wave", "run"}) EXPECT_EQ(error_text({command, scene_}), said);
+  std::string right = edited(edited(wrong, "1 cm}", "1 mm}"), "period: 8 mm", "period: 9 mm");
+  write_text(scene_, edited(right, "{points: 64, window: 0.2 m}", "{points: 256, window: 0.5 m}"));
+  EXPECT_EQ(straytrace({"check", scene_, "--quiet"}).code, 0);
+  // The range of a number is printed in the unit of the scene.
+  write_text(scene_, edited(wrong, "crossover: 120 urad", "crossover: 0.5 urad"));
+  EXPECT_THAT(error_text({"check", scene_}), HasSubstr("must be between 1 urad and 100000 urad, got \"0.5 urad\""));
+}
+
+TEST_F(WaveCommand, CheckFindsErrorsInMaps) {
+  auto const map = [&](double step, std::string const& more) {
+    std::string text = "x [mm], y [mm], height [nm]\n";
+    for (int i = 0; i < 81; ++i) text += fmt::format("{}, {}, 1\n", step * (i % 9 - 4), step * (i / 9 - 4));
+    write_text(folder_ / "map.csv", text + more);
+  };
+  std::string const scene = edited(scene_text(), "wave: {", "wave: {maps: {I: {file: map.csv}}, ");
+  write_text(scene_, scene);
+  map(20, "80, 80, 2\n");
+  EXPECT_THAT(error_text({"check", scene_}), HasSubstr("map.csv:83:0: error: this point has a height already"));
+  map(5, "");
+  EXPECT_THAT(error_text({"check", scene_}),
+              HasSubstr(error_at(scene, "map.csv") + "map.csv: the map covers a disc of "
+                                                     "radius 0.02 m, less than twice the radius"));
+  map(20, "");
+  EXPECT_EQ(straytrace({"check", scene_, "--quiet"}).code, 0);
+}
+
+TEST_F(WaveCommand, CheckPrintsThePlan) {
+  EXPECT_THAT(straytrace({"check", scene_, "--quiet"}).out,
+              HasSubstr("wave arm: crossover angle 120 urad; 1 of 2 inner edges within it, seen from both mirrors\n"
+                        "  grid of 256 x 256 points over 0.5 m, which carries 272.4 urad; the field needs 0.026 GB"));
+  write_text(scene_,
+             edited(edited(scene_text(), "crossover: 120 urad, ", ""), ", grid: {points: 256, window: 0.5 m}", ""));
+  EXPECT_THAT(straytrace({"check", scene_, "--quiet"}).out,
+              ContainsRegex("crossover angle [0-9.]+ urad \\(automatic\\); .*\n"
+                            "  grid of [0-9]+ x [0-9]+ points \\(automatic\\) over [0-9.]+ m \\(automatic\\)"));
+  auto const found = answer({"check", scene_, "--quiet"})["wave"];
+  EXPECT_EQ(found["points_automatic"], true);
+  EXPECT_EQ(found["inner_edges"], 2);
+}
+
 // Rows of their own kinds, neither of them an upper bound, as the program and its Python package print them.
 TEST_F(WaveCommand, RunHasRowsOfTheirKinds) {
   Finished const run = straytrace({"run", scene_, "-o", folder_ / "out", "--histories", "4000", "--quiet"});
