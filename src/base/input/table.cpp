@@ -280,10 +280,14 @@ std::string example(Dimension d, double low, double high) {
   return fmt::format("{:g}", 1 < low ? low : 1 > high ? high : 1);
 }
 
-// A bound in the unit of the suggestion.
-std::string bound(double si, Dimension d) {
+// A bound in the unit of the value, if that is a number with one, otherwise in the unit of examples.
+std::string bound(double si, Dimension d, std::string_view value) {
+  if (si == 0) return "0";
+  if (auto const number = leading_number(value))
+    if (auto const unit = parse_unit(number->rest); !number->rest.empty() && unit && unit->dimension == d)
+      return fmt::format("{:g} {}", si / unit->si, number->rest);
   auto const unit = parse_unit(example_unit(d));
-  return si == 0 ? "0" : with_unit(fmt::format("{:g}", unit ? si / unit->si : si), d);
+  return with_unit(fmt::format("{:g}", unit ? si / unit->si : si), d);
 }
 
 constexpr double largest_factor = 1e6;
@@ -386,12 +390,13 @@ std::optional<Quantity> Node::evaluated(Dimension d) const {
 
 bool Node::within(double si, Dimension d, double low, double high) const {
   if (si >= low && si <= high) return true;
-  std::string const range = !std::isfinite(high)  ? fmt::format("at least {}", bound(low, d))
-                            : !std::isfinite(low) ? fmt::format("at most {}", bound(high, d))
-                                                  : fmt::format("between {} and {}", bound(low, d), bound(high, d));
+  auto const shown = [&](double limit) { return bound(limit, d, text()); };
+  std::string const range = !std::isfinite(high)  ? fmt::format("at least {}", shown(low))
+                            : !std::isfinite(low) ? fmt::format("at most {}", shown(high))
+                                                  : fmt::format("between {} and {}", shown(low), shown(high));
   std::string is;
   if (auto const from = document_->origin(text(), scope_.get()))
-    is = fmt::format("it is {}{}: ", bound(si, d), from->empty() ? "" : fmt::format(" ({})", *from));
+    is = fmt::format("it is {}{}: ", shown(si), from->empty() ? "" : fmt::format(" ({})", *from));
   problem(fmt::format("'{}' must be {}, got \"{}\"", data_->label, range, shortened(text())),
           is + fmt::format("write a value {}", range));
   return false;

@@ -146,7 +146,7 @@ TEST(Messages, ValuesFromTheCommandLineAreNamed) {
     return said_by(scene);
   };
   EXPECT_THAT(said("2*L"), HasSubstr("^ it is -6000 m (-p L=-3km): write a value between 0 and 1e+06 m"));
-  EXPECT_THAT(said("-3 km"), HasSubstr("^ write a value between 0 and 1e+06 m"));  // a literal is printed already
+  EXPECT_THAT(said("-3 km"), HasSubstr("^ write a value between 0 and 1000 km"));  // a literal is printed already
   EXPECT_EQ(said("-L"), "");
 }
 
