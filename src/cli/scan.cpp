@@ -97,9 +97,23 @@ int scan(ScanCommandOptions const& options) {
 }
 
 int start(ScanCommandOptions options) {
-  if (!options.margin.empty()) options.requirement.margin = fraction(options.margin);
-  if (options.invert.what.empty()) return scan(options);
-  return invert(options, options.requirement, options.invert, parse_axes(options.axes, true));
+  std::vector<InputError> errors;
+  std::vector<ScanAxis> axes;
+  try {
+    if (!options.margin.empty()) options.requirement.margin = fraction(options.margin);
+  } catch (InputError const& e) {
+    errors.push_back(e);
+  }
+  if (options.invert.what.empty()) {
+    throw_all(errors);
+    return scan(options);
+  }
+  try {
+    axes = parse_axes(options.axes, true);
+  } catch (InputError const& e) {
+    errors.push_back(e);
+  }
+  return invert(options, options.requirement, options.invert, axes, std::move(errors));
 }
 
 void add_invert_options(CLI::App& command, ScanCommandOptions& o) {

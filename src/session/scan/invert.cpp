@@ -29,6 +29,15 @@ struct Question {
   std::string kind, name;
 };
 
+template <class Action>
+void collect(std::vector<InputError>& errors, Action const& action) {
+  try {
+    action();
+  } catch (InputError const& e) {
+    errors.push_back(e);
+  }
+}
+
 // Number of the material or body that the question names.
 std::size_t subject_of(Question const& question, ProjectionModel const& model) {
   bool const scatter = question.kind == "brdf";
@@ -59,25 +68,37 @@ void refuse_without_line(ProjectionModel const& model) {
     throw InputError("there is no line to compare with", "name a design curve, for example --against adv-lal");
 }
 
-// Rejects invalid requests before tracing.
-void ask(Question const& question, Requirement const& requirement, ProjectionModel& model, ScanOptions const& options) {
-  apply(requirement, model);
+// Rejects invalid requests before tracing, with all earlier errors of the command.
+void ask(std::optional<Question> const& question, Requirement const& requirement, ProjectionModel& model,
+         ScanOptions const& options, std::vector<InputError> errors) {
+  std::size_t const earlier = errors.size();
+  collect(errors, [&] { apply(requirement, model); });
   print_warnings(model, options);
-  refuse_without_line(model);
-  subject_of(question, model);
+  if (errors.size() == earlier) collect(errors, [&] { refuse_without_line(model); });
+  if (question) collect(errors, [&] { subject_of(*question, model); });
+  throw_all(errors);
 }
 
-Traced traced(Question const& question, ScanOptions const& options, Requirement const& requirement) {
+Traced traced(std::optional<Question> const& question, ScanOptions const& options, Requirement const& requirement,
+              std::vector<InputError> errors) {
   Traced t;
-  if (names_run(options.input)) {
-    t.run = std::make_unique<OpenRun>(options.input);
+  Model model;
+  bool const of_run = names_run(options.input);
+  std::size_t const earlier = errors.size();
+  collect(errors, [&] {
+    if (of_run)
+      t.run = std::make_unique<OpenRun>(options.input);
+    else
+      model = read_model(options.input, options.overrides);
+  });
+  if (errors.size() > earlier) throw_all(errors);
+  if (of_run) {
     t.model = std::move(t.run->model);
-    ask(question, requirement, t.model, options);
+    ask(question, requirement, t.model, options, std::move(errors));
     t.coupling = std::move(t.run->file.trace.coupling);
   } else {
-    Model model = read_model(options.input, options.overrides);
     apply(options, model);
-    ask(question, requirement, model, options);
+    ask(question, requirement, model, options, std::move(errors));
     std::string const run = options.out.empty() ? "" : options.out + "/run.h5";
     std::optional<OutputFolder> folder;
     if (!options.out.empty()) folder.emplace(options.out);
@@ -123,19 +144,25 @@ void print(Answer const& a, ScanOptions const& options, bool per_frequency) {
 }  // namespace
 
 int invert(ScanOptions const& options, Requirement const& requirement, InvertOrder const& order,
-           std::vector<ScanAxis> const& axes) {
+           std::vector<ScanAxis> const& axes, std::vector<InputError> errors) {
   static std::regex const form(R"(\s*(brdf|motion|param)\s*\(\s*(.+?)\s*\)\s*)");
   std::smatch m;
-  if (!bounded_regex_match(order.what, m, form))
-    throw InputError(fmt::format("--invert: '{}' is not valid", order.what),
-                     "write \"brdf(MATERIAL)\", \"motion(BODY)\" or \"param(NAME)\" with NAME=lo..hi");
-  Question const question{m[1], m[2]};
-  if (question.kind == "param") return invert_parameter(options, requirement, order, question.name, axes);
-  if (!axes.empty())
-    throw InputError(fmt::format("--invert \"{}\" needs a single model", order.what), "set parameters with -p");
-  Traced const t = traced(question, options, requirement);
-  std::size_t const subject = subject_of(question, t.model);
-  Answer answer = question.kind == "brdf" ? scatter_answer(t, subject, options) : motion_answer(t, subject, options);
+  std::optional<Question> question;
+  if (bounded_regex_match(order.what, m, form))
+    question = {m[1], m[2]};
+  else
+    errors.emplace_back(fmt::format("--invert: '{}' is not valid", order.what),
+                        "write \"brdf(MATERIAL)\", \"motion(BODY)\" or \"param(NAME)\" with NAME=lo..hi");
+  bool const parameter = question && question->kind == "param";
+  if (question && !parameter && !axes.empty())
+    errors.emplace_back(fmt::format("--invert \"{}\" needs a single model", order.what), "set parameters with -p");
+  if (parameter) {
+    throw_all(errors);
+    return invert_parameter(options, requirement, order, question->name, axes);
+  }
+  Traced const t = traced(question, options, requirement, std::move(errors));
+  std::size_t const subject = subject_of(*question, t.model);
+  Answer answer = question->kind == "brdf" ? scatter_answer(t, subject, options) : motion_answer(t, subject, options);
   answer.what = order.what;
   answer.complete = t.complete;
   print(answer, options, order.per_frequency);

@@ -20,7 +20,9 @@ struct InvertOrder {
 };
 
 // Prints the result; returns the exit code. `axes`: for param, the single search range.
-int invert(ScanOptions const&, Requirement const&, InvertOrder const&, std::vector<ScanAxis> const& axes);
+// Throws `errors`, those of other options, together with its own.
+int invert(ScanOptions const&, Requirement const&, InvertOrder const&, std::vector<ScanAxis> const& axes,
+           std::vector<InputError> errors);
 
 // The case of a parameter: traces at both ends of the range and between them.
 int invert_parameter(ScanOptions const&, Requirement const&, InvertOrder const&, std::string const& name,

@@ -97,7 +97,11 @@ TEST_F(Scan, WrongWords) {
                      {{"--invert", "param(black)"}, "needs one search range"},
                      {{"--invert", "brdf(baffle)", "--margin", "much"}, "is not a margin"},
                      {{"--invert", "brdf(baffle)", "--margin", "1e999"}, "is not a margin"},
-                     {{"--invert", "brdf(baffle)", "black=1e-4/sr"}, "with -p"}};
+                     {{"--invert", "brdf(baffle)", "black=1e-4/sr"}, "with -p"},
+                     {{"--invert", "brdf(nix)", "--margin", "much"}, "material that scatters 'nix' does not exist"},
+                     {{"--invert", "brdf(nix)", "--margin", "much"}, "'much' is not a margin"},
+                     {{"--invert", "colour(nix)", "--against", "adv-lol"}, "'colour(nix)' is not valid"},
+                     {{"--invert", "colour(nix)", "--against", "adv-lol"}, "adv-lol"}};
   for (auto const& w : wrong) {
     Finished const r = run(w.words);
     EXPECT_EQ(r.code, 2) << w.says;
