@@ -172,19 +172,50 @@ void add_only(Change c, Listed const& one, bool is_before, ComparedRows& to) {
   }
   std::string const port = port_of(own, *one.route);
   auto const rows = others_of(other, port);
-  if (!rows.empty() && exists_in(other, own, *one.route)) {
+  bool const scattered = one.route->kind == ClassKind::scattered;  // rows `other` hold nothing else
+  if (scattered && !rows.empty() && exists_in(other, own, *one.route)) {
     c.within = rows.front()->name;
     add_rest(to.rests, port, *one.noise, is_before, to.b, to.a, to.d);
   }
   to.named.push_back(std::move(c));
 }
 
+// A computed route of one run and the same in the other, with another kind: an edge that the grid holds in one run
+// only.
+struct ChangedKind {
+  Listed before, after;
+};
+std::vector<ChangedKind> changed_kinds(RunFile const& b, RunFile const& a, ByKey& x, ByKey& y) {
+  std::vector<ChangedKind> found;
+  for (auto one = x.begin(); one != x.end();) {
+    auto const other = std::ranges::find_if(y, [&](auto const& entry) {
+      Listed const &p = one->second, &q = entry.second;
+      return p.route->kind != ClassKind::scattered && q.route->kind != ClassKind::scattered &&
+             p.route->kind != q.route->kind && p.noise->name == q.noise->name &&
+             port_of(b, *p.route) == port_of(a, *q.route) && !y.contains(one->first) && !x.contains(entry.first);
+    });
+    if (other == y.end()) {
+      ++one;
+      continue;
+    }
+    found.push_back({one->second, other->second});
+    y.erase(other);
+    one = x.erase(one);
+  }
+  return found;
+}
+
 std::vector<Change> route_changes(RunFile const& b, RunFile const& a, RunDifference const& d) {
-  ByKey const x = by_key(b), y = by_key(a);
+  ByKey x = by_key(b), y = by_key(a);
   ComparedRows to{b, a, d};
   auto const change_of = [&](NoiseTrace const* before, NoiseTrace const* after) {
     return route_change(before, after, b.noise->grid, a.noise->grid, d);
   };
+  for (ChangedKind const& c : changed_kinds(b, a, x, y)) {
+    Change change = change_of(c.before.noise, c.after.noise);
+    change.what += fmt::format(" ({} -> {})", name_of(c.before.route->kind), name_of(c.after.route->kind));
+    to.named.push_back(std::move(change));
+  }
   for (auto const& [key, one] : x) {
     auto const hit = y.find(key);
     if (hit == y.end())

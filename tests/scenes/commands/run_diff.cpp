@@ -93,6 +93,30 @@ TEST(RunDiff, ARouteOutOfOtherIsNoChange) {
   EXPECT_GT(std::fabs(5e-23 - 4e-23) / std::hypot(0.02 * 5e-23, 0.02 * 4e-23), 7) << "negative control";
 }
 
+// A route that the grid holds in one run and not in the other is one row, and never within `other`, which holds
+// scattered light alone. Controls: scattered light, and a route whose kind is the same.
+TEST(RunDiff, ARouteOfAnotherKindIsNamed) {
+  auto const of_kind = [](std::uint64_t seed, double h, ClassKind kind, std::uint64_t id) {
+    RunFile run = run_of(seed, groups, {{{0, 1, 0}, h}, {{}, 5e-23}});
+    run.trace.coupling.classes[0].kind = kind;
+    run.trace.coupling.classes[0].hash = run.noise->routes[0].hash = id;
+    return run;
+  };
+  RunFile const wave = of_kind(1, 1e-22, ClassKind::wave, 11), speckle = of_kind(2, 3e-22, ClassKind::speckle, 12);
+  RunDifference const d = run_differences(wave, speckle);
+  ASSERT_EQ(d.routes.size(), 2u);
+  Change const& route = row(d, "ITM·S > wall·S > ITM·S");
+  EXPECT_EQ(route.what, "ITM·S > wall·S > ITM·S (wave -> speckle)");
+  EXPECT_EQ(route.within, "");
+  EXPECT_GT(route.after.value / route.before.value, 2.9);
+  EXPECT_EQ(row(run_differences(wave, of_kind(2, 3e-22, ClassKind::wave, 11)), "ITM·S > wall").what,
+            "ITM·S > wall·S > ITM·S");
+  RunFile const none = run_of(2, groups, {{{}, 5e-23}});
+  EXPECT_EQ(row(run_differences(wave, none), "ITM·S > wall").within, "");
+  EXPECT_EQ(row(run_differences(of_kind(1, 1e-22, ClassKind::scattered, 11), none), "ITM·S > wall").within,
+            "other > ITM");
+}
+
 // Old files name `other` by the least id of its routes: it varies, and may be that of a route of the other run. Rows
 // `other` are compared with each other, those of each C_rev, and nothing is compared with none. Controls: a route that
 // only one of the runs can have, and the ids differ.
