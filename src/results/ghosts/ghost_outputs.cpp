@@ -9,6 +9,7 @@
 
 #include "base/text/words.hpp"
 #include "results/ghosts/ghost_table.hpp"
+#include "results/route_table/route_names.hpp"
 #include "results/text/table.hpp"
 
 namespace straytrace::results {
@@ -21,18 +22,6 @@ std::string watts(double share, double power) {
 std::string spot_text(Spot const& s) {
   return s.major < 1.005 * s.minor ? fmt::format("{:.3g}", 1e3 * s.major)
                                    : fmt::format("{:.3g}x{:.3g}", 1e3 * s.major, 1e3 * s.minor);
-}
-
-// Long paths keep their ends; programs get the complete path.
-std::string short_route(std::string const& route) {
-  constexpr std::string_view sign = " > ";
-  constexpr std::size_t shown_before = 3, shown_behind = 2;
-  std::vector<std::size_t> at;
-  for (std::size_t i = route.find(sign); i != route.npos; i = route.find(sign, i + 1)) at.push_back(i);
-  if (at.size() <= shown_before + shown_behind + 1) return route;
-  std::size_t const left_out = at.size() - shown_before - shown_behind;
-  return fmt::format("{} > ({} more){}", route.substr(0, at[shown_before]), left_out,
-                     route.substr(at[at.size() - shown_behind]));
 }
 
 }  // namespace
@@ -76,8 +65,7 @@ void add_ghost_names(GhostList& all) {
     .text = {10}, .csv = {30}, .json = {10}, .page = {10}});
   all.push_back({.key = "route", .kind = ColumnKind::text, .help = "departures, and ways taken at splitters",
     .value = [](GhostLine const& l) { return l.row.route; },
-    .text = {200}, .csv = {40}, .json = {10}, .page = {20}, .left = true,
-    .as_text = [](GhostLine const& l) { return short_route(l.row.route); }});
+    .text = {200}, .csv = {40}, .json = {10}, .page = {20}, .left = true});
   all.push_back({.key = "end", .kind = ColumnKind::text, .help = "how it ends",
     .value = [](GhostLine const& l) { return std::string(name_of(l.ghost().end)); }, .csv = {50}, .json = {10}});
   all.push_back({.key = "end_where", .kind = ColumnKind::text, .help = "how and on which object it ends",
@@ -207,7 +195,8 @@ std::string rows_text(GhostReport const& report) {
     more += counted(ends - main, "weaker end") +
             (ends - main == 1 ? " of the main beam is not shown. " : " of the main beam are not shown. ");
   if (report.ghosts > ghosts) more += counted(report.ghosts - ghosts, "more ghost") + "; --show N has more rows.";
-  return aligned(table) + more + (more.empty() ? "" : "\n");
+  std::string const shortened = shorten_routes(table) ? explanation_of_shortened : "";
+  return aligned(table) + shortened + more + (more.empty() ? "" : "\n");
 }
 
 std::string orders_text(GhostReport const& report) {

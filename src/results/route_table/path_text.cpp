@@ -114,19 +114,6 @@ std::vector<Line> sums_of(PathTable const& table) {
   return {sum, hints, total};
 }
 
-constexpr std::size_t widest_route = 72;  // characters
-
-// Whether a route had to be shortened.
-bool shorten_routes(Columns& columns) {
-  std::size_t const at = std::size_t(std::ranges::find(columns.titles, "route") - columns.titles.begin());
-  std::vector<std::string> names;
-  for (auto const& row : columns.rows) names.push_back(row.empty() ? "" : row[at]);
-  std::vector<std::string> const shorter = shortened_routes(names, widest_route);
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (!columns.rows[i].empty()) columns.rows[i][at] = shorter[i];
-  return shorter != names;
-}
-
 std::string explanation(PathTable const& table, bool shortened) {
   std::string text = table.has_noise
                          ? fmt::format("Routes by share of strain noise power, {:g} to {:g} Hz", table.low, table.high)
@@ -150,7 +137,7 @@ std::string explanation(PathTable const& table, bool shortened) {
         "are larger.\n";
   if (table.missing() > 0 && table.has_upper_bounds())
     text += "The total is no bound, 'about': it contains upper bounds, and routes are unresolved.\n";
-  if (shortened) text += "…: steps of a long route that are left out here; CSV and JSON list all of them.\n";
+  if (shortened) text += explanation_of_shortened;
   return text + "\n";
 }
 

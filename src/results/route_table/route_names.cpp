@@ -5,8 +5,6 @@
 #include <map>
 #include <set>
 
-#include "results/text/columns.hpp"
-
 namespace straytrace::results {
 namespace {
 
@@ -87,6 +85,17 @@ std::vector<std::string> shortened_routes(std::vector<std::string> const& names,
     taken.insert(name);
   }
   return all;
+}
+
+bool shorten_routes(Columns& columns) {
+  constexpr std::size_t widest = 72;  // characters
+  std::size_t const at = std::size_t(std::ranges::find(columns.titles, "route") - columns.titles.begin());
+  std::vector<std::string> names;
+  for (auto const& row : columns.rows) names.push_back(row.empty() ? "" : row[at]);
+  std::vector<std::string> const shorter = shortened_routes(names, widest);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (!columns.rows[i].empty()) columns.rows[i][at] = shorter[i];
+  return shorter != names;
 }
 
 }  // namespace straytrace::results

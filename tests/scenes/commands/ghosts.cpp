@@ -11,6 +11,7 @@ namespace straytrace::testing::app_ghosts {
 namespace {
 
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 std::string const bench = source_folder + "/examples/bench.yaml";
@@ -141,6 +142,15 @@ TEST(GhostCommand, an_interrupted_run_is_valid) {
   EXPECT_THAT(short_run.out, Not(HasSubstr("Stopped early")));
 }
 
+// In bytes, of the rows of a table.
+std::size_t widest_row(std::string const& text) {
+  std::size_t widest = 0;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find("main > ") != line.npos) widest = std::max(widest, line.size());
+  return widest;
+}
+
 // Ways of many surfaces are cut short for people only; one of the main beam's ends is shown however many ghosts are.
 TEST(GhostCommand, rows_are_for_people) {
   Finished const text = straytrace({"ghosts", bench, "--order", "2", "--show", "1", "--quiet"});
@@ -148,8 +158,11 @@ TEST(GhostCommand, rows_are_for_people) {
   EXPECT_THAT(text.out, HasSubstr("main > lens_1/front·R > box·land"));
   EXPECT_EQ(straytrace({"ghosts", bench, "--order", "0", "--quiet"}).code, 0);  // the main beam alone
   Finished const deep = straytrace({"ghosts", bench, "--floor", "1e-13", "--show", "2000", "--quiet"});
-  EXPECT_THAT(deep.out, HasSubstr(" more) > "));
-  EXPECT_THAT(straytrace({"ghosts", bench, "--floor", "1e-13", "--csv", "--quiet"}).out, Not(HasSubstr(" more) > ")));
+  EXPECT_THAT(deep.out, AllOf(HasSubstr("… > "), HasSubstr("…: steps of a long route that are left out here")));
+  EXPECT_LT(widest_row(deep.out), 180u);  // of routes of up to 300 characters
+  std::string const csv = straytrace({"ghosts", bench, "--floor", "1e-13", "--csv", "--quiet"}).out;
+  EXPECT_THAT(csv, Not(HasSubstr("…")));
+  EXPECT_GT(widest_row(csv), 300u);
 }
 
 TEST(GhostCommand, errors_state_a_remedy) {
