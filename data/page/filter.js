@@ -5,6 +5,7 @@
 "use strict";
 
 const textNames = ["via", "route", "first", "last", "body", "port", "kind", "status", "regime", "id"];
+const kindNames = ["scattered", "ghost", "edge", "wave", "speckle"];
 const deepest = 64;
 
 // * stands for any characters.
@@ -194,7 +195,13 @@ class Predicate {
     if (!this.words.takes("(")) this.unexpected(example);
     do {
       if (this.words.here.kind !== "quoted") this.unexpected(example);
-      tests.push(globTest(this.words.next().text));
+      const word = this.words.next(), test = globTest(word.text);
+      if (name === "kind" && !kindNames.some(kind => test.test(kind))) {
+        const near = nearestWord(word.text, kindNames);
+        this.fail(word, "no route is of the kind '" + word.text + "'",
+                  near ? "did you mean '" + near + "'?" : "kinds are " + kindNames.join(", "));
+      }
+      tests.push(test);
     } while (this.words.takes(","));
     if (!this.words.takes(")")) this.unexpected("add ')'");
     const values = this.about.get(name === "route" ? "sequence" : name).values;

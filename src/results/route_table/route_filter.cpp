@@ -347,6 +347,7 @@ class Filter {
     std::vector<std::string> patterns;
     do {
       if (words_.here().kind != Kind::quoted) unexpected(example);
+      if (name == "kind") refuse_unknown_kind(words_.here());
       patterns.push_back(words_.next().text);
     } while (words_.takes(","));
     if (!words_.takes(")")) unexpected("add ')'");
@@ -354,6 +355,13 @@ class Filter {
     return [&columns = columns_, name, patterns](std::size_t i) {
       return std::any_of(patterns.begin(), patterns.end(), [&](auto const& p) { return fits(columns, name, p, i); });
     };
+  }
+  void refuse_unknown_kind(FilterWord const& word) {
+    std::vector<std::string> kinds;
+    for (std::size_t k = 0; k <= std::size_t(ClassKind::speckle); ++k) kinds.emplace_back(name_of(ClassKind(k)));
+    if (std::ranges::any_of(kinds, [&](auto const& kind) { return matches(word.text, kind); })) return;
+    problem(word, fmt::format("no route is of the kind '{}'", word.text),
+            did_you_mean(word.text, kinds, fmt::format("kinds are {}", fmt::join(kinds, ", "))));
   }
   void report_unmatched(std::string const& name, std::string const& pattern) {
     std::vector<std::string> seen;
