@@ -121,7 +121,7 @@ WaveSettings::Absorber read_absorber(Node const& table) {
   if (table.has("at"))
     if (std::vector<double> const at = table["at"].as_numbers(dim::length, 2); at.size() == 2)
       absorber.x = at[0], absorber.y = at[1];
-  table.refuse_unknown("defect 'absorber'");
+  table.refuse_unknown("'absorber'");
   return absorber;
 }
 
@@ -134,7 +134,7 @@ WaveSettings::Ripple read_ripple(Node const& table) {
   ripple.amplitude = to_peak * size.si;
   ripple.period = table.number("period", dim::length, required, 1e-5, 10);
   ripple.direction = table.number("direction", dim::angle, 0, -2 * pi, 2 * pi);
-  table.refuse_unknown("defect 'ripple'");
+  table.refuse_unknown("'ripple'");
   return ripple;
 }
 

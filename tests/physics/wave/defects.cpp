@@ -134,7 +134,8 @@ TEST(Ripple, OfASceneScattersIntoItsOrdersW18) {
 }
 
 TEST(Defects, OfASceneAddAndAreChecked) {
-  ArmCavity const arm = arm_with("[{absorber: {at: [10 mm, 0 m], radius: 1 mm, power: 20 mW, distortivity: 1e-6 m/W}}]");
+  ArmCavity const arm =
+      arm_with("[{absorber: {at: [10 mm, 0 m], radius: 1 mm, power: 20 mW, distortivity: 1e-6 m/W}}]");
   ArmCavity const none = arm_with("[]");
   EXPECT_TRUE(none.cavity.mirror1.height.empty());
   WaveSettings::Absorber const same{0.01, 0, 1e-3, 20e-9};

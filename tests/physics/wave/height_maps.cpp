@@ -218,7 +218,8 @@ TEST(Holes, AreFilledFromWhatIsAroundThem) {
 TEST(Holes, AreRefusedAboveTenPercent) {
   HeightMap map =
       disc_map(65, 5e-3, 0.15, [](double x, double y) { return std::hypot(x, y) < 0.06 ? not_a_number : 1e-9; });
-  EXPECT_THAT(message_of([&] { refuse_large_holes(map); }), ::testing::HasSubstr("15 % of the points of the height map"));
+  EXPECT_THAT(message_of([&] { refuse_large_holes(map); }),
+              ::testing::HasSubstr("15 % of the points of the height map"));
 }
 
 // Law of ET-HF mirrors between two angles.

@@ -173,19 +173,19 @@ TEST_F(ReportFilter, h_is_known_on_the_grid) {
 }
 
 TEST_F(ReportFilter, several_mistakes_are_reported_at_once_with_carets) {
-  std::string const text = "kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s";
+  std::string const text = "last(\"µ\") and scaters == 2 and share > 5 and opl < 3 s";
   std::string shown;
   for (FilterProblem const& p : ask(text).problems)
     shown += error_in_filter("--where", text, p).what() + std::string("\n");
   EXPECT_EQ(shown,
             "error: --where, column 15: 'scaters' is not known\n"
-            "  kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
+            "  last(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
             "                ^^^^^^^ did you mean 'scatters'?\n"
             "error: --where, column 40: share needs a unit\n"
-            "  kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
+            "  last(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
             "                                         ^ write 5 %\n"
             "error: --where, column 54: 's' is not a unit of opl\n"
-            "  kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
+            "  last(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
             "                                                       ^ write m, km, cm, mm, um, nm, in\n");
   // In JSON the place is in its fields, and the sentences are plain.
   auto const json = nlohmann::json::parse(problems_as_json(error_in_filter("--where", text, ask(text).problems.at(0))));
