@@ -11,6 +11,7 @@
 #include "results/text/columns.hpp"
 #include "session/diagnostics.hpp"
 #include "wave/arm/arm_cavity.hpp"
+#include "wave/arm/arm_checks.hpp"
 
 namespace straytrace::session {
 namespace {
@@ -63,6 +64,14 @@ double window_of(World const& world, double own) {
   }
 }
 
+// Field and rays by the present table `wave`.
+void plan_anew(Model& model) {
+  model.arm = planned_arm(model.world, model.world.wave);
+  for (ArmProblem const& p : model.arm->problems)
+    if (p.severity == Severity::error) throw InputError(p.what, p.remedy);
+  begin_rays_at_crossover(model.world);
+}
+
 }  // namespace
 
 WithError Seam::change(WithError SeamPoint::*curve) const {
@@ -95,7 +104,7 @@ Seam check_seam(Model& model, TraceOptions const& options) {
     model.world.wave.window = window;
     model.world.wave.points = 0;  // the grid of the scene need not carry it
     try {
-      begin_rays_at_crossover(model.world);
+      plan_anew(model);
       TracedModel const traced = trace_model(model, options, "");
       seam.points.push_back(point_of(model.project(traced.result.coupling), traced.result.coupling, step * own, bin));
     } catch (InputError const& e) {
@@ -104,7 +113,7 @@ Seam check_seam(Model& model, TraceOptions const& options) {
     }
   }
   model.world.wave = stated;
-  begin_rays_at_crossover(model.world);
+  plan_anew(model);
   return seam;
 }
 
