@@ -192,7 +192,6 @@ TEST_F(WaveCommand, RunHasRowsOfTheirKinds) {
   EXPECT_THAT(run.out, HasSubstr("Kinds other than scattered are computed, not sampled"));
   EXPECT_THAT(run.out, ContainsRegex("E·S > baffle_mid·E > I·S +I +wave "));
   EXPECT_THAT(run.out, ContainsRegex("E·S > baffle_near·E > I·S +I +speckle "));
-  EXPECT_THAT(text_of(folder_ / "out/paths.csv"), HasSubstr("E·S > I·S,"));
   EXPECT_THAT(run.out, AllOf(HasSubstr("1 rim in the field of the cavity"), HasSubstr("mean over random mirrors")));
   EXPECT_THAT(run.out, AllOf(HasSubstr("h = "), Not(HasSubstr("at most ")), Not(HasSubstr("upper bound"))));
   EXPECT_THAT(text_of(folder_ / "out/h_asd.txt"), Not(HasSubstr("AT MOST")));
