@@ -35,6 +35,7 @@ class Check:
     receivers: int
     lit: list[dict[str, Any]]         # surfaces lit by followed beams: docs/reference/commands.md
     model_hash: str                   # of everything that can change the trace
+    wave: dict[str, Any] | None       # grid and crossover angle of the table wave; None without it
     warnings: tuple[Problem, ...]
 
 
