@@ -174,7 +174,8 @@ class Records:
         if file not in self.lines:
             self.lines[file] = (self.source / file).read_text(encoding="utf-8").split("\n")
         lines, at = self.lines[file], int(line) - 1
-        end = next((i for i in range(at, min(at + 6, len(lines))) if ";" in lines[i]), at)
+        reach = 1 if file.endswith(".py") else 6            # lines of a statement
+        end = next((i for i in range(at, min(at + reach, len(lines))) if ";" in lines[i]), at)
         above = lines[at - 1] if at and at <= len(lines) and lines[at - 1].lstrip().startswith("//") else ""
         return "control" in " ".join([above, *lines[at:end + 1]]).lower()
 

@@ -140,7 +140,7 @@ void add_kind(RouteList& all, bool kinds) {
     .value = [](RouteRow const& r) { return r.row.last_scatterer; }, .page = {110}});
 }
 
-void add_strain(RouteList& all, std::size_t i, double hz, bool drawn) {
+void add_strain(RouteList& all, std::size_t i, double hz) {
   std::string const at = fmt::format("h_{:g}Hz", hz);
   all.push_back({.key = strain_key(hz), .kind = ColumnKind::estimate, .title = strain_title(hz), .unit = strain_unit,
     .help = "one-sided strain ASD, mean over static phases",
@@ -154,10 +154,10 @@ void add_strain(RouteList& all, std::size_t i, double hz, bool drawn) {
     .value = [i](RouteRow const& r) { return r.row.input_high[i]; }, .csv = {250, at + "_input_high"}});
   all.push_back({.key = strain_key(hz) + "_draws_low", .unit = strain_unit,
     .help = "h that 5 % of the draws of mirrors and edges lie below, of kind wave",
-    .value = [i](RouteRow const& r) { return r.row.draws_low[i]; }, .csv = {drawn ? 255 : 0, at + "_draws_low"}});
+    .value = [i](RouteRow const& r) { return r.row.draws_low[i]; }, .csv = {255, at + "_draws_low"}});
   all.push_back({.key = strain_key(hz) + "_draws_high", .unit = strain_unit,
     .help = "h that 95 % of the draws of mirrors and edges lie below, of kind wave",
-    .value = [i](RouteRow const& r) { return r.row.draws_high[i]; }, .csv = {drawn ? 255 : 0, at + "_draws_high"}});
+    .value = [i](RouteRow const& r) { return r.row.draws_high[i]; }, .csv = {255, at + "_draws_high"}});
 }
 
 void add_noise_columns(RouteList& all, bool has_noise) {
@@ -261,24 +261,13 @@ bool has_kinds(PathTable const& table) {
                      [](PathRow const& row) { return row.kind != ClassKind::scattered; });
 }
 
-namespace {
-
-// Whether a row is a mean over draws of mirrors and edges.
-bool has_draws(PathTable const& table) {
-  return std::ranges::any_of(table.rows, [](PathRow const& row) {
-    return std::ranges::any_of(row.draws_low, [](double h) { return !std::isnan(h); });
-  });
-}
-
-}  // namespace
-
 std::string strain_key(double hz) { return fmt::format("h{:g}", hz); }
 
 std::vector<TableColumn<RouteRow>> route_columns(PathTable const& table) {
   RouteList all;
   add_names(all);
   add_kind(all, has_kinds(table));
-  for (std::size_t i = 0; i < table.frequencies.size(); ++i) add_strain(all, i, table.frequencies[i], has_draws(table));
+  for (std::size_t i = 0; i < table.frequencies.size(); ++i) add_strain(all, i, table.frequencies[i]);
   add_noise_columns(all, table.has_noise);
   add_light(all);
   add_lengths(all);
