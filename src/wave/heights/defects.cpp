@@ -8,8 +8,7 @@
 #include <cmath>
 
 #include "base/math/constants.hpp"
-#include "wave/heights/height_map.hpp"
-#include "wave/transform.hpp"
+#include "wave/heights/from_spectrum.hpp"
 
 namespace straytrace::wave {
 namespace {
@@ -18,27 +17,6 @@ namespace {
 double log_and_integral(double x) {
   if (x < 1e-9) return x - boost::math::constants::euler<double>();
   return std::log(x) + boost::math::expint(1, x);
-}
-
-// Fills a field from its spectrum h(n, m) at the frequencies n/window along x and m/window along y, h(-n, -m) its
-// conjugate. The inverse transform divides by the number of points; signs put the axis into the middle of the grid.
-template <class Spectrum>
-std::vector<double> from_spectrum(Grid const& grid, double largest_frequency, Spectrum const& spectrum) {
-  int const n = grid.points;
-  double const largest = periods_across(largest_frequency, grid);
-  int const most = int(std::fmin(n / 2 - 1, largest));
-  Field field(grid);
-  for (int column = 0; column <= most; ++column)
-    for (int row = -most; row <= most; ++row) {
-      if (std::hypot(row, column) > largest) continue;
-      Complex const value = ((row + column) % 2 == 0 ? 1.0 : -1.0) * double(grid.size()) * spectrum(column, row);
-      field((row + n) % n, column) = value;
-      if (column > 0) field((n - row) % n, n - column) = std::conj(value);
-    }
-  Transform(n, 0).inverse(field, 2 * most + 2, n);
-  std::vector<double> heights;
-  for (Complex const v : field.values) heights.push_back(v.real());
-  return heights;
 }
 
 template <class Height>
@@ -66,11 +44,11 @@ std::vector<double> heights_of_absorber(WaveSettings::Absorber const& a, Grid co
       on_grid(grid, [&](double x, double y) { return height_of_absorber(wide, std::hypot(x - a.x, y - a.y), edge); });
   if (!(wide.radius > a.radius)) return heights;
   double const area = grid.window * grid.window;
-  std::vector<double> const narrow = from_spectrum(grid, largest_frequency, [&](int n, int m) {
+  std::vector<double> const narrow = heights_from_spectrum(grid, largest_frequency, [&](int n, int m) {
     double const q = 2 * pi * std::hypot(n, m) / grid.window, u = q * q / 8;
     double const w2 = wide.radius * wide.radius, a2 = a.radius * a.radius;
     double const size = u * w2 < 1e-8 ? (w2 - a2) / 8 : (std::exp(-u * a2) - std::exp(-u * w2)) / (q * q);
-    return a.rise / area * size * turned(-(n * a.x + m * a.y) / grid.window);
+    return double(grid.size()) * (a.rise / area * size) * turned(-(n * a.x + m * a.y) / grid.window);
   });
   for (std::size_t i = 0; i < heights.size(); ++i) heights[i] += narrow[i];
   return heights;

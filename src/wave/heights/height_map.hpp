@@ -71,8 +71,9 @@ std::vector<double> synthesise(std::function<double(double)> const& spectrum, Gr
 double height_spectrum(double brdf, double wavelength);
 
 // eq. W.17: mean of |psi|^2 [1/m^2] at a distance from the axis after scattering by one mirror with a spot of 1/e^2
-// radius w and a wavefront of curvature 1/RoC, to 1e-6; brdf(theta >= 0) [1/sr]. Without the beam itself.
+// radius w and a wavefront of curvature 1/RoC, to 1e-6; brdf(theta >= 0) [1/sr]. Without the beam itself, and of the
+// light at angles from `smallest` on.
 double mean_irradiance(std::function<double(double)> const& brdf, double beam_radius, double curvature, double distance,
-                       double off_axis);
+                       double off_axis, double smallest = 0);
 
 }  // namespace straytrace::wave

@@ -269,6 +269,11 @@ TEST(Halo, IsTheIntegralOverTheSpotW17) {
       sum += weight * step * step * law(std::hypot(x / l - px * (1 / l - curvature), py * (1 / l - curvature)));
     }
   EXPECT_LT(deviation(mean_irradiance(law, w, curvature, l, x), sum / (l * l)), 1e-6);
+  double const beyond = mean_irradiance(law, w, curvature, l, x, 45e-6);  // most of the spot is within 12 urad of 46
+  auto const cut = [&law](double a) { return a < 45e-6 ? 0 : law(a); };
+  EXPECT_LT(deviation(beyond, mean_irradiance(cut, w, curvature, l, x)), 1e-5);
+  EXPECT_GT(deviation(beyond, sum / (l * l)), 0.2);  // control
+  EXPECT_EQ(mean_irradiance(law, w, curvature, l, x, 1e-2), 0);
 }
 
 // Eq. 3.8 at a small angle: a surface with S2 scatters 16 pi^2/lambda^4 S2.
