@@ -119,8 +119,17 @@ double scattered_share(World const& world, std::string const& material) {
 // Which light is not counted, and which sources of materials have no status.
 std::vector<std::string> limits_of(Scene const& scene, World const& world) {
   std::vector<std::string> lines;
-  lines.push_back(world.edges.groups.empty() ? "diffraction at rims is not counted: the scene has no table 'edges'"
-                                             : "diffraction at the rims of 'edges': routes of kind edge, upper bounds");
+  if (!world.edges.groups.empty())
+    lines.push_back("diffraction at the rims of 'edges': routes of kind edge, upper bounds");
+  if (world.wave.present) {
+    lines.push_back(world.wave.groups.empty() ? "light below the crossover angle of 'wave' is in the loss of the cavity"
+                                                " alone: the table names no 'baffles'"
+                                              : "diffraction at the rims of 'wave': routes of kind wave and speckle; "
+                                                "light that they scatter back: routes of kind halo");
+    lines.push_back("the crossover angle of 'wave' was not varied: straytrace wave SCENE --seam");
+  } else if (world.edges.groups.empty()) {
+    lines.push_back("diffraction at rims is not counted: the scene has neither table 'edges' nor 'wave'");
+  }
   bool const ghosts = read_ghosts(scene).has_value();
   lines.push_back(ghosts                       ? "ghost beams: routes of kind ghost, by the beam tree"
                   : scene.root().has("ghosts") ? "ghost beams are not counted: the scene says 'ghosts: off'"

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <vector>
 
 #include "trace/step/connect.hpp"
 #include "trace/tally/coupling_table.hpp"
@@ -24,27 +25,25 @@ struct LitSide {
   World const& world;
   WorldView view;
   ArmWaves const& waves;
-  std::size_t mirror;       // of waves.arm.mirrors
-  std::uint32_t footprint;  // of that mirror
-  Vec3 travel;              // of the light that leaves it
+  std::size_t mirror;  // of waves.arm.mirrors
+  Vec3 travel;         // of the light that leaves it
 
-  LitSide(World const& w, ArmWaves const& a, std::size_t m)
-      : world(w), view(w.view()), waves(a), mirror(m), footprint(spot_of(w, a.arm.mirrors[m].surface)) {
+  LitSide(World const& w, ArmWaves const& a, std::size_t m) : world(w), view(w.view()), waves(a), mirror(m) {
     travel = mirror == 0 ? waves.arm.frame.z : -waves.arm.frame.z;
   }
-  static std::uint32_t spot_of(World const& world, SurfaceId surface) {
-    auto const at = std::ranges::find_if(world.footprints(), [&](Footprint const& f) {
-      return f.standing && f.beam == world.wave.beam && f.surface == surface;
-    });
-    return std::uint32_t(at - world.footprints().begin());
-  }
-  Footprint const& spot() const { return world.footprints()[footprint]; }
+  std::uint32_t footprint() const { return waves.arm.mirrors[mirror].footprint; }
+  Footprint const& spot() const { return world.footprints()[footprint()]; }
   bool couples() const { return spot().receives && spot().port.valid(); }
   std::size_t rims() const { return waves.arm.rims.size(); }
   // Planes in the order of the light: 0 is this mirror.
   double place(std::size_t step) const {  // m from mirror 1
     std::size_t const plane = mirror == 0 ? step : rims() + 1 - step;
     return plane == 0 ? 0 : plane <= rims() ? waves.arm.cavity.baffles[plane - 1].place : waves.arm.cavity.length;
+  }
+  // Share of the power of the mode that the baffle at a plane takes from it.
+  double taken(std::size_t step) const {
+    PowerLedger const& l = waves.ledger;
+    return (mirror == 0 ? l.towards_mirror2[step - 1] : l.towards_mirror1[rims() - step]);
   }
   PolarIrradiance const& irradiance(std::size_t step) const {
     return waves.irradiance.of(int(mirror == 0 ? step : rims() + 1 - step),
@@ -98,7 +97,7 @@ PathRecord record_of(LitSide const& side, Vertex const& vertex, double weight) {
   PathRecord record;
   record.weight = record.coupling = weight;
   record.path_length = 2 * length(span);
-  record.phase_sensitivities = phase_sensitivities_of(side.world, way, side.footprint, side.footprint);
+  record.phase_sensitivities = phase_sensitivities_of(side.world, way, side.footprint(), side.footprint());
   return record;
 }
 
@@ -147,60 +146,63 @@ using LitGroups = std::map<std::uint32_t, LitGroup>;
 // Mean irradiance by scatter of the mirror beyond the crossover angle (eq. W.17).
 double irradiance_beyond(LitSide const& side, double distance, double radius) {
   ArmMirror const& m = side.waves.arm.mirrors[side.mirror];
-  double const crossover = side.waves.arm.crossover;
-  auto const brdf = [&](double angle) {
-    return angle < crossover ? 0 : mirror_brdf(side.world, m, -side.travel, angle);
-  };
-  return mean_irradiance(brdf, m.spot, m.curvature, distance, radius);
+  auto const brdf = [&](double angle) { return mirror_brdf(side.world, m, m.travel, angle); };
+  return mean_irradiance(brdf, m.spot, m.curvature, distance, radius, side.waves.arm.crossover);
 }
 
-// The part of a cell that a surface covers, and a point on it. An edge within the ring is resolved to an eighth of its
-// width.
-struct LitCell {
+// A surface, with the part of a cell that it covers and a point there.
+struct LitPart {
   Vertex vertex;
   double share = 1;
 };
-std::optional<LitCell> lit_cell(LitColumn const& column, PolarIrradiance const& light, int ring, int sector) {
+// Those of a cell; edges of surfaces within the ring are resolved to an eighth of its width.
+std::vector<LitPart> lit_parts(LitColumn const& column, PolarIrradiance const& light, int ring, int sector) {
   constexpr int parts = 8;
-  double const azimuth = light.azimuth(sector), inner = ring * light.step;
-  auto const low = column.at(inner + 0.5 / parts * light.step, azimuth),
-             high = column.at(inner + (parts - 0.5) / parts * light.step, azimuth);
-  if (low && high && low->surface == high->surface) return LitCell{*low, 1};
-  if (!low && !high) return {};
-  LitCell cell{low ? *low : *high, 0};
+  double const azimuth = light.azimuth(sector), step = light.step / parts;
+  auto const radius = [&](int i) { return ring * light.step + (i + 0.5) * step; };
+  auto const first = column.at(radius(0), azimuth), last = column.at(radius(parts - 1), azimuth);
+  if (!first && !last) return {};
+  if (first && last && first->surface == last->surface) return {{*first, 1}};
+  std::vector<LitPart> found;
   for (int i = 0; i < parts; ++i) {
-    double const radius = inner + (i + 0.5) / parts * light.step;
-    auto const at = column.at(radius, azimuth);
-    if (at && at->surface == cell.vertex.surface) cell.share += radius / light.radius(ring) / parts;
+    auto const vertex = column.at(radius(i), azimuth);
+    if (!vertex) continue;
+    double const share = radius(i) / light.radius(ring) / parts;
+    auto const known = std::ranges::find(found, vertex->surface, [](LitPart const& p) { return p.vertex.surface; });
+    if (known == found.end())
+      found.push_back({*vertex, share});
+    else
+      known->share += share;
   }
-  return cell;
+  return found;
 }
 
-// The light of one plane.
-void add_plane(LitSide const& side, std::size_t step, LitGroups& groups) {
+// The light of one plane; returns the share of the power of the mode that meets surfaces there.
+double add_plane(LitSide const& side, std::size_t step, LitGroups& groups) {
   PolarIrradiance const& light = side.irradiance(step);
   double const wavelength = side.world.wavelength, distance = std::fabs(side.place(step) - side.place(0));
   LitColumn const column(side, step);
   std::map<std::uint32_t, std::array<PathRecord, octants>> records;
+  double met = 0;
   for (int ring = 0; ring < light.rings; ++ring) {
     double beyond = -1;  // not known yet
     for (int sector = 0; sector < light.sectors; ++sector) {
-      auto const cut = lit_cell(column, light, ring, sector);
-      if (!cut) continue;
-      Vertex const* const vertex = &cut->vertex;
-      double const bsdf = back_scatter(side, *vertex);
-      if (!(bsdf > 0)) continue;
-      if (beyond < 0) beyond = irradiance_beyond(side, distance, light.radius(ring));
       std::size_t const cell = std::size_t(ring * light.sectors + sector);
-      double const scale = wavelength * wavelength * bsdf * cut->share * light.cell_area(ring);  // cos theta is in
-      double const mixed = scale * 4 * double(light.mean[cell]) * beyond;
-      double const weight = scale * double(light.square[cell]) + mixed;
-      if (!(weight > 0)) continue;
-      std::uint32_t const id = side.world.surfaces()[vertex->surface.value].group.value;
-      int const octant = sector * octants / light.sectors;
-      groups[id].of_octant[octant] += weight;
-      groups[id].mixed += mixed;
-      add_weighted(records[id][std::size_t(octant)], record_of(side, *vertex, weight));
+      for (LitPart const& part : lit_parts(column, light, ring, sector)) {
+        double const area = part.share * light.cell_area(ring);  // across the beam: cos theta is in
+        met += area * double(light.mean[cell]);
+        double const scale = wavelength * wavelength * back_scatter(side, part.vertex) * area;
+        if (!(scale > 0)) continue;
+        if (beyond < 0) beyond = irradiance_beyond(side, distance, light.radius(ring));
+        double const mixed = scale * 4 * double(light.mean[cell]) * beyond;
+        double const weight = scale * double(light.square[cell]) + mixed;
+        if (!(weight > 0)) continue;
+        std::uint32_t const id = side.world.surfaces()[part.vertex.surface.value].group.value;
+        int const octant = sector * octants / light.sectors;
+        groups[id].of_octant[octant] += weight;
+        groups[id].mixed += mixed;
+        add_weighted(records[id][std::size_t(octant)], record_of(side, part.vertex, weight));
+      }
     }
   }
   for (auto& [id, of_octant] : records) {
@@ -208,25 +210,54 @@ void add_plane(LitSide const& side, std::size_t step, LitGroups& groups) {
     for (PathRecord& record : of_octant)
       if (record.weight > 0) groups[id].records.push_back(std::move(record));
   }
+  return met;
 }
 
 std::string statement(LitSide const& side, LitGroup const& group) {
+  std::size_t const draws = side.waves.draws.size();
   return fmt::format(
       "light of the cavity within {:.4g} urad of the specular direction of its mirrors (docs/theory/wave.md, eq. "
-      "W.19), scattered back by surfaces at {} planes, of it {:.2g} with light beyond that angle on one of the two "
-      "ways; one draw of the mirrors, {:.2g} % from their mean by the spread around the axis",
-      1e6 * side.waves.arm.crossover, group.planes, group.mixed / group.total(), 100 * group.error());
+      "W.19), scattered back by surfaces at {} {}, of it {:.2g} with light beyond that angle on one of the two "
+      "ways; {}; standard error of a mean over mirrors {:.2g} %, by the spread around the axis",
+      1e6 * side.waves.arm.crossover, group.planes, group.planes == 1 ? "plane" : "planes", group.mixed / group.total(),
+      draws > 1 ? fmt::format("mean over {} draws of the mirrors", draws) : std::string("one draw of the mirrors"),
+      100 * group.error());
+}
+
+// Light below the crossover angle that no route holds.
+std::vector<std::string> left_out(World const& world, ArmWaves const& waves, double met, double taken) {
+  constexpr double little = 0.1;  // Gibbs ripple at the rims, and light that meets the tube before the plane
+  std::vector<std::string> warnings;
+  double const urad = 1e6 * waves.arm.crossover;
+  if (waves.arm.rims.empty())
+    warnings.push_back(fmt::format(
+        "wave: without 'baffles', light that the mirrors scatter within {:.4g} urad is in the loss of the cavity alone",
+        urad));
+  if (met < (1 - little) * taken)
+    warnings.push_back(fmt::format(
+        "wave: {:.2g} of the light within {:.4g} urad that the edges in 'baffles' cut off meets no surface next to "
+        "them and is in the loss of the cavity alone",
+        1 - met / taken, urad));
+  if (!world.receivers().empty())
+    warnings.push_back(fmt::format(
+        "wave: receivers do not see light that the mirrors scatter within {:.4g} urad; straytrace wave prints it",
+        urad));
+  return warnings;
 }
 
 }  // namespace
 
 HaloClasses halo_classes(World const& world, ArmWaves const& waves) {
   HaloClasses result;
+  double met = 0, taken = 0;
   for (std::size_t mirror : {std::size_t{0}, std::size_t{1}}) {
     LitSide const side(world, waves, mirror);
-    if (!side.couples()) continue;
     LitGroups groups;
-    for (std::size_t step = 1; step <= side.rims(); ++step) add_plane(side, step, groups);
+    for (std::size_t step = 1; step <= side.rims(); ++step) {
+      met += add_plane(side, step, groups);
+      taken += side.taken(step);
+    }
+    if (!side.couples()) continue;
     GroupId const own = world.surfaces()[side.spot().surface.value].group;
     for (auto& [id, group] : groups) {
       std::string const text = statement(side, group);
@@ -235,6 +266,7 @@ HaloClasses halo_classes(World const& world, ArmWaves const& waves) {
           deterministic_class(ClassKind::halo, std::move(steps), side.spot().port, 1, std::move(group.records), text));
     }
   }
+  result.warnings = left_out(world, waves, met, taken);
   return result;
 }
 

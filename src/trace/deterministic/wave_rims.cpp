@@ -195,17 +195,11 @@ RimGroup rims_of_kind(World const& world, ArmWaves const& waves, std::string con
   return group;
 }
 
-Footprint const& spot_on(World const& world, SurfaceId mirror) {
-  return *std::ranges::find_if(world.footprints(), [&](Footprint const& f) {
-    return f.standing && f.beam == world.wave.beam && f.surface == mirror;
-  });
-}
-
 }  // namespace
 
 std::vector<CouplingClass> wave_rim_classes(World const& world, ArmWaves const& waves) {
-  Footprint const* from = &spot_on(world, waves.arm.mirrors[1].surface);
-  Footprint const* to = &spot_on(world, waves.arm.mirrors[0].surface);
+  Footprint const* from = &world.footprints()[waves.arm.mirrors[1].footprint];
+  Footprint const* to = &world.footprints()[waves.arm.mirrors[0].footprint];
   if (!to->port.valid()) std::swap(from, to);
   std::vector<CouplingClass> classes;
   if (!to->port.valid()) return classes;

@@ -43,7 +43,8 @@ CavityFrame frame_of(Vec3 one, Vec3 two) {
 }
 
 ArmMirror mirror_of(World const& world, Footprint const& spot) {
-  ArmMirror mirror{spot.surface, 0, 0, spot.radius, 0, 0, spot.travel};
+  auto const footprint = std::uint32_t(&spot - world.footprints().data());
+  ArmMirror mirror{spot.surface, 0, 0, spot.radius, 0, 0, spot.travel, footprint};
   world.view().shapes.visit(world.surfaces()[spot.surface.value].shape, [&](auto const& s) {
     using Shape = std::decay_t<decltype(s)>;
     if constexpr (std::is_same_v<Shape, Cap> || std::is_same_v<Shape, Disk>) mirror.radius = s.outer_radius;
@@ -215,20 +216,21 @@ double crossover_angle(World const& world, WaveSettings const& settings) {
   return outline_of(world, settings, spots_of(world, settings)).crossover;
 }
 
+double scattered_within(World const& world, ArmMirror const& mirror, double crossover) {
+  Optic const& optic = *centre_of(world, mirror, mirror.travel).optic;
+  double all = 0;
+  for (int law = 0; law < optic.laws; ++law)
+    if (!optic.through[law]) all += law_albedo(world.view().laws, optic, law, 1.0);
+  double const beyond =
+      scattered_beyond([&](double a) { return mirror_brdf(world, mirror, mirror.travel, a); }, crossover);
+  return std::fmax(all - beyond, 0.0);
+}
+
 void begin_rays_at_crossover(World& world) {
-  Spots const spots = spots_of(world, world.wave);
-  ArmCavity const arm = outline_of(world, world.wave, spots);
-  WorldView const view = world.view();
-  for (std::size_t i : {0, 1}) {
-    Footprint const& spot = *spots.of[i];
-    Vertex const vertex = make_vertex(view, spot.surface, spot.centre, spot.travel);
-    double reflected = 0;
-    for (int law = 0; law < vertex.optic->laws; ++law)
-      if (!vertex.optic->through[law]) reflected += law_albedo(view.laws, *vertex.optic, law, 1.0);
-    double const beyond =
-        scattered_beyond([&](double a) { return mirror_brdf(world, arm.mirrors[i], spot.travel, a); }, arm.crossover);
-    world.begin_scatter_at(spot.surface, vertex.front, arm.crossover, std::fmax(reflected - beyond, 0.0));
-  }
+  ArmCavity const arm = outline_of(world, world.wave, spots_of(world, world.wave));
+  for (ArmMirror const& mirror : arm.mirrors)
+    world.begin_scatter_at(mirror.surface, centre_of(world, mirror, mirror.travel).front, arm.crossover,
+                           scattered_within(world, mirror, arm.crossover));
 }
 
 ArmCavity planned_arm(World const& world, WaveSettings const& settings) {

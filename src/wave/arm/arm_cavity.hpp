@@ -32,10 +32,13 @@ struct ArmMirror {
   double scattered = 0;                        // beyond the crossover angle (eq. W.2)
   double roughness = 0;                        // rms of its heights in the map, m
   Vec3 travel{};                               // of the light that falls on it
+  std::uint32_t footprint = 0;                 // of the mode on it
 };
 // BRDF [1/sr] of a mirror that the beam meets at its centre.
 double mirror_brdf(World const&, ArmMirror const&, Vec3 travel, double angle);
-// The same of each of its BSDF models that reflects.
+// Share of the light that it scatters at angles below the crossover.
+double scattered_within(World const&, ArmMirror const&, double crossover);
+// The BRDF of each of its BSDF models that reflects.
 std::vector<std::function<double(double angle)>> mirror_models(World const&, ArmMirror const&);
 
 struct ArmRim {

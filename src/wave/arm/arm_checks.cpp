@@ -344,12 +344,31 @@ void check_defects(WaveSettings::Mirror const& settings, ArmMirror const& mirror
 
 }  // namespace
 
+namespace {
+
+// Rays of the mirror begin at the crossover angle whatever its heights are.
+void check_smooth(World const& world, WaveSettings::Mirror const& settings, ArmMirror const& mirror, ArmCavity& arm) {
+  double const within = scattered_within(world, mirror, arm.crossover);
+  if (!(within > 1e-3 * mirror.scattered)) return;
+  arm.problems.push_back({{"maps", settings.name, "spectrum"},
+                          fmt::format("'{}' scatters {:.2g} of the light within {:.4g} urad by its BSDF, which neither "
+                                      "a perfect mirror nor its rays contain",
+                                      world.name_of(mirror.surface), within, 1e6 * arm.crossover),
+                          "write 'spectrum: material' for the light at small angles",
+                          Severity::warning});
+}
+
+}  // namespace
+
 void check_mirrors(World const& world, WaveSettings const& settings, ArmCavity& arm) {
   for (std::size_t i : {0, 1}) {
     WaveSettings::Mirror const& mirror = settings.mirrors[i];
     check_defects(mirror, arm.mirrors[i], arm);
     if (mirror.heights == WaveSettings::Heights::file) read_measured_map(mirror, i, arm);
-    if (mirror.heights == WaveSettings::Heights::none) continue;
+    if (mirror.heights == WaveSettings::Heights::none) {
+      check_smooth(world, mirror, arm.mirrors[i], arm);
+      continue;
+    }
     if (double const begin = begins_beyond(world, arm.mirrors[i], arm.crossover); begin > 0)
       arm.problems.push_back(
           {{"crossover"},

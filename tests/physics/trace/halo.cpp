@@ -61,6 +61,7 @@ struct LitBench {
     PolarIrradiance const dark = even_irradiance(0, 0);
     waves.irradiance.towards_mirror1.assign(4, dark);
     waves.irradiance.towards_mirror2.assign(4, dark);
+    waves.ledger.towards_mirror1 = waves.ledger.towards_mirror2 = {0, 0};
   }
   double coupling(std::string const& mirror, std::string const& baffle) const {
     for (CouplingClass const& c : halo_classes(world, waves).classes)
@@ -129,6 +130,41 @@ TEST(Halo, EachSideWithItsMirror) {
   EXPECT_EQ(bench.coupling("I", "baffle_one"), 0);
   bench.waves.irradiance.towards_mirror2[2] = even_irradiance(2e-4, 0.1);
   EXPECT_GT(bench.coupling("I", "baffle_two"), bench.coupling("E", "baffle_one"));
+}
+
+// Light that the edges take from the mode but no surface next to them meets is told, and receivers that do not see it.
+TEST(Halo, TellsWhatItLeavesOut) {
+  LitBench bench;
+  bench.waves.draws.resize(1);
+  constexpr double irradiance = 1e-4, from = 0.1;
+  double const on_baffle = irradiance * pi * (outer * outer - from * from);
+  bench.waves.irradiance.towards_mirror2[1] = even_irradiance(irradiance, from);
+  bench.waves.ledger.towards_mirror2[0] = on_baffle;
+  auto const whole = halo_classes(bench.world, bench.waves);
+  EXPECT_TRUE(whole.warnings.empty());  // control: all of it meets the baffle
+  ASSERT_EQ(whole.classes.size(), 1u);
+  EXPECT_THAT(whole.classes[0].statement, HasSubstr("at 1 plane,"));
+  EXPECT_THAT(whole.classes[0].statement, HasSubstr("one draw of the mirrors"));
+  bench.waves.draws.resize(3);
+  bench.waves.ledger.towards_mirror2[0] = 2 * on_baffle;
+  auto const half = halo_classes(bench.world, bench.waves);
+  ASSERT_EQ(half.warnings.size(), 1u);
+  EXPECT_THAT(half.warnings[0], HasSubstr("wave: 0.5 of the light within 120 urad"));
+  EXPECT_EQ(half.classes[0].coupling.mean, whole.classes[0].coupling.mean);
+  EXPECT_THAT(half.classes[0].statement, HasSubstr("mean over 3 draws of the mirrors"));
+}
+
+// The edge of a baffle within a ring of the irradiance is resolved to an eighth of the ring (eq. W.19).
+TEST(Halo, EdgesWithinARing) {
+  LitBench bench;
+  PolarIrradiance coarse{7e-3, 40, 32, std::vector<float>(40 * 32, 1e-4f), std::vector<float>(40 * 32, 2e-8f)};
+  bench.waves.irradiance.towards_mirror2[1] = coarse;
+  double const coupling = bench.coupling("I", "baffle_one"), area = pi * (outer * outer - inner * inner),
+               eighth = 2 * pi * outer * 7e-3 / 8;
+  bench.waves.irradiance.towards_mirror2[1] = even_irradiance(1e-4, 0);
+  EXPECT_LT(deviation(coupling, bench.coupling("I", "baffle_one")), eighth / area);
+  // Control: whole rings whose middle the baffle covers, from 42 to 203 mm.
+  EXPECT_GT(deviation(pi * (0.203 * 0.203 - 0.042 * 0.042), area), 3 * eighth / area);
 }
 
 // The rays of the mirrors begin at the crossover angle, and scatter what the BSDF scatters beyond it (eq. W.20).
