@@ -65,16 +65,21 @@ void add_wave(CLI::App& app, int& exit_code) {
   command->add_flag(
       "--grid-check", o.grid_check,
       "solve again on a grid of 1.4 times the points and print the changes, for some three times the time");
-  command->add_flag("--seam", o.seam,
-                    "trace the scene at 0.7, 1 and 1.4 times its crossover angle, on which the noise must not depend");
+  auto* const seam = command->add_flag(
+      "--seam", o.seam,
+      "trace the scene at 0.7, 1 and 1.4 times its crossover angle, on which the noise must not depend");
   add_history_options(*command, o);
+  for (char const* const of_traces : {"--histories", "--seed"}) command->get_option(of_traces)->needs(seam);
   command->add_flag("--by-frequency", o.by_frequency,
                     "split the loss by the spatial frequency of the heights of the mirrors; solves once per octave");
+  for (char const* const of_field : {"--show", "--order", "--grid-check", "--by-frequency"})
+    seam->excludes(command->get_option(of_field));
   command->add_option("--threads", o.threads, "0: all cores")->check(whole_between(0, 4096, "8"));
   command->footer(
       "Examples:\n"
       "  straytrace wave examples/et_hf_wave.yaml\n"
       "  straytrace wave examples/et_hf_wave.yaml --grid-check\n"
+      "  straytrace wave examples/et_hf_wave.yaml --seam --histories 1e6\n"
       "  straytrace wave examples/et_hf_wave.yaml --by-frequency --format json");
   command->callback([options, &exit_code] { exit_code = wave(*options); });
 }

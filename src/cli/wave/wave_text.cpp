@@ -201,14 +201,17 @@ std::string light_text(ArmWaves const& waves, World const& world, std::size_t sh
       bool const first = travel == Travel::towards_mirror2;
       PolarIrradiance const& light = waves.irradiance.of(int(i) + 1, travel);
       std::vector<double> const sectors = light.beyond(waves.arm.cavity.baffles[i].rim);
+      auto const light_of = [&](double share) {
+        return share > rounding_of_shares ? number_text(unit * share)
+                                          : fmt::format("<{:.1g}", unit * rounding_of_shares);
+      };
       std::vector<std::string> cells{first ? world.name_of(waves.arm.rims[i].surface) : "",
                                      first ? fmt::format("{:.6g}", waves.arm.rims[i].centre.z) : "",
-                                     world.name_of(waves.arm.mirrors[first ? 1 : 0].surface),
-                                     number_text(unit * sum(sectors))};
+                                     world.name_of(waves.arm.mirrors[first ? 1 : 0].surface), light_of(sum(sectors))};
       std::size_t const each = sectors.size() / eighths;
       for (std::size_t e = 0; e < eighths; ++e)
-        cells.push_back(number_text(unit * std::accumulate(sectors.begin() + std::ptrdiff_t(e * each),
-                                                           sectors.begin() + std::ptrdiff_t((e + 1) * each), 0.0)));
+        cells.push_back(light_of(std::accumulate(sectors.begin() + std::ptrdiff_t(e * each),
+                                                 sectors.begin() + std::ptrdiff_t((e + 1) * each), 0.0)));
       table.rows.push_back(std::move(cells));
     }
   return fmt::format(
@@ -247,7 +250,7 @@ std::string bands_text(ArmWaves const& waves, World const& world) {
          "have "
          "these\n"
          "heights alone; light that they scatter, to first order; what the cavity loses over smooth mirrors (eq. "
-         "W.31).\n\n" +
+         "W.34).\n\n" +
          aligned(table);
 }
 

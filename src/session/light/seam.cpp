@@ -56,12 +56,7 @@ double window_of(World const& world, double own) {
   settings.points = 0;
   settings.window = 0;
   settings.crossover = steps[2] * own;
-  try {
-    return arm_cavity(world, settings).cavity.grid.window;
-  } catch (InputError const&) {
-    settings.crossover = own;
-    return arm_cavity(world, settings).cavity.grid.window;
-  }
+  return planned_arm(world, settings).cavity.grid.window;
 }
 
 // Field and rays by the present table `wave`.
@@ -123,6 +118,7 @@ std::string seam_text(Seam const& seam) {
     table.rows.push_back({fmt::format("{:.4g}", 1e6 * p.crossover), with_error(p.rays), with_error(p.halo),
                           with_error(p.baffles), with_error(p.edges), with_error(p.total)});
   auto const percent = [](WithError const& change) {
+    if (std::isnan(change.value)) return std::string("not known");
     return fmt::format("{:+.2g} % ± {:.2g} %", 100 * change.value, 100 * change.sigma);
   };
   return fmt::format(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The loss of an arm by the spatial frequency of the heights of its mirrors (docs/theory/wave.md, eq. W.31).
+// The loss of an arm by the spatial frequency of the heights of its mirrors (docs/theory/wave.md, eq. W.34).
 #pragma once
 
 #include <array>
