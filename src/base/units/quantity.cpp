@@ -324,6 +324,7 @@ constexpr std::array named{
     Named{dim::brdf, "BRDF (1/sr)", "1/sr", "1/sr"},
     Named{dim::per_metre, "curvature (1/m)", "1/m", "1/m, 1/km, 1/cm, 1/mm"},
     Named{{0, 0, 0, 0, 2}, "solid angle", "sr", "sr"},
+    Named{{-2, -2, 6}, "length per power", "m/W", "m/W, m/mW, nm/W, nm/mW"},
     Named{{0, 0, 0, 0, 0, 2}, "number of counts", "count", "count"},
     Named{{0, 0, 0, 0, 0, 0, 2}, "voltage", "V", "V"},
     Named{{2, 0, -2}, "speed", "m/s", "m/s, mm/s, um/s, nm/s"},

@@ -224,13 +224,8 @@ void read_tolerance(Node const& table, WaveSettings& wave) {
   } else if (table.has("draws") && !table.has("tolerance")) {
     table["draws"].problem("'draws' without 'tolerance': nothing is drawn", "give both, or neither");
   }
-  constexpr std::uint64_t most_draws = 1000;
-  std::uint64_t const draws = table.whole("draws", wave.tolerance.any() ? 32 : 1, 1, 1e9);
-  if (draws > most_draws)
-    table["draws"].problem(fmt::format("'draws' is {}, while {} draws already give the mean over the tolerances to 3 %",
-                                       draws, most_draws),
-                           fmt::format("choose at most {}", most_draws));
-  wave.draws = std::uint32_t(std::min(draws, most_draws));
+  constexpr double most_draws = 1000;  // which give the mean over the tolerances to 3 %
+  wave.draws = std::uint32_t(table.whole("draws", wave.tolerance.any() ? 32 : 1, 1, most_draws));
 }
 
 void read_map_draws(Node const& table, WaveSettings& wave) {
