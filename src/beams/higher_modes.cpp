@@ -79,15 +79,37 @@ std::complex<double> laguerre_field(Mode const& basis, int p, int l, Vec3 point)
 
 LaguerreCoefficients laguerre_coefficients(Mode const& beam, Mode const& basis, int order) {
   refuse_elliptic(basis);
-  GeneratingGaussian series = generating_gaussian(beam, basis);
-  // Quanta along x and y in terms of those that turn with +phi and -phi.
-  std::complex<double> const i{0, 1};
-  Eigen::Matrix2cd turn;
-  turn << 1, 1, -i, i;
-  turn /= std::sqrt(2.0);
-  series.bend = (turn.transpose() * series.bend * turn).eval();
-  series.tilt = (turn.transpose() * series.tilt).eval();
-  return LaguerreCoefficients(coefficients(series, order));
+  return LaguerreCoefficients(hermite_coefficients(beam, basis, order));
+}
+
+namespace {
+
+// One quantum more along x (`y` false) or along y, in terms of those that turn with +phi and -phi: amplitudes of
+// 0, 1, ... quanta turning with +phi. `quanta`: those along this axis afterwards.
+std::vector<std::complex<double>> raised(std::vector<std::complex<double>> const& state, bool y, int quanta) {
+  std::complex<double> const forward = y ? std::complex<double>{0, -1} : 1, backward = std::conj(forward);
+  auto const total = state.size();
+  std::vector<std::complex<double>> next(total + 1);
+  for (std::size_t a = 0; a <= total; ++a) {
+    if (a > 0) next[a] += forward * std::sqrt(double(a)) * state[a - 1];
+    if (a < total) next[a] += backward * std::sqrt(double(total - a)) * state[a];
+    next[a] /= std::sqrt(2.0 * quanta);
+  }
+  return next;
+}
+
+}  // namespace
+
+LaguerreCoefficients::LaguerreCoefficients(ModeCoefficients const& hermite) : circular_(hermite.order()) {
+  std::vector<std::complex<double>> along_x{1};
+  for (int n = 0; n <= hermite.order(); ++n) {
+    std::vector<std::complex<double>> state = along_x;
+    for (int m = 0; n + m <= hermite.order(); ++m) {
+      for (int a = 0; a <= n + m; ++a) circular_(a, n + m - a) += hermite(n, m) * state[std::size_t(a)];
+      state = raised(state, true, m + 1);
+    }
+    along_x = raised(along_x, false, n + 1);
+  }
 }
 
 ModeCoefficients::ModeCoefficients(int order)

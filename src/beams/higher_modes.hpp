@@ -59,10 +59,12 @@ double laguerre_function(int p, int l, double x);
 // (NumericalError otherwise). The phase lags by 2p + |l| + 1 times the Gouy phase.
 std::complex<double> laguerre_field(Mode const& basis, int p, int l, Vec3 point);
 
-// Amplitudes of a Gaussian beam in these modes.
+// Amplitudes in these modes.
 class LaguerreCoefficients {
  public:
-  explicit LaguerreCoefficients(ModeCoefficients circular) : circular_(std::move(circular)) {}
+  // Of a field with these amplitudes in the Hermite-Gauss modes of the same circular beam: modes of one order are sums
+  // of each other.
+  explicit LaguerreCoefficients(ModeCoefficients const& hermite);
   std::complex<double> operator()(int p, int l) const {
     // A mode is one of p + max(l, 0) quanta turning one way and p + max(-l, 0) the other, times (-1)^p.
     std::complex<double> const c = l >= 0 ? circular_(p + l, p) : circular_(p, p - l);
@@ -73,6 +75,7 @@ class LaguerreCoefficients {
  private:
   ModeCoefficients circular_;
 };
+// Of a Gaussian beam.
 LaguerreCoefficients laguerre_coefficients(Mode const& beam, Mode const& basis, int order);
 
 }  // namespace straytrace::beams
