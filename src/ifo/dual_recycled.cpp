@@ -421,8 +421,13 @@ double RecycledInterferometer::largest_response(InjectionPoint e, double hz) con
 DetectorNumbers RecycledInterferometer::numbers() const {
   P const& p = model_->parameters();
   ArmCavity const arm{p.arm_length, p.input_transmission, p.end_transmission, p.round_trip_loss};
-  return {p.arm_length, model_->arm_power(), p.mirror_mass, finesse(arm),
-          differential_mode(arm, p.signal_recycling_transmission).gain};
+  return {p.arm_length,
+          model_->arm_power(),
+          p.mirror_mass,
+          finesse(arm),
+          differential_mode(arm, p.signal_recycling_transmission).gain,
+          p.input_transmission,
+          p.end_transmission};
 }
 
 std::string RecycledInterferometer::description() const {

@@ -57,6 +57,7 @@ struct DetectorNumbers {
   double mirror_mass = not_a_number;                           // kg, each mirror of the arm
   double finesse = not_a_number;                               // of an arm, eq. 6.5
   double gain = not_a_number;  // Gamma of the differential field in an arm with signal recycling, tuned: eq. 6.8
+  double input_transmission = not_a_number, end_transmission = not_a_number;  // of an arm
 };
 
 class Interferometer {

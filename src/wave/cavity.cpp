@@ -63,6 +63,9 @@ CavityWaves::~CavityWaves() = default;
 WaveCavity const& CavityWaves::cavity() const { return parts_->cavity; }
 Transform const& CavityWaves::transform() const { return parts_->trip.transform(); }
 Mask const& CavityWaves::mask(std::size_t baffle) const { return parts_->trip.mask(baffle); }
+Mask const& CavityWaves::outline1() const { return parts_->trip.mask(parts_->trip.trip().stops.size() - 1); }
+Mask const& CavityWaves::outline2() const { return parts_->trip.mask(parts_->cavity.baffles.size()); }
+SpectrumDisc const& CavityWaves::band() const { return parts_->trip.band(); }
 
 void CavityWaves::set_heights(std::array<std::vector<double>, 2> heights) {
   std::size_t const baffles = parts_->cavity.baffles.size();
@@ -79,19 +82,35 @@ void CavityWaves::round_trip(Field& spectrum, Observer const& observer) const {
   });
 }
 
+std::array<AxisShift, 2> axis_shifts(double curvature1, double curvature2, double length) {
+  // Through both centres of curvature: c1 X(0) + X' and c2 X(L) - X' are the motions of the mirrors.
+  double const g2 = 1 - curvature2 * length, determinant = -curvature1 * g2 - curvature2;
+  return {{{-g2 / determinant, -curvature2 / determinant}, {-1 / determinant, curvature1 / determinant}}};
+}
+
+CavityAxis axis_of(WaveCavity const& c) {
+  auto const& [one, two] = axis_shifts(c.mirror1.curvature, c.mirror2.curvature, c.length);
+  auto const at = [&](double z, double tilt1, double tilt2) { return one.at(z) * tilt1 + two.at(z) * tilt2; };
+  return {at(0, c.mirror1.tilt_x, c.mirror2.tilt_x), at(0, c.mirror1.tilt_y, c.mirror2.tilt_y),
+          at(c.length, c.mirror1.tilt_x, c.mirror2.tilt_x), at(c.length, c.mirror1.tilt_y, c.mirror2.tilt_y)};
+}
+
 Field CavityWaves::hermite_gauss(int n, int m) const {
   WaveCavity const& c = parts_->cavity;
+  CavityAxis const axis = axis_of(c);
   double const w = cavity_mode(c.length, 1 / c.mirror1.curvature, 1 / c.mirror2.curvature, c.wavelength).w1;
   std::vector<double> across, up;  // hermite_function is exp(-x^2/2) at order 0
   for (int i = 0; i < c.grid.points; ++i) {
-    across.push_back(hermite_function(n, std::sqrt(2.0) * c.grid.at(i) / w));
-    up.push_back(hermite_function(m, std::sqrt(2.0) * c.grid.at(i) / w));
+    across.push_back(hermite_function(n, std::sqrt(2.0) * (c.grid.at(i) - axis.x1) / w));
+    up.push_back(hermite_function(m, std::sqrt(2.0) * (c.grid.at(i) - axis.y1) / w));
   }
   Field field(c.grid);
   for (int row = 0; row < c.grid.points; ++row)
     for (int column = 0; column < c.grid.points; ++column) {
-      double const x = c.grid.at(column), y = c.grid.at(row);
-      Complex const wavefront = turned(-(x * x + y * y) * c.mirror1.curvature / (2 * c.wavelength));
+      double const x = c.grid.at(column) - axis.x1, y = c.grid.at(row) - axis.y1;
+      double const bend = -(x * x + y * y) * c.mirror1.curvature / 2,
+                   slope = ((axis.x2 - axis.x1) * x + (axis.y2 - axis.y1) * y) / c.length;
+      Complex const wavefront = turned((bend + slope) / c.wavelength);
       field(row, column) = std::sqrt(2.0) / w * across[std::size_t(column)] * up[std::size_t(row)] * wavefront;
     }
   parts_->trip.transform().forward(field, c.grid.points, parts_->trip.start_columns());

@@ -25,6 +25,23 @@ struct WaveCavity {
   Grid grid;
 };
 
+// The axis of a cavity is the line through the centres of curvature of both mirrors. Its place and slope, across the
+// axis that it had, by the motion of one mirror: its displacement across times its curvature, plus the slope of its
+// normal for mirror 1 or less it for mirror 2.
+struct AxisShift {
+  double at_mirror1;  // m
+  double slope;       // rad
+  double at(double z) const { return at_mirror1 + slope * z; }
+};
+// eq. W.23; the cavity is stable.
+std::array<AxisShift, 2> axis_shifts(double curvature1, double curvature2, double length);
+
+// Where it meets the mirrors when these are tilted, m.
+struct CavityAxis {
+  double x1 = 0, y1 = 0, x2 = 0, y2 = 0;
+};
+CavityAxis axis_of(WaveCavity const&);
+
 // Fields that arrive at plane `plane` (0: mirror 1, 1 to n: baffles, n + 1: mirror 2) before its own mask.
 enum class Travel { towards_mirror2, towards_mirror1 };
 struct Arrival {
@@ -51,12 +68,16 @@ class CavityWaves {
   WaveCavity const& cavity() const;
   Transform const& transform() const;
   Mask const& mask(std::size_t baffle) const;
+  Mask const& outline1() const;
+  Mask const& outline2() const;
   // Other heights of both mirrors, on the grid; empty: none.
   void set_heights(std::array<std::vector<double>, 2>);
 
-  // Spectrum of a Hermite-Gauss mode of the mirrors alone, n quanta along x and m along y, after the reflection by
-  // mirror
-  // 1. Unit power. NumericalError if the cavity is not stable.
+  // Frequencies at mirror 1 of the fields of which modes are made.
+  SpectrumDisc const& band() const;
+
+  // Spectrum of a Hermite-Gauss mode of the mirrors alone about the axis that their tilts give, n quanta along x and m
+  // along y, after the reflection by mirror 1. Unit power. NumericalError if the cavity is not stable.
   Field hermite_gauss(int n = 0, int m = 0) const;
   // eq. W.8, in place. Calls the observer for each arrival, in order of the way.
   void round_trip(Field& spectrum, Observer const& = {}) const;

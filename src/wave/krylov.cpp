@@ -7,6 +7,12 @@
 #include <cmath>
 
 namespace straytrace::wave {
+namespace {
+
+constexpr double rounding = 1e-14;    // of an image with nothing new in it
+constexpr double least_start = 1e-6;  // of a start beside the others
+
+}  // namespace
 
 SpectrumDisc::SpectrumDisc(Grid const& grid, double largest_frequency) {
   for (int row = 0; row < grid.points; ++row)
@@ -26,30 +32,45 @@ void SpectrumDisc::unpack(Eigen::VectorXcd const& packed, Field& spectrum) const
   for (std::size_t i = 0; i < at_.size(); ++i) spectrum.values[at_[i]] = packed[Eigen::Index(i)];
 }
 
-Krylov::Krylov(Eigen::VectorXcd const& start) { vectors_.push_back(start.normalized()); }
+Krylov::Krylov(std::vector<Eigen::VectorXcd> const& starts) {
+  for (Eigen::VectorXcd const& start : starts) {
+    Eigen::VectorXcd rest = start.normalized();
+    orthogonalise(rest);
+    if (rest.norm() > least_start) vectors_.push_back(rest.normalized());
+  }
+  starts_ = int(vectors_.size());
+}
 
-bool Krylov::extend(Eigen::VectorXcd image) {
-  auto const m = Eigen::Index(vectors_.size());
-  matrix_.conservativeResizeLike(Eigen::MatrixXcd::Zero(m + 1, m));
+Eigen::VectorXcd Krylov::orthogonalise(Eigen::VectorXcd& image) const {
+  Eigen::VectorXcd shares = Eigen::VectorXcd::Zero(Eigen::Index(vectors_.size()));
   for (int pass = 0; pass < 2; ++pass)  // the second removes the rounding of the first
-    for (Eigen::Index i = 0; i < m; ++i) {
+    for (Eigen::Index i = 0; i < shares.size(); ++i) {
       Complex const share = vectors_[std::size_t(i)].dot(image);
-      matrix_(i, m - 1) += share;
+      shares[i] += share;
       image -= share * vectors_[std::size_t(i)];
     }
+  return shares;
+}
+
+bool Krylov::extend(Eigen::VectorXcd image) {
+  Eigen::Index const m = matrix_.cols();
+  Eigen::VectorXcd const shares = orthogonalise(image);
   double const rest = image.norm();
-  matrix_(m, m - 1) = rest;
-  vectors_.push_back(rest > 0 ? Eigen::VectorXcd(image / rest) : image);
-  return rest > 1e-14;
+  if (rest > rounding) vectors_.emplace_back(image / rest);
+  matrix_.conservativeResizeLike(Eigen::MatrixXcd::Zero(Eigen::Index(vectors_.size()), m + 1));
+  matrix_.col(m).head(shares.size()) = shares;
+  if (rest > rounding) matrix_(shares.size(), m) = rest;
+  return m + 1 < Eigen::Index(vectors_.size());
 }
 
 std::vector<RitzPair> Krylov::ritz() const {
-  Eigen::Index const m = matrix_.cols();
+  Eigen::Index const m = matrix_.cols(), in_starts = std::min(Eigen::Index(starts_), m);
   Eigen::ComplexEigenSolver<Eigen::MatrixXcd> const solved(matrix_.topRows(m));
   std::vector<RitzPair> pairs;
   for (Eigen::Index i = 0; i < m; ++i) {
     Eigen::VectorXcd const y = solved.eigenvectors().col(i).normalized();
-    pairs.push_back({solved.eigenvalues()[i], std::abs(matrix_(m, m - 1) * y[m - 1]), std::abs(y[0]), y});
+    double const residual = (matrix_.bottomRows(matrix_.rows() - m) * y).norm();
+    pairs.push_back({solved.eigenvalues()[i], residual, y.head(in_starts).norm(), y});
   }
   std::ranges::stable_sort(pairs, std::ranges::greater{}, &RitzPair::overlap);
   return pairs;

@@ -26,25 +26,34 @@ class SpectrumDisc {
 // An eigenvalue with its eigenvector.
 struct RitzPair {
   Complex value;
-  double residual = 0, overlap = 0;  // eq. W.9; share of amplitude of the start
+  double residual = 0, overlap = 0;  // eq. W.9; share of amplitude in the starts
   Eigen::VectorXcd coordinates;      // of the eigenvector, in the basis of Arnoldi
 };
 
-// Arnoldi's orthonormal vectors of start, G start, G^2 start, ... and the matrix of G between them.
+// Arnoldi's orthonormal vectors of one or several starts s, G s, G^2 s, ... and the matrix of G between them. With
+// several starts, eigenvalues of one size keep as many eigenvectors apart.
 class Krylov {
  public:
-  explicit Krylov(Eigen::VectorXcd const& start);
+  explicit Krylov(Eigen::VectorXcd const& start) : Krylov(std::vector<Eigen::VectorXcd>{start}) {}
+  explicit Krylov(std::vector<Eigen::VectorXcd> const& starts);
 
-  int steps() const { return int(vectors_.size()) - 1; }
-  Eigen::VectorXcd const& last() const { return vectors_.back(); }
-  // `image` is G times `last()`. False when nothing new is in it.
+  int steps() const { return int(matrix_.cols()); }
+  int starts() const { return starts_; }  // that are independent
+  std::vector<Eigen::VectorXcd> const& vectors() const { return vectors_; }
+  Eigen::VectorXcd const& next() const { return vectors_[std::size_t(steps())]; }  // whose image `extend` takes
+  // `image` is G times `next()`. False when nothing new is left to map.
   bool extend(Eigen::VectorXcd image);
-  std::vector<RitzPair> ritz() const;  // by overlap with the start, largest first
+  Eigen::MatrixXcd const& matrix() const { return matrix_; }
+  std::vector<RitzPair> ritz() const;  // by overlap with the starts, largest first
   Eigen::VectorXcd vector(RitzPair const&) const;
 
  private:
+  // Takes the shares of the vectors out of one; the shares.
+  Eigen::VectorXcd orthogonalise(Eigen::VectorXcd&) const;
+
   std::vector<Eigen::VectorXcd> vectors_;
-  Eigen::MatrixXcd matrix_;  // Hessenberg, one row more than columns
+  int starts_ = 0;
+  Eigen::MatrixXcd matrix_;  // Hessenberg with as many subdiagonals as starts; rows: vectors, columns: steps
 };
 
 }  // namespace straytrace::wave

@@ -120,10 +120,4 @@ MirrorLevers mirror_levers(CavityWaves const& waves, Arrival const& arrival) {
   return levers;
 }
 
-std::array<AxisShift, 2> axis_shifts(double curvature1, double curvature2, double length) {
-  // Through both centres of curvature: c1 X(0) + X' and c2 X(L) - X' are the motions of the mirrors.
-  double const g2 = 1 - curvature2 * length, determinant = -curvature1 * g2 - curvature2;
-  return {{{-g2 / determinant, -curvature2 / determinant}, {-1 / determinant, curvature1 / determinant}}};
-}
-
 }  // namespace straytrace::wave

@@ -20,15 +20,4 @@ struct MirrorLevers {
 // Of the mirror at which the field of a mode arrives.
 MirrorLevers mirror_levers(CavityWaves const&, Arrival const&);
 
-// The axis of a cavity is the line through the centres of curvature of both mirrors. Its place and slope, across the
-// axis that it had, by the motion of one mirror: its displacement across times its curvature, plus the slope of its
-// normal for mirror 1 or less it for mirror 2.
-struct AxisShift {
-  double at_mirror1;  // m
-  double slope;       // rad
-  double at(double z) const { return at_mirror1 + slope * z; }
-};
-// eq. W.23; the cavity is stable.
-std::array<AxisShift, 2> axis_shifts(double curvature1, double curvature2, double length);
-
 }  // namespace straytrace::wave

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/errors.hpp"
-#include "wave/krylov.hpp"
 
 namespace straytrace::wave {
 namespace {
@@ -197,6 +196,7 @@ RoundTrip::RoundTrip(RoundTrip&&) noexcept = default;
 Trip const& RoundTrip::trip() const { return parts_->trip; }
 Transform const& RoundTrip::transform() const { return parts_->transform; }
 Mask const& RoundTrip::mask(std::size_t stop) const { return parts_->masks[parts_->stops[stop].mask]; }
+SpectrumDisc const& RoundTrip::band() const { return parts_->disc; }
 int RoundTrip::start_columns() const { return parts_->first_leg().columns(); }
 
 void RoundTrip::set_height(std::size_t stop, std::vector<double> height) {
@@ -227,7 +227,7 @@ WaveMode RoundTrip::mode(Field const& start, SolveOptions const& options) const 
   Field work(grid);
   Complex before = 0;
   for (int settled = 0;;) {
-    parts_->disc.unpack(krylov.last(), work);
+    parts_->disc.unpack(krylov.next(), work);
     parts_->travel(work, {}, nullptr);
     bool const more = krylov.extend(parts_->disc.pack(work));
     RitzPair const best = krylov.ritz().front();

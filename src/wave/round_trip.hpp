@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "wave/krylov.hpp"
 #include "wave/plane.hpp"
 
 namespace straytrace::wave {
@@ -68,7 +69,8 @@ class RoundTrip {
   Trip const& trip() const;
   Transform const& transform() const;
   Mask const& mask(std::size_t stop) const;
-  int start_columns() const;  // that hold a spectrum at the start
+  SpectrumDisc const& band() const;  // frequencies at the start of the fields of which modes are made
+  int start_columns() const;         // that hold a spectrum at the start
   // Another surface of the mirror at a stop, as WaveMirror::height.
   void set_height(std::size_t stop, std::vector<double>);
 

@@ -3,13 +3,19 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <array>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "base/errors.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
+#include "cli/wave/driven_output.hpp"
 #include "cli/wave/wave_output.hpp"
+#include "results/curves/curve_file.hpp"
+#include "results/results.hpp"
+#include "results/text/picture.hpp"
 #include "session/diagnostics.hpp"
 #include "session/light/cavity_waves.hpp"
 #include "session/light/seam.hpp"
@@ -22,6 +28,7 @@ struct WaveOptions : TraceOptions {
   std::size_t show = 12;
   int order = 2;
   bool grid_check = false, by_frequency = false, seam = false;
+  std::string detuning, csv, plot;
 };
 
 int print_seam(Model& model, WaveOptions const& options) {
@@ -32,6 +39,22 @@ int print_seam(Model& model, WaveOptions const& options) {
   return done;
 }
 
+std::optional<Detunings> detunings_of(WaveOptions const& options) {
+  if (!options.plot.empty()) check_ending(options.plot, {".png"}, "--plot");
+  if (!options.detuning.empty()) return parse_detunings(options.detuning);
+  if (!options.csv.empty() || !options.plot.empty())
+    throw InputError("--csv and --plot are for a scan of detuning", "add for example --detuning -0.5..0.5:1001");
+  return {};
+}
+
+void write_driven(DrivenArm const& driven, WaveOptions const& options) {
+  std::string message, picture;
+  if (!options.plot.empty()) picture = picture_of(driven_json(driven).dump(), "detuning", message);
+  if (!options.plot.empty() && picture.empty()) throw InputError(message, "or remove --plot");
+  if (!options.csv.empty()) write_file(options.csv, driven_csv(driven));
+  if (!options.plot.empty()) write_file(options.plot, picture);
+}
+
 int wave(WaveOptions const& options) {
   Model model = read_model(options.input, options.overrides);
   print_warnings(model.scene, options);
@@ -39,16 +62,30 @@ int wave(WaveOptions const& options) {
     throw InputError(fmt::format("{} has no table 'wave'", options.input),
                      "add for example 'wave: {beam: arm, baffles: \"baffles*\"}'");
   if (options.seam) return print_seam(model, options);
+  std::optional<Detunings> const detunings = detunings_of(options);
+  std::optional<std::array<MirrorCoating, 2>> coatings;
+  if (detunings) coatings = mirror_coatings(model);
   ArmOptions what;
   what.highest_order = options.order;
   what.grid_check = options.grid_check;
   what.by_frequency = options.by_frequency;
   ArmWaves const waves = solve_waves(model, options.threads, options, what);
   for (std::string const& warning : waves.arm.warnings) print_warning(warning, options);
-  if (options.json())
-    std::cout << wave_json(waves, model.world).dump() << '\n';
-  else
-    std::cout << wave_text(waves, model.world, options.show);
+  std::optional<DrivenArm> driven;
+  if (detunings) {
+    driven = drive_waves(model, waves, *coatings, detunings->in_ranges(waves.arm.cavity.length), options.threads,
+                         options, options.order);
+    for (std::string const& warning : driven->warnings) print_warning(warning, options);
+    write_driven(*driven, options);
+  }
+  if (options.json()) {
+    nlohmann::ordered_json all = wave_json(waves, model.world);
+    if (driven) all["driven"] = driven_json(*driven);
+    std::cout << all.dump() << '\n';
+    return done;
+  }
+  std::cout << wave_text(waves, model.world, options.show);
+  if (driven) std::cout << driven_text(*driven, model.world, options.show);
   return done;
 }
 
@@ -72,7 +109,13 @@ void add_wave(CLI::App& app, int& exit_code) {
   for (char const* const of_traces : {"--histories", "--seed"}) command->get_option(of_traces)->needs(seam);
   command->add_flag("--by-frequency", o.by_frequency,
                     "split the loss by the spatial frequency of the heights of the mirrors; solves once per octave");
-  for (char const* const of_field : {"--show", "--order", "--grid-check", "--by-frequency"})
+  command->add_option("--detuning", o.detuning,
+                      "also drive the cavity by the input beam at these detunings from resonance, in free spectral "
+                      "ranges or with a unit of frequency: -0.5..0.5:1001, -200Hz..200Hz:401 or 0");
+  mark_output(*command, *command->add_option("--csv", o.csv, "file for the table of detunings, all digits"));
+  mark_output(*command, *command->add_option("--plot", o.plot, "draw the scan of detuning into this PNG file"));
+  for (char const* const of_field :
+       {"--show", "--order", "--grid-check", "--by-frequency", "--detuning", "--csv", "--plot"})
     seam->excludes(command->get_option(of_field));
   command->add_option("--threads", o.threads, "0: all cores")->check(whole_between(0, 4096, "8"));
   command->footer(
@@ -80,6 +123,7 @@ void add_wave(CLI::App& app, int& exit_code) {
       "  straytrace wave examples/et_hf_wave.yaml\n"
       "  straytrace wave examples/et_hf_wave.yaml --grid-check\n"
       "  straytrace wave examples/et_hf_wave.yaml --seam --histories 1e6\n"
+      "  straytrace wave examples/et_hf_wave.yaml --detuning -0.5..0.5:1001 --plot detuning.png\n"
       "  straytrace wave examples/et_hf_wave.yaml --by-frequency --format json");
   command->callback([options, &exit_code] { exit_code = wave(*options); });
 }

@@ -109,11 +109,23 @@ nlohmann::ordered_json wave_json(ArmWaves const& waves, World const& world) {
                        {"mode_radius_m", arm.mirrors[i].spot},
                        {"height_rms_m", arm.mirrors[i].roughness},
                        {"scattered_beyond", arm.mirrors[i].scattered},
+                       {"centroid_m", waves.spots[i].found},
+                       {"axis_m", waves.spots[i].expected},
                        {"power_share_lost", i == 0 ? waves.ledger.mirror1 : waves.ledger.mirror2}});
     add_levers(mirrors.back(), waves.draws[0].mirrors[i].whole);  // about the vertex (eq. W.25)
   }
   for (ModeLine const& m : waves.modes)
-    modes.push_back({{"n", m.n}, {"m", m.m}, {"shared", m.overlap}, {"loss", m.loss}, {"phase_turns", m.phase}});
+    modes.push_back({{"order", m.order},
+                     {"n", m.hermite.one},
+                     {"m", m.hermite.two},
+                     {"shared", m.hermite.shared},
+                     {"p", m.laguerre.one},
+                     {"l", m.laguerre.two},
+                     {"shared_laguerre", m.laguerre.shared},
+                     {"shared_order", m.in_order},
+                     {"loss", m.loss},
+                     {"phase_turns", m.phase},
+                     {"alike", m.alike}});
   for (std::size_t i = 0; i < waves.rims.size(); ++i) rims.push_back(rim_json(waves, world, i));
   for (ArmDraw const& d : waves.draws) draws.push_back(draw_json(d)), losses.push_back(d.loss);
   Spread const loss = spread_of(losses);

@@ -38,6 +38,10 @@ double transverse(RimResult const& rim) {
   return std::hypot(lever_rms(rim, 0), lever_rms(rim, 1)) / std::sqrt(2.0);
 }
 
+bool misaligned(World const& world) {
+  return std::ranges::any_of(world.wave.mirrors, &WaveSettings::Mirror::misaligned);
+}
+
 std::string cavity_text(ArmWaves const& waves, World const& world) {
   ArmCavity const& arm = waves.arm;
   Grid const& grid = arm.cavity.grid;
@@ -52,6 +56,13 @@ std::string cavity_text(ArmWaves const& waves, World const& world) {
         "mirror {}: radius of the mode {:.4g} mm; heights below the crossover angle {:.3g} nm rms; scatters "
         "{:.3g} beyond it\n",
         world.name_of(m.surface), 1e3 * m.spot, 1e9 * m.roughness, m.scattered);
+  if (!misaligned(world)) return text;
+  for (std::size_t i : {0, 1}) {
+    auto const& [found, expected] = waves.spots[i];
+    text += fmt::format(
+        "light on {}: centroid at ({:.5g}, {:.5g}) mm, axis of the mode at ({:.5g}, {:.5g}) mm (eq. W.23)\n",
+        world.name_of(arm.mirrors[i].surface), 1e3 * found[0], 1e3 * found[1], 1e3 * expected[0], 1e3 * expected[1]);
+  }
   return text;
 }
 
@@ -111,20 +122,30 @@ std::string losses_text(ArmWaves const& waves, World const& world) {
                         waves.draws.size(), waves.draws.size() < 20 ? ", here the smallest and the largest" : "");
   if (!std::isnan(waves.perfect_loss))
     text += fmt::format(
-        "smooth mirrors without baffles lose {} (eq. W.10)\n",
+        "smooth{} mirrors without baffles lose {} (eq. W.10)\n", misaligned(world) ? " aligned" : "",
         waves.perfect_loss > rounding_of_shares ? fmt::format("{:.4g}", waves.perfect_loss) : "below 1e-12");
   return text;
 }
 
 std::string modes_text(ArmWaves const& waves) {
   if (waves.modes.empty()) return {};
-  Columns table{{"mode", "shared", "loss", "phase/turns"}, {true}, {}};
+  Columns table{{"order", "mode", "shared", "or", "shared", "in order", "loss", "phase/turns", "alike"},
+                {false, true, false, true},
+                {}};
   for (ModeLine const& m : waves.modes)
-    table.rows.push_back({fmt::format("HG{}{}", m.n, m.m), fmt::format("{:.4f}", m.overlap),
-                          fmt::format("{:.4g}", m.loss), fmt::format("{:+.5f}", m.phase)});
-  return "\nModes of the mirrors without baffles next to Hermite-Gauss modes, and the power shared with them; "
-         "phase of the\n"
-         "round trip over that of the fundamental mode.\n\n" +
+    table.rows.push_back({fmt::format("{}", m.order), fmt::format("HG{}{}", m.hermite.one, m.hermite.two),
+                          fmt::format("{:.4f}", m.hermite.shared),
+                          fmt::format("LG{}{}{}", m.laguerre.one, m.laguerre.two > 0 ? "+" : "", m.laguerre.two),
+                          fmt::format("{:.4f}", m.laguerre.shared), fmt::format("{:.6f}", m.in_order),
+                          m.loss > rounding_of_shares ? fmt::format("{:.4g}", m.loss) : "below 1e-12",
+                          fmt::format("{:+.5f}", std::fabs(m.phase) < 5e-6 ? 0.0 : m.phase),
+                          m.alike > 1 ? fmt::format("{}", m.alike) : "-"});
+  return "\nModes of the mirrors without baffles, the Hermite-Gauss and the Laguerre-Gauss mode (LG p l) next to each "
+         "and the power\n"
+         "shared with it, and that shared with all of the order; phase of the round trip over that of the fundamental "
+         "mode. alike: so\n"
+         "many modes of one eigenvalue, with any combination of them; the named modes are shared with all of these "
+         "together.\n\n" +
          aligned(table);
 }
 

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <functional>
 
 #include "base/errors.hpp"
 #include "session/interrupt.hpp"
@@ -34,6 +36,23 @@ void tell(Node const& table, WaveSettings const& settings, ArmProblem const& p) 
   for (WaveSettings::Mirror const& m : settings.mirrors)
     if (m.name == p.keys.at(1)) at.file_problem(m.file, p.in_file->line, p.in_file->column, p.what, p.remedy);
 }
+
+// Progress on stderr; an interrupt ends the computation.
+class WaveProgress {
+ public:
+  explicit WaveProgress(PrintOptions const& print) : line_(print.quiet) {}
+  void operator()(std::string const& what) {
+    if (guard_.stop())
+      throw InputError("interrupted while the field of the cavity was computed; nothing was traced", "run it again");
+    std::chrono::duration<double> const passed = std::chrono::steady_clock::now() - begin_;
+    line_.at(passed.count(), [&] { return "wave: " + what; });
+  }
+
+ private:
+  InterruptGuard const guard_;
+  ProgressLine line_;
+  std::chrono::steady_clock::time_point const begin_ = std::chrono::steady_clock::now();
+};
 
 char const* origin(bool stated) { return stated ? "" : " (automatic)"; }
 
@@ -77,17 +96,46 @@ nlohmann::ordered_json wave_json(Model const& model) {
 }
 
 ArmWaves solve_waves(Model const& model, unsigned threads, PrintOptions const& print, ArmOptions options) {
-  InterruptGuard const guard;
-  ProgressLine line(print.quiet);
-  auto const begin = std::chrono::steady_clock::now();
+  WaveProgress progress(print);
   options.threads = int(threads);
-  options.progress = [&](std::string const& what) {
-    if (guard.stop())
-      throw InputError("interrupted while the field of the cavity was computed; nothing was traced", "run it again");
-    std::chrono::duration<double> const passed = std::chrono::steady_clock::now() - begin;
-    line.at(passed.count(), [&] { return "wave: " + what; });
-  };
+  options.progress = std::ref(progress);
   return solve_arm(model.world, model.world.wave, model.arm.value(), options);
+}
+
+std::array<MirrorCoating, 2> mirror_coatings(Model const& model) {
+  DetectorNumbers const numbers = model.detector ? model.detector->numbers() : DetectorNumbers{};
+  std::array<double, 2> const of_detector{numbers.input_transmission, numbers.end_transmission};
+  Node const table = model.scene.table("wave");
+  std::array<MirrorCoating, 2> coatings;
+  for (std::size_t i : {0, 1}) {
+    WaveSettings::Mirror const& mirror = model.world.wave.mirrors[i];
+    coatings[i] = {mirror.transmission.value_or(of_detector[i]), mirror.loss};
+    std::string const& name = model.world.name_of(mirror.surface);
+    if (!std::isfinite(coatings[i].transmission))
+      cause_of(table, {"mirrors", name})
+          .problem(fmt::format("a driven cavity needs the transmission of '{}'", name),
+                   fmt::format("add for example 'mirrors: {{{}: {{transmission: 1.4 %}}}}' to 'wave', or an "
+                               "'interferometer'",
+                               name));
+    else if (coatings[i].reflectivity() < 0.01)
+      cause_of(table, {"mirrors", name, "loss"})
+          .problem(fmt::format("'{}', which transmits {:g} and loses {:g}, holds no light", name,
+                               coatings[i].transmission, mirror.loss),
+                   "lower 'loss', or state a smaller 'transmission'");
+  }
+  model.scene.throw_if_problems();
+  return coatings;
+}
+
+DrivenArm drive_waves(Model const& model, ArmWaves const& waves, std::array<MirrorCoating, 2> const& coatings,
+                      std::vector<double> const& detunings, unsigned threads, PrintOptions const& print,
+                      int highest_order) {
+  WaveProgress progress(print);
+  DrivenArmOptions options;
+  options.threads = int(threads);
+  options.highest_order = highest_order;
+  options.progress = std::ref(progress);
+  return drive_arm(model.world.wave, waves, coatings, detunings, options);
 }
 
 }  // namespace straytrace::session

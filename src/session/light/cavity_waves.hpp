@@ -4,11 +4,14 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <array>
 #include <string>
+#include <vector>
 
 #include "session/model.hpp"
 #include "session/options.hpp"
 #include "wave/arm/arm_waves.hpp"
+#include "wave/arm/driven_arm.hpp"
 
 namespace straytrace::session {
 
@@ -19,5 +22,13 @@ std::string wave_line(Model const&);
 nlohmann::ordered_json wave_json(Model const&);  // null without a plan
 // With progress on stderr.
 ArmWaves solve_waves(Model const&, unsigned threads, PrintOptions const&, ArmOptions = {});
+
+// Of its mirrors; the interferometer has the transmissions where the table `wave` has none. InputError where neither
+// has.
+std::array<MirrorCoating, 2> mirror_coatings(Model const&);
+// The field that the input beam builds up in it, at detunings in free spectral ranges; with the split by order up to
+// `highest_order`.
+DrivenArm drive_waves(Model const&, ArmWaves const&, std::array<MirrorCoating, 2> const&,
+                      std::vector<double> const& detunings, unsigned threads, PrintOptions const&, int highest_order);
 
 }  // namespace straytrace::session

@@ -185,6 +185,17 @@ std::vector<double> heights_of(World const& world, WaveSettings::Mirror const& s
   return heights;
 }
 
+// Without heights. A mirror that is shifted leans by the slope that its curvature has at the axis.
+WaveMirror aligned_as(WaveSettings::Mirror const& settings, ArmMirror const& mirror) {
+  auto const& [x, y] = settings.shift;
+  return {mirror.curvature,
+          {mirror.radius, x, y},
+          settings.tilt[0] + x * mirror.curvature,
+          settings.tilt[1] + y * mirror.curvature,
+          {},
+          0};
+}
+
 // Mirrors, edges and crossover angle, without fields.
 ArmCavity outline_of(World const& world, WaveSettings const& settings, Spots const& spots) {
   ArmCavity arm;
@@ -199,6 +210,8 @@ ArmCavity outline_of(World const& world, WaveSettings const& settings, Spots con
     r.in_band = r.angle1 <= arm.crossover && r.angle2 <= arm.crossover;
     arm.cavity.baffles.push_back({r.centre.z, {r.rim.radius + r.rim.tooth_depth / 2, r.centre.x, r.centre.y}});
   }
+  arm.cavity.mirror1 = aligned_as(settings.mirrors[0], arm.mirrors[0]);
+  arm.cavity.mirror2 = aligned_as(settings.mirrors[1], arm.mirrors[1]);
   return arm;
 }
 
@@ -207,8 +220,10 @@ ArmCavity outline_of(World const& world, WaveSettings const& settings, Spots con
 std::array<std::vector<double>, 2> drawn_heights(World const& world, WaveSettings const& settings, ArmCavity const& arm,
                                                  std::uint32_t draw) {
   std::array<std::vector<double>, 2> heights;
-  for (std::uint32_t i : {0u, 1u})
+  for (std::uint32_t i : {0u, 1u}) {
     heights[i] = heights_of(world, settings.mirrors[i], arm.mirrors[i], arm, i + 2 * draw);
+    shift(heights[i], arm.cavity.grid, settings.mirrors[i].shift);
+  }
   return heights;
 }
 
@@ -243,6 +258,7 @@ ArmCavity planned_arm(World const& world, WaveSettings const& settings) {
       mirror.scattered += scattered_by_absorber(a, mirror.spot, world.wavelength, arm.crossover);
   }
   check_rims(world, settings, arm);
+  check_alignment(world, arm);
   choose_grid(arm, settings);
   check_grid(world, settings, arm);
   check_mirrors(world, settings, arm);
@@ -260,7 +276,8 @@ ArmCavity arm_cavity(World const& world, WaveSettings const& settings, ArmCavity
     ArmMirror& mirror = arm.mirrors[i];
     mirror.roughness = height_rms(heights[i]);
     WaveMirror& wave = i == 0 ? arm.cavity.mirror1 : arm.cavity.mirror2;
-    wave = {mirror.curvature, {mirror.radius}, 0, 0, std::move(heights[i]), mirror.scattered};
+    wave.height = std::move(heights[i]);
+    wave.scattered = mirror.scattered;
   }
   return arm;
 }

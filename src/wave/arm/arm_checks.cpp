@@ -30,13 +30,21 @@ double mode_radius(ArmCavity const& arm, double z) {
   return w * std::hypot(1 - z * arm.mirrors[0].curvature, z / rayleigh);
 }
 
+// m; of the centre of an edge from the axis of the mode, which misaligned mirrors move (eq. W.23).
+double off_axis(ArmCavity const& arm, ArmRim const& rim) {
+  CavityAxis const axis = axis_of(arm.cavity);
+  double const along = rim.centre.z / arm.cavity.length;
+  return std::hypot(rim.centre.x - axis.x1 - along * (axis.x2 - axis.x1),
+                    rim.centre.y - axis.y1 - along * (axis.y2 - axis.y1));
+}
+
 std::string where(World const& world, ArmRim const& rim) {
   return fmt::format("the inner edge of '{}' at {:.6g} m", world.name_of(rim.surface), rim.centre.z);
 }
 
 // Both waves of eq. W.22 are speckle about a centred edge, without direct light of the mode.
 void check_speckled(World const& world, ArmCavity& arm, ArmRim const& rim) {
-  double const shift = std::hypot(rim.centre.x, rim.centre.y), nearest = rim.rim.radius - shift;
+  double const shift = off_axis(arm, rim), nearest = rim.rim.radius - shift;
   double const spot = mode_radius(arm, rim.centre.z), angle = std::fmax(rim.angle1, rim.angle2);
   ArmProblem problem{{"baffles"}, "", ""};
   problem.remedy = fmt::format(
@@ -85,15 +93,17 @@ struct LegReach {
 };
 // Between neighbouring openings; first that from mirror to mirror, which the search for the mode starts with.
 std::vector<LegReach> legs_of(ArmCavity const& arm) {
-  std::vector<LegReach> legs{{arm.cavity.length, arm.mirrors[0].radius + arm.mirrors[1].radius}};
-  double before = 0, radius = arm.mirrors[0].radius;
+  auto const reach = [](RoundHole const& hole) { return hole.radius + std::hypot(hole.x, hole.y); };
+  double const last = reach(arm.cavity.mirror2.outline);
+  double before = 0, radius = reach(arm.cavity.mirror1.outline);
+  std::vector<LegReach> legs{{arm.cavity.length, radius + last}};
   for (ArmRim const& r : arm.rims) {
     double const opening = r.rim.radius + std::hypot(r.centre.x, r.centre.y);
     legs.push_back({r.centre.z - before, radius + opening});
     before = r.centre.z;
     radius = opening;
   }
-  legs.push_back({arm.cavity.length - before, radius + arm.mirrors[1].radius});
+  legs.push_back({arm.cavity.length - before, radius + last});
   return legs;
 }
 
@@ -110,7 +120,8 @@ double window_for(ArmCavity const& arm, double widths) {
 double slope_of_mode(ArmCavity const& arm) {
   double slope = 0;
   for (ArmMirror const& m : arm.mirrors) slope = std::fmax(slope, 2.5 * m.spot * std::fabs(m.curvature));
-  return slope;
+  CavityAxis const axis = axis_of(arm.cavity);
+  return slope + std::hypot(axis.x2 - axis.x1, axis.y2 - axis.y1) / arm.cavity.length;
 }
 
 // rad; the largest angle that the grid must carry well.
@@ -126,14 +137,11 @@ int needed_points(ArmCavity const& arm, double window) {
 // diffracts meets that of the other. 0: no such baffles.
 double angle_between_edges(ArmCavity const& arm) {
   auto const opening = [](ArmRim const& r) { return r.rim.radius + std::hypot(r.centre.x, r.centre.y); };
-  auto const clips = [&](ArmRim const& r) {
-    return r.rim.radius - std::hypot(r.centre.x, r.centre.y) < clear_in_spots * mode_radius(arm, r.centre.z);
-  };
   double angle = 0;
   for (std::size_t i = 1; i < arm.rims.size(); ++i) {
     ArmRim const &one = arm.rims[i - 1], &two = arm.rims[i];
     double const leg = two.centre.z - one.centre.z;
-    if (leg > 0 && clips(one) && clips(two))
+    if (leg > 0 && !clear_of_mode(arm, one) && !clear_of_mode(arm, two))
       angle = std::fmax(angle, (opening(one) + opening(two)) / leg + std::sqrt(arm.cavity.wavelength / leg));
   }
   return angle;
@@ -191,7 +199,7 @@ void check_memory(ArmCavity& arm) {
 }  // namespace
 
 bool clear_of_mode(ArmCavity const& arm, ArmRim const& rim) {
-  return rim.rim.radius - std::hypot(rim.centre.x, rim.centre.y) >= clear_in_spots * mode_radius(arm, rim.centre.z);
+  return rim.rim.radius - off_axis(arm, rim) >= clear_in_spots * mode_radius(arm, rim.centre.z);
 }
 
 int allowed_points(int least) {
@@ -222,6 +230,20 @@ void check_rims(World const& world, WaveSettings const& settings, ArmCavity& arm
       check_speckled(world, arm, rim);
   }
   check_tolerance(settings, arm);
+}
+
+void check_alignment(World const& world, ArmCavity& arm) {
+  CavityAxis const axis = axis_of(arm.cavity);
+  for (std::size_t i : {0, 1}) {
+    RoundHole const& hole = (i == 0 ? arm.cavity.mirror1 : arm.cavity.mirror2).outline;
+    double const x = i == 0 ? axis.x1 : axis.x2, y = i == 0 ? axis.y1 : axis.y2;
+    if (double const off = std::hypot(x - hole.x, y - hole.y); off > hole.radius - 1.5 * arm.mirrors[i].spot)
+      arm.problems.push_back({{"mirrors"},
+                              fmt::format("tilts and shifts take the axis of the mode {:.3g} m off the centre of '{}', "
+                                          "whose radius is {:.3g} m (eq. W.23)",
+                                          off, world.name_of(arm.mirrors[i].surface), hole.radius),
+                              "lower them; a mode needs 1.5 of its radii to the edge of each mirror"});
+  }
 }
 
 void choose_grid(ArmCavity& arm, WaveSettings const& settings) {

@@ -30,14 +30,6 @@ double loss_of_smooth_mirrors(ArmCavity const& arm) {
   return round_modes(cavity, 0, 1).front().loss();
 }
 
-// Power that a mode shares with another; both of unit power.
-double shared_power(Field const& a, Field const& b) {
-  Complex sum = 0;
-  for (std::size_t i = 0; i < a.values.size(); ++i) sum += std::conj(a.values[i]) * b.values[i];
-  double const scale = a.grid.pitch() * a.grid.pitch() / double(a.grid.size());
-  return std::norm(sum * scale);
-}
-
 double normal(Rng& random) {
   double const radius = std::sqrt(-2 * log_positive(random.uniform()));
   return radius * sincos_turn(random.uniform()).cos;
@@ -88,24 +80,11 @@ SpeckleMeans speckle_of(World const& world, ArmCavity const& arm, std::size_t nu
   return speckle_means(s);
 }
 
-// The mode next to each Hermite-Gauss mode. Those of one order are nearly degenerate, so that a mode may share less
-// than half of its power with one of them.
-std::vector<ModeLine> listed_modes(CavityWaves const& waves, WaveMode const& fundamental, int highest_order) {
-  SolveOptions coarse;
-  coarse.loss_error = 1e-2;
-  std::vector<ModeLine> lines;
-  for (int order = 0; order <= highest_order; ++order)
-    for (int m = 0; m <= order; ++m) {
-      Field const pure = waves.hermite_gauss(order - m, m);
-      try {
-        WaveMode const mode = waves.mode(pure, coarse);
-        double const turns = std::arg(mode.eigenvalue / fundamental.eigenvalue) / (2 * pi);
-        lines.push_back({order - m, m, shared_power(pure, mode.spectrum), mode.loss(), turns, mode.residual});
-      } catch (NumericalError const&) {  // no mode is near: the rims take too much of it
-        continue;
-      }
-    }
-  return lines;
+std::vector<ModeLine> listed_modes(CavityWaves const& waves, int highest_order, ArmSolver::Progress const& progress) {
+  SolveOptions options;
+  options.loss_error = 1e-2;
+  options.progress = [&](int, double residual) { progress(fmt::format("higher modes, residual {:.1e}", residual)); };
+  return mode_table(waves, highest_order, options);
 }
 
 PowerLedger mean_of(std::vector<ArmDraw> const& draws) {
@@ -126,6 +105,24 @@ PowerLedger mean_of(std::vector<ArmDraw> const& draws) {
   return mean;
 }
 
+std::array<double, 2> centroid(Field const& field) {
+  Grid const& grid = field.grid;
+  double power = 0, x = 0, y = 0;
+  for (int row = 0; row < grid.points; ++row)
+    for (int column = 0; column < grid.points; ++column) {
+      double const here = std::norm(field(row, column));
+      power += here;
+      x += here * grid.at(column);
+      y += here * grid.at(row);
+    }
+  return {x / power, y / power};
+}
+
+std::array<MirrorSpot, 2> expected_spots(WaveCavity const& cavity) {
+  CavityAxis const axis = axis_of(cavity);
+  return {MirrorSpot{{}, {axis.x1, axis.y1}}, MirrorSpot{{}, {axis.x2, axis.y2}}};
+}
+
 // One draw of the heights after the other.
 class ArmEnsemble {
  public:
@@ -140,7 +137,12 @@ class ArmEnsemble {
     for (std::size_t j = 0; j < waves.arm.rims.size(); ++j)
       curves.push_back(waves.arm.rims[j].in_band ? curves_of(waves.arm, j, settings_, number)
                                                  : std::vector<RimCurve>{});
-    CavityRims found = rim_responses(solver_.waves(), mode, curves, std::ref(meter));
+    CavityRims found = rim_responses(solver_.waves(), mode, curves, [&](Arrival const& arrival) {
+      meter(arrival);
+      bool const at_mirror1 = arrival.plane == 0;
+      if (number == 0 && (at_mirror1 || arrival.plane == int(waves.rims.size()) + 1))
+        waves.spots[at_mirror1 ? 0 : 1].found = centroid(arrival.field);
+    });
     for (std::size_t j = 0; j < waves.rims.size(); ++j)
       if (!curves[j].empty()) waves.rims[j].draws.push_back({std::move(found.responses[j]), found.clipped[j]});
     progress_("balance of power");
@@ -208,12 +210,10 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmCavity p
   ArmSolver solver(arm, threads, say);
   WaveMode const mirrors = solver.mode_of_mirrors();
   std::vector<ModeLine> lines;
-  if (options.highest_order >= 0) {
-    say("higher modes");
-    lines = listed_modes(solver.mirrors(), mirrors, options.highest_order);
-  }
+  if (options.highest_order >= 0) lines = listed_modes(solver.mirrors(), options.highest_order, say);
   double const perfect = loss_of_smooth_mirrors(arm);
-  ArmWaves waves{std::move(arm), mirrors, {}, perfect, std::move(lines), {}, {}, {}, {}, {}};
+  ArmWaves waves{std::move(arm), mirrors, {}, perfect, std::move(lines), {}, {}, {}, {}, {}, {}};
+  waves.spots = expected_spots(waves.arm.cavity);
   waves.rims.resize(waves.arm.rims.size());
   ArmEnsemble ensemble(world, settings, solver, say);
   IrradianceMeter meter(waves.arm.cavity.grid, waves.rims.size() + 2);

@@ -12,6 +12,7 @@
 #include "wave/arm/frequency_bands.hpp"
 #include "wave/arm/grid_check.hpp"
 #include "wave/arm/irradiance.hpp"
+#include "wave/mode_table.hpp"
 
 namespace straytrace::wave {
 
@@ -35,12 +36,10 @@ struct RimResult {
   std::vector<RimResponse const*> ensemble() const;
 };
 
-struct ModeLine {
-  int n = 0, m = 0;    // of the Hermite-Gauss mode that it shares most power with
-  double overlap = 0;  // power shared
-  double loss = 0;     // of power per round trip
-  double phase = 0;    // of the round trip, less that of the fundamental mode; turns, -0.5 to 0.5
-  double residual = 0;
+// Where the light that arrives at a mirror has its centroid, in the first draw, and where eq. W.23 has the axis of the
+// mode, in m along x and y of the frame of the cavity.
+struct MirrorSpot {
+  std::array<double, 2> found{}, expected{};
 };
 
 // One draw of the heights.
@@ -54,16 +53,17 @@ struct ArmDraw {
 };
 
 struct ArmWaves {
-  ArmCavity arm;               // with the heights of the first draw
-  WaveMode mode;               // of the first draw
-  std::vector<ArmDraw> draws;  // of the heights, one at least
-  double perfect_loss = 0;     // per round trip, of smooth mirrors without baffles, by eq. W.10
-  std::vector<ModeLine> modes;
+  ArmCavity arm;                // with the heights of the first draw
+  WaveMode mode;                // of the first draw
+  std::vector<ArmDraw> draws;   // of the heights, one at least
+  double perfect_loss = 0;      // per round trip, of smooth mirrors without baffles, by eq. W.10
+  std::vector<ModeLine> modes;  // of the mirrors without baffles, in the first draw
   PowerLedger ledger;           // mean over the draws
   std::vector<RimResult> rims;  // as arm.rims
   PlaneIrradiance irradiance;   // mean over the draws
   std::optional<GridCheck> grid_check;
   std::optional<HeightBands> bands;
+  std::array<MirrorSpot, 2> spots;
 };
 
 struct ArmOptions {

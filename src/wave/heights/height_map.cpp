@@ -212,4 +212,17 @@ std::vector<double> resample(HeightMap const& map, Grid const& grid, double larg
   return out;
 }
 
+void shift(std::vector<double>& heights, Grid const& grid, std::array<double, 2> distance) {
+  if (heights.empty() || (distance[0] == 0 && distance[1] == 0)) return;
+  Field field(grid);
+  std::ranges::copy(heights, field.values.begin());
+  Transform const transform(grid.points, 0);
+  transform.forward(field, grid.points, grid.points);
+  for (int row = 0; row < grid.points; ++row)
+    for (int column = 0; column < grid.points; ++column)
+      field(row, column) *= turned(-(grid.frequency(column) * distance[0] + grid.frequency(row) * distance[1]));
+  transform.inverse(field, grid.points, grid.points);
+  std::ranges::transform(field.values, heights.begin(), [](Complex z) { return z.real(); });
+}
+
 }  // namespace straytrace::wave

@@ -3,6 +3,7 @@
 // (docs/theory/wave.md, eq. W.17, W.18, W.20).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -66,6 +67,9 @@ inline double periods_across(double frequency, Grid const& grid) { return freque
 // addressed by seed, mirror and frequency, so that a finer grid of the same window keeps the coarse map.
 std::vector<double> synthesise(std::function<double(double)> const& spectrum, Grid const&, double smallest_frequency,
                                double largest_frequency, std::uint64_t seed, std::uint32_t mirror);
+
+// Moves heights on a grid, of which none or all are there, by a distance along x and y [m]; around the window.
+void shift(std::vector<double>& heights, Grid const&, std::array<double, 2> distance);
 
 // eq. W.20 and 3.8: the spectrum of heights that scatters with the BRDF at a small angle, S2 = brdf lambda^4/(16 pi^2).
 double height_spectrum(double brdf, double wavelength);

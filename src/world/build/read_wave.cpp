@@ -213,6 +213,59 @@ void read_maps(Node const& table, WaveCavity const& cavity, Registry const& name
   }
 }
 
+// Two numbers along x and y of the frame of the cavity; zeros when absent.
+std::array<double, 2> read_pair(Node const& table, std::string_view key, Dimension dimension, double largest) {
+  if (!table.has(key)) return {};
+  Node const node = table[key];
+  std::vector<double> const v = node.as_numbers(dimension, 2);
+  if (v.size() != 2 || some_missing(v)) return {};
+  if (std::fabs(v[0]) > largest || std::fabs(v[1]) > largest)
+    node.problem(fmt::format("'{}' must be at most {:g} {} along each axis", key, largest,
+                             dimension == dim::angle ? "rad" : "m"),
+                 "check its unit");
+  return {v[0], v[1]};
+}
+
+constexpr double largest_tilt = 1e-3, largest_shift = 1;  // rad, m
+
+void read_mirrors(Node const& table, WaveCavity const& cavity, Registry const& names, WaveSettings& wave) {
+  Node const mirrors = table.table("mirrors");
+  std::vector<WaveSettings::Mirror const*> done;
+  for (auto const& [name, node] : mirrors.items()) {
+    WaveSettings::Mirror unused;
+    WaveSettings::Mirror* mirror = mirror_of(name, mirrors, cavity, names, wave);
+    if (mirror && std::ranges::find(done, mirror) != done.end())
+      node.problem(fmt::format("'{}' is a mirror that is described already", name), "keep one of them");
+    if (!mirror) mirror = &unused;
+    done.push_back(mirror);
+    if (node && node.kind() != Node::Kind::table) {
+      node.problem(fmt::format("what 'mirrors' states of '{}' is not a table", name),
+                   "write for example {tilt: [0.1 urad, 0 rad], transmission: 1.4 %}");
+      continue;
+    }
+    mirror->tilt = read_pair(node, "tilt", dim::angle, largest_tilt);
+    mirror->shift = read_pair(node, "shift", dim::length, largest_shift);
+    if (node.has("transmission")) mirror->transmission = node.number("transmission", dim::plain, required, 1e-9, 0.99);
+    mirror->loss = node.number("loss", dim::plain, 0, 0, 0.5);
+    if (mirror->transmission.value_or(0) + mirror->loss > 0.99)
+      node.problem("a mirror that transmits and loses so much holds no light", "lower 'transmission' or 'loss'");
+    node.refuse_unknown("a mirror of the cavity");
+  }
+}
+
+void read_input(Node const& table, WaveSettings& wave) {
+  Node const node = table.table("input");
+  if (!node) return;
+  WaveSettings::Input input;
+  if (node.has("radius")) input.radius = node.number("radius", dim::length, required, 1e-6, 10);
+  if (node.has("wavefront_curvature"))
+    input.wavefront_curvature = node.number("wavefront_curvature", dim::per_metre, required, -1e3, 1e3);
+  input.tilt = read_pair(node, "tilt", dim::angle, largest_tilt);
+  input.shift = read_pair(node, "shift", dim::length, largest_shift);
+  node.refuse_unknown("'input'");
+  wave.input = input;
+}
+
 void read_tolerance(Node const& table, WaveSettings& wave) {
   if (Node const tolerance = table.table("tolerance")) {
     wave.tolerance.rim = tolerance.number("rim", dim::length, 0, 0, 0.1);
@@ -262,6 +315,8 @@ void read_wave(Scene const& scene, World& world, Registry const& names) {
   read_wave_grid(table, wave);
   read_maps(table, cavity, names, wave);
   read_map_draws(table, wave);
+  read_mirrors(table, cavity, names, wave);
+  read_input(table, wave);
   read_tolerance(table, wave);
   refuse_rims_of_edges(table, world);
   table.refuse_unknown("'wave'");

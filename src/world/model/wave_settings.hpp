@@ -43,6 +43,18 @@ struct WaveSettings {
     Removed removed;
     std::vector<Absorber> absorbers;
     std::vector<Ripple> ripples;
+    // Static misalignment, along x and y of the frame of the cavity: lean of the normal of the lit side, rad; place of
+    // the mirror, m.
+    std::array<double, 2> tilt{}, shift{};
+    std::optional<double> transmission;  // of power; none: that of the interferometer
+    double loss = 0;                     // of power, beside what the field of the cavity loses
+    bool misaligned() const { return tilt[0] != 0 || tilt[1] != 0 || shift[0] != 0 || shift[1] != 0; }
+  };
+  // The beam that comes in through the first mirror, behind it; none: the mode of the cavity.
+  struct Input {
+    std::optional<double> radius, wavefront_curvature;  // 1/e^2 of intensity, m; 1/m, positive when it diverges; none:
+                                                        // those of the mode of the mirrors
+    std::array<double, 2> tilt{}, shift{};              // of the direction of travel, rad; of the spot, m
   };
   // Standard deviations of the rims, drawn for each baffle, m.
   struct Tolerance {
@@ -63,6 +75,7 @@ struct WaveSettings {
   Tolerance tolerance;
   std::uint32_t draws = 1;      // of the tolerances, in each draw of the heights
   std::uint32_t map_draws = 1;  // of the random heights of the mirrors
+  std::optional<Input> input;
 };
 
 }  // namespace straytrace::world

@@ -55,7 +55,7 @@ PolarIrradiance even_irradiance(double mean, double from) {
 
 struct LitBench {
   World world = lit_world();
-  ArmWaves waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, {}, 0, {}, {}, {}, {}, {}, {}};
+  ArmWaves waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, {}, 0, {}, {}, {}, {}, {}, {}, {}};
 
   LitBench() {
     PolarIrradiance const dark = even_irradiance(0, 0);
@@ -132,7 +132,8 @@ TEST(Halo, EachSideWithItsMirror) {
   EXPECT_GT(bench.coupling("I", "baffle_two"), bench.coupling("E", "baffle_one"));
 }
 
-// Light that the edges take from the mode but no surface next to them meets is told, and receivers that do not see it.
+// It warns of light that the edges take from the mode but no surface next to them meets, and of receivers that do not
+// see it.
 TEST(Halo, TellsWhatItLeavesOut) {
   LitBench bench;
   bench.waves.draws.resize(1);

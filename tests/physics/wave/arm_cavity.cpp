@@ -220,8 +220,8 @@ TEST(ArmCavity, EdgesOutsideAreAWarning) {
   EXPECT_TRUE(problems_of(cavity_of(arm), "baffles").empty());
 }
 
-// A perfect mirror in the field and rays that begin at the crossover angle leave its light at small angles out, each with
-// its place. Control: heights of the material.
+// A perfect mirror in the field and rays that begin at the crossover angle leave its light at small angles out, each
+// with its place. Control: heights of the material.
 TEST(ArmCavity, PerfectMirrorsThatScatterAreAWarning) {
   std::vector<ArmProblem> const perfect_ones = problems_of(cavity_with("crossover: 120 urad"), "maps");
   ASSERT_EQ(perfect_ones.size(), 2u);

@@ -283,5 +283,33 @@ TEST(ArmWaves, SameBitsWithAnyThreads) {
   EXPECT_TRUE(differs(solved(kilometre_arm(settings + ", maps: {E: {seed: 2}}"), 1, 1)));  // negative control
 }
 
+// V9: centroids of the light beside eq. W.23. A mirror of radius R that is displaced by d acts as one that leans by
+// d/R, and both displaced alike take the light along.
+TEST(ArmWaves, TiltsAndShiftsOfTheSceneV9) {
+  auto const spots = [](std::string const& mirrors) {
+    KilometreArm scene = kilometre_arm(perfect + ", mirrors: {" + mirrors + "}");
+    scene.wave.replace(scene.wave.find("baffles: \"baffle*\", "), 20, "");
+    return solved(scene);
+  };
+  ArmWaves const tilted = spots("E: {tilt: [0.3 urad, 0 rad]}");
+  EXPECT_LT(deviation(tilted.spots[0].found[0], 0.46875e-3), 1e-4);
+  EXPECT_LT(deviation(tilted.spots[1].found[0], 0.28125e-3), 1e-4);
+  EXPECT_LT(deviation(tilted.spots[0].expected[0], 0.46875e-3), 1e-9);
+  EXPECT_LT(std::abs(tilted.spots[0].found[1]), 1e-9);
+  ArmWaves const leaning = spots("E: {tilt: [0 rad, 0.4 urad]}"), displaced = spots("E: {shift: [0 m, 1 mm]}");
+  for (std::size_t i : {0, 1}) {
+    EXPECT_LT(deviation(displaced.spots[i].expected[1], leaning.spots[i].expected[1]), 1e-9);
+    EXPECT_LT(deviation(displaced.spots[i].found[1], leaning.spots[i].expected[1]), 1e-3);
+  }
+  ArmWaves const both = spots("I: {shift: [2 mm, 1 mm]}, E: {shift: [2 mm, 1 mm]}"), aligned = spots("");
+  EXPECT_LT(deviation(both.spots[1].found[0], 2e-3), 1e-4);
+  EXPECT_LT(deviation(both.spots[0].found[1], 1e-3), 1e-4);
+  // The edges clip more of a tilted mode, but not of one that moved with its mirrors.
+  EXPECT_LT(deviation(both.mode.loss(), aligned.mode.loss()), 1e-3);
+  ArmWaves const strong = spots("E: {tilt: [25 urad, 0 rad]}");
+  EXPECT_GT(strong.ledger.mirror1, 2 * aligned.ledger.mirror1);
+  EXPECT_LT(deviation(strong.ledger.total(), strong.mode.loss()), 1e-4);
+}
+
 }  // namespace
 }  // namespace straytrace::wave_arm_waves

@@ -112,6 +112,27 @@ TEST_F(WaveCommand, JsonHasItsKeysAndBalance) {
   EXPECT_EQ(answer({"wave", scene_, "--quiet"})["rims"][1]["levers"].size(), 3u);
 }
 
+// At resonance the Airy function (eq. 6.4) with the loss of the round trip, for the mode itself as input.
+TEST_F(WaveCommand, DetuningOfTheInputBeam) {
+  std::string const csv = folder_ / "detuning.csv";
+  auto const all = answer({"wave", scene_, "--quiet", "--detuning", "-0.1..0.1:5", "--csv", csv});
+  auto const& driven = all["driven"];
+  ASSERT_EQ(driven["detunings"].size(), 5u);
+  auto const reflectivity = [&](int i) { return 1 - driven["mirrors"][i]["transmission"].get<double>(); };
+  double const trip = std::sqrt(reflectivity(0) * reflectivity(1) * (1 - all["loss"].get<double>()));
+  EXPECT_DOUBLE_EQ(reflectivity(0), 1 - 0.014);  // of the interferometer
+  double const gain = driven["detunings"][2]["circulating"];
+  EXPECT_NEAR(gain / (0.014 / std::pow(1 - trip, 2)), 1, 1e-3);
+  EXPECT_LT(driven["detunings"][0]["circulating"].get<double>(), 0.01 * gain);
+  EXPECT_LT(driven["field_error"].get<double>(), 1e-4);
+  EXPECT_THAT(text_of(csv), HasSubstr("detuning,detuning [Hz],circulating,reflected,transmitted,order 0,order 1"));
+  EXPECT_THAT(straytrace({"wave", scene_, "--quiet", "--detuning", "0,10kHz"}).err, HasSubstr("detuning"));
+  EXPECT_THAT(straytrace({"wave", scene_, "--quiet", "--detuning", "0"}).out,
+              HasSubstr("Field driven through I, which transmits 0.014"));
+  EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--csv", csv}), HasSubstr("add for example --detuning"));
+  EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--detuning", "1kg"}), HasSubstr("is not a unit of frequency"));
+}
+
 TEST_F(WaveCommand, WhatIsMissingIsExplained) {
   std::string const text = scene_text(), none = text.substr(0, text.find("wave: {"));
   write_text(scene_, none + text.substr(text.find("interferometer: {")));

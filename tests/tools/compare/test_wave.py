@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Loss of a cavity of two round mirrors (case V2 of docs/theory/wave.md) against FINESSE 3 with aperture maps.
 
-Usage: test_wave.py PROGRAM. The modes of FINESSE are sums of Hermite-Gauss modes up to an order; its loss depends on that
-order and on the pixels of its maps by per cent (8: 38.48, 10: 39.86, 12: 38.98, 14: 38.61, 16: 41.16 ppm), so that both must
-agree to 1 % at order 8 only. FINESSE lives in a virtual environment that `scripts/setup --test` makes.
+Usage: test_wave.py PROGRAM. The modes of FINESSE are sums of Hermite-Gauss modes up to an order, on which its loss depends
+without settling (8: 38.48, 10: 39.86, 12: 38.98, 14: 38.61, 16: 41.16 ppm; the pixels of the maps change them by less than
+0.6 %). All are above eq. W.10, 38.334 ppm. So the loss must differ from their mean by no more than they differ among each
+other, and that is all that FINESSE can tell; eq. W.10 fixes it to 1e-4. FINESSE lives in a virtual environment that
+`scripts/setup --test` makes.
 """
 import json
 import os
@@ -24,10 +26,11 @@ scene:
   - {name: E, use: mirror, radius: 50 mm, radius_of_curvature: 2500 m, at: [0 m, 0 m, 1000 m], facing: [0, 0, -1],
      body: optics, material: polished}
 beams: {arm: {cavity: [I, E]}}
-ports: {I: {beam: arm, at: I}, E: {beam: arm, at: E}}
+receivers: {at_E: {on: E}}
 wave: {beam: arm, crossover: 200 urad, grid: {points: 384, window: 0.4 m}, maps: {I: {spectrum: none}, E: {spectrum: none}}}
 """
 TRANSMISSIONS = 0.014, 0.001
+ORDERS = 8, 10, 12
 
 
 def ours(program):
@@ -59,11 +62,13 @@ def theirs(order, radius=0.05, points=201, half=0.06):
 
 def main():
     records = Records("tools.wave", sys.argv[1])
-    loss, modal = ours(sys.argv[1]), theirs(8)
-    good = records.near("loss per round trip, FINESSE to order 8", loss, modal, 0.01 * modal)
+    loss, modal = ours(sys.argv[1]), [theirs(order) for order in ORDERS]
+    mean, spread = sum(modal) / len(modal), max(modal) - min(modal)
+    good = records.near("loss per round trip, mean of FINESSE to orders 8, 10, 12", loss, mean, spread)
     clipped = 2 * 2.718281828 ** (-2 * (0.05 / 20.5755e-3) ** 2)  # control: eq. 5.5 at both mirrors
-    control = abs(clipped - modal) > 0.1 * modal
-    print(f"{'ok  ' if good else 'FAIL'} loss {1e6 * loss:.4f} ppm, FINESSE {1e6 * modal:.4f} ppm")
+    control = abs(clipped - mean) > 10 * spread
+    listed = ", ".join(f"{1e6 * m:.4f}" for m in modal)
+    print(f"{'ok  ' if good else 'FAIL'} loss {1e6 * loss:.4f} ppm, FINESSE {listed} ppm")
     print(f"{'ok  ' if control else 'FAIL'} control: a clipped Gaussian loses {1e6 * clipped:.4f} ppm")
     if good and control:
         records.write()

@@ -176,5 +176,41 @@ TEST(ReadWave, ReportsAllProblemsAtOnce) {
                     HasSubstr("'draws'"), HasSubstr("'seed'"), HasSubstr("'colour'"), HasSubstr("7 errors.")));
 }
 
+TEST(ReadWave, MirrorsAndInput) {
+  WaveSettings const wave =
+      wave_world(
+          "wave:\n  beam: arm\n"
+          "  mirrors: {I: {tilt: [0.1 urad, -2 urad], shift: [1 mm, 0 mm], transmission: 1.4 %,"
+          " loss: 30 ppm}}\n"
+          "  input: {wavefront_curvature: -0.5 /km, tilt: [1 urad, 2 urad], shift: [0 m, 3 mm]}\n")
+          .wave;
+  WaveSettings::Mirror const &other = wave.mirrors[0], &input = wave.mirrors[1];  // in the order of the cavity
+  EXPECT_FALSE(other.misaligned() || other.transmission);
+  EXPECT_TRUE(input.misaligned());
+  EXPECT_DOUBLE_EQ(input.tilt[0], 1e-7);
+  EXPECT_DOUBLE_EQ(input.tilt[1], -2e-6);
+  EXPECT_EQ(input.shift, (std::array<double, 2>{1e-3, 0}));
+  EXPECT_DOUBLE_EQ(input.transmission.value(), 0.014);
+  EXPECT_DOUBLE_EQ(input.loss, 30e-6);
+  ASSERT_TRUE(wave.input);
+  EXPECT_FALSE(wave.input->radius);
+  EXPECT_DOUBLE_EQ(wave.input->wavefront_curvature.value(), -5e-4);
+  EXPECT_DOUBLE_EQ(wave.input->tilt[1], 2e-6);
+  EXPECT_DOUBLE_EQ(wave.input->shift[1], 3e-3);
+  EXPECT_FALSE(wave_world("wave: {beam: arm}\n").wave.input);
+}
+
+TEST(ReadWave, WrongMirrorsAndInputs) {
+  auto const with = [](std::string const& more) { return wave_problem("wave: {beam: arm, " + more + "}\n"); };
+  EXPECT_EQ(with("mirrors: {I: {tilt: [1 urad, 0 rad]}}"), "no error");  // control
+  EXPECT_THAT(with("mirrors: {I: {tilt: [1 urad, 2 mrad]}}"), HasSubstr("at most 0.001 rad"));
+  EXPECT_THAT(with("mirrors: {I: {shift: 1 mm}}"), HasSubstr("shift"));
+  EXPECT_THAT(with("mirrors: {I: {transmission: 90 %, loss: 20 %}}"), HasSubstr("holds no light"));
+  EXPECT_THAT(with("mirrors: {X: {tilt: [1 urad, 0 rad]}}"), HasSubstr("'X' is not a mirror of the cavity"));
+  EXPECT_THAT(with("mirrors: {I: 1 urad}"), HasSubstr("is not a table"));
+  EXPECT_THAT(with("mirrors: {I: {tlit: [1 urad, 0 rad]}}"), HasSubstr("tilt"));
+  EXPECT_THAT(with("input: {radius: 1 um, waist: 3 mm}"), HasSubstr("waist"));
+}
+
 }  // namespace
 }  // namespace straytrace::testing

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace wave --detuning: the field that the input beam builds up in the cavity. Inside the module.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+#include "wave/arm/driven_arm.hpp"
+#include "world/model/world.hpp"
+
+namespace straytrace::cli {
+
+// "-0.5..0.5:1001" or "0,0.1" in free spectral ranges, or with a unit of frequency.
+struct Detunings {
+  std::vector<double> values;  // free spectral ranges, or Hz
+  bool in_hertz = false;
+  std::vector<double> in_ranges(double cavity_length) const;  // free spectral ranges
+};
+Detunings parse_detunings(std::string const&);  // InputError
+
+// `show`: rows; of more detunings, the resonances.
+std::string driven_text(DrivenArm const&, World const&, std::size_t show);
+nlohmann::ordered_json driven_json(DrivenArm const&);
+std::string driven_csv(DrivenArm const&);
+
+}  // namespace straytrace::cli

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "wave/arm/driven_arm.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "base/math/constants.hpp"
+#include "base/process/threads.hpp"
+#include "beams/cavity_mode.hpp"
+#include "beams/higher_modes.hpp"
+
+namespace straytrace::wave {
+namespace {
+
+// The mode of the mirrors alone behind mirror 1, along its axis.
+beams::Mode mode_of_mirrors(WaveCavity const& c) {
+  CavityAxis const axis = axis_of(c);
+  double const w = cavity_mode(c.length, 1 / c.mirror1.curvature, 1 / c.mirror2.curvature, c.wavelength).w1;
+  Vec3 const travel = unit(Vec3{(axis.x2 - axis.x1) / c.length, (axis.y2 - axis.y1) / c.length, 1});
+  return beams::circular_mode({axis.x1, axis.y1, 0}, travel, w, -c.mirror1.curvature, c.wavelength);
+}
+
+// In the frame of the cavity, which misaligned mirrors do not turn.
+beams::Mode input_of(WaveSettings::Input const& input, WaveCavity const& c, double radius) {
+  return beams::circular_mode({input.shift[0], input.shift[1], 0}, unit(Vec3{input.tilt[0], input.tilt[1], 1}),
+                              input.radius.value_or(radius), input.wavefront_curvature.value_or(-c.mirror1.curvature),
+                              c.wavelength);
+}
+
+std::vector<double> shares_by_order(beams::Mode const& beam, beams::Mode const& basis, int highest_order) {
+  beams::ModeCoefficients const amplitudes = beams::hermite_coefficients(beam, basis, highest_order);
+  std::vector<double> shares;
+  for (int order = 0; order <= highest_order; ++order) {
+    double share = 0;
+    for (int m = 0; m <= order; ++m) share += std::norm(amplitudes(order - m, m));
+    shares.push_back(share);
+  }
+  return shares;
+}
+
+void warn(DrivenArm& driven, DrivenOptions const& options) {
+  if (driven.error > options.error)
+    driven.warnings.push_back(fmt::format(
+        "wave: after {} round trips, fields at some detunings are known to {:.2g} of themselves only: resonances of "
+        "modes that the input barely excites",
+        driven.round_trips, driven.error));
+  if (driven.entered < 0.99)
+    driven.warnings.push_back(
+        fmt::format("wave: only {:.4g} of the input beam falls on the first mirror", driven.entered));
+}
+
+}  // namespace
+
+DrivenArm drive_arm(WaveSettings const& settings, ArmWaves const& solved, std::array<MirrorCoating, 2> const& coatings,
+                    std::vector<double> const& detunings, DrivenArmOptions const& options) {
+  WaveCavity const& cavity = solved.arm.cavity;
+  DrivenArm driven;
+  driven.coatings = coatings;
+  driven.free_spectral_range = speed_of_light / (2 * cavity.length);
+  CavityWaves const waves(cavity, int(thread_count(unsigned(options.threads))));
+  Field input = solved.mode.spectrum;
+  if (settings.input) {
+    beams::Mode const beam = input_of(*settings.input, cavity, solved.arm.mirrors[0].spot);
+    driven.input_orders = shares_by_order(beam, mode_of_mirrors(cavity), options.highest_order);
+    input = gaussian_field(waves, beam);
+  }
+  DrivenOptions solve;
+  solve.highest_order = options.highest_order;
+  solve.progress = [&](int trips, double error) {
+    if (options.progress) options.progress(fmt::format("driven field, round trip {}, error {:.1e}", trips, error));
+  };
+  DrivenCavity const field(waves, driven.coatings, solved.mode.eigenvalue, input, detunings, solve);
+  driven.entered = field.entered();
+  driven.round_trips = field.round_trips();
+  for (double const detuning : detunings) {
+    driven.detunings.push_back(field.at(detuning));
+    driven.error = std::max(driven.error, driven.detunings.back().error);
+  }
+  warn(driven, solve);
+  return driven;
+}
+
+}  // namespace straytrace::wave
