@@ -24,7 +24,8 @@ char letter(Event);  // emit, scatter, couple: 'S'; reflect: 'R'; transmit: 'T';
 // docs/theory/wave.md); and light at small angles that surfaces in the field of a cavity scatter back (halo). All but
 // the first are deterministic: a fixed set of path records, no Monte-Carlo error, and limits stated in words.
 enum class ClassKind : std::uint8_t { scattered, ghost, edge, wave, speckle, halo };
-char const* name_of(ClassKind);
+constexpr std::array class_kind_names{"scattered", "ghost", "edge", "wave", "speckle", "halo"};
+constexpr char const* name_of(ClassKind kind) { return class_kind_names[std::size_t(kind)]; }
 
 struct PathStep {
   GroupId group;

@@ -121,6 +121,18 @@ def equations_of(page):
     return found
 
 
+def repeated_equations(root):
+    """Numbers that two equations of a page bear; other pages may show an equation again."""
+    for page in sorted((root / "docs" / "theory").glob("*.md")):
+        first = {}
+        for number, line in enumerate(page.read_text(encoding="utf-8").split("\n"), 1):
+            for tag in (t for found in TAG.findall(line) for t in found.split(", ")):
+                where = f"{page.relative_to(root)}:{number}"
+                if tag in first:
+                    yield f"{where}: equation {tag} is that of {first[tag]}; give it a number of its own"
+                first.setdefault(tag, where)
+
+
 def code_files(root):
     for folder in ("src", "step", "tests", "fuzz", "bench", "python", "tools", "scripts", "data/page"):
         for file in sorted((root / folder).rglob("*")):
@@ -176,7 +188,7 @@ def main(root):
         print(f"{root}: no pages found; is the path right?")
         return 1
     found = [*dead_links(root, pages), *missing_files(root, pages), *told_files(root, pages), *missing_tests(root),
-             *missing_pages(root), *wrong_citations(root), *silent_skips(root), *dirty_pictures(root)]
+             *missing_pages(root), *wrong_citations(root), *repeated_equations(root), *silent_skips(root), *dirty_pictures(root)]
     print("\n".join(found) or f"{len(pages)} pages are in order")
     return 1 if found else 0
 

@@ -36,7 +36,7 @@ int print_seam(Model& model, WaveOptions const& options) {
   Seam const seam = check_seam(model, options);
   for (std::string const& warning : seam.warnings) print_warning(warning, options);
   std::cout << (options.json() ? seam_json(seam) + '\n' : seam_text(seam));
-  return done;
+  return seam.complete ? done : checkpointed;
 }
 
 std::optional<Detunings> detunings_of(WaveOptions const& options) {

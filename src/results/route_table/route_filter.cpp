@@ -357,8 +357,7 @@ class Filter {
     };
   }
   void refuse_unknown_kind(FilterWord const& word) {
-    std::vector<std::string> kinds;
-    for (std::size_t k = 0; k <= std::size_t(ClassKind::halo); ++k) kinds.emplace_back(name_of(ClassKind(k)));
+    std::vector<std::string> const kinds(class_kind_names.begin(), class_kind_names.end());
     if (std::ranges::any_of(kinds, [&](auto const& kind) { return matches(word.text, kind); })) return;
     problem(word, fmt::format("no route is of the kind '{}'", word.text),
             did_you_mean(word.text, kinds, fmt::format("kinds are {}", fmt::join(kinds, ", "))));

@@ -229,7 +229,7 @@ void read_class_columns(hdf5::Reader const& in, Section const& at, CouplingTable
   column(at.end, "", through(&CouplingClass::port, &PortId::value));
   column("replica_sum", "1", &CouplingClass::replica_sum);
   for (CouplingClass const& c : rows) {
-    if (c.kind > ClassKind::halo) damaged_run("a route of unknown kind");
+    if (std::size_t(c.kind) >= class_kind_names.size()) damaged_run("a route of unknown kind");
     if (c.port.value >= (table.*at.ends).size()) damaged_run("the end of a route without a name");
   }
 }

@@ -10,6 +10,7 @@
 #include "base/errors.hpp"
 #include "results/text/columns.hpp"
 #include "session/diagnostics.hpp"
+#include "session/interrupt.hpp"
 #include "wave/arm/arm_cavity.hpp"
 #include "wave/arm/arm_checks.hpp"
 
@@ -86,6 +87,7 @@ Seam check_seam(Model& model, TraceOptions const& options) {
   if (!model.detector)
     throw InputError("without an interferometer there is no noise to compare",
                      "add 'ports' and 'interferometer' to the scene");
+  InterruptGuard const guard;
   WaveSettings const stated = model.world.wave;
   double const own = crossover_angle(model.world, stated);
   Seam seam;
@@ -103,8 +105,13 @@ Seam check_seam(Model& model, TraceOptions const& options) {
       TracedModel const traced = trace_model(model, options, "");
       seam.points.push_back(point_of(model.project(traced.result.coupling), traced.result.coupling, step * own, bin));
     } catch (InputError const& e) {
-      if (step == 1) throw;
+      if (step == 1 && !guard.stop()) throw;
       seam.warnings.push_back(fmt::format("crossover angle {:.4g} urad: {}", 1e6 * step * own, e.reason()));
+    }
+    if (guard.stop()) {
+      seam.complete = false;
+      seam.warnings.push_back(fmt::format("interrupted after {} of {} angles", seam.points.size(), std::size(steps)));
+      break;
     }
   }
   model.world.wave = stated;
@@ -139,6 +146,7 @@ std::string seam_json(Seam const& seam) {
                       {"edges", number(p.edges)},
                       {"total", number(p.total)}});
   return nlohmann::ordered_json{{"frequency_hz", seam.frequency},
+                                {"complete", seam.complete},
                                 {"points", points},
                                 {"change_of_rays_and_halo", number(seam.change(&SeamPoint::baffles))},
                                 {"change_of_total", number(seam.change(&SeamPoint::total))}}

@@ -234,11 +234,6 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
   return table;
 }
 
-char const* name_of(ClassKind kind) {
-  constexpr char const* names[] = {"scattered", "ghost", "edge", "wave", "speckle", "halo"};
-  return names[std::size_t(kind)];
-}
-
 char letter(Event event) {
   switch (event) {
     case Event::reflect:

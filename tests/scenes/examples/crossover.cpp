@@ -54,5 +54,16 @@ TEST(Crossover, NoiseDoesNotDependOnItV16) {
   EXPECT_GT(std::hypot(rays_from_above(), halo.value[1]) / both.value[1] - 1, 0.2);
 }
 
+// Ctrl-C while rays are traced at the first angle: the table of what is done, and the words that it is not all.
+TEST(Crossover, InterruptedSeamPrintsTheAnglesDone) {
+  Program running({"wave", crossover_arm, "--seam", "--histories", "1e10"});
+  ASSERT_TRUE(running.says("histories/s")) << running.said();
+  running.interrupt();
+  Finished const stopped = running.wait();
+  EXPECT_EQ(stopped.code, 85) << stopped.err;
+  EXPECT_THAT(stopped.err, ::testing::HasSubstr("interrupted after 1 of 3 angles"));
+  EXPECT_THAT(stopped.out, ::testing::HasSubstr("seam: largest change of rays and halo not known"));
+}
+
 }  // namespace
 }  // namespace straytrace::testing::crossover

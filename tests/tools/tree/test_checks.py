@@ -257,6 +257,12 @@ class CheckDocs(unittest.TestCase):
         self.expect("", 0, "in order", **formulas, **{"src/a.hpp": "// docs/theory/a.md, eq. 9.4, eq. 5.2\n"})
         self.expect("", 1, "sets equation 9.5", **formulas, **{"src/a.hpp": "// docs/theory/a.md, eq. 9.5\n"})
 
+    def test_number_of_two_equations_fails(self):
+        pages = {"docs/theory/a.md": "$$x \\tag{9.3, 9.4}$$\n", "docs/theory/b.md": "$$y \\tag{9.5}$$\n"}
+        self.expect("", 0, "in order", **pages)
+        self.expect("", 0, "in order", **{**pages, "docs/theory/b.md": "$$y \\tag{9.4}$$\n"})
+        self.expect("", 1, "docs/theory/a.md:2: equation 9.4 is that of docs/theory/a.md:1", **{**pages, "docs/theory/a.md": pages["docs/theory/a.md"] * 2})
+
     def test_citation_outside_of_the_repository_fails(self):
         for cited in ("physics.md 8.5", "house.md", "docs/design/wave.md", "(estimators.md 13)", "docs/theory/physics.md, eq. 8.5"):
             for file, mark in (("src/a/b.hpp", "//"), ("bench/a.py", "#"), ("scripts/a", "#")):
