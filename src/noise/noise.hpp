@@ -39,8 +39,9 @@ struct NoiseTrace {
   // Of routes: the range allowed by stated brackets and uncertainties of materials and motion; empty when not computed.
   // NoiseBands holds that of the total.
   std::vector<double> input_low, input_high;
-  // Of routes that are a mean over draws of mirrors and edges (kind wave): percentiles 5 and 95; otherwise empty.
-  std::vector<double> draws_low, draws_high;
+  // Of routes that are a mean over draws of mirrors and edges (kind wave): percentiles 5 and 95, and the
+  // standard error of the mean; otherwise empty.
+  std::vector<double> draws_low, draws_high, draws_sigma;
   // rad^2, mean over the paths by power, of a row `other` by noise: linear below 1e-2, fringe wrapping above 1.
   double mean_square_phase = 0;
   bool resolved = true;

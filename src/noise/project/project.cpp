@@ -231,6 +231,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
       double const to_strain = factor * response.at(c.port.value).both(i);
       trace.draws_low.push_back(std::sqrt(to_strain * draws.low[i]));
       trace.draws_high.push_back(std::sqrt(to_strain * draws.high[i]));
+      trace.draws_sigma.push_back(trace.asd[i] > 0 ? to_strain * draws.error[i] / (2 * trace.asd[i]) : 0);
     }
     trace.hash = c.hash;
     trace.resolved = why_not.empty();

@@ -161,6 +161,18 @@ double jackknife_variance(std::span<double const> without) {
   return (n - 1) / n * sum;
 }
 
+namespace {
+
+double sample_variance(std::span<double const> values) {
+  auto const n = static_cast<double>(values.size());
+  double const mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  double sum = 0;
+  for (double x : values) sum += (x - mean) * (x - mean);
+  return sum / (n - 1);
+}
+
+}  // namespace
+
 DrawBand draw_band(CouplingClass const& c, std::size_t first, SpectrumInterpolator const& nodes) {
   std::uint64_t draws = 0;
   if (c.kind == ClassKind::wave)
@@ -180,6 +192,7 @@ DrawBand draw_band(CouplingClass const& c, std::size_t first, SpectrumInterpolat
   for (std::size_t bin = 0; bin < psd.front().size(); ++bin) {
     std::vector<double> values;
     for (Bins const& of_draw : psd) values.push_back(of_draw[bin]);
+    band.error.push_back(std::sqrt(sample_variance(values) / double(draws)));
     std::ranges::sort(values);
     band.low.push_back(nearest_rank(values, 0.05));
     band.high.push_back(nearest_rank(values, 0.95));

@@ -19,16 +19,32 @@ namespace {
 
 constexpr double steps[] = {1 / 1.4142135623730951, 1, 1.4142135623730951};
 
-// Sum of the PSDs of the routes of some kinds; errors of routes are independent.
+// Standard error of the PSD of a route: of histories and, of routes computed in the field of the cavity, of the mean
+// over mirrors where it is known.
+double psd_error(NoiseTrace const& route, CouplingClass const& c, std::size_t bin) {
+  double mirrors = 0;
+  if (!route.draws_sigma.empty())
+    mirrors = 2 * route.asd[bin] * route.draws_sigma[bin];
+  else if (c.kind == ClassKind::halo && c.coupling.mean > 0)
+    mirrors = route.psd(bin) * c.coupling.std_error / c.coupling.mean;
+  return std::hypot(route.psd_sigma(bin), mirrors);
+}
+
+// Sum of the PSDs of the resolved routes of some kinds; errors of routes are independent. NaN where rays are among the
+// kinds and none of their routes is resolved.
 WithError curve_of(NoiseBudget const& budget, CouplingTable const& table, std::vector<ClassKind> const& kinds,
                    std::size_t bin) {
   double psd = 0, variance = 0;
+  bool traced = std::ranges::find(kinds, ClassKind::scattered) == kinds.end();
   for (std::size_t i = 0; i < table.classes.size(); ++i) {
     NoiseTrace const& route = budget.routes[i];
     if (!route.resolved || std::ranges::find(kinds, table.classes[i].kind) == kinds.end()) continue;
     psd += route.psd(bin);
-    variance += route.psd_sigma(bin) * route.psd_sigma(bin);
+    double const error = psd_error(route, table.classes[i], bin);
+    variance += error * error;
+    traced = traced || table.classes[i].kind == ClassKind::scattered;
   }
+  if (!traced) return {not_a_number, not_a_number};
   double const asd = std::sqrt(psd);
   return {asd, asd > 0 ? std::sqrt(variance) / (2 * asd) : 0};
 }
@@ -41,7 +57,7 @@ SeamPoint point_of(NoiseBudget const& budget, CouplingTable const& table, double
           curve({halo}),
           curve({scattered, halo}),
           curve({edge, wave, speckle}),
-          {budget.total.asd[bin], budget.total.sigma[bin]}};
+          curve({scattered, ghost, edge, wave, speckle, halo})};
 }
 
 // 10 Hz where the band holds it, otherwise its lower end.
@@ -78,6 +94,7 @@ WithError Seam::change(WithError SeamPoint::*curve) const {
     if (p.crossover == crossover) continue;
     WithError const one = p.*curve, two = (*middle).*curve;
     WithError const change{one.value / two.value - 1, std::hypot(one.sigma, two.sigma) / two.value};
+    if (std::isnan(change.value)) return change;
     if (std::fabs(change.value) >= std::fabs(largest.value)) largest = change;
   }
   return largest;
@@ -92,6 +109,7 @@ Seam check_seam(Model& model, TraceOptions const& options) {
   double const own = crossover_angle(model.world, stated);
   Seam seam;
   seam.crossover = own;
+  seam.map_draws = stated.map_draws;
   std::size_t const bin = bin_of_check(model.noise.grid);
   seam.frequency = model.noise.grid.centre(bin);
   double const window = window_of(model.world, own);
@@ -119,19 +137,26 @@ Seam check_seam(Model& model, TraceOptions const& options) {
   return seam;
 }
 
+constexpr char one_draw[] =
+    "One draw of the mirrors: the error of edges leaves out how they differ between mirrors ('map_draws: 8' states "
+    "it).\n";
+
 std::string seam_text(Seam const& seam) {
   Columns table{{"crossover/urad", "rays", "halo", "rays and halo", "edges", "all"}, {}, {}};
+  auto const cell = [](WithError const& x) { return std::isnan(x.value) ? "not resolved" : with_error(x); };
   for (SeamPoint const& p : seam.points)
-    table.rows.push_back({fmt::format("{:.4g}", 1e6 * p.crossover), with_error(p.rays), with_error(p.halo),
-                          with_error(p.baffles), with_error(p.edges), with_error(p.total)});
+    table.rows.push_back({fmt::format("{:.4g}", 1e6 * p.crossover), cell(p.rays), cell(p.halo), cell(p.baffles),
+                          cell(p.edges), cell(p.total)});
   auto const percent = [](WithError const& change) {
     if (std::isnan(change.value)) return std::string("not known");
     return fmt::format("{:+.2g} % ± {:.2g} %", 100 * change.value, 100 * change.sigma);
   };
   return fmt::format(
-      "strain noise at {:.4g} Hz by crossover angle, 1/sqrt(Hz); errors: one standard error, Monte Carlo only\n\n{}\n"
+      "strain noise at {:.4g} Hz by crossover angle, 1/sqrt(Hz); errors: one standard error, of histories and of the "
+      "mean "
+      "over mirrors\n\n{}{}\n"
       "seam: largest change of rays and halo {}, of all stray light {}\n",
-      seam.frequency, aligned(table), percent(seam.change(&SeamPoint::baffles)),
+      seam.frequency, aligned(table), seam.map_draws > 1 ? "" : one_draw, percent(seam.change(&SeamPoint::baffles)),
       percent(seam.change(&SeamPoint::total)));
 }
 

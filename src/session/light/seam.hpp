@@ -17,15 +17,18 @@ struct SeamPoint {
 };
 struct Seam {
   double frequency = 0, crossover = 0;  // Hz; rad, of the scene
+  std::uint32_t map_draws = 1;          // of the heights of the mirrors
   std::vector<SeamPoint> points;
   std::vector<std::string> warnings;  // angles that could not be computed
   bool complete = true;               // false: interrupted
-  // Largest relative change of a curve from that at the crossover angle of the scene, with its Monte-Carlo error.
+  // Largest relative change of a curve from that at the crossover angle of the scene, with its standard error; the
+  // angles count as independent, although mirrors share heights.
   WithError change(WithError SeamPoint::*curve) const;
 };
 
 // At 1/sqrt(2), 1 and sqrt(2) times the crossover angle, each traced as `options` say. The same heights of the mirrors
-// below the smallest angle. Ctrl-C ends it with the angles done so far. Leaves the model at the crossover angle of its scene.
+// below the smallest angle. Ctrl-C ends it with the angles done so far. Leaves the model at the crossover angle of its
+// scene.
 Seam check_seam(Model&, TraceOptions const&);
 
 std::string seam_text(Seam const&);

@@ -260,10 +260,12 @@ HaloClasses halo_classes(World const& world, ArmWaves const& waves) {
     if (!side.couples()) continue;
     GroupId const own = world.surfaces()[side.spot().surface.value].group;
     for (auto& [id, group] : groups) {
+      double const error = group.error() * group.total();
       std::string const text = statement(side, group);
       std::vector<PathStep> steps{{own, Event::emit}, {{id}, Event::scatter}, {own, Event::couple}};
       result.classes.push_back(
           deterministic_class(ClassKind::halo, std::move(steps), side.spot().port, 1, std::move(group.records), text));
+      result.classes.back().coupling.std_error = error;
     }
   }
   result.warnings = left_out(world, waves, met, taken);

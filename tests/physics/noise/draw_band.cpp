@@ -27,12 +27,16 @@ NoiseTrace route(CouplingClass const& c) {
 TEST(DrawBand, PercentilesOfSingleDraws) {
   NoiseTrace const one = route(drawn(1)), forty = route(drawn(40));
   ASSERT_EQ(forty.draws_low.size(), 3u);
-  double mean = 0;
-  for (int n = 1; n <= 40; ++n) mean += n * n / 40.0;
+  double mean = 0, fourth = 0;
+  for (int n = 1; n <= 40; ++n) {
+    mean += n * n / 40.0;
+    fourth += std::pow(n, 4) / 40.0;
+  }
   for (std::size_t bin : {0, 1, 2}) {
     EXPECT_NEAR(forty.draws_low[bin] / one.asd[bin], 2, 1e-3);    // second of 40
     EXPECT_NEAR(forty.draws_high[bin] / one.asd[bin], 38, 0.02);  // 38th
     EXPECT_NEAR(forty.asd[bin] / one.asd[bin], std::sqrt(mean), 0.02);
+    EXPECT_NEAR(2 * forty.draws_sigma[bin] / forty.asd[bin], std::sqrt((fourth - mean * mean) / 39) / mean, 1e-3);
   }
   NoiseTrace const three = route(drawn(3));  // smallest and largest
   EXPECT_NEAR(three.draws_low[1] / one.asd[1], 1, 1e-3);
