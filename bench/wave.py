@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fourier transforms of fields: there and back with the rows and columns of a leg in a long arm, and with all of them, compared with
-scipy.fft, which transforms all.
+"""Fields in a cavity: legs of a long arm with two transforms, free space and a mask, compared with the same by SciPy, LightPipes, prysm and
+POPPY; transforms of whole fields; modes, round trips past 98 baffles, levers of their edges; threads.
 
 Examples:
   scripts/bench wave --keep      512, 1024 and 2048 points per side; for the page
@@ -10,35 +10,113 @@ Examples:
 import json
 import os
 
-from record import BUILD, Results, arguments, child, compared, in_turns
+from record import BUILD, SOURCE, Results, arguments, child, compared, in_turns
 
+PEERS = SOURCE / "build/peers/bin/python"
 THEIRS = """
-import sys, time
-import numpy, scipy.fft
-points, repeats = map(int, sys.argv[1:])
-i = numpy.arange(points * points)
-field, least = (i % 97 + 1j * (i % 31)).reshape(points, points), 1e9
+import os, sys, time
+for name in ("OMP", "MKL", "OPENBLAS", "NUMEXPR"):
+    os.environ[name + "_NUM_THREADS"] = "1"
+import numpy
+way, points, repeats = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+window, length, wavelength = 2.0, 100.0, 1064e-9
+x = (numpy.arange(points) - points // 2) * window / points
+rho2 = x[:, None] ** 2 + x**2
+field, mask = numpy.exp(-rho2 / 0.01).astype(complex), (rho2 < 0.42**2).astype(float)
+f = numpy.fft.fftfreq(points, window / points)
+factor = numpy.exp(-1j * numpy.pi * wavelength * length * (f[:, None] ** 2 + f**2))
+if way == "scipy" or way == "whole":
+    import scipy.fft
+    if way == "whole":
+        mask, factor = 1, 1
+    def leg(field):
+        spectrum = scipy.fft.fft2(field, overwrite_x=True)
+        if way != "whole":
+            spectrum *= factor
+        field = scipy.fft.ifft2(spectrum, overwrite_x=True)
+        if way != "whole":
+            field *= mask
+        return field
+elif way == "LightPipes":
+    import LightPipes
+    field = LightPipes.Begin(window, wavelength, points)
+    def leg(field):
+        return LightPipes.CircAperture(LightPipes.Forvard(field, length), 0.42)
+elif way == "prysm":
+    from prysm.propagation import angular_spectrum
+    def leg(field):
+        return angular_spectrum(field, wavelength * 1e6, window / points * 1e3, length * 1e3, Q=1) * mask
+else:
+    import astropy.units as u, poppy
+    front = poppy.FresnelWavefront(0.1 * u.m, wavelength=wavelength, npix=points // 4, oversample=4)
+    hole = poppy.CircularAperture(radius=0.42)
+    def leg(front):
+        front.propagate_fresnel(length * u.m)
+        front *= hole
+        return front
+    field = front
+least = 1e9
 for _ in range(repeats):
-    start = time.thread_time()
-    field = scipy.fft.ifft2(scipy.fft.fft2(field, overwrite_x=True), overwrite_x=True)
-    least = min(least, time.thread_time() - start)
+    start = time.process_time()
+    field = leg(field)
+    least = min(least, time.process_time() - start)
 print(least)
 """
+
+
+def theirs(way, points, repeats, core):
+    python = "/usr/bin/python3" if way in ("scipy", "whole") else PEERS
+    return float(child([python, "-c", THEIRS, way, points, repeats], core=core).output.split()[-1])
+
+
+def ours(core, *words):
+    return json.loads(child([BUILD / "bench_wave", *words], core=core).output)
+
+
+def why_not(package):
+    if not PEERS.exists():
+        return "not installed: scripts/setup --peers"
+    found = child([PEERS, "-c", f"import importlib.util as u; print(u.find_spec('{package}') is not None)"]).output
+    return "" if "True" in found else "not installed: PyPI has none for this machine"
+
+
+def add_legs(results, points, repeats, turns, core):
+    taken = in_turns({"ours": lambda: ours(core, "legs", points, repeats), "scipy": lambda: theirs("scipy", points, repeats, core),
+                      "whole": lambda: theirs("whole", points, repeats, core)}, turns)
+    legs, copies = [t["leg"] for t in taken["ours"]], [t["copy"] for t in taken["ours"]]
+    results.add(f"{points} × {points}, leg", unit="s", copies=1 / compared(legs, copies)["ratio"], other="scipy.fft",
+                goal={"of": "copies", "at_most": 13}, **compared(legs, taken["scipy"]))
+    results.add(f"{points} × {points}, whole transforms", unit="s", other="scipy.fft", goal={"of": "ratio", "at_least": 1},
+                **compared([t["whole"] for t in taken["ours"]], taken["whole"]))
+    return legs
 
 
 def main():
     words = arguments(__doc__).parse_args()
     core = max(os.sched_getaffinity(0))
-    sizes, repeats, turns = ((64,), 1, 1) if words.quick else ((512, 1024, 2048), 20, words.repeats)
+    sizes, repeats, turns = ((64,), 1, 1) if words.quick else ((512, 1024, 2048), 10, words.repeats)
+    middle = sizes[len(sizes) // 2]
     with Results("wave", words) as results:
-        for points in sizes:
-            taken = in_turns({
-                "ours": lambda: json.loads(child([BUILD / "bench_wave", points, repeats], core=core).output),
-                "theirs": lambda: float(child(["/usr/bin/python3", "-c", THEIRS, points, repeats], core=core).output)}, turns)
-            for kind, name, goal in (("pruned", "leg of a long arm", 2), ("whole", "all rows and columns", 1)):
-                copies = compared([t[kind] for t in taken["ours"]], [t["copy"] for t in taken["ours"]])
-                results.add(f"{points} × {points}, {name}", unit="s", library=taken["ours"][0]["library"], copies=1 / copies["ratio"],
-                            goal={"of": "ratio", "at_least": goal}, **compared([t[kind] for t in taken["ours"]], taken["theirs"]))
+        legs = {points: add_legs(results, points, repeats, turns, core) for points in sizes}
+        for peer in ("LightPipes", "prysm", "poppy"):
+            case = f"{middle} × {middle}, leg of {peer}"
+            if why := why_not(peer):
+                results.add(case, skipped=why)
+                continue
+            found = [theirs(peer, middle, repeats, core) for _ in range(turns)]
+            results.add(case, unit="s", other=peer, goal={"of": "ratio", "at_least": 5}, **compared(legs[middle], found))
+        modes = [ours(core, "mode", sizes[0], 12)["mode"] for _ in range(turns)]
+        results.add(f"{sizes[0]} × {sizes[0]}, mode of two mirrors, 12 round trips", unit="s", goal={"of": "ours", "at_most": 0.2},
+                    **compared(modes))
+        trips = {n: [ours(None if n > 1 else core, "arm", middle, n) for _ in range(turns)]
+                 for n in (1, 2, 4, 8) if n <= len(os.sched_getaffinity(0))}
+        results.add(f"{middle} × {middle}, round trip past 98 baffles", unit="s", goal={"of": "ours", "at_most": 1.8},
+                    **compared([t["trip"] for t in trips[1]]))
+        results.add(f"{middle} × {middle}, levers of 98 edges with their round trip", unit="s", goal={"of": "ours", "at_most": 2.8},
+                    **compared([t["levers"] for t in trips[1]]))
+        for n in sorted(set(trips) - {1}):
+            results.add(f"{middle} × {middle}, round trip, {n} threads", unit="s", other="1 thread",
+                        goal={"of": "ratio", "at_least": 0.8 * n}, **compared([t["trip"] for t in trips[n]], [t["trip"] for t in trips[1]]))
 
 
 if __name__ == "__main__":

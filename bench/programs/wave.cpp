@@ -1,62 +1,100 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The Fourier transforms of a leg between two baffles: there and back, with 42 % of the rows and 70 % of the columns,
-// as in a long arm. One JSON line for bench/wave.py: processor seconds.
+// Costs of fields in a cavity, one JSON line for bench/wave.py: seconds of the processor, or of the clock where there
+// are threads.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <string_view>
 #include <time.h>
 
+#include "base/errors.hpp"
 #include "base/every_module.hpp"
-#include "wave/transform.hpp"
+#include "wave/cavity_rims.hpp"
 
 namespace straytrace::bench {
 namespace {
 
-double processor_seconds() {
+double seconds(clockid_t clock) {
   timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  clock_gettime(clock, &t);
   return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-double least_of(int repeats, std::function<void()> const& work) {
+double least_of(int repeats, std::function<void()> const& work, clockid_t clock = CLOCK_THREAD_CPUTIME_ID) {
   double least = 1e9;
   for (int i = 0; i < repeats; ++i) {
-    double const start = processor_seconds();
+    double const start = seconds(clock);
     work();
-    least = std::min(least, processor_seconds() - start);
+    least = std::min(least, seconds(clock) - start);
   }
   return least;
 }
 
-int measure(int points, int repeats) {
-  Field field({points, 1.0});
-  for (std::size_t i = 0; i < field.values.size(); ++i) field.values[i] = {double(i % 97), double(i % 31)};
-  Field copy = field;
-  Transform const transform(points);
-  int const rows = points * 21 / 100 * 2, columns = points * 35 / 100 * 2;
-  double const pruned = least_of(repeats, [&] {
-    transform.forward(field, rows, columns);
-    transform.inverse(field, columns, rows);
-  });
+// The arm of ET-HF: 10 km in a window of 2 m, mirrors of 0.31 m and edges of 0.42 m, which leave 42 % of the rows.
+WaveCavity long_arm(int points, int rims) {
+  WaveCavity arm;
+  arm.wavelength = 1064e-9;
+  arm.length = 10000;
+  arm.grid = {points, 2.0};
+  arm.mirror1.curvature = arm.mirror2.curvature = 1 / 5070.0;
+  arm.mirror1.outline.radius = arm.mirror2.outline.radius = 0.31;
+  for (int i = 0; i < rims; ++i) arm.baffles.push_back({100 + 9800.0 * i / (rims - 1), {0.42}});
+  return arm;
+}
+
+int legs(int points, int repeats) {
+  constexpr int rims = 9, per_trip = 2 * (rims + 1);
+  CavityWaves const waves(long_arm(points, rims));
+  Field field = waves.hermite_gauss(), copy = field;
+  double const leg = least_of(repeats, [&] { waves.round_trip(field); }) / per_trip;
   double const whole = least_of(repeats, [&] {
-    transform.forward(field, points, points);
-    transform.inverse(field, points, points);
+    waves.transform().forward(field, points, points);
+    waves.transform().inverse(field, points, points);
   });
   double const copied = least_of(repeats, [&] { copy.values = field.values; });
-  std::printf("{\"library\": \"%s\", \"pruned\": %.9g, \"whole\": %.9g, \"copy\": %.9g}\n", Transform::library(),
-              pruned, whole, copied);
+  std::printf("{\"leg\": %.9g, \"whole\": %.9g, \"copy\": %.9g}\n", leg, whole, copied);
+  return 0;
+}
+
+int mode(int points, int round_trips) {
+  CavityWaves const waves(long_arm(points, 0));
+  SolveOptions options;
+  options.most_round_trips = round_trips;
+  options.loss_error = 0;
+  double const taken = least_of(1, [&] {
+    try {
+      waves.mode(waves.hermite_gauss(), options);
+    } catch (NumericalError const&) {  // it does not settle to nothing
+    }
+  });
+  std::printf("{\"mode\": %.9g}\n", taken);
+  return 0;
+}
+
+int arm(int points, int threads) {
+  CavityWaves const waves(long_arm(points, 98), threads);
+  Field field = waves.hermite_gauss();
+  double const trip = least_of(
+      2, [&] { waves.round_trip(field); }, CLOCK_MONOTONIC);
+  WaveMode const as_mode{1.0, 0, 0, field};
+  std::vector<std::vector<RimCurve>> curves;
+  for (WaveBaffle const& baffle : waves.cavity().baffles) curves.push_back({round_curve(baffle, waves.cavity())});
+  double const levers = least_of(
+      1, [&] { rim_responses(waves, as_mode, curves); }, CLOCK_MONOTONIC);
+  std::printf("{\"trip\": %.9g, \"levers\": %.9g}\n", trip, levers);
   return 0;
 }
 
 }  // namespace
 }  // namespace straytrace::bench
 
-// bench_wave POINTS REPEATS
 int main(int count, char** words) {
-  if (count != 3) {
-    std::fputs("usage: bench_wave POINTS REPEATS\n", stderr);
-    return 2;
-  }
-  return straytrace::bench::measure(std::atoi(words[1]), std::atoi(words[2]));
+  using namespace straytrace::bench;
+  std::string_view const what = count == 4 ? words[1] : "";
+  if (what == "legs") return legs(std::atoi(words[2]), std::atoi(words[3]));
+  if (what == "mode") return mode(std::atoi(words[2]), std::atoi(words[3]));
+  if (what == "arm") return arm(std::atoi(words[2]), std::atoi(words[3]));
+  std::fputs("usage: bench_wave legs POINTS REPEATS | mode POINTS ROUND_TRIPS | arm POINTS THREADS\n", stderr);
+  return 2;
 }

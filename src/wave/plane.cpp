@@ -100,7 +100,8 @@ Leg::Leg(double length, double reach, double wavelength, Grid const& grid) : len
   columns_ = std::min(2 * (int(std::floor(cut_ / angle_step_)) + 1), grid.points);
   for (int i = 0; i < grid.points; ++i) {
     double const angle = grid.frequency(i) * wavelength;
-    paraxial_.push_back(turned(-length * angle * angle / (2 * wavelength)));
+    Complex const factor = turned(-length * angle * angle / (2 * wavelength));
+    paraxial_.insert(paraxial_.end(), {factor.real(), factor.imag()});
   }
   double const largest = k * std::pow(cut_, 4) * length / 8;
   quartic_ = largest > 1e-7 ? k * length / 8 : 0;
@@ -108,37 +109,22 @@ Leg::Leg(double length, double reach, double wavelength, Grid const& grid) : len
     double const angle = std::sqrt(keep_ * keep_ + (cut_ * cut_ - keep_ * keep_) * i / taper_steps);
     taper_.push_back(0.5 * std::erfc(4 * ((angle - keep_) / (cut_ - keep_) - 0.5)));
   }
+  taper_.push_back(taper_.back());
 }
 
-double Leg::limit(double angle_squared) const {
-  double const at = (angle_squared - keep_ * keep_) / (cut_ * cut_ - keep_ * keep_) * taper_steps;
-  if (at <= 0) return 1;
-  if (at >= taper_steps) return 0;
-  auto const i = std::size_t(at);
-  return taper_[i] + (at - double(i)) * (taper_[i + 1] - taper_[i]);
+LegTables Leg::tables() const {
+  double const keep2 = keep_ * keep_, cut2 = cut_ * cut_;
+  return {paraxial_.data(), taper_.data(), taper_steps, keep2, cut2, taper_steps / (cut2 - keep2),
+          angle_step_,      quartic_};
 }
 
 void Leg::apply(Field& spectrum, int threads) const {
   int const N = spectrum.grid.points, half = columns_ / 2;
+  LegTables const tables = this->tables();
   for_rows(0, N, threads, [&](int row) {
     Complex* const line = &spectrum(row, 0);
-    double const y = (row < N / 2 ? row : row - N) * angle_step_;
-    if (std::abs(y) >= cut_) {
-      std::fill_n(line, N, Complex{});
-      return;
-    }
     std::fill(line + half, line + N - half, Complex{});
-    for (int m = -half; m < half; ++m) {
-      int const column = m < 0 ? m + N : m;
-      double const x = m * angle_step_, angle_squared = x * x + y * y;
-      Complex factor = paraxial_[std::size_t(row)] * paraxial_[std::size_t(column)];
-      if (angle_squared > keep_ * keep_) factor *= limit(angle_squared);
-      if (quartic_ > 0) {
-        double const phase = quartic_ * angle_squared * angle_squared;
-        factor *= Complex{1 - phase * phase / 2, -phase};
-      }
-      line[column] *= factor;
-    }
+    line_kernels->leg_row(tables, N, row < N / 2 ? row : row - N, half, reinterpret_cast<double*>(line));
   });
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "wave/field.hpp"
+#include "wave/lines/line_kernels.hpp"
 #include "wave/transform.hpp"
 
 namespace straytrace::wave {
@@ -60,17 +61,16 @@ class Leg {
   double length() const { return length_; }
   double cut() const { return cut_; }       // rad
   int columns() const { return columns_; }  // for Transform: all frequencies below `cut`
+  LegTables tables() const;                 // as long as the leg exists
   void apply(Field& spectrum, int threads = 1) const;
 
  private:
-  double limit(double angle_squared) const;  // w_j of eq. W.4
-
   double length_, keep_, cut_;
   double angle_step_;  // rad per element of the spectrum
   double quartic_;     // of the exponent beyond the paraxial one, per rad^4; 0 where it does not matter
   int columns_;
-  std::vector<Complex> paraxial_;  // by frequency
-  std::vector<double> taper_;      // of the angle squared between keep^2 and cut^2
+  std::vector<double> paraxial_;  // cos, sin by frequency
+  std::vector<double> taper_;     // w_j of eq. W.4, of the angle squared between keep^2 and cut^2
 };
 
 }  // namespace straytrace::wave

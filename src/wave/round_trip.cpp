@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "wave/passages.hpp"
 
 namespace straytrace::wave {
 namespace {
@@ -27,6 +28,15 @@ Field phase_mask(Mask const& mask, double wavefront, double wavelength, Grid con
       factor.values[i] = mask.values()[i] * turned((x * x + y * y) * wavefront / (2 * wavelength));
     }
   return factor;
+}
+
+// Real parts, then imaginary parts.
+std::vector<double> parts_of(Field const& field) {
+  std::vector<double> parts;
+  parts.reserve(2 * field.values.size());
+  for (Complex z : field.values) parts.push_back(z.real());
+  for (Complex z : field.values) parts.push_back(z.imag());
+  return parts;
 }
 
 // x to -x: the frequency of an element changes sign.
@@ -65,17 +75,19 @@ struct RoundTrip::Parts {
   Trip trip;
   int threads;
   Transform transform;
-  std::vector<Mask> masks;  // one of each kind
-  std::vector<Field> factors;
+  std::vector<Mask> masks;                   // one of each kind
+  std::vector<std::vector<double>> factors;  // real parts, then imaginary parts
   std::vector<Leg> legs;
   std::vector<Stop> stops;
   SpectrumDisc disc;  // of the first leg: the fields of which modes are made
+  std::optional<Passages> passages;
 
   Parts(Trip t, int threads_) : trip(std::move(t)), threads(threads_), transform(trip.grid.points, threads) {
     make_masks();
     make_legs();
     make_factors();
     disc = SpectrumDisc(trip.grid, first_leg().cut() / trip.wavelength);
+    make_passages();
   }
 
   Leg const& first_leg() const { return legs[stops.front().leg]; }
@@ -126,17 +138,32 @@ struct RoundTrip::Parts {
     for (std::size_t i = 0; i < stops.size(); ++i) {
       if (!trip.stops[i].mirror && wavefront(i) == 0) continue;
       stops[i].factor = factors.size();
-      factors.push_back(factor(i));
+      factors.push_back(parts_of(factor_on_grid(i)));
       if (trip.stops[i].mirror) trip.stops[i].mirror->height = {};  // it is in the factor
     }
   }
-  Field factor(std::size_t i) const {
+  Field factor_on_grid(std::size_t i) const {
     TripStop const& stop = trip.stops[i];
     Mask const& mask = masks[stops[i].mask];
     return stop.mirror ? reflection(*stop.mirror, mask, trip.wavelength, grid_at(stop), wavefront(i))
                        : phase_mask(mask, wavefront(i), trip.wavelength, grid_at(stop));
   }
 
+  void make_passages() {
+    std::vector<Passage> all;
+    for (Stop const& stop : stops) {
+      Leg const& leg = legs[stop.leg];
+      all.push_back({leg.tables(), leg.columns(), factor(stop), masks[stop.mask].rows()});
+    }
+    passages.emplace(transform.tables(), trip.grid, std::move(all), threads);
+  }
+  PlaneFactor factor(Stop const& stop) const {
+    if (stop.factor == none) return {masks[stop.mask].values().data()};
+    double const* const re = factors[stop.factor].data();
+    return {re, re + trip.grid.size()};
+  }
+
+  void travel(Field& spectrum) const;
   void travel(Field& spectrum, std::function<void(StopArrival const&)> const&, TripLosses*) const;
   void pass(std::size_t stop, Field&) const;
   double taken(std::size_t stop, Field const&) const;
@@ -151,17 +178,21 @@ double RoundTrip::Parts::taken(std::size_t stop, Field const& field) const {
 
 // Through the opening of a baffle, or back from a mirror.
 void RoundTrip::Parts::pass(std::size_t stop, Field& field) const {
-  Mask const& opening = masks[stops[stop].mask];
-  Field const* const factor = stops[stop].factor != none ? &factors[stops[stop].factor] : nullptr;
-  std::vector<double> const& mask = opening.values();
-  int const N = trip.grid.points, rows = opening.rows();
+  PlaneFactor const by = factor(stops[stop]);
+  int const N = trip.grid.points, rows = masks[stops[stop].mask].rows();
   for_rows(N / 2 - rows / 2, N / 2 + rows / 2, threads, [&](int row) {
     std::size_t const from = std::size_t(row) * std::size_t(N), to = from + std::size_t(N);
-    if (!factor)
-      for (std::size_t i = from; i < to; ++i) field.values[i] *= mask[i];
-    else
-      for (std::size_t i = from; i < to; ++i) field.values[i] *= factor->values[i];
+    for (std::size_t i = from; i < to; ++i)
+      if (by.im)
+        field.values[i] *= Complex{by.re[i], by.im[i]};
+      else
+        field.values[i] *= by.re[i];
   });
+}
+
+void RoundTrip::Parts::travel(Field& spectrum) const {
+  passages->run(spectrum);
+  if (trip.mirrored) mirror_image(spectrum, threads);
 }
 
 void RoundTrip::Parts::travel(Field& spectrum, std::function<void(StopArrival const&)> const& observer,
@@ -202,12 +233,16 @@ int RoundTrip::start_columns() const { return parts_->first_leg().columns(); }
 void RoundTrip::set_height(std::size_t stop, std::vector<double> height) {
   WaveMirror& mirror = *parts_->trip.stops[stop].mirror;
   mirror.height = std::move(height);
-  parts_->factors[parts_->stops[stop].factor] = parts_->factor(stop);
+  // In place: the passages point to it.
+  std::ranges::copy(parts_of(parts_->factor_on_grid(stop)), parts_->factors[parts_->stops[stop].factor].begin());
   mirror.height = {};
 }
 
 void RoundTrip::travel(Field& spectrum, std::function<void(StopArrival const&)> const& observer) const {
-  parts_->travel(spectrum, observer, nullptr);
+  if (observer)
+    parts_->travel(spectrum, observer, nullptr);
+  else
+    parts_->travel(spectrum);
 }
 
 namespace {
@@ -228,7 +263,7 @@ WaveMode RoundTrip::mode(Field const& start, SolveOptions const& options) const 
   Complex before = 0;
   for (int settled = 0;;) {
     parts_->disc.unpack(krylov.next(), work);
-    parts_->travel(work, {}, nullptr);
+    parts_->travel(work);
     bool const more = krylov.extend(parts_->disc.pack(work));
     RitzPair const best = krylov.ritz().front();
     double const loss = std::max(1 - std::norm(best.value), 1e-9);

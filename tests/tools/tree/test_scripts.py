@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """The scripts of the project have help, reject wrong arguments, and show progress as one line, not as hundreds."""
-import hashlib
 import os
 import pathlib
 import pty
@@ -127,39 +126,8 @@ def check_pictures():
               f"pictures of a changed tree: {dirty}")
 
 
-def check_ducc0():
-    """scripts/setup unpacks what is under BSD-3-Clause, once; another archive than the expected one is a warning."""
-    begin = "/* SPDX-License-Identifier: "
-    files = {"fft/both.h": f"{begin}BSD-3-Clause OR GPL-2.0-or-later */", "infra/gpl.h": f"{begin}GPL-2.0-or-later */",
-             "nufft/other.h": f"{begin}BSD-3-Clause OR GPL-2.0-or-later */"}
-    with tempfile.TemporaryDirectory() as place:
-        tree = pathlib.Path(place)
-        for name, text in files.items():
-            (tree / "ducc0-1/src/ducc0" / name).parent.mkdir(parents=True, exist_ok=True)
-            (tree / "ducc0-1/src/ducc0" / name).write_text(text)
-        archive = tree / "archive.tar.gz"
-        check(run("tar", "-C", tree, "-czf", archive, "ducc0-1").returncode == 0, "tar")
-        found = hashlib.sha256(archive.read_bytes()).hexdigest()
-
-        def install(wanted):
-            functions = f"eval \"$(sed -n '/^fetch_ducc0()/,/^install_ducc0()/p; /^  local home=build.ducc0$/,/^}}/p' {SCRIPTS / 'setup'})\""
-            return run("bash", "-euo", "pipefail", "-c", f". {SCRIPTS / 'progress.bash'}; ducc0_url=file://{archive} ducc0_hash={wanted}; "
-                       f"mkdir -p build; {functions}; install_ducc0; echo continued", cwd=tree)
-
-        wrong = install("0" * 64)
-        check(wrong.stdout == "continued\n" and f"its SHA-256 is {found}" in wrong.stderr and "warning: without DUCC0" in wrong.stderr and
-              not (tree / "build/ducc0").exists(), f"a wrong archive: {wrong}")
-        first = install(found)
-        unpacked = sorted(str(p.relative_to(tree / "build/ducc0")) for p in (tree / "build/ducc0").rglob("*.h"))
-        check(unpacked == ["ducc0/fft/both.h"] and "fetching DUCC0" in first.stderr, f"unpacked {unpacked}: {first}")
-        archive.unlink()
-        again = install(found)
-        check(again.stdout == "continued\n" and again.stderr == "", f"a second call fetches again: {again}")
-
-
 check_words()
 check_lists()
-check_ducc0()
 check_pictures()
 check_interrupt()
 check_progress()

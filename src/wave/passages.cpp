@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "wave/passages.hpp"
+
+#include <algorithm>
+
+namespace straytrace::wave {
+
+Passages::Passages(LineTables const& tables, Grid const& grid, std::vector<Passage> passages, int threads)
+    : tables_(tables), grid_(grid), passages_(std::move(passages)), threads_(unsigned(std::max(0, threads))) {
+  for (Passage& p : passages_) {
+    p.leg.scale = 1 / (double(grid.points) * grid.points);  // of the transforms there and back
+    blocks_ = std::max(blocks_, blocks_of(p));
+    rows_ = std::max(rows_, p.rows);
+  }
+}
+
+void Passages::take(Field const& spectrum, BlockedField const& blocked) const {
+  int const N = grid_.points;
+  for_rows(0, N, int(threads_), [&](int row) {
+    for (int b = 0; b < blocked.blocks; ++b)
+      for (int k = 0, m = blocked.first_column(b); k < block_lines; ++k, ++m) {
+        bool const there = -N / 2 <= m && m < N / 2;
+        Complex const z = there ? spectrum(row, m < 0 ? m + N : m) : Complex{};
+        double* const at = blocked.block(b) + std::ptrdiff_t(row) * 2 * block_lines + k;
+        at[0] = z.real();
+        at[block_lines] = z.imag();
+      }
+  });
+}
+
+void Passages::put(BlockedField const& blocked, Field& spectrum) const {
+  int const N = grid_.points, half = passages_.front().columns / 2;
+  for_rows(0, N, int(threads_), [&](int row) {
+    std::fill_n(&spectrum(row, 0), N, Complex{});
+    for (int b = 0; b < blocked.blocks; ++b)
+      for (int k = 0, m = blocked.first_column(b); k < block_lines; ++k, ++m) {
+        if (m < -half || m >= half) continue;
+        double const* const at = blocked.block(b) + std::ptrdiff_t(row) * 2 * block_lines + k;
+        spectrum(row, m < 0 ? m + N : m) = {at[0], at[block_lines]};
+      }
+  });
+}
+
+void Passages::columns(Passage const& passage, BlockedField const& from, BlockedField const& to, RowRange given,
+                       RowRange wanted) const {
+  int const count = blocks_of(passage), unused_from = (from.blocks - count) / 2, unused_to = (to.blocks - count) / 2;
+  in_parallel(std::size_t(count), threads_, [&](std::size_t i) {
+    tables_.with_work([&](double* work) {
+      line_kernels->leg(tables_.plan(), work, from, unused_from + int(i), to, unused_to + int(i), passage.leg, given,
+                        wanted);
+    });
+  });
+}
+
+void Passages::rows(Passage const& passage, Passage const& next, BlockedField const& field) const {
+  RowRange const range = rows_of(passage, grid_.points);
+  int const given = (field.blocks - blocks_of(passage)) / 2, wanted = (field.blocks - blocks_of(next)) / 2;
+  in_parallel(std::size_t((passage.rows + block_lines - 1) / block_lines), threads_, [&](std::size_t i) {
+    tables_.with_work([&](double* work) {
+      line_kernels->plane(tables_.plan(), work, field, range.first + int(i) * block_lines, range.last, passage.plane,
+                          given, wanted);
+    });
+  });
+}
+
+void Passages::run(Field& spectrum) const {
+  int const N = grid_.points;
+  BlockedField frequencies{nullptr, 0, N, blocks_of(passages_.front()), true};
+  // The last group of rows of a plane may reach beyond it.
+  BlockedField field{nullptr, N / 2 - rows_ / 2, rows_ + block_lines, blocks_, false};
+  std::vector<double> first(size_of(frequencies)), second(size_of(field));
+  frequencies.values = first.data();
+  field.values = second.data();
+  take(spectrum, frequencies);
+  RowRange const all{0, N};
+  for (std::size_t i = 0; i < passages_.size(); ++i) {
+    Passage const& here = passages_[i];
+    if (i == 0)
+      columns(here, frequencies, field, all, rows_of(here, N));
+    else
+      columns(here, field, field, rows_of(passages_[i - 1], N), rows_of(here, N));
+    rows(here, passages_[(i + 1) % passages_.size()], field);
+  }
+  columns(passages_.front(), field, frequencies, rows_of(passages_.back(), N), all);
+  put(frequencies, spectrum);
+}
+
+}  // namespace straytrace::wave

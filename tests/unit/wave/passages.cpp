@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A round trip in blocks of columns and rows against the same one plane by plane, where an observer looks at each
+// field.
+#include "wave/passages.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include "base/every_module.hpp"
+#include "wave/cavity.hpp"
+
+namespace straytrace {
+namespace {
+
+using wave::Complex;
+
+// Off-centre rims, legs of different lengths, mirrors that tilt: nothing is symmetric.
+WaveCavity uneven_cavity(int points) {
+  WaveCavity cavity{1064e-9, 1000, {}, {}, {}, {points, 0.4}};
+  cavity.mirror1 = {1 / 2500.0, {0.05}, 1e-7, -2e-7, {}, 1e-4};
+  cavity.mirror2 = {1 / 2500.0, {0.06, 0.001}, 0, 1e-7, {}, 2e-4};
+  cavity.baffles = {{300, {0.05, 0.004, -0.003}}, {420, {0.045}}, {900, {0.06, 0, 0.002}}};
+  return cavity;
+}
+
+Field after_two_round_trips(int points, int threads, bool watched = false) {
+  CavityWaves const waves(uneven_cavity(points), threads);
+  Field field = waves.hermite_gauss(1, 0);
+  for (int i = 0; i < 2; ++i) waves.round_trip(field, watched ? Observer([](Arrival const&) {}) : Observer());
+  return field;
+}
+
+double distance_of(Field const& a, Field const& b) {
+  double most = 0, largest = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i) {
+    most = std::max(most, std::abs(a.values[i] - b.values[i]));
+    largest = std::max(largest, std::abs(b.values[i]));
+  }
+  return most / largest;
+}
+
+TEST(Passages, AreTheWayPlaneByPlane) {
+  for (int const points : {90, 128, 250}) {
+    Field const swept = after_two_round_trips(points, 1), watched = after_two_round_trips(points, 1, true);
+    EXPECT_LT(distance_of(swept, watched), 1e-13) << points;
+    Field other = watched;
+    CavityWaves(uneven_cavity(points)).round_trip(other);
+    EXPECT_GT(distance_of(other, watched), 1e-6) << "one round trip more is not noticed";
+  }
+}
+
+TEST(Passages, SameBitsOnAnyProcessorAndNumberOfThreads) {
+  wave::LineKernels const* const chosen = wave::line_kernels;
+  wave::line_kernels = wave::find_line_kernels("portable");
+  for (int const points : {90, 128, 250}) {
+    Field const first = after_two_round_trips(points, 1);
+    for (char const* const name : {"portable", "avx2", "avx512"}) {
+      wave::LineKernels const* const kernels = wave::find_line_kernels(name);
+      if (!kernels) continue;  // not this processor
+      wave::line_kernels = kernels;
+      for (int const threads : {1, 3}) {
+        Field const field = after_two_round_trips(points, threads);
+        EXPECT_EQ(std::memcmp(field.values.data(), first.values.data(), field.values.size() * sizeof(Complex)), 0)
+            << points << ", " << name << ", " << threads << " threads";
+      }
+    }
+    wave::line_kernels = wave::find_line_kernels("portable");
+  }
+  wave::line_kernels = chosen;
+}
+
+// Heights that are exchanged in a cavity that exists.
+TEST(Passages, TakeNewHeights) {
+  WaveCavity cavity = uneven_cavity(90);
+  CavityWaves waves(cavity);
+  std::array<std::vector<double>, 2> heights;
+  for (std::size_t mirror : {0, 1})
+    for (std::size_t i = 0; i < cavity.grid.size(); ++i)
+      heights[mirror].push_back(1e-9 * double((7 * i + mirror) % 11));
+  Field const start = waves.hermite_gauss();
+  Field before = start, after = start, built = start;
+  waves.round_trip(before);
+  waves.set_heights(heights);
+  waves.round_trip(after);
+  cavity.mirror1.height = heights[0];
+  cavity.mirror2.height = heights[1];
+  CavityWaves(cavity).round_trip(built);
+  EXPECT_EQ(distance_of(after, built), 0);
+  EXPECT_GT(distance_of(after, before), 1e-4) << "the heights are not noticed";
+}
+
+}  // namespace
+}  // namespace straytrace
