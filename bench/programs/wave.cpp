@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Costs of fields in a cavity, one JSON line for bench/wave.py: seconds of the processor, or of the clock where there
-// are threads.
+// Costs of fields in a cavity, one JSON line for bench/wave.py: seconds of the processor, with `wall` of the clock.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -75,14 +74,18 @@ int mode(int points, int round_trips) {
 int arm(int points, int threads) {
   CavityWaves const waves(long_arm(points, 98), threads);
   Field field = waves.hermite_gauss();
-  double const trip = least_of(
-      2, [&] { waves.round_trip(field); }, CLOCK_MONOTONIC);
+  double const wall = least_of(
+      3, [&] { waves.round_trip(field); }, CLOCK_MONOTONIC);
+  if (threads > 1) {
+    std::printf("{\"wall\": %.9g}\n", wall);
+    return 0;
+  }
+  double const trip = least_of(3, [&] { waves.round_trip(field); });
   WaveMode const as_mode{1.0, 0, 0, field};
   std::vector<std::vector<RimCurve>> curves;
   for (WaveBaffle const& baffle : waves.cavity().baffles) curves.push_back({round_curve(baffle, waves.cavity())});
-  double const levers = least_of(
-      1, [&] { rim_responses(waves, as_mode, curves); }, CLOCK_MONOTONIC);
-  std::printf("{\"trip\": %.9g, \"levers\": %.9g}\n", trip, levers);
+  double const levers = least_of(1, [&] { rim_responses(waves, as_mode, curves); });
+  std::printf("{\"wall\": %.9g, \"trip\": %.9g, \"levers\": %.9g}\n", wall, trip, levers);
   return 0;
 }
 
