@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The Fourier transform of fields against its definition, without the parts that are zero, and on several threads.
+// The Fourier transform of fields against its definition and Eigen's, without the parts that are zero, and on several
+// threads.
 #include "wave/transform.hpp"
 
 #include <gtest/gtest.h>
@@ -11,9 +12,11 @@
 #include <numbers>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "base/every_module.hpp"
 #include "base/math/rng.hpp"
+#include "spectra/fourier.hpp"
 #include "wave/lines/line_kernels.hpp"
 
 namespace straytrace {
@@ -75,6 +78,51 @@ TEST(FieldTransform, IsTheSumOfItsDefinition) {
     if (points == 2) continue;  // where both signs are one
     EXPECT_GT(mirrored, 0.1 * scale) << "the field cannot tell the signs of the exponent apart";
   }
+}
+
+// Rows, then columns, with the transform of Eigen.
+Field spectrum_by_eigen(Field field) {
+  int const points = field.grid.points;
+  spectra::Fourier fourier;
+  spectra::Complexes line(static_cast<std::size_t>(points)), lines;
+  for (bool const along_rows : {true, false})
+    for (int j = 0; j < points; ++j) {
+      auto const at = [&](int i) -> Complex& { return along_rows ? field(j, i) : field(i, j); };
+      for (int i = 0; i < points; ++i) line[std::size_t(i)] = at(i);
+      fourier.forward(line, lines);
+      for (int i = 0; i < points; ++i) at(i) = lines[std::size_t(i)];
+    }
+  return field;
+}
+
+// Even, without prime factors above 5: those of a grid.
+std::vector<int> grid_sizes(int most) {
+  std::vector<int> sizes;
+  for (int points = 2; points <= most; points += 2)
+    if (spectra::has_fast_transform(std::size_t(points))) sizes.push_back(points);
+  return sizes;
+}
+
+TEST(FieldTransform, IsThatOfEigen) {
+  wave::LineKernels const* const chosen = wave::line_kernels;
+  std::vector<int> sizes = grid_sizes(200);
+  sizes.insert(sizes.end(), {432, 486, 500, 512, 640, 750});
+  ASSERT_EQ(sizes.size(), 40u);
+  for (int const points : sizes) {
+    Field const field = noise_of_rows(points, points), expected = spectrum_by_eigen(field);
+    double const scale = largest_modulus(expected);
+    for (char const* const name : {"portable", "avx2", "avx512"}) {
+      wave::line_kernels = wave::find_line_kernels(name);
+      if (!wave::line_kernels) continue;  // not this processor
+      Transform const transform(points);
+      Field spectrum = field, back = expected;
+      transform.forward(spectrum, points, points);
+      transform.inverse(back, points, points);
+      EXPECT_LT(largest_difference(spectrum, expected), 3e-15 * scale) << points << ", " << name;
+      EXPECT_LT(largest_difference(back, field), 3e-15) << points << ", " << name;
+    }
+  }
+  wave::line_kernels = chosen;
 }
 
 TEST(FieldTransform, OmitsOnlyWhatIsNotWanted) {
