@@ -27,8 +27,10 @@ struct LitSide {
   ArmWaves const& waves;
   std::size_t mirror;  // of waves.arm.mirrors
   Vec3 travel;         // of the light that leaves it
+  MirrorBrdf brdf;
 
-  LitSide(World const& w, ArmWaves const& a, std::size_t m) : world(w), view(w.view()), waves(a), mirror(m) {
+  LitSide(World const& w, ArmWaves const& a, std::size_t m)
+      : world(w), view(w.view()), waves(a), mirror(m), brdf(w, a.arm.mirrors[m], a.arm.mirrors[m].travel) {
     travel = mirror == 0 ? waves.arm.frame.z : -waves.arm.frame.z;
   }
   std::uint32_t footprint() const { return waves.arm.mirrors[mirror].footprint; }
@@ -146,8 +148,7 @@ using LitGroups = std::map<std::uint32_t, LitGroup>;
 // Mean irradiance by scatter of the mirror beyond the crossover angle (eq. W.17).
 double irradiance_beyond(LitSide const& side, double distance, double radius) {
   ArmMirror const& m = side.waves.arm.mirrors[side.mirror];
-  auto const brdf = [&](double angle) { return mirror_brdf(side.world, m, m.travel, angle); };
-  return mean_irradiance(brdf, m.spot, m.curvature, distance, radius, side.waves.arm.crossover);
+  return mean_irradiance(side.brdf, m.spot, m.curvature, distance, radius, side.waves.arm.crossover);
 }
 
 // A surface, with the part of a cell that it covers and a point there.

@@ -130,10 +130,13 @@ double height_rms(std::vector<double> const& heights) {
   return heights.empty() ? 0 : std::sqrt(sum / double(heights.size()));
 }
 
-double mirror_brdf(World const& world, ArmMirror const& mirror, Vec3 travel, double angle) {
-  Optic whole = *centre_of(world, mirror, travel).optic;
-  whole.crossover = 0;
-  return scatter_eval(world.view().laws, whole, {0, 0, 1}, {std::sin(angle), 0, std::cos(angle)});
+MirrorBrdf::MirrorBrdf(World const& world, ArmMirror const& mirror, Vec3 travel)
+    : view_(world.view()), optic_(*centre_of(world, mirror, travel).optic) {
+  optic_.crossover = 0;
+}
+
+double MirrorBrdf::operator()(double angle) const {
+  return scatter_eval(view_.laws, optic_, {0, 0, 1}, {std::sin(angle), 0, std::cos(angle)});
 }
 
 std::vector<std::function<double(double)>> mirror_models(World const& world, ArmMirror const& mirror) {
@@ -163,9 +166,8 @@ std::vector<double> figure_of(World const& world, WaveSettings::Mirror const& se
   if (settings.heights == WaveSettings::Heights::none) return std::vector<double>(grid.size());
   double const wavelength = arm.cavity.wavelength, highest = arm.crossover / wavelength;
   std::optional<HeightMap> map = arm.maps[number % 2];
-  auto const spectrum = [&](double f) {
-    return height_spectrum(mirror_brdf(world, mirror, mirror.travel, f * wavelength), wavelength);
-  };
+  MirrorBrdf const brdf(world, mirror, mirror.travel);
+  auto const spectrum = [&](double f) { return height_spectrum(brdf(f * wavelength), wavelength); };
   std::vector<double> heights = synthesise(spectrum, grid, map ? map->nyquist() : 0, highest, settings.seed, number);
   if (!map) return heights;
   fill_holes(*map);
@@ -236,8 +238,7 @@ double scattered_within(World const& world, ArmMirror const& mirror, double cros
   double all = 0;
   for (int law = 0; law < optic.laws; ++law)
     if (!optic.through[law]) all += law_albedo(world.view().laws, optic, law, 1.0);
-  double const beyond =
-      scattered_beyond([&](double a) { return mirror_brdf(world, mirror, mirror.travel, a); }, crossover);
+  double const beyond = scattered_beyond(MirrorBrdf(world, mirror, mirror.travel), crossover);
   return std::fmax(all - beyond, 0.0);
 }
 
@@ -252,8 +253,7 @@ ArmCavity planned_arm(World const& world, WaveSettings const& settings) {
   ArmCavity arm = outline_of(world, settings, spots_of(world, settings));
   for (std::size_t i : {0, 1}) {
     ArmMirror& mirror = arm.mirrors[i];
-    mirror.scattered =
-        scattered_beyond([&](double a) { return mirror_brdf(world, mirror, mirror.travel, a); }, arm.crossover);
+    mirror.scattered = scattered_beyond(MirrorBrdf(world, mirror, mirror.travel), arm.crossover);
     for (WaveSettings::Absorber const& a : settings.mirrors[i].absorbers)
       mirror.scattered += scattered_by_absorber(a, mirror.spot, world.wavelength, arm.crossover);
   }

@@ -34,8 +34,17 @@ struct ArmMirror {
   Vec3 travel{};                               // of the light that falls on it
   std::uint32_t footprint = 0;                 // of the mode on it
 };
-// BRDF [1/sr] of a mirror that the beam meets at its centre.
-double mirror_brdf(World const&, ArmMirror const&, Vec3 travel, double angle);
+// BRDF [1/sr] of a mirror that the beam meets at its centre, by the angle from the specular direction [rad]. The world
+// must outlive it.
+class MirrorBrdf {
+ public:
+  MirrorBrdf(World const&, ArmMirror const&, Vec3 travel);
+  double operator()(double angle) const;
+
+ private:
+  WorldView view_;
+  Optic optic_;
+};
 // Share of the light that it scatters at angles below the crossover.
 double scattered_within(World const&, ArmMirror const&, double crossover);
 // The BRDF of each of its BSDF models that reflects.

@@ -67,7 +67,7 @@ SpeckleMeans speckle_of(World const& world, ArmCavity const& arm, std::size_t nu
     double const distance = first ? s.distance1 : s.distance2, angle = first ? rim.angle1 : rim.angle2;
     Vec3 const falls = first ? -arm.frame.z : arm.frame.z;
     double edge = outline_wave(s, distance, mirror.spot, mirror.radius, mirror.curvature);
-    double brdf = mirror_brdf(world, mirror, falls, angle);
+    double brdf = MirrorBrdf(world, mirror, falls)(angle);
     if (outside && angle <= arm.crossover) {
       Travel const travel = first ? Travel::towards_mirror2 : Travel::towards_mirror1;
       double const all = distance * distance * found.of(int(number) + 1, travel).ring_mean(s.radius);
