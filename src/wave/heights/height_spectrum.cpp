@@ -56,7 +56,7 @@ double mean_irradiance(std::function<double(double)> const& brdf, double beam_ra
   using Kronrod = boost::math::quadrature::gauss_kronrod<double, 31>;
   double const from = std::max(smallest, centre - deviations * deviation), to = centre + deviations * deviation;
   if (!(from < to)) return 0;
-  return Kronrod::integrate(scattered, from, to, 12, 1e-6) / (distance * distance);
+  return Kronrod::integrate(scattered, from, to, 20, 1e-6) / (distance * distance);
 }
 
 }  // namespace straytrace::wave
