@@ -48,15 +48,16 @@ double mean_irradiance(std::function<double(double)> const& brdf, double beam_ra
   double const centre = std::fabs(off_axis) / distance;
   double const deviation = beam_radius / 2 * std::fabs(1 / distance - curvature);
   if (deviation <= 1e-9 * centre) return centre < smallest ? 0 : brdf(centre) / (distance * distance);
-  auto const scattered = [&](double angle) {
-    double const t = angle / deviation, from_centre = (angle - centre) / deviation;
-    return brdf(angle) * t / deviation * std::exp(-0.5 * from_centre * from_centre) *
-           scaled_bessel(0, t * centre / deviation);
+  // Over deviations from the centre: quadrature over an angle of microradians takes its error for a million times as
+  // large, and halves the interval until it may no longer.
+  auto const scattered = [&](double from_centre) {
+    double const angle = centre + from_centre * deviation, t = angle / deviation;
+    return brdf(angle) * t * std::exp(-0.5 * from_centre * from_centre) * scaled_bessel(0, t * centre / deviation);
   };
   using Kronrod = boost::math::quadrature::gauss_kronrod<double, 31>;
-  double const from = std::max(smallest, centre - deviations * deviation), to = centre + deviations * deviation;
-  if (!(from < to)) return 0;
-  return Kronrod::integrate(scattered, from, to, 20, 1e-6) / (distance * distance);
+  double const from = std::max((smallest - centre) / deviation, -deviations);
+  if (!(from < deviations)) return 0;
+  return Kronrod::integrate(scattered, from, deviations, 20, 1e-6) / (distance * distance);
 }
 
 }  // namespace straytrace::wave

@@ -276,6 +276,20 @@ TEST(Halo, IsTheIntegralOverTheSpotW17) {
   EXPECT_EQ(mean_irradiance(law, w, curvature, l, x, 1e-2), 0);
 }
 
+// A spot that is seen within a fraction of a microradian takes as few evaluations as a wide one, in its tails too. The
+// integral over the angle itself takes millions.
+TEST(Halo, TakesFewEvaluationsOfTheBsdf) {
+  int evaluations = 0;
+  auto const law = [&evaluations](double a) {
+    ++evaluations;
+    return 3.2e-9 * std::pow(a, -2.4);
+  };
+  double const l = 5649, w = 0.0767, curvature = 1 / 5500.0;
+  EXPECT_GT(mean_irradiance(law, w, curvature, l, 80e-6 * l, 80e-6), 0);  // half of the spot
+  EXPECT_GT(mean_irradiance(law, w, curvature, 4350, 0.28, 80e-6), 0);    // 8 standard deviations from its centre
+  EXPECT_LT(evaluations, 300);
+}
+
 // Eq. 3.8 at a small angle: a surface with S2 scatters 16 pi^2/lambda^4 S2.
 TEST(Halo, SpectrumOfALawW20) {
   EXPECT_LT(deviation(height_spectrum(16 * pi * pi / std::pow(nd_yag, 4) * 7e-30, nd_yag), 7e-30), 1e-12);
