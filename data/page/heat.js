@@ -63,9 +63,10 @@ function brightPart(place, values) {
 const lengthUnits = [[1, "m"], [1e-2, "cm"], [1e-3, "mm"], [1e-6, "µm"]];
 function lengthUnit(size) { return lengthUnits.find(([metres]) => size >= metres) || lengthUnits[3]; }
 
-// values: null where nothing is known. Starts with the bright part where there is one; a button shows the whole.
+// values: null where nothing is known. Starts with the bright part where there is one; a button shows the whole. depth: part of
+// the brightest that still has a colour; whole: the bright part is no matter; circle: radius of a ring about the middle.
 function heatMap(parent, map) {
-  const part = brightPart(map.place, map.values), svg = d3.select(parent).append("svg").attr("class", "plot");
+  const part = map.whole ? null : brightPart(map.place, map.values), svg = d3.select(parent).append("svg").attr("class", "plot");
   let shown = part;
   const note = el("p", {class: "note"});
   const draw = () => {
@@ -128,7 +129,7 @@ function drawHeat(svg, room, map, box) {
   const resize = tall => svg.attr("viewBox", "0 0 " + width + " " + tall);
   svg.selectAll("*").remove();
   resize(width);  // before text is measured: letters scale with it
-  const [least, most] = d3.extent(values.filter(v => v > 0)), floor = Math.max(least || 1, (most || 1) * faintest);
+  const [least, most] = d3.extent(values.filter(v => v > 0)), floor = Math.max(least || 1, (most || 1) * (map.depth || faintest));
   const colour = v => d3.interpolateViridis(most > floor ? Math.max(0, Math.log(v / floor) / Math.log(most / floor)) : 1);
   const [metres, name] = lengthUnit((box[1] - box[0]) / 2), [upMetres, upName] = place.square ? [metres, name] : lengthUnit((box[3] - box[2]) / 2);
   const sx = d3.scaleLinear().domain([box[0] / metres, box[1] / metres]), sy = d3.scaleLinear().domain([box[2] / upMetres, box[3] / upMetres]);
@@ -149,6 +150,8 @@ function drawHeat(svg, room, map, box) {
         const [px, py] = d3.mouse(svg.node());
         tell(place.find(sx.invert(px) * metres, sy.invert(py) * upMetres));
       }).on("mouseleave", () => tell(null));
+  if (map.circle)
+    svg.append("circle").attr("cx", sx(0)).attr("cy", sy(0)).attr("r", sx(map.circle / metres) - sx(0)).attr("class", "ring");
   const axis = svg.append("g").attr("class", "axis"), raised = function () { setLabel(this, this.textContent); };
   const rooms = textWidths(svg, tx.values.map(tx.label)).map(w => w + 6);
   const add = (at, made) => axis.append("g").attr("transform", "translate(" + at + ")").call(made).selectAll("text").each(raised);

@@ -118,6 +118,7 @@ function build() {
     }
   }
   if (data.maps && data.maps.length > 0) addMaps(data.maps);
+  if (data.wave) addWave(data.wave);
   if (data.receivers.list.length > 0) addReceivers(data.receivers);
   if (data.ghosts) addGhosts(data.ghosts);
   addFirstOrder(data.first_order);

@@ -23,6 +23,7 @@ from .errors import InputError, NumericalError, Problem, RunError, StraytraceWar
 from .paths import Path, PathColumn, Paths
 from .routes import EnergyBalance, Receiver, Receivers, Routes
 from .run import Run, open_run
+from .wave import Irradiance, Wave
 
 if TYPE_CHECKING:
     from .model import Check, Model
@@ -72,6 +73,6 @@ def run(model: Model | Mapping[str, Any] | str | os.PathLike[str], out: str | os
     return _model(model).run(out, **options)
 
 
-__all__ = ["Bands", "Check", "Curve", "InputError", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Path", "PathColumn", "Paths",
+__all__ = ["Bands", "Check", "Curve", "InputError", "Irradiance", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Path", "PathColumn", "Paths",
            "Problem", "Progress", "Receiver", "Receivers", "Routes", "Run", "RunError", "Scan", "ScanPoint",
-           "StraytraceWarning", "Table", "check", "open", "open_run", "quantity", "run", "scan", "trace"]
+           "StraytraceWarning", "Table", "Wave", "check", "open", "open_run", "quantity", "run", "scan", "trace"]

@@ -69,9 +69,9 @@ std::vector<OptionGroup> const& groups() {
       {"Camera", {"mode", "eye", "look", "up", "fov", "pixels", "from", "cut", "flash", "lamp", "section", "whole"}},
       {"Selection", {"show",     "band", "by", "where",  "sort",    "without",  "census", "path", "route",    "port",
                      "moved-by", "beam", "at", "points", "profile", "distance", "above",  "kind", "pictures", "rays"}},
-      {"Output", {"out",         "csv",     "plot",   "write",  "save",   "save-motion", "subtract", "asd",
-                  "spectrogram", "overlay", "export", "title",  "vtk",    "glb",         "copy",     "partial",
-                  "force",       "format",  "quiet",  "silent", "events", "unsaved",     "version",  "help"}},
+      {"Output", {"out",     "csv",    "plot",   "write",   "save",   "save-motion", "subtract", "asd",   "spectrogram",
+                  "overlay", "export", "title",  "vtk",     "glb",    "copy",        "partial",  "force", "format",
+                  "quiet",   "silent", "events", "unsaved", "fields", "version",     "help"}},
   };
   return all;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,11 +20,15 @@
 #include "trace/result.hpp"
 #include "world/model/receiver.hpp"
 
+namespace straytrace::wave {
+struct WaveRecord;
+}  // namespace straytrace::wave
+
 namespace straytrace::results {
 
 // Run file; its layout: schema/run-2.txt.
 
-constexpr int run_schema_major = 2, run_schema_minor = 1;
+constexpr int run_schema_major = 2, run_schema_minor = 2;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;
@@ -59,8 +64,9 @@ struct RunContent {
   // empty: not known, as in files before schema 2.1.
   std::vector<std::vector<double>> map_areas;
   ImportanceMap importance;
-  double beam_power = 0;                       // W, of the main mode; 0: not stated
-  std::optional<ProjectionInputs> projection;  // absent in files of schema 1
+  double beam_power = 0;                          // W, of the main mode; 0: not stated
+  std::shared_ptr<wave::WaveRecord const> waves;  // of the table `wave`; may be null
+  std::optional<ProjectionInputs> projection;     // absent in files of schema 1
   Provenance provenance;
   std::map<std::string, double> timing;  // s, by stage, without trace and noise
   TraceResult const* trace = nullptr;

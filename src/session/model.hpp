@@ -20,6 +20,10 @@
 #include "wave/arm/arm_cavity.hpp"
 #include "world/model/world.hpp"
 
+namespace straytrace::wave {
+struct WaveRecord;
+}  // namespace straytrace::wave
+
 namespace straytrace::session {
 
 // When a trace ends: by error, by number, by clock; whichever comes first.
@@ -72,6 +76,8 @@ struct Model : ProjectionModel {
   std::uint64_t seed = 1, histories = 0;
   bool histories_stated = false;  // by the scene: an upper limit for every stop rule
   StopRule until;
+  // Of the table `wave`, once it is solved; before, of an earlier run: its key tells whether it is of this model.
+  std::shared_ptr<WaveRecord const> waves;
 
   std::string hash() const;  // of everything that decides the trace
 };

@@ -20,6 +20,8 @@
 #include "session/light/ghost_search.hpp"
 #include "session/session.hpp"
 #include "trace/camera/first_order.hpp"
+#include "wave/arm/wave_record.hpp"
+#include "wave/heights/height_map.hpp"
 
 namespace straytrace::session {
 namespace {
@@ -107,10 +109,24 @@ PageJson maps_part(SteeredWorld const& world, RunContent const& run, PathTable c
   return maps_json(maps, run.beam_power);
 }
 
+// Eq. W.17 with the BSDF of each mirror.
+PageJson wave_part(World const& world, WaveRecord const& record) {
+  std::array<Vec3, 2> travel;
+  for (Footprint const& f : world.footprints())
+    for (std::size_t i : {0, 1})
+      if (f.standing && f.beam == world.wave.beam && f.surface == world.wave.mirrors[i].surface) travel[i] = f.travel;
+  return report::wave_json(record, [&](std::size_t i, double distance, double off_axis) {
+    MirrorRecord const& m = record.mirrors[i];
+    ArmMirror const mirror{world.wave.mirrors[i].surface, m.radius, m.curvature, m.spot};
+    MirrorBrdf const brdf(world, mirror, travel[i]);
+    return mean_irradiance(brdf, m.spot, m.curvature, distance, off_axis);
+  });
+}
+
 }  // namespace
 
 std::vector<std::string> const& report_pictures() {
-  static std::vector<std::string> const all = {"budget", "scene", "maps", "ghosts", "materials", "convergence"};
+  static std::vector<std::string> const all = {"budget", "scene", "maps", "wave", "ghosts", "materials", "convergence"};
   return all;
 }
 
@@ -184,6 +200,7 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
     j["scene"] =
         scene_part(model, paths_of_rows(run.trace->coupling, table, world, ghosts, wanted.rows, wanted.paths), ghosts);
   if (wanted.has("maps")) j["maps"] = maps_part(world, run, table);
+  if (run.waves && model.world.wave.present && wanted.has("wave")) j["wave"] = wave_part(model.world, *run.waves);
   j["receivers"] = receivers_json(run, world);
   if (wanted.has("ghosts")) j["ghosts"] = ghosts_json(ghosts);
   FirstOrderSettings settings;
@@ -199,7 +216,7 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   j["libraries"] = scripts_json();
   page.plots = page.scene = true;
   page.scripts = {"base.js",  "plot.js",  "heat.js", "filter.js", "table.js", "scene.js",
-                  "stage.js", "light.js", "maps.js", "lists.js",  "report.js"};
+                  "stage.js", "light.js", "maps.js", "wave.js",   "lists.js", "report.js"};
   return html_text(page);
 }
 

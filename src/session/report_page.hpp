@@ -20,7 +20,7 @@ struct ReportWanted {
   std::vector<std::string> pictures;  // of report_pictures(); empty: all
   bool has(std::string const& picture) const;
 };
-std::vector<std::string> const& report_pictures();  // budget, scene, maps, ghosts, materials, convergence
+std::vector<std::string> const& report_pictures();  // budget, scene, maps, wave, ghosts, materials, convergence
 // `pictures` of the table `report` of a scene; an unknown word is a problem there. Empty: all.
 std::vector<std::string> read_pictures(Node const& report);
 

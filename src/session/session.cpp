@@ -81,6 +81,7 @@ void resume_earlier(Model& model, TraceOptions const& options, std::string const
   auto const found = earlier_run(run_file, model.hash(), model.seed, options.force);
   if (!found) return;
   RunFile const& earlier = *found;
+  if (earlier.about.waves) model.waves = earlier.about.waves;
   require_this_program(earlier.about.provenance, run_file, "choose another file with -o, or trace again with --force");
   std::uint64_t& size = model.world.block_size;
   std::uint64_t const size_before = earlier.trace.coupling.block_size, histories = earlier.trace.total.histories;
@@ -117,12 +118,12 @@ struct DeterministicLight {
   std::vector<CouplingClass> classes;
   std::vector<std::string> warnings;
 
-  DeterministicLight(Model const& model, unsigned threads, PrintOptions const& options) {
+  DeterministicLight(Model& model, unsigned threads, PrintOptions const& options) {
     EdgeClasses edges = edge_classes(model.world);
     classes = std::move(edges.classes);
     warnings = std::move(edges.warnings);
     if (model.world.wave.present) {
-      ArmWaves const waves = solve_waves(model, threads, options);
+      ArmWaves const waves = solved_or_known(model, threads, options);
       std::vector<CouplingClass> rims = wave_rim_classes(model.world, waves);
       std::ranges::copy(waves.arm.warnings, std::back_inserter(warnings));
       if (rims.empty()) warnings.push_back("wave: no inner edge couples light into a port; the field adds no noise");
@@ -281,6 +282,17 @@ TraceResult result_of(Model& model, SumTree tree, PrintOptions const& options) {
   return result;
 }
 
+TraceResult nothing_traced(Model& model, unsigned threads, PrintOptions const& options) {
+  DeterministicLight const beside(model, threads, options);
+  TraceSettings settings;
+  settings.seed = model.seed;
+  settings.deterministic = beside.classes;
+  TraceResult result = beside.completed(result_of(SteeredWorld::as_given(model.world), settings, SumTree{}));
+  result.all_blocks = blocks_of(model.histories, model.world.block_size);
+  result.stopped = Stopped::by_gaps;
+  return result;
+}
+
 void work_for_rank_0(Model& model, unsigned threads, Transport& transport) {
   InterruptGuard const guard;
   SteeredWorld const world = steer(model.world, threads);
@@ -309,6 +321,7 @@ RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget
   for (Receiver const& r : content.receivers) content.map_areas.push_back(map_areas(model.world.view(), r.surface, r));
   content.importance = importance_map(model.world);
   content.beam_power = model.world.beam_power;
+  if (model.world.wave.present) content.waves = model.waves;
   content.projection = model.traced;
   content.provenance.version = build_info::version;
   content.provenance.commit = build_info::commit;

@@ -37,6 +37,9 @@ TracedModel trace_model(Model&, TraceOptions const&, std::string const& run_file
 // The result of these sums; traces nothing.
 TraceResult result_of(Model&, SumTree, PrintOptions const&);
 
+// A run without histories: the routes that are computed, with the field of the table `wave`. It can be resumed.
+TraceResult nothing_traced(Model&, unsigned threads, PrintOptions const&);
+
 // This process is rank 1 or higher: works for rank 0 until rank 0 stops it.
 void work_for_rank_0(Model&, unsigned threads, Transport&);
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws a run: python3 -m straytrace.plots RUN_FILE_OR_FOLDER -o report.png, or --maps FOLDER for its receivers."""
+"""Draws a run: python3 -m straytrace.plots RUN_FILE_OR_FOLDER -o report.png, --maps FOLDER for its receivers, or --wave field.png
+for the field of its cavity."""
 
 import argparse
 import pathlib
@@ -8,12 +9,17 @@ import sys
 import matplotlib.pyplot as plt
 
 from ..run import RunError, open_run
-from . import maps, overview
+from . import maps, overview, wave
 from .style import STYLE, save
 
 
 def pictures(run, options):
     """The requested pictures, each with its file."""
+    if options.wave is not None:
+        figure = wave.draw(run)
+        if figure is not None:
+            yield figure, options.wave
+        return
     if options.maps is None:
         yield overview.draw(run, options.band), options.out
         return
@@ -29,6 +35,7 @@ def main(arguments=None):
     out = parser.add_mutually_exclusive_group()
     out.add_argument("-o", "--out", type=pathlib.Path, default="report.png", help="picture of the run to write (png, pdf or svg)")
     out.add_argument("--maps", type=pathlib.Path, metavar="FOLDER", help="write the maps of the receivers instead, a NAME.png each")
+    out.add_argument("--wave", type=pathlib.Path, metavar="FILE", help="draw the field of the cavity instead")
     parser.add_argument("--band", nargs=2, type=float, metavar=("LOW", "HIGH"), help="Hz, for the shares of the routes")
     options = parser.parse_args(arguments)
     try:
@@ -36,7 +43,7 @@ def main(arguments=None):
     except RunError as error:
         print(error, file=sys.stderr)
         return 2
-    with plt.rc_context(STYLE if options.maps is None else maps.STYLE):
+    with plt.rc_context(STYLE if options.maps is None and options.wave is None else maps.STYLE):
         for figure, path in pictures(run, options):
             try:
                 save(figure, path)

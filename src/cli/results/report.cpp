@@ -158,9 +158,9 @@ void add_report(CLI::App& app, int& exit_code) {
   command->add_option("--show", o.wanted.paths, "number of paths drawn per row; default 12")
       ->check(whole_between(1, 512, "30"));
   command
-      ->add_option(
-          "--pictures", o.wanted.pictures,
-          "list of budget, scene, maps, ghosts, materials, convergence; default: that of 'report' in the scene, or all")
+      ->add_option("--pictures", o.wanted.pictures,
+                   "list of budget, scene, maps, wave, ghosts, materials, convergence; default: that of 'report' in "
+                   "the scene, or all")
       ->delimiter(',')
       ->check(CLI::IsMember(report_pictures()));
   command->add_option("--title", o.wanted.title, "replaces the title of the scene");

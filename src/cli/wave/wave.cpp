@@ -20,6 +20,7 @@
 #include "session/light/cavity_waves.hpp"
 #include "session/light/seam.hpp"
 #include "session/model.hpp"
+#include "session/session.hpp"
 
 namespace straytrace::cli {
 namespace {
@@ -28,7 +29,8 @@ struct WaveOptions : TraceOptions {
   std::size_t show = 12;
   int order = 2;
   bool grid_check = false, by_frequency = false, seam = false;
-  std::string detuning, csv, plot;
+  std::string detuning, csv, out, plot;
+  bool fields = false;
 };
 
 int print_seam(Model& model, WaveOptions const& options) {
@@ -40,10 +42,10 @@ int print_seam(Model& model, WaveOptions const& options) {
 }
 
 std::optional<Detunings> detunings_of(WaveOptions const& options) {
-  if (!options.plot.empty()) check_ending(options.plot, {".png"}, "--plot");
+  if (!options.detuning.empty() && !options.plot.empty()) check_ending(options.plot, {".png"}, "--plot");
   if (!options.detuning.empty()) return parse_detunings(options.detuning);
-  if (!options.csv.empty() || !options.plot.empty())
-    throw InputError("--csv and --plot are for a scan of detuning", "add for example --detuning -0.5..0.5:1001");
+  if (!options.csv.empty())
+    throw InputError("--csv is for a scan of detuning", "add for example --detuning -0.5..0.5:1001");
   return {};
 }
 
@@ -55,7 +57,32 @@ void write_driven(DrivenArm const& driven, WaveOptions const& options) {
   if (!options.plot.empty()) write_file(options.plot, picture);
 }
 
+// Histories are not overwritten by a file without any.
+void refuse_loss_of_histories(WaveOptions const& options, Model const& model) {
+  auto const earlier = earlier_run(options.out, model.hash(), model.seed, options.force);
+  if (earlier && earlier->trace.total.histories > 0)
+    throw InputError(fmt::format("'{}' contains {:.3g} histories, which would be lost", options.out,
+                                 double(earlier->trace.total.histories)),
+                     "choose another file with -o, or overwrite it with --force");
+}
+
+// A run without histories, which `run` and `trace` resume without solving the cavity again; and the picture of the
+// field where the scan of detuning has not taken its place.
+void write_field(WaveOptions const& options, Model& model, ArmWaves const& waves) {
+  keep_waves(model, waves);
+  TraceResult const nothing = nothing_traced(model, options.threads, options);
+  RunContent const content = content_of(model, nothing, nullptr);
+  if (!options.out.empty()) {
+    write_run(options.out, content);
+    if (!options.quiet) std::cerr << fmt::format("run file: {}\n", options.out);
+  }
+  std::string message;
+  if (options.detuning.empty() && !options.plot.empty() && !draw_wave_picture(content, options.plot, message))
+    throw InputError(message, "or remove --plot");
+}
+
 int wave(WaveOptions const& options) {
+  if (!options.plot.empty()) check_ending(options.plot, {".png", ".pdf", ".svg"}, "--plot");
   Model model = read_model(options.input, options.overrides);
   print_warnings(model.scene, options);
   if (!model.world.wave.present)
@@ -69,8 +96,11 @@ int wave(WaveOptions const& options) {
   what.highest_order = options.order;
   what.grid_check = options.grid_check;
   what.by_frequency = options.by_frequency;
+  what.fields = options.fields;
+  if (!options.out.empty()) refuse_loss_of_histories(options, model);
   ArmWaves const waves = solve_waves(model, options.threads, options, what);
   for (std::string const& warning : waves.arm.warnings) print_warning(warning, options);
+  if (!options.out.empty() || (!options.plot.empty() && !detunings)) write_field(options, model, waves);
   std::optional<DrivenArm> driven;
   if (detunings) {
     driven = drive_waves(model, waves, *coatings, detunings->in_ranges(waves.arm.cavity.length), options.threads,
@@ -113,14 +143,22 @@ void add_wave(CLI::App& app, int& exit_code) {
                       "also drive the cavity by the input beam at these detunings from resonance, in free spectral "
                       "ranges or with a unit of frequency: -0.5..0.5:1001, -200Hz..200Hz:401 or 0");
   mark_output(*command, *command->add_option("--csv", o.csv, "file for the table of detunings, all digits"));
-  mark_output(*command, *command->add_option("--plot", o.plot, "draw the scan of detuning into this PNG file"));
-  for (char const* const of_field :
-       {"--show", "--order", "--grid-check", "--by-frequency", "--detuning", "--csv", "--plot"})
-    seam->excludes(command->get_option(of_field));
   command->add_option("--threads", o.threads, "0: all cores")->check(whole_between(0, 4096, "8"));
+  auto* const out = command->add_option(
+      "-o,--out", o.out, "run file to write (HDF5), without histories: run and trace resume it with this field");
+  command->add_flag("--fields", o.fields, "keep the complex fields on both mirrors in the run file")->needs(out);
+  mark_output(*command,
+              *command->add_option("--plot", o.plot,
+                                   "picture of the field on mirrors and a baffle (png, pdf or svg), or of the scan "
+                                   "of detuning (png)"));
+  add_force_option(*command, o.force);
+  for (char const* const of_field : {"--show", "--order", "--grid-check", "--by-frequency", "--detuning", "--csv",
+                                     "--out", "--fields", "--plot", "--force"})
+    seam->excludes(command->get_option(of_field));
   command->footer(
       "Examples:\n"
       "  straytrace wave examples/et_hf_wave.yaml\n"
+      "  straytrace wave examples/et_hf_wave.yaml -o field.h5 --plot field.png\n"
       "  straytrace wave examples/et_hf_wave.yaml --grid-check\n"
       "  straytrace wave examples/et_hf_wave.yaml --seam --histories 1e6\n"
       "  straytrace wave examples/et_hf_wave.yaml --detuning -0.5..0.5:1001 --plot detuning.png\n"

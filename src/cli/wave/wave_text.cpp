@@ -246,20 +246,22 @@ std::string bands_text(ArmWaves const& waves, World const& world) {
   if (!waves.bands) return {};
   HeightBands const& f = *waves.bands;
   ArmCavity const& arm = waves.arm;
-  double const resolved = 1e-5 * waves.draws.front().loss;
+  double const resolved = resolved_loss_of_bands * waves.draws.front().loss;
   Columns table{{"heights", "to urad", "scattered by " + world.name_of(arm.mirrors[0].surface),
                  world.name_of(arm.mirrors[1].surface), "loss", "share that leaves"},
                 {true},
                 {}};
   double rest = waves.draws.front().loss - f.smooth - f.beyond;
-  table.rows.push_back({"none", "", "", "", fmt::format("{:.3g}", f.smooth), ""});
+  auto const loss_text = [&](double loss) {
+    return std::fabs(loss) > resolved ? number_text(loss) : fmt::format("within {:.1g}", resolved);
+  };
+  table.rows.push_back({"none", "", "", "", loss_text(f.smooth), ""});
   for (HeightBand const& b : f.bands) {
     double const scattered = b.scattered[0] + b.scattered[1];
     bool const known = std::fabs(b.loss) > resolved;
     table.rows.push_back({fmt::format("{:.3g} to {:.3g} /m", b.from, b.to),
                           fmt::format("{:.3g}", 1e6 * b.to * arm.cavity.wavelength), number_text(b.scattered[0]),
-                          number_text(b.scattered[1]),
-                          known ? number_text(b.loss) : fmt::format("within {:.1g}", resolved),
+                          number_text(b.scattered[1]), loss_text(b.loss),
                           known && scattered > 0 ? number_text(b.loss / scattered) : "-"});
     rest -= b.loss;
   }

@@ -75,7 +75,7 @@ bool is_sound(Values const& v) {
   if (v.state != State::whole) return v.bytes.empty();
   bool size = true;
   if (v.kind == Kind::text) size = v.size > 0;
-  if (v.kind == Kind::real) size = v.size == 8;
+  if (v.kind == Kind::real) size = v.size == 4 || v.size == 8;
   if (v.kind == Kind::integer) size = v.size == 1 || v.size == 2 || v.size == 4 || v.size == 8;
   std::uint64_t bytes = 0;
   return size && !__builtin_mul_overflow(v.count(), v.size, &bytes) && v.bytes.size() == bytes;

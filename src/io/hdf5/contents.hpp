@@ -25,7 +25,7 @@ struct Values {
   Kind kind = Kind::other;
   State state = State::unreadable;
   bool is_signed = false;
-  std::uint64_t size = 0;  // bytes of one value: 1, 2, 4 or 8 of integers, 8 of reals; a text is padded with zeros
+  std::uint64_t size = 0;  // bytes of one value: 1, 2, 4 or 8 of integers, 4 or 8 of reals; a text is padded with zeros
   Sizes shape;             // row-major; empty: one value
   std::string bytes;  // in the byte order of this machine; empty unless the state is `whole` and the kind not `other`
 

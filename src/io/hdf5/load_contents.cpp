@@ -59,8 +59,8 @@ H5::DataType describe(H5::DataType const& type, Values& v) {
       v.size = size == 1 || size == 2 || size == 4 ? size : 8;
       return integer_type(v.size, v.is_signed);
     case H5T_FLOAT:
-      v.kind = Kind::real, v.size = sizeof(double);
-      return H5::PredType::NATIVE_DOUBLE;
+      v.kind = Kind::real, v.size = size == sizeof(float) ? sizeof(float) : sizeof(double);
+      return v.size == sizeof(float) ? H5::PredType::NATIVE_FLOAT : H5::PredType::NATIVE_DOUBLE;
     case H5T_STRING:
       v.kind = Kind::text, v.size = is_variable_text(type) ? sizeof(char*) : size;
       return type;

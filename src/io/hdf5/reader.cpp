@@ -28,10 +28,10 @@ void require(std::string const& path, Values const& v) {
 // The nearest value that T has; not-a-number becomes 0 where T has none.
 template <class T, class Stored>
 T nearest(Stored value) {
-  if constexpr (std::is_same_v<T, double>) {
-    return double(value);
-  } else if constexpr (std::is_same_v<Stored, double>) {
-    constexpr auto most = double(std::numeric_limits<T>::max());
+  if constexpr (std::is_floating_point_v<T>) {
+    return T(value);
+  } else if constexpr (std::is_floating_point_v<Stored>) {
+    constexpr auto most = Stored(std::numeric_limits<T>::max());
     return value >= most ? std::numeric_limits<T>::max() : value > 0 ? T(value) : T(0);
   } else {
     if (std::cmp_less(value, 0)) return 0;
@@ -57,7 +57,7 @@ std::vector<T> copied(Values const& v) {
 template <class T>
 std::vector<T> numbers(std::string const& path, Values const& v) {
   require(path, v);
-  if (v.kind == Kind::real) return copied<T, double>(v);
+  if (v.kind == Kind::real) return v.size == sizeof(float) ? copied<T, float>(v) : copied<T, double>(v);
   if (v.kind != Kind::integer) damaged(path, "is missing or cannot be read");
   switch (v.size) {
     case 1:
@@ -139,6 +139,7 @@ std::vector<T> Reader::array(std::string const& path, std::size_t columns) const
 }
 
 template std::vector<double> Reader::array(std::string const&, std::size_t) const;
+template std::vector<float> Reader::array(std::string const&, std::size_t) const;
 template std::vector<std::uint64_t> Reader::array(std::string const&, std::size_t) const;
 template std::vector<std::uint32_t> Reader::array(std::string const&, std::size_t) const;
 template std::vector<std::uint8_t> Reader::array(std::string const&, std::size_t) const;

@@ -16,6 +16,7 @@ namespace straytrace::io::hdf5 {
 template <class T>
 H5::PredType const& file_type() {
   if constexpr (std::is_same_v<T, double>) return H5::PredType::IEEE_F64LE;
+  if constexpr (std::is_same_v<T, float>) return H5::PredType::IEEE_F32LE;
   if constexpr (std::is_same_v<T, std::uint64_t>) return H5::PredType::STD_U64LE;
   if constexpr (std::is_same_v<T, std::uint32_t>) return H5::PredType::STD_U32LE;
   if constexpr (std::is_same_v<T, std::uint8_t>) return H5::PredType::STD_U8LE;
@@ -23,6 +24,7 @@ H5::PredType const& file_type() {
 template <class T>
 H5::PredType const& memory_type() {
   if constexpr (std::is_same_v<T, double>) return H5::PredType::NATIVE_DOUBLE;
+  if constexpr (std::is_same_v<T, float>) return H5::PredType::NATIVE_FLOAT;
   if constexpr (std::is_same_v<T, std::uint64_t>) return H5::PredType::NATIVE_UINT64;
   if constexpr (std::is_same_v<T, std::uint32_t>) return H5::PredType::NATIVE_UINT32;
   if constexpr (std::is_same_v<T, std::uint8_t>) return H5::PredType::NATIVE_UINT8;

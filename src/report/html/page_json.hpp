@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,10 @@
 #include "results/results.hpp"
 #include "scene/scene.hpp"
 #include "world/model/world.hpp"
+
+namespace straytrace::wave {
+struct WaveRecord;
+}  // namespace straytrace::wave
 
 namespace straytrace::report {
 
@@ -33,6 +38,11 @@ PageJson convergence_json(RunContent const&,
 PageJson inputs_json(RunContent const&);      // uncertain inputs, and their share of the noise
 PageJson receivers_json(RunContent const&, World const&);  // routes and maps of receivers
 PageJson maps_json(std::vector<SurfaceMap> const&, double beam_power);
+
+// Mean irradiance over the power of the mode [1/m^2] of the light that mirror 0 or 1 scatters, at a distance along and
+// from the axis [m] (docs/theory/wave.md, eq. W.17).
+using ScatteredLight = std::function<double(std::size_t mirror, double distance, double off_axis)>;
+PageJson wave_json(wave::WaveRecord const&, ScatteredLight const&);
 
 PageJson scene_json(SceneDrawing const&);
 PageJson paths_json(World const&, std::vector<DrawnPath> const&);

@@ -9,6 +9,7 @@
 #include "results/route_table/route_sums.hpp"
 #include "results/run_file/columns.hpp"
 #include "results/run_file/run_part.hpp"
+#include "wave/arm/wave_record.hpp"
 
 namespace straytrace::results {
 namespace {
@@ -200,6 +201,7 @@ void read_all(hdf5::Reader const& in, RunFile& run) {
   run.trace.stop_rule = in.attribute_text("/", "stop_rule");
   run.trace.good_checks = std::uint32_t(in.attribute_count("/", "good_checks"));
   run.trace.warnings = in.strings("/warnings/trace");
+  if (in.has("/wave")) run.about.waves = std::make_shared<wave::WaveRecord const>(read_wave(in));
   run.about.warnings = in.strings("/warnings/scene");
   if (in.has("/noise")) run.noise = read_noise(in);
   if (run.noise) find_bounds(*run.noise, run.trace.coupling);
@@ -386,6 +388,7 @@ void write_run(std::string const& file, RunContent const& run) {
     write_energy_balance(out, *run.trace);
     write_maps_of(out, run.trace->total);
     write_nodes(out, run.trace->tree);
+    if (run.waves) write_wave(out, *run.waves);
     if (run.noise) write_noise(out, *run.noise);
     write_warnings(out, run);
     write_timing(out, run);

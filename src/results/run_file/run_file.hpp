@@ -33,6 +33,9 @@ ProjectionInputs read_projection(hdf5::Reader const&, CouplingTable const& table
 
 void write_energy_balance(hdf5::Writer&, TraceResult const&);  // /energy_balance, /arrived
 
+void write_wave(hdf5::Writer&, wave::WaveRecord const&);  // /wave
+wave::WaveRecord read_wave(hdf5::Reader const&);          // the file has the group
+
 void write_noise(hdf5::Writer&, NoiseBudget const&);  // /noise
 NoiseBudget read_noise(hdf5::Reader const&);
 

@@ -150,4 +150,11 @@ bool draw_map_pictures(std::string const& run_file, std::string const& folder, s
   return draw({"straytrace.plots", run_file, "--maps", folder}, one_of_them, message);
 }
 
+bool draw_wave_picture(RunContent const& run, std::string const& png_file, std::string& message) {
+  Workplace const place;
+  std::string const from = place.path("run.h5");
+  write_run(from, run);
+  return draw({"straytrace.plots", from, "--wave", png_file}, png_file, message);
+}
+
 }  // namespace straytrace::results

@@ -8,6 +8,8 @@
 
 namespace straytrace::results {
 
+struct RunContent;
+
 // Draws `png_file` from `run_file`; band of the shares in Hz, the whole grid when high <= low. False, and `message`
 // explains what happened and what to install, on failure. Interpreter: STRAYTRACE_PYTHON, /usr/bin/python3, python3 in
 // PATH. Folder of the package: STRAYTRACE_PYTHONPATH, then python/ or share/straytrace/python/ in a folder above the
@@ -20,6 +22,9 @@ std::string svg_of_run(std::string const& run_file, std::string& message);
 // Maps of all receivers of a run, one picture each, into a folder; `one_of_them` must be there afterwards.
 bool draw_map_pictures(std::string const& run_file, std::string const& folder, std::string const& one_of_them,
                        std::string& message);
+
+// The field of the cavity of a run.
+bool draw_wave_picture(RunContent const&, std::string const& png_file, std::string& message);
 
 // Draws from a JSON file of this program with the module straytrace.plots.WHAT: "law" and "scatter" from `straytrace
 // inspect`, "budget", "scan" and "ghosts" from the commands of that name, "curves" from results/curves/curve_file.hpp.

@@ -10,13 +10,33 @@
 #include <functional>
 
 #include "base/errors.hpp"
+#include "results/results.hpp"
+#include "scene/model_tree.hpp"
+#include "session/build_info.hpp"
 #include "session/interrupt.hpp"
 #include "wave/arm/arm_checks.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::session {
-
 namespace {
+
+constexpr int kept_orders = 2;  // of the modes in a run file
+
+// Hash of all that decides the numbers of the field: surfaces, materials and modes; the table with the content of its
+// maps; grid and crossover angle, which `wave --seam` varies; the program.
+std::string key_of(Model const& model) {
+  ArmCavity const& arm = model.arm.value();
+  std::vector<std::string> parts{
+      build_info::version, build_info::commit, model.world.fingerprint(), resolved_text(model.scene.table("wave"), {}),
+      fmt::format("{} {} {}", arm.crossover, arm.cavity.grid.points, arm.cavity.grid.window)};
+  for (WaveSettings::Mirror const& m : model.world.wave.mirrors) parts.push_back(m.bytes);
+  return model_hash(parts);
+}
+
+// W; 0: not stated.
+double power_of(World const& world) {
+  return world.wave.beam < world.beam_powers.size() ? world.beam_powers[world.wave.beam] : 0;
+}
 
 // The value of the last of these keys that the scene has.
 Node cause_of(Node table, std::vector<std::string> const& keys) {
@@ -136,6 +156,24 @@ DrivenArm drive_waves(Model const& model, ArmWaves const& waves, std::array<Mirr
   options.highest_order = highest_order;
   options.progress = std::ref(progress);
   return drive_arm(model.world.wave, waves, coatings, detunings, options);
+}
+
+void keep_waves(Model& model, ArmWaves const& waves) {
+  model.waves = std::make_shared<WaveRecord const>(record_of(model.world, waves, key_of(model), power_of(model.world)));
+}
+
+ArmWaves solved_or_known(Model& model, unsigned threads, PrintOptions const& print) {
+  if (!model.waves || model.waves->key != key_of(model)) {
+    ArmOptions kept;
+    kept.highest_order = kept_orders;
+    ArmWaves waves = solve_waves(model, threads, print, kept);
+    keep_waves(model, waves);
+    return waves;
+  }
+  auto record = std::make_shared<WaveRecord>(*model.waves);
+  record->power = power_of(model.world);
+  model.waves = record;
+  return waves_of(model.world, model.world.wave, model.arm.value(), *record);
 }
 
 }  // namespace straytrace::session

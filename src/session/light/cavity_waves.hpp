@@ -10,8 +10,8 @@
 
 #include "session/model.hpp"
 #include "session/options.hpp"
-#include "wave/arm/arm_waves.hpp"
 #include "wave/arm/driven_arm.hpp"
+#include "wave/arm/wave_record.hpp"
 
 namespace straytrace::session {
 
@@ -30,5 +30,10 @@ std::array<MirrorCoating, 2> mirror_coatings(Model const&);
 // `highest_order`.
 DrivenArm drive_waves(Model const&, ArmWaves const&, std::array<MirrorCoating, 2> const&,
                       std::vector<double> const& detunings, unsigned threads, PrintOptions const&, int highest_order);
+
+// From the earlier run that the model knows, where that is of the same cavity and program; otherwise solved. Leaves the
+// record for the run file in the model.
+ArmWaves solved_or_known(Model&, unsigned threads, PrintOptions const&);
+void keep_waves(Model&, ArmWaves const&);
 
 }  // namespace straytrace::session

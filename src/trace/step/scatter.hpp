@@ -127,7 +127,7 @@ STRAY_HD double reached_density(WorldView const& world, PathState const& path, V
 STRAY_HD double interface_turns(WorldView const& world, Vertex const& vertex, bool through) {
   Amplitudes const a =
       specular_amplitudes(world.interfaces, *vertex.optic, vertex.wi.z, vertex.n_in, vertex.n_out, vertex.front);
-  Complex const field = through ? a.ts : a.rs;
+  optics::Complex const field = through ? a.ts : a.rs;
   return turn_of(field.re, field.im);
 }
 

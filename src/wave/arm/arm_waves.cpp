@@ -140,8 +140,10 @@ class ArmEnsemble {
     CavityRims found = rim_responses(solver_.waves(), mode, curves, [&](Arrival const& arrival) {
       meter(arrival);
       bool const at_mirror1 = arrival.plane == 0;
-      if (number == 0 && (at_mirror1 || arrival.plane == int(waves.rims.size()) + 1))
-        waves.spots[at_mirror1 ? 0 : 1].found = centroid(arrival.field);
+      if (number > 0 || (!at_mirror1 && arrival.plane != int(waves.rims.size()) + 1)) return;
+      std::size_t const mirror = at_mirror1 ? 0 : 1;
+      waves.spots[mirror].found = centroid(arrival.field);
+      if (!waves.fields.empty()) waves.fields[mirror] = arrival.field;
     });
     for (std::size_t j = 0; j < waves.rims.size(); ++j)
       if (!curves[j].empty()) waves.rims[j].draws.push_back({std::move(found.responses[j]), found.clipped[j]});
@@ -214,6 +216,7 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmCavity p
   double const perfect = loss_of_smooth_mirrors(arm);
   ArmWaves waves{std::move(arm), mirrors, {}, perfect, std::move(lines), {}, {}, {}, {}, {}, {}};
   waves.spots = expected_spots(waves.arm.cavity);
+  if (options.fields) waves.fields.assign(2, Field(waves.arm.cavity.grid));
   waves.rims.resize(waves.arm.rims.size());
   ArmEnsemble ensemble(world, settings, solver, say);
   IrradianceMeter meter(waves.arm.cavity.grid, waves.rims.size() + 2);

@@ -64,6 +64,7 @@ struct ArmWaves {
   std::optional<GridCheck> grid_check;
   std::optional<HeightBands> bands;
   std::array<MirrorSpot, 2> spots;
+  std::vector<Field> fields = {};  // of the first draw, that arrive at mirror 1 and at mirror 2; empty: not wanted
 };
 
 struct ArmOptions {
@@ -71,6 +72,7 @@ struct ArmOptions {
   int highest_order = -1;     // of the modes listed; < 0: none
   bool grid_check = false;    // solve the first draw again on a finer grid
   bool by_frequency = false;  // split the loss by the spatial frequency of the heights
+  bool fields = false;        // keep those that arrive at the mirrors
   std::function<void(std::string const& what)> progress;
 };
 ArmWaves solve_arm(World const&, WaveSettings const&, ArmCavity planned, ArmOptions const&);

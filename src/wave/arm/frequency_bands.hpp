@@ -17,6 +17,8 @@ struct HeightBand {
   std::array<double, 2> scattered{};  // share of the power of the mode that each mirror scatters, to first order
   double loss = 0;  // of power per round trip, with these heights alone, less that of smooth mirrors; may be negative
 };
+// The loss of a band is resolved to this share of the loss of the mode.
+inline constexpr double resolved_loss_of_bands = 1e-5;
 struct HeightBands {
   double smooth = 0;              // loss of mirrors without heights: what the openings take
   std::vector<HeightBand> bands;  // ascending; octaves below the crossover angle

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace wave, and a run of a scene with a table `wave` (docs/theory/wave.md).
 #include "physics/wave/kilometre_arm.hpp"
+#include "results/results.hpp"
 #include "scenes/answers.hpp"
+#include "session/light/cavity_waves.hpp"
 
 namespace straytrace::testing::app_wave {
 namespace {
@@ -131,6 +133,48 @@ TEST_F(WaveCommand, DetuningOfTheInputBeam) {
               HasSubstr("Field driven through I, which transmits 0.014"));
   EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--csv", csv}), HasSubstr("add for example --detuning"));
   EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--detuning", "1kg"}), HasSubstr("is not a unit of frequency"));
+}
+
+// The field of an earlier run is taken while its key is that of the scene: the eigenvalue, which is falsified here,
+// shows where it comes from.
+TEST_F(WaveCommand, FieldOfTheSameCavityIsNotSolvedAgain) {
+  SceneOptions quiet;
+  quiet.quiet = true;
+  Model model = read_model(scene_, {});
+  ArmWaves const solved = solved_or_known(model, 1, quiet);
+  auto falsified = std::make_shared<WaveRecord>(*model.waves);
+  falsified->eigenvalue *= 0.5;
+  model.waves = falsified;
+  EXPECT_EQ(solved_or_known(model, 1, quiet).mode.eigenvalue, 0.5 * solved.mode.eigenvalue);
+  write_text(scene_, edited(scene_text(), "120 urad", "121 urad"));
+  Model other = read_model(scene_, {});
+  other.waves = falsified;
+  EXPECT_NE(other.world.wave.crossover, model.world.wave.crossover);
+  EXPECT_GT(std::abs(solved_or_known(other, 1, quiet).mode.eigenvalue), 0.9);  // control: another cavity is solved
+  EXPECT_NE(other.waves->key, falsified->key);
+  // The crossover angle that `wave --seam` varies is not in the scene.
+  model.waves = falsified;
+  model.world.wave.crossover = 130e-6;
+  model.arm = planned_arm(model.world, model.world.wave);
+  EXPECT_GT(std::abs(solved_or_known(model, 1, quiet).mode.eigenvalue), 0.9);
+}
+
+TEST_F(WaveCommand, RunFileWithoutHistoriesIsResumed) {
+  std::string const field = folder_ / "field.h5", whole = folder_ / "whole.h5";
+  Finished const wave = straytrace({"wave", scene_, "-o", field, "--fields", "--quiet"});
+  ASSERT_EQ(wave.code, 0) << wave.err;
+  EXPECT_THAT(straytrace({"noise", field, "--quiet"}).out, HasSubstr("wave"));
+  ASSERT_EQ(straytrace({"trace", scene_, "-o", field, "--histories", "4000", "--quiet"}).code, 0);
+  ASSERT_EQ(straytrace({"trace", scene_, "-o", whole, "--histories", "4000", "--quiet"}).code, 0);
+  RunFile const resumed = read_run(field), anew = read_run(whole);
+  ASSERT_TRUE(resumed.about.waves && anew.about.waves);
+  EXPECT_EQ(resumed.about.waves->fields.size(), 2u);
+  EXPECT_EQ(anew.about.waves->fields.size(), 0u);
+  EXPECT_EQ(resumed.about.waves->key, anew.about.waves->key);
+  ASSERT_EQ(resumed.trace.coupling.classes.size(), anew.trace.coupling.classes.size());
+  for (std::size_t i = 0; i < anew.trace.coupling.classes.size(); ++i)
+    EXPECT_EQ(resumed.trace.coupling.classes[i].coupling.mean, anew.trace.coupling.classes[i].coupling.mean);
+  EXPECT_THAT(error_text({"wave", scene_, "-o", field, "--quiet"}), HasSubstr("histories, which would be lost"));
 }
 
 TEST_F(WaveCommand, WhatIsMissingIsExplained) {

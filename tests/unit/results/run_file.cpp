@@ -61,6 +61,56 @@ TEST_F(ReportRunFile, ComesBackBitByBit) {
   EXPECT_EQ(back.trace.seconds, 12.5);
 }
 
+TEST_F(ReportRunFile, KeepsTheFieldOfACavity) {
+  RunFile const file = read_run(written());
+  ASSERT_TRUE(file.about.waves);
+  wave::WaveRecord const &back = *file.about.waves, was = wave_record();
+  EXPECT_EQ(back.key, was.key);
+  EXPECT_EQ(back.eigenvalue, was.eigenvalue);
+  EXPECT_TRUE(std::isnan(back.perfect_loss));
+  EXPECT_TRUE(back.grid == was.grid);
+  ASSERT_EQ(back.heights.size(), 2u);
+  for (std::size_t i : {0, 1}) EXPECT_EQ(back.heights[0].mirrors[i].figure, was.heights[0].mirrors[i].figure);
+  EXPECT_NE(back.heights[0].mirrors[0].figure, was.heights[0].mirrors[1].figure);
+  EXPECT_EQ(back.heights[0].mirrors[0].whole.rotation[2], was.heights[0].mirrors[0].whole.rotation[2]);
+  EXPECT_EQ(back.heights[0].mirrors[1].whole.displacement[0], 0.0);
+  EXPECT_EQ(back.heights[0].at_mirrors, was.heights[0].at_mirrors);
+  EXPECT_EQ(back.heights[0].on_baffles, was.heights[0].on_baffles);
+  EXPECT_EQ(back.heights[1].round_trips, 10u);
+  EXPECT_DOUBLE_EQ(back.loss(), 3e-7);
+  ASSERT_EQ(back.modes.size(), 2u);
+  EXPECT_EQ(back.modes[1].hermite.one, 1);
+  EXPECT_EQ(back.modes[1].laguerre.two, -1);
+  EXPECT_EQ(back.modes[1].alike, 2);
+  EXPECT_EQ(back.mirrors[0].light.expected, was.mirrors[0].light.expected);
+  EXPECT_EQ(back.modes[1].phase, 0.25);
+  ASSERT_EQ(back.rims.size(), 2u);
+  EXPECT_EQ(back.rims[0].centre.y, 1e-3);
+  EXPECT_EQ(back.rims[0].draws[0].clipped, was.rims[0].draws[0].clipped);
+  EXPECT_EQ(back.rims[0].draws[1].heights, 1u);
+  EXPECT_EQ(back.rims[1].speckle.longitudinal, 3e-20);
+  ASSERT_EQ(back.rims[0].draws.size(), 2u);
+  EXPECT_EQ(back.rims[1].draws.size(), 0u);
+  EXPECT_EQ(back.rims[0].draws[1].response.levers.rotation[2], was.rims[0].draws[1].response.levers.rotation[2]);
+  EXPECT_NE(back.rims[0].draws[1].response.levers.rotation[2], was.rims[0].draws[0].response.levers.rotation[2]);
+  EXPECT_TRUE(back.irradiance.towards_mirror2[0].mean.empty());
+  EXPECT_EQ(back.irradiance.towards_mirror1[0].mean, was.irradiance.towards_mirror1[0].mean);
+  EXPECT_EQ(back.irradiance.towards_mirror2[3].square, was.irradiance.towards_mirror2[3].square);
+  EXPECT_EQ(back.irradiance.towards_mirror2[3].step, 0.5);
+  ASSERT_TRUE(back.grid_check && back.bands);
+  EXPECT_EQ(back.grid_check->points, 6);
+  EXPECT_EQ(back.grid_check->ledger.towards_mirror1, was.grid_check->ledger.towards_mirror1);
+  EXPECT_EQ(back.grid_check->ledger.beyond_band, -7e-13);
+  EXPECT_TRUE(std::isnan(back.grid_check->along));
+  ASSERT_EQ(back.bands->bands.size(), 2u);
+  EXPECT_EQ(back.bands->bands[1].scattered[1], 4e-8);
+  EXPECT_EQ(back.bands->bands[0].loss, -1e-9);
+  EXPECT_EQ(back.bands->beyond, 6e-8);
+  ASSERT_EQ(back.fields.size(), 2u);
+  EXPECT_EQ(back.fields[1].values, was.fields[1].values);
+  EXPECT_EQ(back.warnings, was.warnings);
+}
+
 // The comparison itself sees one changed last bit, and -0 where 0 was.
 TEST_F(ReportRunFile, ComparisonSeesOneBit) {
   CouplingTable other = trace.coupling;

@@ -37,7 +37,7 @@ std::set<std::string> schema_paths() {
 
 std::string type_word(hdf5::Values const& v) {
   if (v.kind == hdf5::Kind::text) return "text";
-  return v.kind == hdf5::Kind::real ? "f64" : "u" + std::to_string(8 * v.size);
+  return (v.kind == hdf5::Kind::real ? "f" : "u") + std::to_string(8 * v.size);
 }
 
 std::set<std::string> file_paths(std::string const& image) {

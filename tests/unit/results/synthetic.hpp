@@ -9,6 +9,7 @@
 
 #include "base/every_module.hpp"
 #include "results/results.hpp"
+#include "wave/arm/wave_record.hpp"
 
 namespace straytrace::test {
 
@@ -224,6 +225,64 @@ inline ProjectionInputs projection_inputs(CouplingTable const& table) {
   return p;
 }
 
+inline wave::RimResponse rim_response(double size) {
+  wave::RimResponse r{{}, {size, -3 * size}};
+  for (int i = 0; i < 3; ++i) {
+    r.levers.displacement[i] = {size * spread(std::size_t(i)), -size};
+    r.levers.rotation[i] = {-size, size * spread(std::size_t(i) + 3)};
+  }
+  return r;
+}
+
+// Two rims, the first within the crossover angle, on a grid of 4 x 4 points.
+inline wave::WaveRecord wave_record() {
+  wave::WaveRecord w;
+  w.key = "0123abcd";
+  w.beam = "arm";
+  w.power = 3e6;
+  w.wavelength = 1064e-9;
+  w.length = 1e4;
+  w.grid = {4, 2};
+  w.crossover = 1e-4;
+  w.eigenvalue = {0.9, -0.4};
+  wave::RimLevers const whole = rim_response(2e-9).levers;
+  w.heights = {{{1e-10, 2e-10},
+                2e-7,
+                1e-7,
+                12,
+                {3e-8, 4e-8},
+                {6e-9, 4e-9},
+                1e-9,
+                {{{whole, {{{1, 2}, {3, -4}, {5, 6}}}}, {{}, {{{-1, 2}, {-3, 4}, {-5, 6}}}}}}},
+               {{3e-10, 4e-10}, 4e-7, 1e-6, 10, {}, {}, 0, {}}};
+  w.perfect_loss = not_a_number;
+  w.beyond_band = 1e-9;
+  w.mirrors = {{{"ITM", 0.31, 2e-4, 0.12, 1e-7, 1e-10, 3e-8, {{1e-3, 2e-3}, {3e-3, -4e-3}}},
+                {"ETM", 0.31, 2e-4, 0.12, 2e-7, 2e-10, 4e-8, {}}}};
+  w.modes = {{0, {0, 0, 1}, {0, 0, 1}, 1, 1e-7, 0, 1e-8, 1}, {1, {1, 0, 0.5}, {0, -1, 0.6}, 0.9, 1e-6, 0.25, 1e-6, 2}};
+  w.rims = {{"baffles",
+             {0, 1e-3, 4e3},
+             0.42,
+             9e-5,
+             8e-5,
+             1e-9,
+             2e-9,
+             {1e-20, 2e-14, 3e-20},
+             {{0, 0, rim_response(1e-7), {1e-10, -2e-10}}, {1, 1, rim_response(2e-7), {3e-10, 0}}}},
+            {"baffles", {0, 0, 9e3}, 0.42, 5e-5, 4e-4, 3e-9, 4e-9, {1e-20, 2e-14, 3e-20}, {}}};
+  wave::PolarIrradiance const light{0.5, 2, 2, {4, 3, 2, 1}, {16, 9, 4, 1}};
+  w.irradiance.towards_mirror2 = {{}, light, light, light};
+  w.irradiance.towards_mirror1 = {light, light, light, {}};
+  w.grid_check = {6, 1e-12, {{1e-13, 2e-13}, {3e-13, 4e-13}, 5e-13, 6e-13, -7e-13}, 1e-3, not_a_number};
+  w.bands = {3e-9, {{10, 20, {1e-8, 2e-8}, -1e-9}, {20, 40, {3e-8, 4e-8}, 5e-9}}, 6e-8};
+  for (int mirror = 0; mirror < 2; ++mirror) {
+    w.fields.push_back({4, {}});
+    for (std::size_t i = 0; i < 32; ++i) w.fields.back().values.push_back(float(spread(i)));
+  }
+  w.warnings = {"wave: made up"};
+  return w;
+}
+
 inline RunContent content(TraceResult const& trace, NoiseBudget const* noise) {
   RunContent c;
   c.files = {{"arm.yaml", "straytrace: 1\nunits: µm\n"}, {"empty.txt", ""}, {"data/steel.csv", "1, 2\r\n3, 4"}};
@@ -239,6 +298,7 @@ inline RunContent content(TraceResult const& trace, NoiseBudget const* noise) {
   c.importance = {
       {{1, 0, 0, 0.5, 0.25}, {1, 0, 0.5, 1, 0.25}, {3, 1, -1, 2, 12}}, {0.5, 0, 1e-9, 3}, {0.25, 1, 1, 0.9}};
   c.projection = projection_inputs(trace.coupling);
+  c.waves = std::make_shared<wave::WaveRecord const>(wave_record());
   c.trace = &trace;
   c.noise = noise;
   return c;
