@@ -52,8 +52,8 @@ constexpr double radii[] = {0.35, 0.38, 0.41, 0.44, 0.47, 0.50};  // m, farther 
 SpeckleMeans expected(World const& world, ArmCavity const& arm, double place, double radius) {
   double const far = arm.cavity.length - place;
   return speckle_means({world.wavelength, radius, place, far, arm.mirrors[0].spot, arm.mirrors[1].spot,
-                        mirror_brdf(world, arm.mirrors[0], {0, 0, -1}, radius / place),
-                        mirror_brdf(world, arm.mirrors[1], {0, 0, 1}, radius / far)});
+                        MirrorBrdf(world, arm.mirrors[0], {0, 0, -1})(radius / place),
+                        MirrorBrdf(world, arm.mirrors[1], {0, 0, 1})(radius / far)});
 }
 
 // Of one draw of both mirrors: mean over edges and the two transverse axes of |A|^2 over its expectation. Openings wide

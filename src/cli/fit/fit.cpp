@@ -130,6 +130,7 @@ void add_fit(CLI::App& app, int& exit_code) {
   mark_output(*command, *command->add_option("--subtract", o.subtract,
                                              "file for the target minus the fitted noise (gwpy HDF5), in the band"));
   add_fit_edge(*command, exit_code);
+  add_fit_baffle(*command, exit_code);
   command->footer(
       "Examples:\n"
       "  straytrace fit --target examples/data/swinging_baffle.hdf5::h --witness examples/data/swinging_baffle.hdf5::x "

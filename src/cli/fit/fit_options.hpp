@@ -37,5 +37,6 @@ FringeFitSettings settings_of(FitOptions const&, FringeRecords const&, std::vect
 
 void add_record_options(CLI::App&, FitOptions&);  // --target ... --gps, --wavelength, --ratio
 void add_fit_edge(CLI::App& fit, int& exit_code);
+void add_fit_baffle(CLI::App& fit, int& exit_code);
 
 }  // namespace straytrace::cli

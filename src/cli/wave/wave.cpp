@@ -41,11 +41,12 @@ int print_seam(Model& model, WaveOptions const& options) {
   return seam.complete ? done : checkpointed;
 }
 
-std::optional<Detunings> detunings_of(WaveOptions const& options) {
+std::optional<Detunings> detunings_of(WaveOptions const& options, WaveSettings const& wave) {
   if (!options.detuning.empty() && !options.plot.empty()) check_ending(options.plot, {".png"}, "--plot");
   if (!options.detuning.empty()) return parse_detunings(options.detuning);
-  if (!options.csv.empty())
-    throw InputError("--csv is for a scan of detuning", "add for example --detuning -0.5..0.5:1001");
+  if (!options.csv.empty() && wave.photodiodes.empty())
+    throw InputError("--csv is for photodiodes, which the scene has none of, or for a scan of detuning",
+                     "add 'photodiodes' to the table 'wave', or for example --detuning -0.5..0.5:1001");
   return {};
 }
 
@@ -89,7 +90,7 @@ int wave(WaveOptions const& options) {
     throw InputError(fmt::format("{} has no table 'wave'", options.input),
                      "add for example 'wave: {beam: arm, baffles: \"baffles*\"}'");
   if (options.seam) return print_seam(model, options);
-  std::optional<Detunings> const detunings = detunings_of(options);
+  std::optional<Detunings> const detunings = detunings_of(options, model.world.wave);
   std::optional<std::array<MirrorCoating, 2>> coatings;
   if (detunings) coatings = mirror_coatings(model);
   ArmOptions what;
@@ -101,6 +102,7 @@ int wave(WaveOptions const& options) {
   ArmWaves const waves = solve_waves(model, options.threads, options, what);
   for (std::string const& warning : waves.arm.warnings) print_warning(warning, options);
   if (!options.out.empty() || (!options.plot.empty() && !detunings)) write_field(options, model, waves);
+  if (!options.csv.empty() && !detunings) write_file(options.csv, photodiodes_csv(waves, model.world));
   std::optional<DrivenArm> driven;
   if (detunings) {
     driven = drive_waves(model, waves, *coatings, detunings->in_ranges(waves.arm.cavity.length), options.threads,
@@ -127,7 +129,7 @@ void add_wave(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand(
       "wave", "Compute the field of a cavity at small angles: its losses, its modes, and what its rims couple back.");
   add_scene_options(*command, o);
-  command->add_option("--show", o.show, "rows of rims")->check(whole_between(1, 1e6, "20"));
+  command->add_option("--show", o.show, "rows of rims and of photodiodes")->check(whole_between(1, 1e6, "20"));
   command->add_option("--order", o.order, "highest order of the modes listed")->check(whole_between(0, 8, "2"));
   command->add_flag(
       "--grid-check", o.grid_check,
@@ -142,7 +144,9 @@ void add_wave(CLI::App& app, int& exit_code) {
   command->add_option("--detuning", o.detuning,
                       "also drive the cavity by the input beam at these detunings from resonance, in free spectral "
                       "ranges or with a unit of frequency: -0.5..0.5:1001, -200Hz..200Hz:401 or 0");
-  mark_output(*command, *command->add_option("--csv", o.csv, "file for the table of detunings, all digits"));
+  mark_output(*command,
+              *command->add_option("--csv", o.csv,
+                                   "file for the table of photodiodes, or with --detuning of detunings, all digits"));
   command->add_option("--threads", o.threads, "0: all cores")->check(whole_between(0, 4096, "8"));
   auto* const out = command->add_option(
       "-o,--out", o.out, "run file to write (HDF5), without histories: run and trace resume it with this field");

@@ -98,6 +98,22 @@ Json draw_json(ArmDraw const& d) {
           {"loss_by_surface", ledger_json(d.ledger)}};
 }
 
+Json diodes_json(ArmWaves const& waves) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < waves.diodes.size(); ++i) {
+    Photodiode const& d = waves.arm.diodes[i];
+    DiodeResult const& found = waves.diodes[i];
+    all.push_back({{"name", d.name},
+                   {"radius_m", d.radius},
+                   {"azimuth_rad", d.azimuth},
+                   {"area_m2", d.area()},
+                   {"power_shares", found.draws},
+                   {"power_share_mean", found.mean},
+                   {"power_share_spread", found.spread}});
+  }
+  return all;
+}
+
 }  // namespace
 
 nlohmann::ordered_json wave_json(ArmWaves const& waves, World const& world) {
@@ -144,7 +160,8 @@ nlohmann::ordered_json wave_json(ArmWaves const& waves, World const& world) {
            {"mirrors", mirrors},
            {"modes", modes},
            {"draws", draws},
-           {"rims", rims}};
+           {"rims", rims},
+           {"photodiodes", diodes_json(waves)}};
   if (waves.bands) out["by_frequency"] = bands_json(waves);
   return out;
 }

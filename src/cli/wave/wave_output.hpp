@@ -24,5 +24,8 @@ Spread lever_spread(RimResult const&, bool along);
 // `show`: rows of the tables of rims.
 std::string wave_text(ArmWaves const&, World const&, std::size_t show);
 nlohmann::ordered_json wave_json(ArmWaves const&, World const&);
+// Of photodiodes.
+std::string photodiodes_text(ArmWaves const&, World const&, std::size_t show);  // empty without any
+std::string photodiodes_csv(ArmWaves const&, World const&);
 
 }  // namespace straytrace::cli

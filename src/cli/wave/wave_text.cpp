@@ -330,7 +330,7 @@ std::string wave_text(ArmWaves const& waves, World const& world, std::size_t sho
     text +=
         rims_text(waves, world, order, show) + spread_text(waves, world, order, show) + light_text(waves, world, show);
   }
-  return text + errors_text(waves);
+  return text + photodiodes_text(waves, world, show) + errors_text(waves);
 }
 
 }  // namespace straytrace::cli

@@ -11,6 +11,7 @@
 #include "base/math/gauss_points.hpp"
 #include "optics/scatter/mixture.hpp"
 #include "wave/arm/arm_checks.hpp"
+#include "wave/arm/arm_diodes.hpp"
 #include "wave/heights/defects.hpp"
 #include "world/model/vertex.hpp"
 #include "world/model/world.hpp"
@@ -161,14 +162,16 @@ bool has_heights(WaveSettings::Mirror const& settings) {
 // Heights below the crossover angle: as measured, and beyond the largest frequency of the map as the BSDF of the mirror
 // yields; without a map as the BSDF alone. `number`: of the mirror, and 2 more for each draw.
 std::vector<double> figure_of(World const& world, WaveSettings::Mirror const& settings, ArmMirror const& mirror,
-                              ArmCavity const& arm, std::uint32_t number) {
+                              ArmCavity const& arm, std::uint32_t number, RandomHeights random) {
   Grid const& grid = arm.cavity.grid;
   if (settings.heights == WaveSettings::Heights::none) return std::vector<double>(grid.size());
   double const wavelength = arm.cavity.wavelength, highest = arm.crossover / wavelength;
   std::optional<HeightMap> map = arm.maps[number % 2];
   MirrorBrdf const brdf(world, mirror, mirror.travel);
   auto const spectrum = [&](double f) { return height_spectrum(brdf(f * wavelength), wavelength); };
-  std::vector<double> heights = synthesise(spectrum, grid, map ? map->nyquist() : 0, highest, settings.seed, number);
+  std::vector<double> heights(grid.size());
+  if (random == RandomHeights::drawn)
+    heights = synthesise(spectrum, grid, map ? map->nyquist() : 0, highest, settings.seed, number);
   if (!map) return heights;
   fill_holes(*map);
   add(heights, resample(*map, grid, highest));
@@ -176,9 +179,9 @@ std::vector<double> figure_of(World const& world, WaveSettings::Mirror const& se
 }
 
 std::vector<double> heights_of(World const& world, WaveSettings::Mirror const& settings, ArmMirror const& mirror,
-                               ArmCavity const& arm, std::uint32_t number) {
+                               ArmCavity const& arm, std::uint32_t number, RandomHeights random) {
   if (!has_heights(settings)) return {};
-  std::vector<double> heights = figure_of(world, settings, mirror, arm, number);
+  std::vector<double> heights = figure_of(world, settings, mirror, arm, number, random);
   Grid const& grid = arm.cavity.grid;
   double const highest = arm.crossover / arm.cavity.wavelength;
   for (WaveSettings::Absorber const& a : settings.absorbers)
@@ -208,25 +211,30 @@ ArmCavity outline_of(World const& world, WaveSettings const& settings, Spots con
   arm.rims = rims_of(world, settings, arm.frame, arm.cavity.length, arm.problems);
   arm.crossover =
       settings.crossover.value_or(chosen_crossover(arm.mirrors, arm.rims, arm.cavity.length, world.wavelength));
-  for (ArmRim& r : arm.rims) {
-    r.in_band = r.angle1 <= arm.crossover && r.angle2 <= arm.crossover;
+  for (ArmRim const& r : arm.rims)
     arm.cavity.baffles.push_back({r.centre.z, {r.rim.radius + r.rim.tooth_depth / 2, r.centre.x, r.centre.y}});
-  }
   arm.cavity.mirror1 = aligned_as(settings.mirrors[0], arm.mirrors[0]);
   arm.cavity.mirror2 = aligned_as(settings.mirrors[1], arm.mirrors[1]);
+  place_diodes(settings, arm);
+  for (ArmRim& r : arm.rims) r.in_band = r.angle1 <= arm.crossover && r.angle2 <= arm.crossover;
   return arm;
+}
+
+std::array<std::vector<double>, 2> heights_of_both(World const& world, WaveSettings const& settings,
+                                                   ArmCavity const& arm, std::uint32_t draw, RandomHeights random) {
+  std::array<std::vector<double>, 2> heights;
+  for (std::uint32_t i : {0u, 1u}) {
+    heights[i] = heights_of(world, settings.mirrors[i], arm.mirrors[i], arm, i + 2 * draw, random);
+    shift(heights[i], arm.cavity.grid, settings.mirrors[i].shift);
+  }
+  return heights;
 }
 
 }  // namespace
 
 std::array<std::vector<double>, 2> drawn_heights(World const& world, WaveSettings const& settings, ArmCavity const& arm,
                                                  std::uint32_t draw) {
-  std::array<std::vector<double>, 2> heights;
-  for (std::uint32_t i : {0u, 1u}) {
-    heights[i] = heights_of(world, settings.mirrors[i], arm.mirrors[i], arm, i + 2 * draw);
-    shift(heights[i], arm.cavity.grid, settings.mirrors[i].shift);
-  }
-  return heights;
+  return heights_of_both(world, settings, arm, draw, RandomHeights::drawn);
 }
 
 double crossover_angle(World const& world, WaveSettings const& settings) {
@@ -265,13 +273,13 @@ ArmCavity planned_arm(World const& world, WaveSettings const& settings) {
   return arm;
 }
 
-ArmCavity arm_cavity(World const& world, WaveSettings const& settings, ArmCavity planned) {
+ArmCavity arm_cavity(World const& world, WaveSettings const& settings, ArmCavity planned, RandomHeights random) {
   std::vector<InputError> errors;
   for (ArmProblem const& p : planned.problems)
     if (p.severity == Severity::error) errors.emplace_back(p.what, p.remedy);
   throw_all(errors);
   ArmCavity arm = std::move(planned);
-  auto heights = drawn_heights(world, settings, arm, 0);
+  auto heights = heights_of_both(world, settings, arm, 0, random);
   for (std::size_t i : {0, 1}) {
     ArmMirror& mirror = arm.mirrors[i];
     mirror.roughness = height_rms(heights[i]);

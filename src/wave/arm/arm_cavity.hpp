@@ -12,6 +12,7 @@
 #include "base/errors.hpp"
 #include "wave/cavity.hpp"
 #include "wave/cavity_rims.hpp"
+#include "wave/diodes/photodiode.hpp"
 #include "wave/heights/height_map.hpp"
 #include "world/ghosts/obstacle.hpp"
 #include "world/model/wave_settings.hpp"
@@ -66,6 +67,9 @@ struct ArmProblem {
   std::optional<Place> in_file = {};  // line and column in the file of heights that `keys` name
 };
 
+// Heights of mirrors that no map states: drawn with their seed, or left out.
+enum class RandomHeights : bool { left_out, drawn };
+
 struct ArmCavity {
   CavityFrame frame;
   std::array<ArmMirror, 2> mirrors;
@@ -73,13 +77,14 @@ struct ArmCavity {
   std::vector<ArmRim> rims;                      // in order of place; the baffles of `cavity` are these
   double crossover = 0;                          // rad
   WaveCavity cavity;
+  std::vector<Photodiode> diodes;
   std::vector<ArmProblem> problems;
   std::vector<std::string> warnings;  // of the solution
 };
 // Frame, rims, crossover angle, grid and measured maps, with all that is wrong with them; no field and no heights.
 ArmCavity planned_arm(World const&, WaveSettings const&);
 // With the heights of the mirrors. Throws InputError with all errors of the plan.
-ArmCavity arm_cavity(World const&, WaveSettings const&, ArmCavity planned);
+ArmCavity arm_cavity(World const&, WaveSettings const&, ArmCavity planned, RandomHeights = RandomHeights::drawn);
 inline ArmCavity arm_cavity(World const& world, WaveSettings const& settings) {
   return arm_cavity(world, settings, planned_arm(world, settings));
 }

@@ -91,19 +91,27 @@ void check_tolerance(WaveSettings const& settings, ArmCavity& arm) {
 struct LegReach {
   double length, reach;  // m; sum of the radii of both ends
 };
-// Between neighbouring openings; first that from mirror to mirror, which the search for the mode starts with.
+// Between neighbouring openings, with the photodiodes around them; first that from mirror to mirror, which the search
+// for the mode starts with.
 std::vector<LegReach> legs_of(ArmCavity const& arm) {
+  struct End {
+    double z, opening, lit;  // m
+  };
+  WaveCavity const& c = arm.cavity;
   auto const reach = [](RoundHole const& hole) { return hole.radius + std::hypot(hole.x, hole.y); };
-  double const last = reach(arm.cavity.mirror2.outline);
-  double before = 0, radius = reach(arm.cavity.mirror1.outline);
-  std::vector<LegReach> legs{{arm.cavity.length, radius + last}};
-  for (ArmRim const& r : arm.rims) {
+  double const r1 = reach(c.mirror1.outline), r2 = reach(c.mirror2.outline);
+  std::vector<End> ends{{0, r1, std::fmax(r1, c.mirror1.lit)}};
+  for (std::size_t i = 0; i < arm.rims.size(); ++i) {
+    ArmRim const& r = arm.rims[i];
     double const opening = r.rim.radius + std::hypot(r.centre.x, r.centre.y);
-    legs.push_back({r.centre.z - before, radius + opening});
-    before = r.centre.z;
-    radius = opening;
+    ends.push_back({r.centre.z, opening, std::fmax(opening, c.baffles[i].lit)});
   }
-  legs.push_back({arm.cavity.length - before, radius + last});
+  ends.push_back({c.length, r2, std::fmax(r2, c.mirror2.lit)});
+  auto const leg = [](End const& a, End const& b) -> LegReach {
+    return {b.z - a.z, std::fmax(a.opening + b.lit, a.lit + b.opening)};
+  };
+  std::vector<LegReach> legs{leg(ends.front(), ends.back())};
+  for (std::size_t i = 1; i < ends.size(); ++i) legs.push_back(leg(ends[i - 1], ends[i]));
   return legs;
 }
 

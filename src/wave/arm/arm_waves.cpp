@@ -15,6 +15,7 @@
 #include "base/process/threads.hpp"
 #include "beams/round_cavity.hpp"
 #include "wave/arm/arm_checks.hpp"
+#include "wave/arm/arm_diodes.hpp"
 #include "wave/arm/arm_solver.hpp"
 #include "world/model/world.hpp"
 
@@ -137,14 +138,19 @@ class ArmEnsemble {
     for (std::size_t j = 0; j < waves.arm.rims.size(); ++j)
       curves.push_back(waves.arm.rims[j].in_band ? curves_of(waves.arm, j, settings_, number)
                                                  : std::vector<RimCurve>{});
+    DiodeMeter diodes(solver_.waves(), waves.arm.diodes);
     CavityRims found = rim_responses(solver_.waves(), mode, curves, [&](Arrival const& arrival) {
       meter(arrival);
+      diodes(arrival);
       bool const at_mirror1 = arrival.plane == 0;
       if (number > 0 || (!at_mirror1 && arrival.plane != int(waves.rims.size()) + 1)) return;
       std::size_t const mirror = at_mirror1 ? 0 : 1;
       waves.spots[mirror].found = centroid(arrival.field);
       if (!waves.fields.empty()) waves.fields[mirror] = arrival.field;
     });
+    for (std::size_t i = 0; i < waves.diodes.size(); ++i)
+      if (diode_angle(waves.arm, waves.arm.diodes[i]) <= waves.arm.crossover)
+        waves.diodes[i].draws.push_back(diodes.light()[i].power());
     for (std::size_t j = 0; j < waves.rims.size(); ++j)
       if (!curves[j].empty()) waves.rims[j].draws.push_back({std::move(found.responses[j]), found.clipped[j]});
     progress_("balance of power");
@@ -171,6 +177,23 @@ class ArmEnsemble {
   ArmSolver& solver_;
   ArmSolver::Progress progress_;
 };
+
+// Mean and spread over all heights of the mirrors.
+void expect_diodes(World const& world, WaveSettings const& settings, ArmWaves& waves, int threads) {
+  if (waves.arm.diodes.empty()) return;
+  DiodeExpectation const expected = expected_on_diodes(world, settings, HaloMoments::mean_and_covariance, threads);
+  std::size_t beyond = 0;
+  for (std::size_t i = 0; i < waves.arm.diodes.size(); ++i) {
+    auto const n = Eigen::Index(i);
+    beyond += diode_angle(waves.arm, waves.arm.diodes[i]) > waves.arm.crossover;
+    waves.diodes.push_back({{}, expected.smooth[n] + expected.halo.mean[n], std::sqrt(expected.halo.covariance(n, n))});
+  }
+  if (beyond > 0)
+    waves.arm.warnings.push_back(
+        fmt::format("wave: {} of {} photodiodes lie beyond the crossover angle of {:.4g} urad, seen from the mirror "
+                    "that their light comes from; only the mean over mirrors is given for them",
+                    beyond, waves.arm.diodes.size(), 1e6 * waves.arm.crossover));
+}
 
 void warn_of_clipping(ArmWaves& waves) {
   double largest = 0;
@@ -218,6 +241,8 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmCavity p
   waves.spots = expected_spots(waves.arm.cavity);
   if (options.fields) waves.fields.assign(2, Field(waves.arm.cavity.grid));
   waves.rims.resize(waves.arm.rims.size());
+  if (!waves.arm.diodes.empty()) say("photodiodes");
+  expect_diodes(world, settings, waves, threads);
   ArmEnsemble ensemble(world, settings, solver, say);
   IrradianceMeter meter(waves.arm.cavity.grid, waves.rims.size() + 2);
   waves.mode = ensemble.solve(waves, meter, 0, mirrors.spectrum);

@@ -36,6 +36,12 @@ struct RimResult {
   std::vector<RimResponse const*> ensemble() const;
 };
 
+// Power on a photodiode over that of the mode.
+struct DiodeResult {
+  std::vector<double> draws;  // of the heights; empty where the grid does not hold the light that meets it
+  double mean = 0;            // over all heights of the mirrors that no map states (eq. W.41)
+  double spread = 0;          // standard deviation over them (eq. W.43)
+};
 // Where the light that arrives at a mirror has its centroid, in the first draw, and where eq. W.23 has the axis of the
 // mode, in m along x and y of the frame of the cavity.
 struct MirrorSpot {
@@ -64,6 +70,7 @@ struct ArmWaves {
   std::optional<GridCheck> grid_check;
   std::optional<HeightBands> bands;
   std::array<MirrorSpot, 2> spots;
+  std::vector<DiodeResult> diodes = {};  // as arm.diodes
   std::vector<Field> fields = {};  // of the first draw, that arrive at mirror 1 and at mirror 2; empty: not wanted
 };
 

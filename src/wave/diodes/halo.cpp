@@ -220,7 +220,8 @@ double covariance_of(HaloPoint const& a, HaloPoint const& b, std::vector<HaloWay
 }
 
 void add_plane(CavityWaves const& smooth, std::array<HaloMirror, 2> const& mirrors,
-               std::vector<Photodiode> const& diodes, DiodePlane const& plane, Moments moments, HaloStatistics& out) {
+               std::vector<Photodiode> const& diodes, DiodePlane const& plane, HaloMoments moments,
+               HaloStatistics& out) {
   Photodiode const& first = diodes[plane.diodes.front()];
   double nearest = infinity, farthest = 0;
   for (DiodeLight const& light : plane.light)
@@ -242,7 +243,7 @@ void add_plane(CavityWaves const& smooth, std::array<HaloMirror, 2> const& mirro
       }
       points.push_back(std::move(point));
     }
-  if (moments == Moments::mean) return;
+  if (moments == HaloMoments::mean) return;
   for (std::size_t a = 0; a < points.size(); ++a)
     for (std::size_t b = 0; b <= a; ++b) {
       double const share = points[a].weight * points[b].weight * covariance_of(points[a], points[b], ways);
@@ -255,7 +256,7 @@ void add_plane(CavityWaves const& smooth, std::array<HaloMirror, 2> const& mirro
 }  // namespace
 
 HaloStatistics halo_on(CavityWaves const& smooth, WaveMode const& mode, std::array<HaloMirror, 2> const& mirrors,
-                       std::vector<Photodiode> const& diodes, Moments moments) {
+                       std::vector<Photodiode> const& diodes, HaloMoments moments) {
   auto const n = Eigen::Index(diodes.size());
   HaloStatistics out{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, n)};
   WaveCavity const& cavity = smooth.cavity();

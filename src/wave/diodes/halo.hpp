@@ -44,9 +44,9 @@ struct HaloStatistics {
   Eigen::VectorXd mean;        // over the power of the mode
   Eigen::MatrixXd covariance;  // of the power on the diodes, with that of the light that is not scattered
 };
-enum class Moments : bool { mean, mean_and_covariance };
+enum class HaloMoments : bool { mean, mean_and_covariance };
 // `smooth`: the cavity with the known heights alone, and its mode. Diodes of different planes count as independent.
 HaloStatistics halo_on(CavityWaves const& smooth, WaveMode const&, std::array<HaloMirror, 2> const&,
-                       std::vector<Photodiode> const&, Moments = Moments::mean_and_covariance);
+                       std::vector<Photodiode> const&, HaloMoments = HaloMoments::mean_and_covariance);
 
 }  // namespace straytrace::wave

@@ -39,8 +39,9 @@ ElasticMode read_elastic_mode(Node const& shape);
 void read_surfaces(Scene const&, World&, Registry&);
 void read_receivers(Scene const&, World&, Registry const&);  // before the beams: a scene with receivers needs no port
 void read_beams(Scene const&, World&, Registry const&);
-void read_edges(Scene const&, World&, Registry const&);  // after the beams
-void read_wave(Scene const&, World&, Registry const&);   // after the edges
+void read_edges(Scene const&, World&, Registry const&);            // after the beams
+void read_wave(Scene const&, World&, Registry const&);             // after the edges
+void read_photodiodes(Node const& wave, World&, Registry const&);  // after mirrors and baffles of `wave`
 // Entries of the scene whose surfaces have inner rims. Adds those of them that a name or pattern fits to `chosen`.
 std::vector<std::string> groups_with_rims(World const&);
 void choose_rims(Node const& pattern, World const&, Registry const&, std::vector<std::string> const& with_rims,

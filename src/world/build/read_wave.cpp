@@ -318,6 +318,7 @@ void read_wave(Scene const& scene, World& world, Registry const& names) {
   read_mirrors(table, cavity, names, wave);
   read_input(table, wave);
   read_tolerance(table, wave);
+  read_photodiodes(table, world, names);
   refuse_rims_of_edges(table, world);
   table.refuse_unknown("'wave'");
 }

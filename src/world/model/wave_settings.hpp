@@ -64,6 +64,20 @@ struct WaveSettings {
     bool any() const { return rim > 0 || centre > 0 || place > 0; }
   };
 
+  // Photodiodes of one kind on a screen, about the centre of its opening.
+  struct Photodiodes {
+    enum class Shape { square, round, sector };
+    struct Place {
+      double radius = 0, azimuth = 0;  // m; rad from x towards y of the frame of the cavity
+    };
+    std::string name;
+    SurfaceId on;             // a baffle of `groups`, or a mirror
+    std::size_t towards = 0;  // number of the mirror towards which the light travels
+    Shape shape = Shape::square;
+    double size = 0;  // side, diameter, or extent of a sector along the radius. m
+    std::vector<Place> places;
+  };
+
   bool present = false;
   std::uint32_t beam = 0;  // number of the cavity, as in its footprints
   std::string beam_name;
@@ -76,6 +90,7 @@ struct WaveSettings {
   std::uint32_t draws = 1;      // of the tolerances, in each draw of the heights
   std::uint32_t map_draws = 1;  // of the random heights of the mirrors
   std::optional<Input> input;
+  std::vector<Photodiodes> photodiodes;
 };
 
 }  // namespace straytrace::world

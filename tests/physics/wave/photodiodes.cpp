@@ -134,7 +134,7 @@ TEST(Photodiodes, TheDirectWayIsTheMeanIrradiance) {
   auto const far_law = [](double angle) { return angle > 60e-6 ? 5e-7 / (angle * angle) : 0; };
   auto const nothing = [](double) { return 0.0; };
   HaloStatistics const halo = halo_on(waves, waves.mode(waves.hermite_gauss()),
-                                      {HaloMirror{spot, far_law}, {spot, nothing}}, ring(0.078), Moments::mean);
+                                      {HaloMirror{spot, far_law}, {spot, nothing}}, ring(0.078), HaloMoments::mean);
   double const irradiance = mean_irradiance(far_law, spot, 1 / 2500., 990, 0.078);
   EXPECT_LT(deviation(halo.mean[0], irradiance * 16e-6), 0.02);
   EXPECT_GT(deviation(mean_irradiance(far_law, spot, 0, 990, 0.078), irradiance), 0.002);  // negative control: flat

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace wave with photodiodes, and straytrace fit baffle (docs/theory/wave.md, eq. W.40 to W.44).
+#include <sstream>
+
+#include "physics/wave/kilometre_arm.hpp"
+#include "scenes/answers.hpp"
+
+namespace straytrace::testing::app_fit_baffle {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// A baffle at the end of a kilometre that may be off the axis, with photodiodes in the tail of the beam.
+std::string scene_text() {
+  KilometreArm arm;
+  arm.baffles =
+      "  - {name: baffle, shape: {disk: {inner_radius: 47 mm, outer_radius: 10 cm}}, at: [shift, 0 m, 990 m],"
+      " facing: [0, 0, -1], body: pipe, material: black}\n";
+  arm.wave =
+      "wave: {beam: arm, baffles: baffle, crossover: 60 urad, grid: {points: 128, window: 0.42 m},"
+      " maps: {I: {spectrum: none}, E: {spectrum: none}},"
+      " photodiodes: {name: d, on: baffle, towards: E, radius: 50 mm, count: 8, size: 4 mm}}\n";
+  return edited(arm.text(), "straytrace: 1\n", "straytrace: 1\nparams: {shift: 0 mm, power: 10 kW}\n");
+}
+
+class FitBaffle : public ::testing::Test {
+ protected:
+  FitBaffle() { write_text(scene_, edited(scene_text(), "power: 10 kW}}", "power: power}}")); }
+  // What the photodiodes measure at a shift, one of them wrong by a share.
+  void measure(std::string const& shift, double wrong = 0) {
+    std::string const all = folder_ / "all.csv";
+    EXPECT_EQ(straytrace({"wave", scene_, "--csv", all, "--quiet", "-p", "shift=" + shift}).code, 0);
+    std::istringstream rows(text_of(all));
+    std::string text = "photodiode, power [W], error [W]\n", row;
+    std::getline(rows, row);
+    for (int i = 0; std::getline(rows, row); ++i) {
+      std::istringstream cells(row);
+      std::string name, x, y, power;
+      std::getline(std::getline(std::getline(std::getline(cells, name, ','), x, ','), y, ','), power, ',');
+      double const watts = std::stod(power) * (1 + (i == 0 ? wrong : 0));
+      text += name + ", " + std::to_string(1e9 * watts) + "e-9, " + std::to_string(1e7 * std::stod(power)) + "e-9\n";
+    }
+    write_text(csv_, text);  // errors of 1 %
+  }
+  Words fit(Words const& more = {"--free", "shift=-1..1 mm"}) const {
+    Words words{"fit", "baffle", scene_, "--measured", csv_, "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  Folder const folder_;
+  std::string const scene_ = folder_ / "arm.yaml", csv_ = folder_ / "measured.csv";
+};
+
+TEST_F(FitBaffle, RecoversTheTruthAndRejectsAnother) {
+  measure("0.3 mm");
+  auto const found = answer(fit());
+  auto const& shift = found["parameters"][0];
+  EXPECT_NEAR(shift["value"].get<double>(), 0.3, 0.3 * shift["sigma"].get<double>());  // the data have no noise
+  EXPECT_LT(shift["sigma"].get<double>(), 0.1);
+  EXPECT_FALSE(found["rejected"].get<bool>());
+  EXPECT_EQ(found["photodiodes"].size(), 8u);
+  EXPECT_LT(found["photodiodes"][0]["speckle_share_of_variance"].get<double>(), 1e-9);  // perfect mirrors
+  measure("0.3 mm", 0.2);  // negative control: a photodiode with a wrong calibration
+  auto const wrong = answer(fit());
+  EXPECT_TRUE(wrong["rejected"].get<bool>());
+  EXPECT_GT(std::abs(wrong["photodiodes"][0]["pull"].get<double>()), 3);
+  Finished const text = straytrace(fit());
+  EXPECT_THAT(text.out, AllOf(HasSubstr("8 photodiodes, 10000 W in 'arm'"), HasSubstr("the data REJECT the model"),
+                              HasSubstr("\nshift")));
+}
+
+TEST_F(FitBaffle, ErrorsSayWhatIsWrong) {
+  auto const refused = [&](std::string const& csv, Words const& more = {"--free", "shift=-1..1 mm"}) {
+    write_text(csv_, csv);
+    Finished const done = straytrace(fit(more));
+    EXPECT_EQ(done.code, 2);
+    return done.err;
+  };
+  std::string const head = "photodiode, power [W], error [W]\n";
+  EXPECT_THAT(refused(head + "d_9, 1e-6, 1e-8\nd_1, 1e-6, 1e-8\n"),
+              AllOf(HasSubstr("measured.csv:2"), HasSubstr("the scene has no photodiode 'd_9'")));
+  EXPECT_THAT(refused(head + "d_1, 1e-6, 0\nd_1, 1e-6, 1e-8\n"),
+              AllOf(HasSubstr("the error of 'd_1' is not above zero"), HasSubstr("'d_1' is measured twice")));
+  EXPECT_THAT(refused("photodiode, power [W]\nd_1, 1e-6\n"), HasSubstr("no column 'error'"));
+  EXPECT_THAT(refused("photodiode, power [W], error [m]\nd_1, 1e-6, 1\n"), HasSubstr("column 'error' is a power"));
+  std::string const two = head + "d_1, 1e-6, 1e-8\nd_2, 1e-6, 1e-8\n";
+  EXPECT_THAT(refused(two, {"--free", "shift=1..-1 mm", "--free", "shift"}),
+              AllOf(HasSubstr("does not rise"), HasSubstr("names no parameter")));
+  EXPECT_THAT(refused(two, {"--free", "shifd=-1..1 mm"}), HasSubstr("shifd"));
+  EXPECT_THAT(refused(two, {"--free", "shift=-1..1 mm", "--free", "power=9..11 kW"}),
+              HasSubstr("2 photodiodes do not determine 2 parameters"));
+}
+
+TEST_F(FitBaffle, WaveListsPhotodiodes) {
+  Finished const text = straytrace({"wave", scene_, "--quiet", "--show", "2", "--order", "0"});
+  EXPECT_THAT(text.out,
+              AllOf(HasSubstr("photodiode  radius/mm  azimuth/deg"), HasSubstr("d_2 "), Not(HasSubstr("d_3 "))));
+  auto const json = answer({"wave", scene_, "--quiet", "--order", "0"});
+  ASSERT_EQ(json["photodiodes"].size(), 8u);
+  auto const& one = json["photodiodes"][0];
+  // Perfect mirrors: the draw is the mean.
+  EXPECT_NEAR(one["power_shares"][0].get<double>() / one["power_share_mean"].get<double>(), 1, 1e-2);
+}
+
+}  // namespace
+}  // namespace straytrace::testing::app_fit_baffle
