@@ -121,7 +121,9 @@ std::vector<std::string> limits_of(Scene const& scene, World const& world) {
   std::vector<std::string> lines;
   if (!world.edges.groups.empty())
     lines.push_back("diffraction at the rims of 'edges': routes of kind edge, upper bounds");
-  if (world.wave.present) {
+  if (world.wave.present && world.wave.ring) {
+    lines.push_back("the field of 'wave' gives the losses of its cavity, and no noise: it has three mirrors or more");
+  } else if (world.wave.present) {
     lines.push_back(world.wave.groups.empty() ? "light below the crossover angle of 'wave' is in the loss of the cavity"
                                                 " alone: the table names no 'baffles'"
                                               : "diffraction at the rims of 'wave': routes of kind wave and speckle; "
@@ -172,7 +174,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   Model model;
   model.scene = read_scene(file, overrides, texts);
   model.world = build_world(model.scene);
-  model.arm = plan_waves(model.scene, model.world);
+  plan_waves(model);
   model.traced = bodies_and_ports(model.scene, model.world);
   model.motion = read_bodies(model.scene.table("bodies"), model.traced, false);
   read_noise(model, model.scene);
@@ -198,7 +200,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
     table.problem("a model does not take a table 'scan'",
                   "name parameters on the command line: straytrace scan MODEL NAME=lo..hi:n");
   model.scene.throw_if_problems();
-  if (model.world.wave.present) begin_rays_at_crossover(model.world);
+  if (model.world.wave.present && !model.world.wave.ring) begin_rays_at_crossover(model.world);
   warn_of_gaps(model.motion, model.noise, model.scene.table("bodies"), model.world.wavelength);
   warn_of_other_detector(model, model.scene.table("noise")["compare"]);
   warn_of_uncounted_ghosts(model);

@@ -18,6 +18,7 @@
 #include "scene/model_tree.hpp"
 #include "scene/scene.hpp"
 #include "wave/arm/arm_cavity.hpp"
+#include "wave/ring/ring_cavity.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::wave {
@@ -72,7 +73,8 @@ struct ProjectionModel {
 
 struct Model : ProjectionModel {
   World world;
-  std::optional<wave::ArmCavity> arm;  // plan of the field of the table `wave`
+  std::optional<wave::ArmCavity> arm;    // plan of the field of the table `wave`, of two mirrors
+  std::optional<wave::RingCavity> ring;  // of three mirrors or more
   std::uint64_t seed = 1, histories = 0;
   bool histories_stated = false;  // by the scene: an upper limit for every stop rule
   StopRule until;

@@ -122,7 +122,10 @@ struct DeterministicLight {
     EdgeClasses edges = edge_classes(model.world);
     classes = std::move(edges.classes);
     warnings = std::move(edges.warnings);
-    if (model.world.wave.present) {
+    if (model.world.wave.present && model.world.wave.ring)
+      warnings.push_back(
+          "wave: the field of a cavity of three mirrors or more adds no noise; 'straytrace wave' prints its losses");
+    else if (model.world.wave.present) {
       ArmWaves const waves = solved_or_known(model, threads, options);
       std::vector<CouplingClass> rims = wave_rim_classes(model.world, waves);
       std::ranges::copy(waves.arm.warnings, std::back_inserter(warnings));

@@ -6,7 +6,6 @@
 
 #include "base/math/functions.hpp"
 #include "beams/cavity_mode.hpp"
-#include "beams/higher_modes.hpp"
 
 namespace straytrace::wave {
 double PowerLedger::total() const {
@@ -61,6 +60,7 @@ CavityWaves::CavityWaves(WaveCavity cavity, int threads)
     : parts_(std::make_unique<Parts>(std::move(cavity), threads)) {}
 CavityWaves::~CavityWaves() = default;
 WaveCavity const& CavityWaves::cavity() const { return parts_->cavity; }
+RoundTrip const& CavityWaves::trip() const { return parts_->trip; }
 Transform const& CavityWaves::transform() const { return parts_->trip.transform(); }
 Mask const& CavityWaves::mask(std::size_t baffle) const { return parts_->trip.mask(baffle); }
 Mask const& CavityWaves::outline1() const { return parts_->trip.mask(parts_->trip.trip().stops.size() - 1); }
@@ -99,22 +99,10 @@ Field CavityWaves::hermite_gauss(int n, int m) const {
   WaveCavity const& c = parts_->cavity;
   CavityAxis const axis = axis_of(c);
   double const w = cavity_mode(c.length, 1 / c.mirror1.curvature, 1 / c.mirror2.curvature, c.wavelength).w1;
-  std::vector<double> across, up;  // hermite_function is exp(-x^2/2) at order 0
-  for (int i = 0; i < c.grid.points; ++i) {
-    across.push_back(hermite_function(n, std::sqrt(2.0) * (c.grid.at(i) - axis.x1) / w));
-    up.push_back(hermite_function(m, std::sqrt(2.0) * (c.grid.at(i) - axis.y1) / w));
-  }
-  Field field(c.grid);
-  for (int row = 0; row < c.grid.points; ++row)
-    for (int column = 0; column < c.grid.points; ++column) {
-      double const x = c.grid.at(column) - axis.x1, y = c.grid.at(row) - axis.y1;
-      double const bend = -(x * x + y * y) * c.mirror1.curvature / 2,
-                   slope = ((axis.x2 - axis.x1) * x + (axis.y2 - axis.y1) * y) / c.length;
-      Complex const wavefront = turned((bend + slope) / c.wavelength);
-      field(row, column) = std::sqrt(2.0) / w * across[std::size_t(column)] * up[std::size_t(row)] * wavefront;
-    }
-  parts_->trip.transform().forward(field, c.grid.points, parts_->trip.start_columns());
-  return field;
+  auto const along = [&](double at1, double at2) {
+    return AxisBeam{w, -c.mirror1.curvature, at1, (at2 - at1) / c.length};
+  };
+  return parts_->trip.hermite_gauss(along(axis.x1, axis.x2), along(axis.y1, axis.y2), n, m);
 }
 
 WaveMode CavityWaves::mode(Field const& start, SolveOptions const& options) const {

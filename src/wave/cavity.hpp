@@ -66,6 +66,7 @@ class CavityWaves {
   explicit CavityWaves(WaveCavity, int threads = 1);  // InputError: eq. W.6, as Leg
   ~CavityWaves();
   WaveCavity const& cavity() const;
+  RoundTrip const& trip() const;
   Transform const& transform() const;
   Mask const& mask(std::size_t baffle) const;
   Mask const& outline1() const;

@@ -18,9 +18,11 @@ struct Family {
   int starts = 0;
 };
 
-std::vector<Eigen::VectorXcd> starts_of(CavityWaves const& waves, int order) {
+using HermiteGauss = std::function<Field(int n, int m)>;
+
+std::vector<Eigen::VectorXcd> starts_of(RoundTrip const& trip, HermiteGauss const& hermite_gauss, int order) {
   std::vector<Eigen::VectorXcd> starts;
-  for (int m = 0; m <= order; ++m) starts.push_back(waves.band().pack(waves.hermite_gauss(order - m, m)));
+  for (int m = 0; m <= order; ++m) starts.push_back(trip.band().pack(hermite_gauss(order - m, m)));
   return starts;
 }
 
@@ -49,17 +51,17 @@ bool unchanged(std::vector<RitzPair> const& now, std::vector<RitzPair> const& be
 }
 
 // Until two more round trips of each start change no eigenvalue.
-Family family_of(CavityWaves const& waves, int order, SolveOptions const& options) {
-  Krylov krylov(starts_of(waves, order));
-  Field work(waves.cavity().grid);
+Family family_of(RoundTrip const& trip, HermiteGauss const& hermite_gauss, int order, SolveOptions const& options) {
+  Krylov krylov(starts_of(trip, hermite_gauss, order));
+  Field work(trip.trip().grid);
   Family family{{}, krylov.starts()};
   int quiet = 0;
   for (int trips = 1; trips <= options.most_round_trips && quiet < 2; ++trips) {
     bool more = true;
     for (int i = 0; i < krylov.starts() && more; ++i) {
-      waves.band().unpack(krylov.next(), work);
-      waves.round_trip(work);
-      more = krylov.extend(waves.band().pack(work));
+      trip.band().unpack(krylov.next(), work);
+      trip.travel(work);
+      more = krylov.extend(trip.band().pack(work));
     }
     std::vector<RitzPair> modes = modes_in(krylov);
     quiet = unchanged(modes, family.modes, options) ? quiet + 1 : 0;
@@ -137,11 +139,12 @@ void add_lines(std::vector<ModeLine>& lines, Family const& family, int order, Co
 
 }  // namespace
 
-std::vector<ModeLine> mode_table(CavityWaves const& waves, int highest_order, SolveOptions const& options) {
+std::vector<ModeLine> mode_table(RoundTrip const& trip, HermiteGauss const& hermite_gauss, int highest_order,
+                                 SolveOptions const& options) {
   std::vector<ModeLine> lines;
   Complex fundamental = 1;
   for (int order = 0; order <= highest_order; ++order) {
-    Family const family = family_of(waves, order, options);
+    Family const family = family_of(trip, hermite_gauss, order, options);
     if (order == 0 && !family.modes.empty()) fundamental = family.modes.front().value;
     add_lines(lines, family, order, fundamental, options);
   }

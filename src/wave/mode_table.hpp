@@ -3,6 +3,7 @@
 // (docs/theory/wave.md, Higher modes).
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "wave/cavity.hpp"
@@ -28,6 +29,12 @@ struct ModeLine {
 
 // The modes of all orders up to the highest, by order and loss. An order of which rims take so much that no mode shares
 // half of its power with it is left out.
-std::vector<ModeLine> mode_table(CavityWaves const&, int highest_order, SolveOptions const& = {});
+// `hermite_gauss`: spectra of the modes about the axis after the last mirror, by n and m.
+std::vector<ModeLine> mode_table(RoundTrip const&, std::function<Field(int n, int m)> const& hermite_gauss,
+                                 int highest_order, SolveOptions const& = {});
+inline std::vector<ModeLine> mode_table(CavityWaves const& waves, int highest_order, SolveOptions const& options = {}) {
+  return mode_table(
+      waves.trip(), [&](int n, int m) { return waves.hermite_gauss(n, m); }, highest_order, options);
+}
 
 }  // namespace straytrace::wave

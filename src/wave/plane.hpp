@@ -40,14 +40,14 @@ class Mask {
 // A mirror, seen by the light that falls on it. Left out: its reflectivity, which multiplies the eigenvalue.
 struct WaveMirror {
   double curvature = 0;           // 1/RoC, positive when concave. 1/m
-  RoundHole outline;              // clear aperture; its cosine is that of the angle of incidence (eq. W.27)
+  RoundHole outline;              // clear aperture; its cosine is that of the angle of incidence (eq. W.55)
   double tilt_x = 0, tilt_y = 0;  // turns the reflected beam by twice this towards +x, +y. rad
   std::vector<double> height;     // towards the light, without the curvature, on the grid across it; empty: none. m
   double scattered = 0;           // power that it scatters beyond the crossover angle (eq. W.2)
   double lit = 0;                 // m, distance from the axis up to which light around it is wanted
 };
-// eq. W.1, W.27: its factor on the grid. `wavefront`: curvature of the wave that the grid follows to it less that of
-// the wave from it (eq. W.26), 1/m.
+// eq. W.1, W.55: its factor on the grid. `wavefront`: curvature of the wave that the grid follows to it less that of
+// the wave from it (eq. W.54), 1/m.
 Field reflection(WaveMirror const&, Mask const& outline, double wavelength, Grid const&, double wavefront = 0);
 
 // Free space with a smooth limit of angles: 1 below `keep`, 0 from `cut` on (eq. W.3 to W.6). The limit lies some

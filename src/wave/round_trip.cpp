@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "beams/higher_modes.hpp"
 #include "wave/passages.hpp"
 
 namespace straytrace::wave {
@@ -101,7 +102,7 @@ struct RoundTrip::Parts {
   static double seen(TripStop const& stop) { return std::max(reach(stop), stop.lit); }
   // How much wider the grid becomes on the way to a stop.
   double widening(std::size_t stop) const { return trip.stops[stop].scale / before(stop).scale; }
-  // Of the spherical wave that the grid follows from a stop to the next less that to it (eq. W.26), 1/m.
+  // Of the spherical wave that the grid follows from a stop to the next less that to it (eq. W.54), 1/m.
   double wavefront(std::size_t stop) const {
     std::size_t const next = stop + 1 < trip.stops.size() ? stop + 1 : 0;
     double const here = widening(stop), there = widening(next);
@@ -228,7 +229,29 @@ Trip const& RoundTrip::trip() const { return parts_->trip; }
 Transform const& RoundTrip::transform() const { return parts_->transform; }
 Mask const& RoundTrip::mask(std::size_t stop) const { return parts_->masks[parts_->stops[stop].mask]; }
 SpectrumDisc const& RoundTrip::band() const { return parts_->disc; }
-int RoundTrip::start_columns() const { return parts_->first_leg().columns(); }
+
+Field RoundTrip::hermite_gauss(AxisBeam x_axis, AxisBeam y_axis, int n, int m) const {
+  Grid const& grid = parts_->trip.grid;
+  double const wavelength = parts_->trip.wavelength;
+  double const followed = (parts_->widening(0) - 1) / parts_->trip.stops.front().leg;  // eq. W.54
+  auto const along = [&](AxisBeam const& beam, int quanta) {
+    std::vector<Complex> values;  // hermite_function is exp(-x^2/2) at order 0
+    for (int i = 0; i < grid.points; ++i) {
+      double const at = grid.at(i), off = at - beam.centre;
+      double const path = (beam.curvature * off * off - followed * at * at) / 2 + beam.slope * off;
+      values.push_back(hermite_function(quanta, std::sqrt(2.0) * off / beam.radius) * turned(path / wavelength));
+    }
+    return values;
+  };
+  std::vector<Complex> const across = along(x_axis, n), up = along(y_axis, m);
+  double const size = std::sqrt(2 / (x_axis.radius * y_axis.radius));
+  Field field(grid);
+  for (int row = 0; row < grid.points; ++row)
+    for (int column = 0; column < grid.points; ++column)
+      field(row, column) = size * across[std::size_t(column)] * up[std::size_t(row)];
+  parts_->transform.forward(field, grid.points, parts_->first_leg().columns());
+  return field;
+}
 
 void RoundTrip::set_height(std::size_t stop, std::vector<double> height) {
   WaveMirror& mirror = *parts_->trip.stops[stop].mirror;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The way of the light once around a cavity, linear, folded or ring, and the modes that come back to themselves
-// (docs/theory/wave.md, eq. W.8, W.9, W.24, W.25 to W.27).
+// (docs/theory/wave.md, eq. W.8, W.9, W.24, W.53 to W.55).
 #pragma once
 
 #include <functional>
@@ -19,14 +19,20 @@ struct TripStop {
   double leg = 0;     // from the stop before it, m
   RoundHole opening;  // of a mirror: its outline
   std::optional<WaveMirror> mirror;
-  double scale = 1;  // pitch of the grid over that at the last stop, where it is 1 (eq. W.26)
+  double scale = 1;  // pitch of the grid over that at the last stop, where it is 1 (eq. W.54)
   double lit = 0;    // m, distance from the axis up to which light beside the opening is wanted
 };
 struct Trip {
   double wavelength = 0;        // m
   Grid grid;                    // at the last stop
   std::vector<TripStop> stops;  // the last is the mirror where the round trip begins
-  bool mirrored = false;        // x of the frame that comes back is -x of that of the start (eq. W.25)
+  bool mirrored = false;        // x of the frame that comes back is -x of that of the start (eq. W.53)
+};
+
+// A Gaussian beam along one axis across it: 1/e^2 radius [m], and curvature of the wavefront [1/m], positive where it
+// diverges; centre [m] and direction of travel [rad].
+struct AxisBeam {
+  double radius = 0, curvature = 0, centre = 0, slope = 0;
 };
 
 // A field that arrives at a stop before its mask. Multiplied by exp(i pi curvature rho^2/lambda) and divided by the
@@ -70,10 +76,11 @@ class RoundTrip {
   Transform const& transform() const;
   Mask const& mask(std::size_t stop) const;
   SpectrumDisc const& band() const;  // frequencies at the start of the fields of which modes are made
-  int start_columns() const;         // that hold a spectrum at the start
   // Another surface of the mirror at a stop, as WaveMirror::height.
   void set_height(std::size_t stop, std::vector<double>);
 
+  // Spectrum of a Hermite-Gauss mode after the last mirror, n quanta along x and m along y. Unit power.
+  Field hermite_gauss(AxisBeam x, AxisBeam y, int n = 0, int m = 0) const;
   // eq. W.8, in place. Calls the observer for each arrival, in order of the way.
   void travel(Field& spectrum, std::function<void(StopArrival const&)> const& = {}) const;
   // The mode that shares most with `start`, a spectrum after the last mirror. NumericalError if none is found.

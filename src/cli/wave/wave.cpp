@@ -13,6 +13,7 @@
 #include "cli/options.hpp"
 #include "cli/wave/driven_output.hpp"
 #include "cli/wave/wave_output.hpp"
+#include "cli/wave/wave_ring.hpp"
 #include "results/curves/curve_file.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"
@@ -82,6 +83,18 @@ void write_field(WaveOptions const& options, Model& model, ArmWaves const& waves
     throw InputError(message, "or remove --plot");
 }
 
+int ring(Model const& model, WaveOptions const& options, ArmOptions const& what) {
+  if (options.seam || options.grid_check || options.by_frequency || !options.detuning.empty() || !options.out.empty() ||
+      !options.plot.empty() || !options.csv.empty())
+    throw InputError(
+        "--seam, --grid-check, --by-frequency, --detuning, -o, --plot and --csv are for cavities of two mirrors",
+        "leave them out; to check the grid, compare with twice the 'points' of 'grid'");
+  RingWaves const waves = solve_ring_waves(model, options.threads, options, what);
+  for (std::string const& warning : waves.ring.warnings) print_warning(warning, options);
+  std::cout << (options.json() ? ring_json(waves, model.world).dump() + '\n' : ring_text(waves, model.world));
+  return done;
+}
+
 int wave(WaveOptions const& options) {
   if (!options.plot.empty()) check_ending(options.plot, {".png", ".pdf", ".svg"}, "--plot");
   Model model = read_model(options.input, options.overrides);
@@ -89,15 +102,16 @@ int wave(WaveOptions const& options) {
   if (!model.world.wave.present)
     throw InputError(fmt::format("{} has no table 'wave'", options.input),
                      "add for example 'wave: {beam: arm, baffles: \"baffles*\"}'");
-  if (options.seam) return print_seam(model, options);
   std::optional<Detunings> const detunings = detunings_of(options, model.world.wave);
-  std::optional<std::array<MirrorCoating, 2>> coatings;
-  if (detunings) coatings = mirror_coatings(model);
   ArmOptions what;
   what.highest_order = options.order;
   what.grid_check = options.grid_check;
   what.by_frequency = options.by_frequency;
   what.fields = options.fields;
+  if (model.world.wave.ring) return ring(model, options, what);
+  if (options.seam) return print_seam(model, options);
+  std::optional<std::array<MirrorCoating, 2>> coatings;
+  if (detunings) coatings = mirror_coatings(model);
   if (!options.out.empty()) refuse_loss_of_histories(options, model);
   ArmWaves const waves = solve_waves(model, options.threads, options, what);
   for (std::string const& warning : waves.arm.warnings) print_warning(warning, options);

@@ -15,6 +15,7 @@
 #include "session/build_info.hpp"
 #include "session/interrupt.hpp"
 #include "wave/arm/arm_checks.hpp"
+#include "wave/ring/ring_grid.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::session {
@@ -78,14 +79,45 @@ char const* origin(bool stated) { return stated ? "" : " (automatic)"; }
 
 }  // namespace
 
-std::optional<ArmCavity> plan_waves(Scene const& scene, World const& world) {
-  if (!world.wave.present || !scene.root().healthy()) return {};
-  ArmCavity plan = planned_arm(world, world.wave);
-  for (ArmProblem const& p : plan.problems) tell(scene.table("wave"), world.wave, p);
-  return plan;
+void plan_waves(Model& model) {
+  WaveSettings const& wave = model.world.wave;
+  if (!wave.present || !model.scene.root().healthy()) return;
+  if (wave.ring)
+    model.ring = planned_ring(model.world, wave);
+  else
+    model.arm = planned_arm(model.world, wave);
+  for (ArmProblem const& p : model.ring ? model.ring->problems : model.arm->problems)
+    tell(model.scene.table("wave"), wave, p);
 }
 
+namespace {
+
+std::string ring_line(RingCavity const& ring, WaveSettings const& wave, double wavelength) {
+  Grid const& grid = ring.trip.grid;
+  return fmt::format(
+      "wave {}: crossover angle {:.4g} urad{}; the light meets {} mirrors and inner edges per round trip\n"
+      "  grid of {} x {} points{} over {:.4g} m{}, which carries {:.4g} urad; the field needs {:.2g} GB of memory\n",
+      wave.beam_name, 1e6 * ring.crossover, origin(wave.crossover.has_value()), ring.stops.size(), grid.points,
+      grid.points, origin(wave.points > 0), grid.window, origin(wave.window > 0), 1e6 * grid.largest_angle(wavelength),
+      1e-9 * needed_memory(ring));
+}
+
+// Keys that the plans of both kinds of cavities have.
+nlohmann::ordered_json plan_json(WaveSettings const& wave, double crossover, Grid const& grid, double memory) {
+  return {{"beam", wave.beam_name},
+          {"crossover_rad", crossover},
+          {"crossover_automatic", !wave.crossover.has_value()},
+          {"points", grid.points},
+          {"points_automatic", wave.points == 0},
+          {"window_m", grid.window},
+          {"window_automatic", !(wave.window > 0)},
+          {"memory_bytes", memory}};
+}
+
+}  // namespace
+
 std::string wave_line(Model const& model) {
+  if (model.ring) return ring_line(*model.ring, model.world.wave, model.world.wavelength);
   if (!model.arm) return {};
   ArmCavity const& arm = *model.arm;
   WaveSettings const& wave = model.world.wave;
@@ -100,19 +132,19 @@ std::string wave_line(Model const& model) {
 }
 
 nlohmann::ordered_json wave_json(Model const& model) {
+  WaveSettings const& wave = model.world.wave;
+  if (model.ring) {
+    RingCavity const& ring = *model.ring;
+    nlohmann::ordered_json all = plan_json(wave, ring.crossover, ring.trip.grid, needed_memory(ring));
+    all["stops"] = ring.stops.size();
+    return all;
+  }
   if (!model.arm) return {};
   ArmCavity const& arm = *model.arm;
-  WaveSettings const& wave = model.world.wave;
-  return {{"beam", wave.beam_name},
-          {"crossover_rad", arm.crossover},
-          {"crossover_automatic", !wave.crossover.has_value()},
-          {"points", arm.cavity.grid.points},
-          {"points_automatic", wave.points == 0},
-          {"window_m", arm.cavity.grid.window},
-          {"window_automatic", !(wave.window > 0)},
-          {"inner_edges", arm.rims.size()},
-          {"inner_edges_within", std::ranges::count_if(arm.rims, &ArmRim::in_band)},
-          {"memory_bytes", needed_memory(arm)}};
+  nlohmann::ordered_json all = plan_json(wave, arm.crossover, arm.cavity.grid, needed_memory(arm));
+  all["inner_edges"] = arm.rims.size();
+  all["inner_edges_within"] = std::ranges::count_if(arm.rims, &ArmRim::in_band);
+  return all;
 }
 
 ArmWaves solve_waves(Model const& model, unsigned threads, PrintOptions const& print, ArmOptions options) {
@@ -120,6 +152,13 @@ ArmWaves solve_waves(Model const& model, unsigned threads, PrintOptions const& p
   options.threads = int(threads);
   options.progress = std::ref(progress);
   return solve_arm(model.world, model.world.wave, model.arm.value(), options);
+}
+
+RingWaves solve_ring_waves(Model const& model, unsigned threads, PrintOptions const& print, ArmOptions options) {
+  WaveProgress progress(print);
+  options.threads = int(threads);
+  options.progress = std::ref(progress);
+  return solve_ring(model.world, model.world.wave, model.ring.value(), options);
 }
 
 std::array<MirrorCoating, 2> mirror_coatings(Model const& model) {

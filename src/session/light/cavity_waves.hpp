@@ -12,16 +12,20 @@
 #include "session/options.hpp"
 #include "wave/arm/driven_arm.hpp"
 #include "wave/arm/wave_record.hpp"
+#include "wave/ring/ring_waves.hpp"
 
 namespace straytrace::session {
 
-// The plan of its field, with problems at the keys that cause them; none without the table or in a scene with errors.
-std::optional<ArmCavity> plan_waves(Scene const&, World const&);
+// Gives the model the plan of its field, with problems at the keys that cause them; none without the table or in a
+// scene with errors.
+void plan_waves(Model&);
 // Crossover angle, grid and memory, for `straytrace check`; empty without a plan.
 std::string wave_line(Model const&);
 nlohmann::ordered_json wave_json(Model const&);  // null without a plan
 // With progress on stderr.
 ArmWaves solve_waves(Model const&, unsigned threads, PrintOptions const&, ArmOptions = {});
+// Of a cavity of three mirrors or more.
+RingWaves solve_ring_waves(Model const&, unsigned threads, PrintOptions const&, ArmOptions = {});
 
 // Of its mirrors; the interferometer has the transmissions where the table `wave` has none. InputError where neither
 // has.

@@ -273,11 +273,15 @@ ArmCavity planned_arm(World const& world, WaveSettings const& settings) {
   return arm;
 }
 
-ArmCavity arm_cavity(World const& world, WaveSettings const& settings, ArmCavity planned, RandomHeights random) {
+void throw_errors(std::vector<ArmProblem> const& problems) {
   std::vector<InputError> errors;
-  for (ArmProblem const& p : planned.problems)
+  for (ArmProblem const& p : problems)
     if (p.severity == Severity::error) errors.emplace_back(p.what, p.remedy);
   throw_all(errors);
+}
+
+ArmCavity arm_cavity(World const& world, WaveSettings const& settings, ArmCavity planned, RandomHeights random) {
+  throw_errors(planned.problems);
   ArmCavity arm = std::move(planned);
   auto heights = heights_of_both(world, settings, arm, 0, random);
   for (std::size_t i : {0, 1}) {

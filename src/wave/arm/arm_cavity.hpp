@@ -67,6 +67,7 @@ struct ArmProblem {
   std::optional<Place> in_file = {};  // line and column in the file of heights that `keys` name
 };
 
+void throw_errors(std::vector<ArmProblem> const&);  // InputError with all of them
 // Heights of mirrors that no map states: drawn with their seed, or left out.
 enum class RandomHeights : bool { left_out, drawn };
 

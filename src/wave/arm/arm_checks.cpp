@@ -16,7 +16,6 @@
 namespace straytrace::wave {
 namespace {
 
-constexpr int most_points = 8192;
 constexpr int most_for_edges = 2048;      // that light between clipping edges alone makes the program choose
 constexpr double largest_tilt = 0.1;      // rad: the opening across the beam is half a per cent narrower
 constexpr int fewest_pitches = 8;         // of a radius of an opening

@@ -24,7 +24,8 @@ double needed_memory(ArmCavity const&);  // bytes, of the fields
 // Whether no light of the mode itself meets a rim: 2e-11 of it lies beyond.
 bool clear_of_mode(ArmCavity const&, ArmRim const&);
 
-// The next number of points that transforms are fast for, at most 8192; 0: none.
+constexpr int most_points = 8192;  // of a grid, along one side
+// The next number of points that transforms are fast for, at most `most_points`; 0: none.
 int allowed_points(int least);
 
 }  // namespace straytrace::wave

@@ -75,16 +75,8 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
 
 // Cavities: their modes are computed, not typed (docs/theory/beams.md, eq. 6.3).
 
-namespace {
-
-struct Mirror {
-  SurfaceId id;
-  Vec3 vertex, axis;
-  double curvature = 0, radius = 0;
-};
-
 // A cap or disk can be a cavity mirror.
-bool read_mirror(Node const& node, Registry const& names, World const& world, Mirror& mirror) {
+bool read_mirror(Node const& node, Registry const& names, World const& world, CavityMirror& mirror) {
   mirror.id = find_surface(node, names);
   if (!mirror.id.valid()) return false;
   return world.view().shapes.visit(world.surfaces()[mirror.id.value].shape, [&](auto const& s) {
@@ -101,7 +93,23 @@ bool read_mirror(Node const& node, Registry const& names, World const& world, Mi
   });
 }
 
-Footprint cavity_spot(Mirror const& m, double w, Lighting const& beam) {
+std::optional<SurfaceId> obstacle(World const& world, CavityMirror const& one, Vec3 from, CavityMirror const& two,
+                                  Vec3 to) {
+  WorldView const view = world.view();
+  Vec3 const span = to - from;
+  double const distance = length(span);
+  Ray const chief{from, (1 / distance) * span, distance * (1 - 1e-9)};
+  for (std::uint32_t id = 0; id < world.surfaces().size(); ++id)
+    if (id != one.id.value && id != two.id.value && !world.surfaces()[id].clear &&
+        view.shapes.visit(world.surfaces()[id].shape,
+                          [&](auto const& s) { return crossing_of(s, chief, false, 0).distance; }) < infinity)
+      return SurfaceId{id};
+  return {};
+}
+
+namespace {
+
+Footprint cavity_spot(CavityMirror const& m, double w, Lighting const& beam) {
   Footprint f;
   f.surface = m.id;
   f.centre = m.vertex;
@@ -117,8 +125,8 @@ Footprint cavity_spot(Mirror const& m, double w, Lighting const& beam) {
 
 // Share of the power that the rims of both mirrors take per round trip (docs/theory/beams.md, eq. W.10); none where the
 // mirrors are too large for the computation. A rim beyond 4.5 w takes less than 1e-17.
-std::optional<double> rim_loss(Mirror const& one, Mirror const& two, double distance, CavityMode const& mode,
-                               double wavelength) {
+std::optional<double> rim_loss(CavityMirror const& one, CavityMirror const& two, double distance,
+                               CavityMode const& mode, double wavelength) {
   RoundCavity const cavity{
       wavelength,
       one.curvature,
@@ -136,12 +144,13 @@ std::string loss_text(std::optional<double> loss) {
 }  // namespace
 
 void read_cavity(Node const& beam, Node const& cavity, Registry const& names, World& world, Lighting const& light) {
+  if (cavity.as_list().size() > 2) return read_ring_cavity(beam, cavity, names, world, light);
   std::string const& name = light.name;
   LitWish const lit = read_lit(beam, names);
   auto const mirrors = cavity.as_list();
-  Mirror one, two;
-  if (mirrors.size() != 2) {
-    cavity.problem("a cavity has two mirrors", "write for example cavity: [ITM, ETM]");
+  CavityMirror one, two;
+  if (mirrors.size() < 2) {
+    cavity.problem("a cavity has two mirrors or more", "write for example cavity: [ITM, ETM]");
     return;
   }
   bool const found = read_mirror(mirrors[0], names, world, one);
@@ -172,15 +181,10 @@ void read_cavity(Node const& beam, Node const& cavity, Registry const& names, Wo
     cavity.problem(e.what(), "change the mirror curvatures or the length");
     return;
   }
-  WorldView const view = world.view();
-  Ray const chief{one.vertex, (1 / distance) * span, distance * (1 - 1e-9)};
-  for (std::uint32_t id = 0; id < world.surfaces().size(); ++id)
-    if (id != one.id.value && id != two.id.value && !world.surfaces()[id].clear &&
-        view.shapes.visit(world.surfaces()[id].shape,
-                          [&](auto const& s) { return crossing_of(s, chief, false, 0).distance; }) < infinity) {
-      beam.problem(fmt::format("'{}' obstructs the beam '{}'", world.name_of({id}), name), "give it a hole or move it");
-      return;
-    }
+  if (auto const id = obstacle(world, one, one.vertex, two, two.vertex)) {
+    beam.problem(fmt::format("'{}' obstructs the beam '{}'", world.name_of(*id), name), "give it a hole or move it");
+    return;
+  }
   if (lit.wanted) light_up(beam, lit, names, world, light);
 }
 
@@ -423,6 +427,19 @@ void open(Port const& port, World& world, Beams const& beams) {
                   "place the port where its beam meets a surface");
 }
 
+// Light that rejoins a ring does so in the mode of opposite direction; in a folded cavity both are one mode.
+void check_ring_port(Node const& port, Node const& cavity) {
+  if (!cavity || cavity.as_list().size() < 3) return;
+  if (turns_back(cavity.as_list()))
+    port["beam"].problem("light that rejoins a folded cavity is not computed",
+                         "use 'receivers', or a scene of two mirrors with the same mode");
+  else
+    port.warning(
+        "the port of a ring takes light into the mode of opposite direction alone, per passage; its resonance in the "
+        "ring and light that rejoins along the beam are not counted",
+        "scale the couplings by the gain of the ring in this mode, and state 'at' for the port in 'interferometer'");
+}
+
 }  // namespace
 
 void read_ports(Scene const& scene, World& world, Registry const& names, Beams const& beams) {
@@ -440,6 +457,7 @@ void read_ports(Scene const& scene, World& world, Registry const& names, Beams c
     port.node = node;
     port.beam = std::uint32_t(number);
     bool const placed = read_place(port, names);
+    if (known) check_ring_port(node, scene.table("beams").items()[number].second["cavity"]);
     node.refuse_unknown(fmt::format("port '{}'", name));
     if (known && placed) ports.push_back(port);
   }

@@ -98,7 +98,22 @@ struct Lighting {
   double power = 1;  // over that of the first beam that states one (q of eq. 1.1)
 };
 
+// A cap or disk as a mirror of a cavity.
+struct CavityMirror {
+  SurfaceId id;
+  Vec3 vertex, axis;                 // m; unit normal on the front
+  double curvature = 0, radius = 0;  // 1/RoC [1/m], positive when concave; of the clear aperture, m
+};
+// False after a problem.
+bool read_mirror(Node const&, Registry const&, World const&, CavityMirror&);
+// A surface in the way of the light between two mirrors.
+std::optional<SurfaceId> obstacle(World const&, CavityMirror const&, Vec3 from, CavityMirror const&, Vec3 to);
+
 void read_cavity(Node const& beam, Node const& cavity, Registry const&, World&, Lighting const&);
+// Three mirrors or more, in the order of a round trip.
+void read_ring_cavity(Node const& beam, Node const& cavity, Registry const&, World&, Lighting const&);
+// Whether the light of a cavity of three mirrors or more turns back, so that it goes through each leg both ways.
+bool turns_back(std::vector<Node> const& mirrors);
 void read_free(Node const& beam, Registry const&, World&, Lighting const&);  // key `from`
 void read_spot(Node const& beam, Registry const&, World&, Lighting const&);  // key `on`
 

@@ -49,10 +49,14 @@ WaveCavity find_cavity(Node const& table, Scene const& scene, World& world) {
                           did_you_mean(wave.beam_name, cavities, remedy));
   else if (!cavity.mirrors)
     table["beam"].problem(fmt::format("beam '{}' is not the mode of a cavity", wave.beam_name), remedy);
-  std::size_t known = 0;
+  wave.ring = cavity.mirrors && cavity.mirrors.as_list().size() > 2;
+  std::vector<WaveSettings::Mirror> mirrors;
   for (Footprint const& f : world.footprints())
-    if (f.standing && f.beam == wave.beam && known < 2) wave.mirrors[known++].surface = f.surface;
-  cavity.found = cavity.mirrors && known == 2;
+    if ((f.standing || wave.ring) && f.beam == wave.beam &&
+        std::ranges::find(mirrors, f.surface, &WaveSettings::Mirror::surface) == mirrors.end())
+      mirrors.emplace_back().surface = f.surface;
+  cavity.found = cavity.mirrors && mirrors.size() >= 2;
+  if (cavity.found) wave.mirrors = mirrors;
   return cavity;
 }
 
@@ -301,6 +305,29 @@ void refuse_rims_of_edges(Node const& table, World const& world) {
         "remove 'edges'");
 }
 
+// What the field of a cavity of three mirrors or more does not have.
+void refuse_of_rings(Node const& table, WaveSettings const& wave) {
+  if (!wave.ring) return;
+  for (char const* const key : {"tolerance", "draws", "map_draws"})
+    if (table.has(key))
+      table[key].problem(
+          fmt::format("'{}' is for the levers of edges, which are computed between two mirrors only", key),
+          fmt::format("remove '{}'", key));
+  if (table.has("mirrors"))
+    table["mirrors"].problem("'mirrors' is for cavities of two mirrors",
+                             "remove it; the axis follows mirrors that are turned or displaced in 'scene'");
+  if (table.has("input"))
+    table["input"].problem("'input' is for cavities of two mirrors: the driven field of others is not computed",
+                           "remove 'input'");
+  if (table.has("photodiodes"))
+    table["photodiodes"].problem("'photodiodes' are for cavities of two mirrors", "remove 'photodiodes'");
+  for (auto const& [name, map] : table.table("maps").items())
+    for (char const* const key : {"file", "defects"})
+      if (map.kind() == Node::Kind::table && map.has(key))
+        map[key].problem(fmt::format("'{}' is for cavities of two mirrors", key),
+                         "write 'spectrum: material' or 'spectrum: none' alone");
+}
+
 }  // namespace
 
 void read_wave(Scene const& scene, World& world, Registry const& names) {
@@ -319,6 +346,7 @@ void read_wave(Scene const& scene, World& world, Registry const& names) {
   read_input(table, wave);
   read_tolerance(table, wave);
   read_photodiodes(table, world, names);
+  refuse_of_rings(table, wave);
   refuse_rims_of_edges(table, world);
   table.refuse_unknown("'wave'");
 }

@@ -3,7 +3,6 @@
 // (docs/theory/wave.md).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -81,11 +80,12 @@ struct WaveSettings {
   bool present = false;
   std::uint32_t beam = 0;  // number of the cavity, as in its footprints
   std::string beam_name;
-  std::array<Mirror, 2> mirrors;    // in the order of `cavity`
-  std::optional<double> crossover;  // rad; none: chosen by the computation
-  std::vector<std::string> groups;  // entries of the scene whose inner rims the field passes
-  std::uint32_t points = 0;         // of the grid, along one side; 0: chosen by the computation
-  double window = 0;                // m, side of the grid; 0: chosen by the computation
+  bool ring = false;                                     // of three mirrors or more: a ring or a folded cavity
+  std::vector<Mirror> mirrors = std::vector<Mirror>(2);  // in the order of `cavity`, each once
+  std::optional<double> crossover;                       // rad; none: chosen by the computation
+  std::vector<std::string> groups;                       // entries of the scene whose inner rims the field passes
+  std::uint32_t points = 0;                              // of the grid, along one side; 0: chosen by the computation
+  double window = 0;                                     // m, side of the grid; 0: chosen by the computation
   Tolerance tolerance;
   std::uint32_t draws = 1;      // of the tolerances, in each draw of the heights
   std::uint32_t map_draws = 1;  // of the random heights of the mirrors

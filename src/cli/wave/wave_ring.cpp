@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/wave/wave_ring.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+#include "base/math/constants.hpp"
+#include "results/text/columns.hpp"
+
+namespace straytrace::cli {
+namespace {
+
+constexpr double rounding = 1e-12;  // of the power; smaller shares are rounding
+
+std::string share_text(double share, double scale = 1) {
+  return share > rounding ? fmt::format("{:.4g}", share * scale) : fmt::format("below {:.4g}", rounding * scale);
+}
+
+// Phase of a mode over that of the fundamental one by the ray matrix of the cavity, -0.5 to 0.5 turns.
+double expected_phase(RingCavity const& ring, ModeLine const& mode) {
+  double const turns = -(mode.hermite.one * ring.gouy[0] + mode.hermite.two * ring.gouy[1]) / (2 * pi);
+  return turns - std::round(turns);
+}
+
+double place_of(RingCavity const& ring, std::size_t stop) {
+  double sum = 0;
+  for (std::size_t i = 0; i <= stop; ++i) sum += ring.trip.stops[i].leg;
+  return sum;
+}
+
+std::string stops_text(RingWaves const& waves, World const& world) {
+  RingCavity const& ring = waves.ring;
+  double const power = world.wave.beam < world.beam_powers.size() ? world.beam_powers[world.wave.beam] : 0;
+  Columns table{
+      {"loss per round trip", "z/m", "incidence/deg", "radius/mm", "heights/nm rms", "scatters", "share", "W"},
+      {true},
+      {}};
+  auto const watts = [&](double share) { return power > 0 ? share_text(share, power) : "-"; };
+  for (std::size_t i = 0; i < ring.stops.size(); ++i) {
+    RingStop const& stop = ring.stops[i];
+    double const lost = waves.losses.taken[i];
+    table.rows.push_back({stop.mirror ? "past the rim of " + world.name_of(stop.surface) + ", and scattered"
+                                      : "on " + world.name_of(stop.surface),
+                          fmt::format("{:.6g}", place_of(ring, i)),
+                          stop.mirror ? fmt::format("{:.4g}", stop.incidence * 180 / pi) : "-",
+                          fmt::format("{:.4g} x {:.4g}", 1e3 * stop.arriving[0].radius, 1e3 * stop.arriving[1].radius),
+                          stop.mirror ? fmt::format("{:.3g}", 1e9 * stop.roughness) : "-",
+                          stop.mirror ? fmt::format("{:.3g}", stop.scattered) : "-", share_text(lost), watts(lost)});
+  }
+  double const beyond = waves.losses.beyond_band, loss = waves.mode.loss();
+  table.rows.push_back({"at angles that reach no opening", "", "", "", "", "", share_text(beyond), watts(beyond)});
+  table.rows.push_back({"all", "", "", "", "", "", share_text(loss), watts(loss)});
+  return "\nIn the order of the light: radius of the mode in the plane of incidence and across it, rms heights below "
+         "and "
+         "power scattered\n"
+         "beyond the crossover angle, and power lost.\n\n" +
+         aligned(table);
+}
+
+std::string ring_modes_text(RingWaves const& waves) {
+  if (waves.modes.empty()) return {};
+  Columns table{{"mode", "shared", "loss", "phase/turns", "by ray matrix"}, {true}, {}};
+  for (ModeLine const& m : waves.modes)
+    table.rows.push_back({fmt::format("HG{}{}", m.hermite.one, m.hermite.two), fmt::format("{:.4f}", m.hermite.shared),
+                          share_text(m.loss), fmt::format("{:+.5f}", m.phase),
+                          fmt::format("{:+.5f}", expected_phase(waves.ring, m))});
+  return "\nModes next to Hermite-Gauss modes, first index in the plane of incidence, and the power shared with them; "
+         "phase of the\n"
+         "round trip over that of the fundamental mode.\n\n" +
+         aligned(table);
+}
+
+}  // namespace
+
+std::string ring_text(RingWaves const& waves, World const& world) {
+  RingCavity const& ring = waves.ring;
+  Grid const& grid = ring.trip.grid;
+  std::string const text = fmt::format(
+      "cavity {}: {:.6g} m per round trip, grid of {} x {} points over {:.4g} m{}, which carries angles up to {:.4g} "
+      "urad\n"
+      "crossover angle {:.4g} urad\n",
+      world.wave.beam_name, ring.length(), grid.points, grid.points, grid.window,
+      ring.scaled ? " at the start, which follows the beam" : "", 1e6 * grid.largest_angle(ring.trip.wavelength),
+      1e6 * ring.crossover);
+  return text + stops_text(waves, world) + ring_modes_text(waves);
+}
+
+nlohmann::ordered_json ring_json(RingWaves const& waves, World const& world) {
+  RingCavity const& ring = waves.ring;
+  auto const known = [](double x) {  // null: rounding
+    return x > rounding ? nlohmann::ordered_json(x) : nlohmann::ordered_json();
+  };
+  nlohmann::ordered_json stops = nlohmann::ordered_json::array(), modes = stops;
+  for (std::size_t i = 0; i < ring.stops.size(); ++i) {
+    RingStop const& stop = ring.stops[i];
+    nlohmann::ordered_json entry{{"name", world.name_of(stop.surface)},
+                                 {"kind", stop.mirror ? "mirror" : "baffle"},
+                                 {"z_m", place_of(ring, i)},
+                                 {"mode_radii_m", {stop.arriving[0].radius, stop.arriving[1].radius}},
+                                 {"power_share_lost", known(waves.losses.taken[i])}};
+    if (stop.mirror) {
+      entry["incidence_rad"] = stop.incidence;
+      entry["height_rms_m"] = stop.roughness;
+      entry["scattered_beyond"] = stop.scattered;
+    }
+    stops.push_back(std::move(entry));
+  }
+  for (ModeLine const& m : waves.modes)
+    modes.push_back({{"order", m.order},
+                     {"n", m.hermite.one},
+                     {"m", m.hermite.two},
+                     {"shared", m.hermite.shared},
+                     {"shared_order", m.in_order},
+                     {"loss", known(m.loss)},
+                     {"phase_turns", m.phase},
+                     {"phase_by_ray_matrix_turns", expected_phase(ring, m)}});
+  return {{"beam", world.wave.beam_name},
+          {"length_m", ring.length()},
+          {"points", ring.trip.grid.points},
+          {"window_m", ring.trip.grid.window},
+          {"scaled", ring.scaled},
+          {"crossover_rad", ring.crossover},
+          {"loss", known(waves.mode.loss())},
+          {"residual", waves.mode.residual},
+          {"round_trips", waves.mode.round_trips},
+          {"beyond_band", known(waves.losses.beyond_band)},
+          {"stops", stops},
+          {"modes", modes}};
+}
+
+}  // namespace straytrace::cli

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A ring or folded cavity of a scene as the planes of a wave computation (docs/theory/wave.md, eq. W.53 to W.55).
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "wave/arm/arm_cavity.hpp"
+#include "wave/round_trip.hpp"
+#include "world/model/wave_settings.hpp"
+
+namespace straytrace::wave {
+
+// Unit vectors of the coordinates across a leg. Behind a mirror they are the images of those before it.
+struct CrossFrame {
+  Vec3 x, y, travel;
+  CrossFrame behind(Vec3 normal) const;
+};
+// Where the axis meets a mirror, with the frame of the light that comes.
+struct MirrorFrame {
+  Vec3 point;
+  CrossFrame frame;
+  Vec3 normal;  // of the mirror, unit
+  Vec3 across;  // of the plane of incidence, unit
+};
+
+// What the light meets, in the order of a round trip. A mirror of a folded cavity is met twice, and a baffle about two
+// legs as well.
+struct RingStop {
+  SurfaceId surface;
+  bool mirror = false;
+  std::size_t leg = 0;               // that leads to it: from the mirror before
+  double along = 0;                  // m, from that mirror
+  double incidence = 0;              // rad
+  std::array<AxisBeam, 2> arriving;  // the mode, in the plane of incidence and across it
+  // Of mirrors: power scattered beyond the crossover angle (eq. W.2), and rms of the heights in the map, m.
+  double scattered = 0, roughness = 0;
+};
+
+struct RingCavity {
+  std::vector<RingStop> stops;    // as those of `trip`; the last is the first mirror of `cavity`
+  std::array<AxisBeam, 2> start;  // the mode behind that mirror
+  std::array<double, 2> gouy{};   // lag of each order per round trip, in the plane of incidence and across it; rad
+  double crossover = 0;           // rad
+  bool scaled = false;            // the grid follows the beam (eq. W.54)
+  Trip trip;
+  std::vector<MirrorFrame> frames;  // at the mirrors among the stops, in their order
+  std::vector<ArmProblem> problems;
+  std::vector<std::string> warnings;  // of the solution
+
+  double length() const;  // of the round trip, m
+};
+// Planes, crossover angle and grid, with all that is wrong with them; no field and no heights.
+RingCavity planned_ring(World const&, WaveSettings const&);
+
+}  // namespace straytrace::wave
