@@ -22,7 +22,12 @@ std::string scene_text() {
       "wave: {beam: arm, baffles: baffle, crossover: 60 urad, grid: {points: 128, window: 0.42 m},"
       " maps: {I: {spectrum: none}, E: {spectrum: none}},"
       " photodiodes: {name: d, on: baffle, towards: E, radius: 50 mm, count: 8, size: 4 mm}}\n";
-  return edited(arm.text(), "straytrace: 1\n", "straytrace: 1\nparams: {shift: 0 mm, power: 10 kW}\n");
+  std::string const scatter = ", scatter: {model: power-law, kappa: 5e-7 /sr, exponent: 2, above: 1 urad}";
+  std::string const smooth = edited(arm.text(), scatter, "");
+  return edited(smooth, "straytrace: 1\n", "straytrace: 1\nparams: {shift: 0 mm, power: 10 kW}\n") +
+         "interferometer: {preset: fabry-perot-michelson, arm_length: 1 km, mirror_mass: 42 kg,"
+         " input_transmission: 1.4 %}\n"
+         "noise: {band: [10 Hz, 100 Hz], points_per_decade: 5}\n";
 }
 
 class FitBaffle : public ::testing::Test {

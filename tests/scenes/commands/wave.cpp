@@ -131,7 +131,7 @@ TEST_F(WaveCommand, DetuningOfTheInputBeam) {
   EXPECT_THAT(straytrace({"wave", scene_, "--quiet", "--detuning", "0,10kHz"}).err, HasSubstr("detuning"));
   EXPECT_THAT(straytrace({"wave", scene_, "--quiet", "--detuning", "0"}).out,
               HasSubstr("Field driven through I, which transmits 0.014"));
-  EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--csv", csv}), HasSubstr("add for example --detuning"));
+  EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--csv", csv}), HasSubstr("or for example --detuning"));
   EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--detuning", "1kg"}), HasSubstr("is not a unit of frequency"));
 }
 

@@ -238,7 +238,7 @@ TEST_F(ReportRunFile, HoldsAnEmptyResult) {
   TraceResult nothing;
   NoiseBudget quiet;
   quiet.grid.edges = {10, 20};
-  quiet.total = {"total", 0, {0}, {0}, {}, {}, {}, {0}, {0}, {}, {}, {}, {}, {}, 0, true, "", false, false, {}};
+  quiet.total = {"total", 0, {0}, {0}, {}, {}, {}, {0}, {0}, {}, {}, {}, {}, {}, {}, 0, true, "", false, false, {}};
   RunContent c = content(nothing, &quiet);
   c.files.clear();
   c.overrides.clear();

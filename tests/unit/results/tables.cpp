@@ -289,6 +289,7 @@ NoiseBudget simple(double first) {
              {},
              {},
              {},
+             {},
              0,
              true,
              "",
