@@ -32,17 +32,19 @@ class Irradiance:
     @property
     def radius(self) -> Array:
         """Middle of each ring [m]."""
-        return (np.arange(self.mean.shape[0]) + 0.5) * self.step
+        rings: Array = np.arange(self.mean.shape[0], dtype=np.float64) + 0.5
+        return rings * self.step
 
     @property
     def azimuth(self) -> Array:
         """Middle of each sector [rad], from x towards y."""
-        return (np.arange(self.mean.shape[1]) + 0.5) * 2 * np.pi / self.mean.shape[1]
+        sectors: Array = np.arange(self.mean.shape[1], dtype=np.float64) + 0.5
+        return sectors * (2 * np.pi / int(self.mean.shape[1]))
 
     @property
     def area(self) -> Array:
         """Area of a cell of each ring [m^2]."""
-        return 2 * np.pi * self.radius * self.step / self.mean.shape[1]
+        return self.radius * (2 * np.pi * self.step / int(self.mean.shape[1]))
 
     @property
     def profile(self) -> Array:

@@ -49,7 +49,9 @@ void add_format_option(CLI::App& command, PrintOptions& options) {
 
 void refuse_overwriting(std::string const& output, std::string const& input) {
   std::error_code none;
-  if (std::filesystem::equivalent(output, input, none))
+  bool const same = !output.empty() && std::filesystem::weakly_canonical(output, none) ==
+                                           std::filesystem::weakly_canonical(input, none);  // neither may exist yet
+  if (same || std::filesystem::equivalent(output, input, none))
     throw InputError(fmt::format("the output '{}' is also another file of this command", output),
                      "choose another name for the output: an input is not overwritten");
 }

@@ -174,9 +174,9 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   Model model;
   model.scene = read_scene(file, overrides, texts);
   model.world = build_world(model.scene);
-  plan_waves(model);
   model.traced = bodies_and_ports(model.scene, model.world);
   model.motion = read_bodies(model.scene.table("bodies"), model.traced, false);
+  plan_waves(model);
   read_noise(model, model.scene);
   bool const noiseless = model.world.ports().empty() && model.scene.root().has("receivers") &&
                          !model.scene.root().has("interferometer") && !model.scene.root().has("ports");

@@ -102,13 +102,13 @@ int wave(WaveOptions const& options) {
   if (!model.world.wave.present)
     throw InputError(fmt::format("{} has no table 'wave'", options.input),
                      "add for example 'wave: {beam: arm, baffles: \"baffles*\"}'");
-  std::optional<Detunings> const detunings = detunings_of(options, model.world.wave);
   ArmOptions what;
   what.highest_order = options.order;
   what.grid_check = options.grid_check;
   what.by_frequency = options.by_frequency;
   what.fields = options.fields;
   if (model.world.wave.ring) return ring(model, options, what);
+  std::optional<Detunings> const detunings = detunings_of(options, model.world.wave);
   if (options.seam) return print_seam(model, options);
   std::optional<std::array<MirrorCoating, 2>> coatings;
   if (detunings) coatings = mirror_coatings(model);

@@ -189,9 +189,10 @@ BaffleFit fit_baffle(BaffleFitRequest const& request) {
   throw_all(errors);
   BaffleModel model(request, out.parameters, measured);
   if (measured.diodes.size() <= out.parameters.size())
-    throw InputError(fmt::format("{} photodiodes do not determine {} parameters and test the model",
-                                 measured.diodes.size(), out.parameters.size()),
-                     "free fewer parameters");
+    throw InputError(
+        fmt::format("{} measured and {} free: nothing is left to test the model", measured.diodes.size(),
+                    out.parameters.size()),
+        fmt::format("measure at least {} photodiodes, or free fewer parameters", out.parameters.size() + 1));
   DiodeFitProblem problem;
   for (FreeParameter const& p : out.parameters) problem.ranges.push_back(p.range);
   problem.measured = vector_of(measured.power);

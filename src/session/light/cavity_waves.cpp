@@ -87,7 +87,7 @@ void plan_waves(Model& model) {
   else
     model.arm = planned_arm(model.world, wave);
   for (ArmProblem const& p : model.ring ? model.ring->problems : model.arm->problems)
-    tell(model.scene.table("wave"), wave, p);
+    if (!p.of_noise || !model.motion.inputs.empty()) tell(model.scene.table("wave"), wave, p);
 }
 
 namespace {

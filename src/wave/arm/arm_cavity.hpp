@@ -65,6 +65,7 @@ struct ArmProblem {
   std::string what, remedy;
   Severity severity = Severity::error;
   std::optional<Place> in_file = {};  // line and column in the file of heights that `keys` name
+  bool of_noise = false;              // it matters where something moves
 };
 
 void throw_errors(std::vector<ArmProblem> const&);  // InputError with all of them

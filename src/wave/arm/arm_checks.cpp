@@ -59,6 +59,7 @@ void check_speckled(World const& world, ArmCavity& arm, ArmRim const& rim) {
         where(world, rim), shift);
   } else if (nearest < clear_in_spots * spot) {
     problem.severity = Severity::warning;
+    problem.of_noise = true;
     problem.what = fmt::format(
         "{} comes within {:.2g} radii of the mode: the mean over speckle (eq. W.22) leaves out the light of the mode "
         "itself there",

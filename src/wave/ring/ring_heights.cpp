@@ -23,23 +23,25 @@ class NearSpecular {
         out_(at.frame.behind(at.normal)) {}
 
   // 1/sr, times the cosine of the angle of scatter; at slopes along x and y from the specular direction.
-  double operator()(double x, double y) const {
-    Vec3 const wo = vertex_.frame.to_local(unit(out_.travel + x * out_.x + y * out_.y));
+  double operator()(double x, double y) const { return towards(unit(out_.travel + x * out_.x + y * out_.y)); }
+  double towards(Vec3 direction) const {
+    Vec3 const wo = vertex_.frame.to_local(direction);
     return wo.z > 0 ? scatter_eval(view_.laws, *vertex_.optic, vertex_.wi, wo, vertex_.n_in, vertex_.n_out) * wo.z : 0;
   }
-  // eq. W.2, in steps of a factor 1.2 of the angle.
+  // eq. W.2, in steps of a factor 1.2 of the angle, to all directions in front of the mirror.
   double beyond(double angle) const {
     constexpr int azimuths = 32;
     GaussPoints const gauss(8);
     double sum = 0;
-    for (double from = angle; from < pi / 2;) {
-      double const to = std::fmin(1.2 * from, pi / 2);
+    for (double from = angle; from < pi;) {
+      double const to = std::fmin(1.2 * from, pi);
       for (std::size_t i = 0; i < gauss.at.size(); ++i) {
         double const a = from + (to - from) * gauss.at[i];
         double ring = 0;
         for (int k = 0; k < azimuths; ++k) {
           SinCos const turn = sincos_turn((k + 0.5) / azimuths);
-          ring += (*this)(std::tan(a) * turn.cos, std::tan(a) * turn.sin) / azimuths;
+          Vec3 const across = turn.cos * out_.x + turn.sin * out_.y;
+          ring += towards(std::cos(a) * out_.travel + std::sin(a) * across) / azimuths;
         }
         sum += (to - from) * gauss.weight[i] * ring * 2 * pi * std::sin(a);
       }

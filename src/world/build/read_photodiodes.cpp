@@ -58,8 +58,8 @@ void read_towards(Node const& table, World const& world, Registry const& names, 
   }
   Node const towards = table["towards"];
   SurfaceId const mirror = find_surface(towards, names);
-  if (!mirror.valid()) return;
   auto const& mirrors = world.wave.mirrors;
+  if (!mirror.valid() || !mirrors[0].surface.valid() || world.wave.ring) return;  // the problem is reported
   auto const at = std::ranges::find(mirrors, mirror, &WaveSettings::Mirror::surface);
   if (at == mirrors.end()) {
     towards.problem(

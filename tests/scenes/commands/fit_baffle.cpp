@@ -95,7 +95,7 @@ TEST_F(FitBaffle, ErrorsSayWhatIsWrong) {
               AllOf(HasSubstr("does not rise"), HasSubstr("names no parameter")));
   EXPECT_THAT(refused(two, {"--free", "shifd=-1..1 mm"}), HasSubstr("shifd"));
   EXPECT_THAT(refused(two, {"--free", "shift=-1..1 mm", "--free", "power=9..11 kW"}),
-              HasSubstr("2 photodiodes do not determine 2 parameters"));
+              HasSubstr("2 measured and 2 free: nothing is left to test"));
 }
 
 TEST_F(FitBaffle, WaveListsPhotodiodes) {

@@ -16,7 +16,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-World diode_world(std::string const& diodes, std::string const& csv = "") {
+World diode_world(std::string const& diodes, std::string const& csv = "", std::string const& beam = "beam: arm, ") {
   std::string const scene =
       "straytrace: 1\nmaterials: {m: {scatter: {model: lambertian, tis: 1 ppm}}, black: {}}\n"
       "bodies: {b: {motion: still}}\nscene:\n"
@@ -30,8 +30,8 @@ World diode_world(std::string const& diodes, std::string const& csv = "") {
       "  - {name: other, shape: {disk: {inner_radius: 20 cm, outer_radius: 50 cm}}, at: [0 m, 0 m, 100 m],"
       " facing: [0, 0, -1], body: b, material: black}\n"
       "beams: {arm: {cavity: [I, E]}}\nports: {I: {beam: arm, at: I}, E: {beam: arm, at: E}}\n"
-      "wave: {beam: arm, baffles: ring, photodiodes: " +
-      diodes + "}\n";
+      "wave: {" +
+      beam + "baffles: ring, photodiodes: " + diodes + "}\n";
   return testing::built({{"a.yaml", scene}, {"d.csv", csv}}).world;
 }
 std::string diode_problem(std::string const& diodes, std::string const& csv = "") {
@@ -95,6 +95,7 @@ TEST(ReadPhotodiodes, FilesAndNamesAreExplained) {
   EXPECT_THAT(file("x [mm], y [mm]\n250, 0\n", ", shape: sector"), HasSubstr("sectors make a ring"));
   std::string const one = "{name: a, on: ring, towards: E, size: 1 cm, radius: 30 cm, count: 4}";
   EXPECT_THAT(diode_problem("[" + one + ", " + one + "]"), HasSubstr("two sets of photodiodes are called 'a'"));
+  EXPECT_THAT(test::message_of([&] { diode_world(one, "", ""); }), HasSubstr("'beam'"));  // and nothing of mirrors
   EXPECT_THAT(diode_problem("{name: a, on: ring, towards: E, sise: 1 cm, radius: 30 cm, count: 4}"),
               AllOf(HasSubstr("did you mean 'size'?"), Not(HasSubstr("overlap"))));
 }
