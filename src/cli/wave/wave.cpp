@@ -87,7 +87,7 @@ int ring(Model const& model, WaveOptions const& options, ArmOptions const& what)
   if (options.seam || options.grid_check || options.by_frequency || !options.detuning.empty() || !options.out.empty() ||
       !options.plot.empty() || !options.csv.empty())
     throw InputError(
-        "--seam, --grid-check, --by-frequency, --detuning, -o, --plot and --csv are for cavities of two mirrors",
+        "--seam, --grid-check, --by-frequency, --detuning, -o, --plot and --csv work for two-mirror cavities only",
         "leave them out; to check the grid, compare with twice the 'points' of 'grid'");
   RingWaves const waves = solve_ring_waves(model, options.threads, options, what);
   for (std::string const& warning : waves.ring.warnings) print_warning(warning, options);

@@ -197,8 +197,8 @@ TEST_F(WaveCommand, RingHasItsLossesAndPhases) {
       EXPECT_GT(std::fabs(std::fabs(phase) - (mode["n"] == 1 ? lag : 0.5 - lag)), 0.01);  // negative control
     }
   }
-  EXPECT_THAT(error_text({"wave", ring, "--quiet", "--detuning", "0"}), HasSubstr("for cavities of two mirrors"));
-  EXPECT_THAT(error_text({"wave", ring, "--quiet", "--seam"}), HasSubstr("for cavities of two mirrors"));
+  EXPECT_THAT(error_text({"wave", ring, "--quiet", "--detuning", "0"}), HasSubstr("work for two-mirror cavities only"));
+  EXPECT_THAT(error_text({"wave", ring, "--quiet", "--seam"}), HasSubstr("work for two-mirror cavities only"));
   std::string const wrong = folder_ / "ring.yaml";
   write_text(wrong, edited(text_of(ring), "crossover: 1 mrad", "crossover: 1 mrad, grid: {points: 64}"));
   EXPECT_THAT(error_text({"check", wrong, "--quiet"}),
