@@ -214,15 +214,26 @@ double add_plane(LitSide const& side, std::size_t step, LitGroups& groups) {
   return met;
 }
 
+// Whether the field is that of one of many mirrors, rather than that of measured or perfect ones.
+bool random_heights(World const& world) {
+  return std::ranges::any_of(
+      world.wave.mirrors, [](WaveSettings::Mirror const& m) { return m.heights == WaveSettings::Heights::material; });
+}
+
 std::string statement(LitSide const& side, LitGroup const& group) {
   std::size_t const draws = side.waves.draws.size();
+  std::string const error =
+      random_heights(side.world)
+          ? fmt::format("; standard error of a mean over mirrors {:.2g} %, by the spread around the axis",
+                        100 * group.error())
+          : "";
   return fmt::format(
       "light of the cavity within {:.4g} urad of the specular direction of its mirrors (docs/theory/wave.md, eq. "
       "W.19), scattered back by surfaces at {} {}, of it {:.2g} with light beyond that angle on one of the two "
-      "ways; {}; standard error of a mean over mirrors {:.2g} %, by the spread around the axis",
+      "ways; {}{}",
       1e6 * side.waves.arm.crossover, group.planes, group.planes == 1 ? "plane" : "planes", group.mixed / group.total(),
       draws > 1 ? fmt::format("mean over {} draws of the mirrors", draws) : std::string("one draw of the mirrors"),
-      100 * group.error());
+      error);
 }
 
 // Light below the crossover angle that no route holds.
@@ -266,7 +277,7 @@ HaloClasses halo_classes(World const& world, ArmWaves const& waves) {
       std::vector<PathStep> steps{{own, Event::emit}, {{id}, Event::scatter}, {own, Event::couple}};
       result.classes.push_back(
           deterministic_class(ClassKind::halo, std::move(steps), side.spot().port, 1, std::move(group.records), text));
-      result.classes.back().coupling.std_error = error;
+      if (random_heights(world)) result.classes.back().coupling.std_error = error;
     }
   }
   result.warnings = left_out(world, waves, met, taken);
