@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws a scan of detuning: python3 -m straytrace.plots.detuning wave.json -o detuning.png"""
 
-import argparse
-import json
 import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from .style import LIGHT, ROUTE_COLOURS, STYLE, save
+from .style import LIGHT, ROUTE_COLOURS, draw_file
 
 
 def draw(driven):
@@ -38,21 +36,8 @@ def draw(driven):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="straytrace.plots.detuning", description="Draws a scan of detuning.")
-    parser.add_argument("driven", help="answer of straytrace wave --detuning --format json, or its key 'driven'")
-    parser.add_argument("-o", "--out", default="detuning.png")
-    options = parser.parse_args(arguments)
-    try:
-        with open(options.driven, encoding="utf-8") as file:
-            driven = json.load(file)
-        with plt.rc_context(STYLE):
-            figure = draw(driven.get("driven", driven))
-            save(figure, options.out)
-            plt.close(figure)
-    except (OSError, ValueError, KeyError) as error:
-        print(f"error: {options.driven}: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return draw_file(arguments, "detuning", "Draws a scan of detuning.",
+                     "answer of straytrace wave --detuning --format json, or its key 'driven'", lambda answer: draw(answer.get("driven", answer)))
 
 
 if __name__ == "__main__":

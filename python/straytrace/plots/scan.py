@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws a scan: python3 -m straytrace.plots.scan scan.json -o scan.png"""
 
-import argparse
-import json
 import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from .style import GREY, LIGHT, ROUTE_COLOURS, STYLE, save
+from .style import GREY, LIGHT, ROUTE_COLOURS, draw_file
 
 MOST_CURVES = 12
 
@@ -80,21 +78,8 @@ def draw(scan):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="straytrace.plots.scan", description="Draws a scan.")
-    parser.add_argument("scan", help="scan.json of straytrace scan")
-    parser.add_argument("-o", "--out", default="scan.png")
-    options = parser.parse_args(arguments)
-    try:
-        with open(options.scan, encoding="utf-8") as file:
-            scan = json.load(file)
-        with plt.rc_context(STYLE):
-            figure = draw(scan)
-            save(figure, options.out)
-            plt.close(figure)
-    except (OSError, ValueError, KeyError) as error:
-        print(f"error: {options.scan}: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return draw_file(arguments, "scan", "Draws a scan.", "scan.json of straytrace scan",
+                     draw)
 
 
 if __name__ == "__main__":

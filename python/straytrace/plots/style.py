@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Colours, fonts and the writing of files that all pictures share."""
 
+import argparse
+import json
 import os
 import pathlib
+import sys
 import tempfile
+
+import matplotlib.pyplot as plt
 
 # Okabe and Ito: distinguishable with every common kind of colour vision. Black is the total, grey the design curve.
 ROUTE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -44,3 +49,22 @@ def save(figure, path):
         os.replace(name, path)
     finally:
         pathlib.Path(name).unlink(missing_ok=True)
+
+
+def draw_file(arguments, name, about, kind, draw):
+    """Command line of a module that draws one JSON file, of kind `kind`, as NAME.png unless -o names another picture."""
+    parser = argparse.ArgumentParser(prog=f"straytrace.plots.{name}", description=about)
+    parser.add_argument("file", metavar=name, help=kind)
+    parser.add_argument("-o", "--out", default=f"{name}.png")
+    options = parser.parse_args(arguments)
+    try:
+        with open(options.file, encoding="utf-8") as file:
+            content = json.load(file)
+        with plt.rc_context(STYLE):
+            figure = draw(content)
+            save(figure, options.out)
+            plt.close(figure)
+    except (OSError, ValueError, KeyError) as error:
+        print(f"error: {options.file}: {error}", file=sys.stderr)
+        return 1
+    return 0

@@ -8,10 +8,10 @@ in a virtual environment that `scripts/setup --test` makes; without it this test
 """
 import json
 import math
-import os
 import subprocess
 import sys
 
+from environment import require_finesse
 from records import Records
 
 # Light of the laser reaches the dark port by differences of arms alone: these cancel to some digits.
@@ -121,13 +121,8 @@ def main():
     sys.exit(failures > 0)
 
 
-environment = os.path.join(os.path.dirname(os.path.abspath(sys.argv[1])), "compare", "bin", "python")
-try:
-    import finesse
-    import numpy
-    from finesse.analysis.actions import FrequencyResponse
-except ImportError:
-    if os.path.exists(environment) and os.path.abspath(sys.executable) != environment:
-        os.execv(environment, [environment] + sys.argv)
-    sys.exit("FINESSE is not there: run scripts/setup --test")
+require_finesse(sys.argv[1])
+import finesse
+import numpy
+from finesse.analysis.actions import FrequencyResponse
 main()

@@ -9,12 +9,12 @@ other, and that is all that FINESSE can tell; eq. W.10 fixes it to 1e-4. FINESSE
 `scripts/setup --test` makes.
 """
 import json
-import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 
+from environment import require_finesse
 from records import Records
 
 SCENE = """straytrace: 1
@@ -75,15 +75,10 @@ def main():
     sys.exit(not (good and control))
 
 
-environment = os.path.join(os.path.dirname(os.path.abspath(sys.argv[1])), "compare", "bin", "python")
-try:
-    import finesse
-    import numpy
-    from finesse.analysis.actions import Eigenmodes
-    from finesse.knm import Map
-    from finesse.utilities.maps import circular_aperture
-except ImportError:
-    if os.path.exists(environment) and os.path.abspath(sys.executable) != environment:
-        os.execv(environment, [environment] + sys.argv)
-    sys.exit("FINESSE is not there: run scripts/setup --test")
+require_finesse(sys.argv[1])
+import finesse
+import numpy
+from finesse.analysis.actions import Eigenmodes
+from finesse.knm import Map
+from finesse.utilities.maps import circular_aperture
 main()
