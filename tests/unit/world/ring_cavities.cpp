@@ -84,11 +84,11 @@ TEST(RingCavity, SaysWhatIsWrong) {
   EXPECT_THAT(said_of(ring("[A]")), HasSubstr("two mirrors or more"));
   EXPECT_THAT(said_of(ring("[A, B, nowhere]")), HasSubstr("nowhere"));
   EXPECT_THAT(said_of(ring("[A, B, C]") + "wave: {beam: b, tolerance: {rim: 1 mm}}\n"),
-              HasSubstr("between two mirrors only"));
+              HasSubstr("exist for two-mirror cavities only"));
   EXPECT_THAT(
       said_of(ring("[A, B, C]") + "wave: {beam: b, mirrors: {A: {tilt: [1 urad, 0 rad]}}, input: {radius: 3 mm},"
                                   " maps: {B: {defects: [{absorber: {radius: 1 mm, power: 1 mW}}]}}}\n"),
-      AllOf(HasSubstr("'mirrors' is for"), HasSubstr("'input' is for"), HasSubstr("'defects' is for")));
+      AllOf(HasSubstr("'mirrors' works for"), HasSubstr("'input' works for"), HasSubstr("'defects' works for")));
   EXPECT_THAT(said_of(ring("[A, B, C]")), Not(HasSubstr("error")));
 }
 
