@@ -109,6 +109,9 @@ struct CouplingClass {
   // Mean coupling times the mean of phase sensitivity times phase sensitivity, as contributions of the replicas, which
   // sum to it; for each replica, then each pair of bodies. Empty: not known.
   std::vector<PhaseSensitivityProduct> phase_sensitivities;
+  // Of light below the crossover angle from mirrors of random heights: the coupling by equal parts of the azimuth, each
+  // with that opposite to it. Parts are independent samples, whose spread is the std_error. Not in the run file.
+  std::vector<double> azimuth_parts;
   std::uint64_t folded_routes = 0;   // of `other` and of coherent families: number of terms
   std::vector<FoldedRoute> folded;   // the largest of them, descending
   std::vector<MemberRoute> members;  // of a row `other` of light to ports: all routes of its records

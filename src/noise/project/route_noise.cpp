@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "base/math/constants.hpp"
-#include "base/math/percentile.hpp"
+#include "base/math/samples.hpp"
 
 namespace straytrace::noise {
 FirstOrderRatio::FirstOrderRatio(PhaseSpectra const& spectra, MotionSet const& motion, CouplingTable const& table,
@@ -160,18 +160,6 @@ double jackknife_variance(std::span<double const> without) {
   for (double x : without) sum += (x - mean) * (x - mean);
   return (n - 1) / n * sum;
 }
-
-namespace {
-
-double sample_variance(std::span<double const> values) {
-  auto const n = static_cast<double>(values.size());
-  double const mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
-  double sum = 0;
-  for (double x : values) sum += (x - mean) * (x - mean);
-  return sum / (n - 1);
-}
-
-}  // namespace
 
 DrawBand draw_band(CouplingClass const& c, std::size_t first, SpectrumInterpolator const& nodes) {
   std::uint64_t draws = 0;

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/math/constants.hpp"
-#include "base/math/percentile.hpp"
+#include "base/math/samples.hpp"
 #include "io/markup.hpp"
 #include "report/html/page_json.hpp"
 #include "wave/arm/wave_record.hpp"

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/math/samples.hpp"
 #include "results/text/columns.hpp"
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
@@ -19,34 +20,54 @@ namespace {
 
 constexpr double steps[] = {1 / 1.4142135623730951, 1, 1.4142135623730951};
 
-// Standard error of the PSD of a route: of histories and, of routes computed in the field of the cavity, of the mean
-// over mirrors where it is known.
-double psd_error(NoiseTrace const& route, CouplingClass const& c, std::size_t bin) {
-  double mirrors = 0;
-  if (!route.draws_sigma.empty())
-    mirrors = 2 * route.asd[bin] * route.draws_sigma[bin];
-  else if (c.kind == ClassKind::halo && c.coupling.mean > 0)
-    mirrors = route.psd(bin) * c.coupling.std_error / c.coupling.mean;
-  return std::hypot(route.psd_sigma(bin), mirrors);
+// Standard error of the PSD of a route: of histories, or over draws of the mirrors. That of the halo is in its parts.
+double psd_error(NoiseTrace const& route, std::size_t bin) {
+  double const draws = route.draws_sigma.empty() ? 0 : 2 * route.asd[bin] * route.draws_sigma[bin];
+  return std::hypot(route.psd_sigma(bin), draws);
+}
+
+// Variance of a sum whose terms are independent samples of one quantity.
+double variance_of_sum(std::vector<double> const& terms) {
+  return terms.size() < 2 ? 0 : sample_variance(terms) * double(terms.size());
+}
+
+void add_halo(CouplingClass const& c, double psd, std::vector<double>& halo) {
+  if (c.azimuth_parts.empty()) return;
+  halo.resize(c.azimuth_parts.size());
+  for (std::size_t i = 0; i < halo.size(); ++i) halo[i] += psd * c.azimuth_parts[i] / c.coupling.mean;
 }
 
 // Sum of the PSDs of the resolved routes of some kinds; errors of routes are independent. NaN where rays are among the
 // kinds and none of their routes is resolved.
-WithError curve_of(NoiseBudget const& budget, CouplingTable const& table, std::vector<ClassKind> const& kinds,
+SeamCurve curve_of(NoiseBudget const& budget, CouplingTable const& table, std::vector<ClassKind> const& kinds,
                    std::size_t bin) {
-  double psd = 0, variance = 0;
+  SeamCurve curve;
+  double psd = 0;
   bool traced = std::ranges::find(kinds, ClassKind::scattered) == kinds.end();
   for (std::size_t i = 0; i < table.classes.size(); ++i) {
     NoiseTrace const& route = budget.routes[i];
-    if (!route.resolved || std::ranges::find(kinds, table.classes[i].kind) == kinds.end()) continue;
+    CouplingClass const& c = table.classes[i];
+    if (!route.resolved || std::ranges::find(kinds, c.kind) == kinds.end()) continue;
     psd += route.psd(bin);
-    double const error = psd_error(route, table.classes[i], bin);
-    variance += error * error;
-    traced = traced || table.classes[i].kind == ClassKind::scattered;
+    if (c.kind == ClassKind::halo)
+      add_halo(c, route.psd(bin), curve.halo);
+    else
+      curve.variance += std::pow(psd_error(route, bin), 2);
+    traced = traced || c.kind == ClassKind::scattered;
   }
-  if (!traced) return {not_a_number, not_a_number};
-  double const asd = std::sqrt(psd);
-  return {asd, asd > 0 ? std::sqrt(variance) / (2 * asd) : 0};
+  double const asd = std::sqrt(psd), sigma = std::sqrt(curve.variance + variance_of_sum(curve.halo));
+  curve.strain = traced ? WithError{asd, asd > 0 ? sigma / (2 * asd) : 0} : WithError{not_a_number, not_a_number};
+  return curve;
+}
+
+// Of the ratio of two curves.
+double error_of_ratio(SeamCurve const& one, SeamCurve const& two) {
+  double const psd_one = std::pow(one.strain.value, 2), psd_two = std::pow(two.strain.value, 2);
+  std::vector<double> parts(std::max(one.halo.size(), two.halo.size()));
+  for (std::size_t i = 0; i < one.halo.size(); ++i) parts[i] += one.halo[i] / psd_one;
+  for (std::size_t i = 0; i < two.halo.size(); ++i) parts[i] -= two.halo[i] / psd_two;
+  double const variance = one.variance / std::pow(psd_one, 2) + two.variance / std::pow(psd_two, 2);
+  return 0.5 * std::sqrt(variance + variance_of_sum(parts)) * one.strain.value / two.strain.value;
 }
 
 SeamPoint point_of(NoiseBudget const& budget, CouplingTable const& table, double crossover, std::size_t bin) {
@@ -86,14 +107,14 @@ void plan_anew(Model& model) {
 
 }  // namespace
 
-WithError Seam::change(WithError SeamPoint::*curve) const {
+WithError Seam::change(SeamCurve SeamPoint::*curve) const {
   WithError largest{0, 0};
   auto const middle = std::ranges::find(points, crossover, &SeamPoint::crossover);
   if (middle == points.end() || points.size() < 2) return {not_a_number, not_a_number};
   for (SeamPoint const& p : points) {
     if (p.crossover == crossover) continue;
-    WithError const one = p.*curve, two = (*middle).*curve;
-    WithError const change{one.value / two.value - 1, std::hypot(one.sigma, two.sigma) / two.value};
+    SeamCurve const &one = p.*curve, &two = (*middle).*curve;
+    WithError const change{one.strain.value / two.strain.value - 1, error_of_ratio(one, two)};
     if (std::isnan(change.value)) return change;
     if (std::fabs(change.value) >= std::fabs(largest.value)) largest = change;
   }
@@ -143,7 +164,9 @@ constexpr char one_draw[] =
 
 std::string seam_text(Seam const& seam) {
   Columns table{{"crossover/urad", "rays", "halo", "rays and halo", "edges", "all"}, {}, {}};
-  auto const cell = [](WithError const& x) { return std::isnan(x.value) ? "not resolved" : with_error(x); };
+  auto const cell = [](SeamCurve const& c) {
+    return std::isnan(c.strain.value) ? "not resolved" : with_error(c.strain);
+  };
   for (SeamPoint const& p : seam.points)
     table.rows.push_back({fmt::format("{:.4g}", 1e6 * p.crossover), cell(p.rays), cell(p.halo), cell(p.baffles),
                           cell(p.edges), cell(p.total)});
@@ -153,8 +176,7 @@ std::string seam_text(Seam const& seam) {
   };
   return fmt::format(
       "strain noise at {:.4g} Hz by crossover angle, 1/sqrt(Hz); errors: one standard error, of histories and of the "
-      "mean "
-      "over mirrors\n\n{}{}\n"
+      "mean over mirrors\n\n{}{}\n"
       "seam: largest change of rays and halo {}, of all stray light {}\n",
       seam.frequency, aligned(table), seam.map_draws > 1 ? "" : one_draw, percent(seam.change(&SeamPoint::baffles)),
       percent(seam.change(&SeamPoint::total)));
@@ -165,11 +187,11 @@ std::string seam_json(Seam const& seam) {
   nlohmann::ordered_json points = nlohmann::ordered_json::array();
   for (SeamPoint const& p : seam.points)
     points.push_back({{"crossover_rad", p.crossover},
-                      {"rays", number(p.rays)},
-                      {"halo", number(p.halo)},
-                      {"rays_and_halo", number(p.baffles)},
-                      {"edges", number(p.edges)},
-                      {"total", number(p.total)}});
+                      {"rays", number(p.rays.strain)},
+                      {"halo", number(p.halo.strain)},
+                      {"rays_and_halo", number(p.baffles.strain)},
+                      {"edges", number(p.edges.strain)},
+                      {"total", number(p.total.strain)}});
   return nlohmann::ordered_json{{"frequency_hz", seam.frequency},
                                 {"complete", seam.complete},
                                 {"points", points},

@@ -10,10 +10,16 @@
 
 namespace straytrace::session {
 
+// The noise of some routes at one angle, at the frequency of the check.
+struct SeamCurve {
+  WithError strain;          // ASD, 1/sqrt(Hz)
+  double variance = 0;       // of the PSD without the halo, 1/Hz^2
+  std::vector<double> halo;  // PSD by parts of the azimuth (CouplingClass::azimuth_parts), 1/Hz; empty: not random
+};
 struct SeamPoint {
-  double crossover = 0;           // rad
-  WithError rays, halo, baffles;  // strain ASD at the frequency of the check, 1/sqrt(Hz); baffles: rays and halo
-  WithError edges, total;
+  double crossover = 0;                  // rad
+  SeamCurve rays, halo, baffles, edges;  // baffles: rays and halo
+  SeamCurve total;
 };
 struct Seam {
   double frequency = 0, crossover = 0;  // Hz; rad, of the scene
@@ -21,9 +27,9 @@ struct Seam {
   std::vector<SeamPoint> points;
   std::vector<std::string> warnings;  // angles that could not be computed
   bool complete = true;               // false: interrupted
-  // Largest relative change of a curve from that at the crossover angle of the scene, with its standard error; the
-  // angles count as independent, although mirrors share heights.
-  WithError change(WithError SeamPoint::*curve) const;
+  // Largest relative change of a curve from that at the crossover angle of the scene, with its standard error. The
+  // halo at both angles is that of the same heights, so that its error is that of the difference, part by part.
+  WithError change(SeamCurve SeamPoint::*curve) const;
 };
 
 // At 1/sqrt(2), 1 and sqrt(2) times the crossover angle, each traced as `options` say. The same heights of the mirrors

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/math/samples.hpp"
 #include "trace/step/connect.hpp"
 #include "trace/tally/coupling_table.hpp"
 #include "trace/tally/replay.hpp"
@@ -18,7 +19,8 @@
 namespace straytrace::trace {
 namespace {
 
-constexpr int octants = 8;  // around the axis: the records of one plane, and the samples of the error
+constexpr int octants = 8;  // around the axis: the records of one plane
+constexpr int parts = 8;  // of half a turn: the samples of the error. Speckle opposite each other is correlated (W.42)
 
 // One mirror, and the light that leaves it.
 struct LitSide {
@@ -79,10 +81,12 @@ class LitColumn {
   double length_;
 };
 
-// BSDF back to where the light came from, in the state of polarisation of the mode.
+// Share of the power that falls on a surface that it scatters back to where the light came from, in the state of
+// polarisation of the mode, 1/sr: BSDF times the cosine of the angle of incidence.
 double back_scatter(LitSide const& side, Vertex const& vertex) {
-  if (!(vertex.wi.z > 0)) return 0;
-  double const bsdf = scatter_eval(side.view.laws, *vertex.optic, vertex.wi, vertex.wi);
+  double const cosine = vertex.wi.z;
+  if (!(cosine > 0)) return 0;
+  double const bsdf = cosine * scatter_eval(side.view.laws, *vertex.optic, vertex.wi, vertex.wi);
   if (!side.world.polarised) return bsdf;
   Polarisation const mode = side.spot().polarisation;
   return bsdf * polarisation_overlap(scattered(mode, side.travel, -side.travel, false, vertex.optic->depolarise), mode,
@@ -126,22 +130,17 @@ void add_weighted(PathRecord& sum, PathRecord const& one) {
 
 struct LitGroup {
   std::vector<PathRecord> records;
-  double of_octant[octants] = {};
+  std::vector<double> of_part = std::vector<double>(parts);
   double mixed = 0;  // of it, light below the crossover angle on one way and beyond it on the other
   std::size_t planes = 0;
 
   double total() const {
     double sum = 0;
-    for (double t : of_octant) sum += t;
+    for (double t : of_part) sum += t;
     return sum;
   }
   // Relative standard error of the mean over mirrors, from the spread around the axis.
-  double error() const {
-    double const mean = total() / octants;
-    double squares = 0;
-    for (double t : of_octant) squares += (t - mean) * (t - mean);
-    return mean > 0 ? std::sqrt(squares * octants / (octants - 1)) / total() : 0;
-  }
+  double error() const { return total() > 0 ? std::sqrt(sample_variance(of_part) * parts) / total() : 0; }
 };
 using LitGroups = std::map<std::uint32_t, LitGroup>;
 
@@ -158,17 +157,17 @@ struct LitPart {
 };
 // Those of a cell; edges of surfaces within the ring are resolved to an eighth of its width.
 std::vector<LitPart> lit_parts(LitColumn const& column, PolarIrradiance const& light, int ring, int sector) {
-  constexpr int parts = 8;
-  double const azimuth = light.azimuth(sector), step = light.step / parts;
+  constexpr int cuts = 8;
+  double const azimuth = light.azimuth(sector), step = light.step / cuts;
   auto const radius = [&](int i) { return ring * light.step + (i + 0.5) * step; };
-  auto const first = column.at(radius(0), azimuth), last = column.at(radius(parts - 1), azimuth);
+  auto const first = column.at(radius(0), azimuth), last = column.at(radius(cuts - 1), azimuth);
   if (!first && !last) return {};
   if (first && last && first->surface == last->surface) return {{*first, 1}};
   std::vector<LitPart> found;
-  for (int i = 0; i < parts; ++i) {
+  for (int i = 0; i < cuts; ++i) {
     auto const vertex = column.at(radius(i), azimuth);
     if (!vertex) continue;
-    double const share = radius(i) / light.radius(ring) / parts;
+    double const share = radius(i) / light.radius(ring) / cuts;
     auto const known = std::ranges::find(found, vertex->surface, [](LitPart const& p) { return p.vertex.surface; });
     if (known == found.end())
       found.push_back({*vertex, share});
@@ -190,7 +189,7 @@ double add_plane(LitSide const& side, std::size_t step, LitGroups& groups) {
     for (int sector = 0; sector < light.sectors; ++sector) {
       std::size_t const cell = std::size_t(ring * light.sectors + sector);
       for (LitPart const& part : lit_parts(column, light, ring, sector)) {
-        double const area = part.share * light.cell_area(ring);  // across the beam: cos theta is in
+        double const area = part.share * light.cell_area(ring);  // across the beam
         met += area * double(light.mean[cell]);
         double const scale = wavelength * wavelength * back_scatter(side, part.vertex) * area;
         if (!(scale > 0)) continue;
@@ -199,8 +198,8 @@ double add_plane(LitSide const& side, std::size_t step, LitGroups& groups) {
         double const weight = scale * double(light.square[cell]) + mixed;
         if (!(weight > 0)) continue;
         std::uint32_t const id = side.world.surfaces()[part.vertex.surface.value].group.value;
-        int const octant = sector * octants / light.sectors;
-        groups[id].of_octant[octant] += weight;
+        int const half_turn = light.sectors / 2, octant = sector * octants / light.sectors;
+        groups[id].of_part[std::size_t(sector % half_turn * parts / half_turn)] += weight;
         groups[id].mixed += mixed;
         add_weighted(records[id][std::size_t(octant)], record_of(side, part.vertex, weight));
       }
@@ -277,7 +276,9 @@ HaloClasses halo_classes(World const& world, ArmWaves const& waves) {
       std::vector<PathStep> steps{{own, Event::emit}, {{id}, Event::scatter}, {own, Event::couple}};
       result.classes.push_back(
           deterministic_class(ClassKind::halo, std::move(steps), side.spot().port, 1, std::move(group.records), text));
-      if (random_heights(world)) result.classes.back().coupling.std_error = error;
+      if (!random_heights(world)) continue;
+      result.classes.back().coupling.std_error = error;
+      result.classes.back().azimuth_parts = std::move(group.of_part);
     }
   }
   result.warnings = left_out(world, waves, met, taken);

@@ -10,7 +10,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/functions.hpp"
-#include "base/math/percentile.hpp"
+#include "base/math/samples.hpp"
 #include "base/math/rng.hpp"
 #include "base/process/threads.hpp"
 #include "beams/round_cavity.hpp"

@@ -29,12 +29,12 @@ KilometreArm lit_arm() {
       " facing: [0, 0, 1], body: pipe, material: grey}\n";
   return arm;
 }
-World lit_world() {
-  FileTexts const texts{{"a.yaml", [] {
-                           std::string text = lit_arm().text();
-                           std::string const black = "  black: {}\n";
-                           return text.insert(text.find(black), "  grey: {scatter: {model: lambertian, tis: 0.03}}\n");
-                         }()}};
+std::string lit_text() {
+  std::string text = lit_arm().text();
+  return text.insert(text.find("  black: {}\n"), "  grey: {scatter: {model: lambertian, tis: 0.03}}\n");
+}
+World lit_world(std::string const& text = lit_text()) {
+  FileTexts const texts{{"a.yaml", text}};
   Scene const scene = read_scene("a.yaml", {}, &texts);
   World world = build_world(scene);
   scene.throw_if_problems();
@@ -54,10 +54,10 @@ PolarIrradiance even_irradiance(double mean, double from) {
 }
 
 struct LitBench {
-  World world = lit_world();
+  World world;
   ArmWaves waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, {}, 0, {}, {}, {}, {}, {}, {}, {}};
 
-  LitBench() {
+  explicit LitBench(std::string const& text = lit_text()) : world(lit_world(text)) {
     PolarIrradiance const dark = even_irradiance(0, 0);
     waves.irradiance.towards_mirror1.assign(4, dark);
     waves.irradiance.towards_mirror2.assign(4, dark);
@@ -98,6 +98,25 @@ TEST(Halo, ScattersBackWithTheSquareOfTheIrradiance) {
   EXPECT_EQ(bench.world.groups()[c.steps.at(1).group.value], "baffle_one");
   EXPECT_EQ(bench.world.ports()[c.port.value], "I");
   EXPECT_THAT(c.statement, HasSubstr("eq. W.19"));
+}
+
+// A cone of half angle 35 deg about the axis, which the light meets at 55 deg: of the power |psi|^2 dA that falls on an
+// area across the beam, beta cos(theta) per solid angle goes back (eq. W.19).
+TEST(Halo, ConesScatterBackByTheCosine) {
+  double const tilt = 35 * pi / 180;
+  auto const of = [](std::string const& shape) {
+    std::string text = lit_text();
+    std::string const flat = "disk: {inner_radius: 45 mm, outer_radius: 20 cm}";
+    text.replace(text.rfind(flat), flat.size(), shape);
+    LitBench bench{text};
+    bench.waves.irradiance.towards_mirror2[1] = even_irradiance(1e-4, 0.1);
+    return bench.coupling("I", "baffle_one");
+  };
+  double const flat = of("disk: {inner_radius: 45 mm, outer_radius: 20 cm}"),
+               cone = of("cone: {inner_radius: 45 mm, outer_radius: 20 cm, half_angle: 35 deg}");
+  EXPECT_GT(flat, 0);
+  EXPECT_LT(deviation(cone / flat, std::sin(tilt)), 1e-3);
+  EXPECT_GT(std::fabs(cone / flat - 1), 0.3);  // control: the factor left out
 }
 
 // Along the beam +2k of the baffle (and -2k of the mirror), as for every single vertex (eq. 2.3 and 2.5).

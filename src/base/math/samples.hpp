@@ -1,12 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Percentiles of draws by nearest rank: each is the value of one draw.
+// Variance and percentiles of samples.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <vector>
 
 namespace straytrace {
+
+// Of the population that they are from; two at least.
+inline double sample_variance(std::span<double const> values) {
+  auto const n = static_cast<double>(values.size());
+  double const mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  double sum = 0;
+  for (double x : values) sum += (x - mean) * (x - mean);
+  return sum / (n - 1);
+}
 
 // The smallest value that at least this share of the values, 0 < share <= 1, does not exceed. With fewer than 20
 // values, percentiles 5 and 95 are the smallest and the largest.
