@@ -42,6 +42,7 @@ struct NoiseTrace {
   // Of routes that are a mean over draws of mirrors and edges (kind wave): percentiles 5 and 95, and the
   // standard error of the mean; otherwise empty.
   std::vector<double> draws_low, draws_high, draws_sigma;
+  std::vector<std::vector<double>> draws;  // asd of each draw, as if it were the mean
   // rad^2, mean over the paths by power, of a row `other` by noise: linear below 1e-2, fringe wrapping above 1.
   double mean_square_phase = 0;
   bool resolved = true;

@@ -10,16 +10,21 @@
 namespace straytrace::wave {
 namespace {
 
-std::vector<WaveValue> values_at(Sampler const& field, std::vector<RimPoint> const& rim) {
+// Of the field turned about the axis by `roll`.
+std::vector<WaveValue> values_at(Sampler const& field, std::vector<RimPoint> const& rim, double roll) {
+  double const c = std::cos(roll), s = std::sin(roll);
   std::vector<WaveValue> values;
-  for (RimPoint const& point : rim) values.push_back(field.at(point.place.x, point.place.y));
+  for (RimPoint const& point : rim) {
+    WaveValue const v = field.at(c * point.place.x + s * point.place.y, c * point.place.y - s * point.place.x);
+    values.push_back({v.value, c * v.dx - s * v.dy, s * v.dx + c * v.dy});
+  }
   return values;
 }
 
 // eq. W.14, times B.
 RimResponse response(RimCurve const& rim, std::vector<WaveValue> const& forward, Sampler const& from_mirror2,
                      double wavelength) {
-  std::vector<WaveValue> const backward = values_at(from_mirror2, rim.points);
+  std::vector<WaveValue> const backward = values_at(from_mirror2, rim.points, rim.roll[1]);
   Complex widening = 0;
   for (std::size_t i = 0; i < rim.points.size(); ++i)
     widening += 2 * length(rim.points[i].step) * forward[i].value * backward[i].value;
@@ -78,7 +83,7 @@ CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,
     for (std::size_t i = 0; i < curves[plane - 1].size(); ++i) {
       RimCurve const& curve = curves[plane - 1][i];
       if (arrival.travel == Travel::towards_mirror2)
-        outward[plane - 1].push_back(values_at(field, curve.points));
+        outward[plane - 1].push_back(values_at(field, curve.points, curve.roll[0]));
       else
         result.responses[plane - 1].push_back(response(curve, outward[plane - 1][i], field, cavity.wavelength));
     }

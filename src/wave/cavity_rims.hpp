@@ -15,7 +15,8 @@ namespace straytrace::wave {
 // A closed curve, counter-clockwise about +z, about `reference`.
 struct RimCurve {
   std::vector<RimPoint> points;
-  Vec3 reference;  // m
+  Vec3 reference;                // m
+  std::array<double, 2> roll{};  // by which the light from mirror 1 and from mirror 2 is turned about the axis, rad
 };
 // Of a round hole, fine enough for the fields on this grid.
 RimCurve round_curve(WaveBaffle const&, WaveCavity const&);

@@ -190,6 +190,19 @@ std::string floor_note(NoiseBudget const& b, CouplingTable const& table) {
       low, high, 100 * most, worst_hz, kept);
 }
 
+// `to_strain`: strain PSD over that of Im s, per bin.
+void add_draws(NoiseTrace& trace, DrawBand const& draws, Bins const& to_strain) {
+  for (std::size_t i = 0; i < draws.low.size(); ++i) {
+    trace.draws_low.push_back(std::sqrt(to_strain[i] * draws.low[i]));
+    trace.draws_high.push_back(std::sqrt(to_strain[i] * draws.high[i]));
+    trace.draws_sigma.push_back(trace.asd[i] > 0 ? to_strain[i] * draws.error[i] / (2 * trace.asd[i]) : 0);
+  }
+  for (Bins const& psd : draws.psd) {
+    Bins& asd = trace.draws.emplace_back();
+    for (std::size_t i = 0; i < psd.size(); ++i) asd.push_back(std::sqrt(to_strain[i] * psd[i]));
+  }
+}
+
 }  // namespace
 
 NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
@@ -226,13 +239,9 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
     budget.routes.push_back(finished(name, why_not.empty() ? own : hint_of(own)));
     NoiseTrace& trace = budget.routes.back();
     if (c.mixes_routes()) trace.mean_square_phase = route.mean_square_phase_of_noise;
-    DrawBand const draws = draw_band(c, first, nodes);
-    for (std::size_t i = 0; i < draws.low.size(); ++i) {
-      double const to_strain = factor * response.at(c.port.value).both(i);
-      trace.draws_low.push_back(std::sqrt(to_strain * draws.low[i]));
-      trace.draws_high.push_back(std::sqrt(to_strain * draws.high[i]));
-      trace.draws_sigma.push_back(trace.asd[i] > 0 ? to_strain * draws.error[i] / (2 * trace.asd[i]) : 0);
-    }
+    Bins to_strain;
+    for (std::size_t i = 0; i < bins; ++i) to_strain.push_back(factor * response.at(c.port.value).both(i));
+    add_draws(trace, draw_band(c, first, nodes), to_strain);
     trace.hash = c.hash;
     trace.resolved = why_not.empty();
     trace.why_not = why_not;

@@ -173,13 +173,12 @@ DrawBand draw_band(CouplingClass const& c, std::size_t first, SpectrumInterpolat
     for (SpectrumInterpolator::Share const& s : shares)
       weights[c.records[i].history][s.basis] += double(draws) * c.records[i].weight * s.weight;
   }
-  std::vector<Bins> psd;
-  for (std::vector<double> const& w : weights)
-    psd.push_back(sum_of(w, nodes.basis(), &SpectrumInterpolator::Basis::psd));
   DrawBand band;
-  for (std::size_t bin = 0; bin < psd.front().size(); ++bin) {
+  for (std::vector<double> const& w : weights)
+    band.psd.push_back(sum_of(w, nodes.basis(), &SpectrumInterpolator::Basis::psd));
+  for (std::size_t bin = 0; bin < band.psd.front().size(); ++bin) {
     std::vector<double> values;
-    for (Bins const& of_draw : psd) values.push_back(of_draw[bin]);
+    for (Bins const& of_draw : band.psd) values.push_back(of_draw[bin]);
     band.error.push_back(std::sqrt(sample_variance(values) / double(draws)));
     std::ranges::sort(values);
     band.low.push_back(nearest_rank(values, 0.05));

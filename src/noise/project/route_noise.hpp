@@ -78,10 +78,11 @@ RouteSpectrum route_spectrum(CouplingTable const&, CouplingClass const&, std::si
 // Replica of a history: its block modulo their number.
 std::size_t replica_of(std::uint64_t history, std::uint64_t block_size);
 
-// Percentiles 5 and 95 per bin of the PSD over the draws of a class of kind wave, each draw as if it were the mean, and
-// the standard error of their mean; its records have the number of their draw as history. Empty for other classes and
-// with one draw.
+// PSDs of the draws of a class of kind wave, each as if it were the mean, with percentiles 5 and 95 per bin and the
+// standard error of their mean; its records have the number of their draw as history. Empty for other classes and with
+// one draw.
 struct DrawBand {
+  std::vector<Bins> psd;
   Bins low, high, error;
 };
 DrawBand draw_band(CouplingClass const&, std::size_t first, SpectrumInterpolator const&);

@@ -20,21 +20,28 @@ namespace {
 
 constexpr double steps[] = {1 / 1.4142135623730951, 1, 1.4142135623730951};
 
-// Standard error of the PSD of a route: of histories, or over draws of the mirrors. That of the halo is in its parts.
-double psd_error(NoiseTrace const& route, std::size_t bin) {
-  double const draws = route.draws_sigma.empty() ? 0 : 2 * route.asd[bin] * route.draws_sigma[bin];
-  return std::hypot(route.psd_sigma(bin), draws);
-}
-
 // Variance of a sum whose terms are independent samples of one quantity.
 double variance_of_sum(std::vector<double> const& terms) {
   return terms.size() < 2 ? 0 : sample_variance(terms) * double(terms.size());
 }
 
-void add_halo(CouplingClass const& c, double psd, std::vector<double>& halo) {
-  if (c.azimuth_parts.empty()) return;
-  halo.resize(c.azimuth_parts.size());
-  for (std::size_t i = 0; i < halo.size(); ++i) halo[i] += psd * c.azimuth_parts[i] / c.coupling.mean;
+void add_scaled(std::vector<double>& sum, std::vector<double> const& terms, double factor) {
+  sum.resize(std::max(sum.size(), terms.size()));
+  for (std::size_t i = 0; i < terms.size(); ++i) sum[i] += factor * terms[i];
+}
+
+void add_route(SeamCurve& curve, NoiseTrace const& route, CouplingClass const& c, std::size_t bin) {
+  if (c.kind == ClassKind::halo) return add_scaled(curve.halo, c.azimuth_parts, route.psd(bin) / c.coupling.mean);
+  if (c.kind != ClassKind::wave) {
+    curve.variance += std::pow(route.psd_sigma(bin), 2);
+    return;
+  }
+  std::vector<double> draws;
+  for (std::vector<double> const& asd : route.draws) draws.push_back(asd[bin] * asd[bin] / double(route.draws.size()));
+  if (curve.edges.empty() || curve.edges.size() == draws.size())
+    add_scaled(curve.edges, draws, 1);
+  else
+    curve.variance += variance_of_sum(draws);
 }
 
 // Sum of the PSDs of the resolved routes of some kinds; errors of routes are independent. NaN where rays are among the
@@ -49,13 +56,11 @@ SeamCurve curve_of(NoiseBudget const& budget, CouplingTable const& table, std::v
     CouplingClass const& c = table.classes[i];
     if (!route.resolved || std::ranges::find(kinds, c.kind) == kinds.end()) continue;
     psd += route.psd(bin);
-    if (c.kind == ClassKind::halo)
-      add_halo(c, route.psd(bin), curve.halo);
-    else
-      curve.variance += std::pow(psd_error(route, bin), 2);
+    add_route(curve, route, c, bin);
     traced = traced || c.kind == ClassKind::scattered;
   }
-  double const asd = std::sqrt(psd), sigma = std::sqrt(curve.variance + variance_of_sum(curve.halo));
+  double const asd = std::sqrt(psd),
+               sigma = std::sqrt(curve.variance + variance_of_sum(curve.halo) + variance_of_sum(curve.edges));
   curve.strain = traced ? WithError{asd, asd > 0 ? sigma / (2 * asd) : 0} : WithError{not_a_number, not_a_number};
   return curve;
 }
@@ -63,11 +68,14 @@ SeamCurve curve_of(NoiseBudget const& budget, CouplingTable const& table, std::v
 // Of the ratio of two curves.
 double error_of_ratio(SeamCurve const& one, SeamCurve const& two) {
   double const psd_one = std::pow(one.strain.value, 2), psd_two = std::pow(two.strain.value, 2);
-  std::vector<double> parts(std::max(one.halo.size(), two.halo.size()));
-  for (std::size_t i = 0; i < one.halo.size(); ++i) parts[i] += one.halo[i] / psd_one;
-  for (std::size_t i = 0; i < two.halo.size(); ++i) parts[i] -= two.halo[i] / psd_two;
-  double const variance = one.variance / std::pow(psd_one, 2) + two.variance / std::pow(psd_two, 2);
-  return 0.5 * std::sqrt(variance + variance_of_sum(parts)) * one.strain.value / two.strain.value;
+  double variance = one.variance / std::pow(psd_one, 2) + two.variance / std::pow(psd_two, 2);
+  for (auto const terms : {&SeamCurve::halo, &SeamCurve::edges}) {
+    std::vector<double> change;
+    add_scaled(change, one.*terms, 1 / psd_one);
+    add_scaled(change, two.*terms, -1 / psd_two);
+    variance += variance_of_sum(change);
+  }
+  return 0.5 * std::sqrt(variance) * one.strain.value / two.strain.value;
 }
 
 SeamPoint point_of(NoiseBudget const& budget, CouplingTable const& table, double crossover, std::size_t bin) {
@@ -130,7 +138,7 @@ Seam check_seam(Model& model, TraceOptions const& options) {
   double const own = crossover_angle(model.world, stated);
   Seam seam;
   seam.crossover = own;
-  seam.map_draws = stated.map_draws;
+  seam.one_draw = rolled_mirror(stated) && stated.draws * stated.map_draws == 1;
   std::size_t const bin = bin_of_check(model.noise.grid);
   seam.frequency = model.noise.grid.centre(bin);
   double const window = window_of(model.world, own);
@@ -159,8 +167,7 @@ Seam check_seam(Model& model, TraceOptions const& options) {
 }
 
 constexpr char one_draw[] =
-    "One draw of the mirrors: the error of edges leaves out how they differ between mirrors ('map_draws: 8' states "
-    "it).\n";
+    "One draw of the mirrors: the error of edges leaves out how they differ between mirrors ('draws: 32' states it).\n";
 
 std::string seam_text(Seam const& seam) {
   Columns table{{"crossover/urad", "rays", "halo", "rays and halo", "edges", "all"}, {}, {}};
@@ -178,7 +185,7 @@ std::string seam_text(Seam const& seam) {
       "strain noise at {:.4g} Hz by crossover angle, 1/sqrt(Hz); errors: one standard error, of histories and of the "
       "mean over mirrors\n\n{}{}\n"
       "seam: largest change of rays and halo {}, of all stray light {}\n",
-      seam.frequency, aligned(table), seam.map_draws > 1 ? "" : one_draw, percent(seam.change(&SeamPoint::baffles)),
+      seam.frequency, aligned(table), seam.one_draw ? one_draw : "", percent(seam.change(&SeamPoint::baffles)),
       percent(seam.change(&SeamPoint::total)));
 }
 

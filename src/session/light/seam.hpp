@@ -12,9 +12,11 @@ namespace straytrace::session {
 
 // The noise of some routes at one angle, at the frequency of the check.
 struct SeamCurve {
-  WithError strain;          // ASD, 1/sqrt(Hz)
-  double variance = 0;       // of the PSD without the halo, 1/Hz^2
-  std::vector<double> halo;  // PSD by parts of the azimuth (CouplingClass::azimuth_parts), 1/Hz; empty: not random
+  WithError strain;     // ASD, 1/sqrt(Hz)
+  double variance = 0;  // of the PSD without the terms below, 1/Hz^2
+  // Terms of the PSD, 1/Hz, that are independent samples over random mirrors: of the halo by parts of the azimuth
+  // (CouplingClass::azimuth_parts), of edges by draws. Empty: not random.
+  std::vector<double> halo, edges;
 };
 struct SeamPoint {
   double crossover = 0;                  // rad
@@ -23,12 +25,12 @@ struct SeamPoint {
 };
 struct Seam {
   double frequency = 0, crossover = 0;  // Hz; rad, of the scene
-  std::uint32_t map_draws = 1;          // of the heights of the mirrors
+  bool one_draw = false;                // of random mirrors
   std::vector<SeamPoint> points;
   std::vector<std::string> warnings;  // angles that could not be computed
   bool complete = true;               // false: interrupted
   // Largest relative change of a curve from that at the crossover angle of the scene, with its standard error. The
-  // halo at both angles is that of the same heights, so that its error is that of the difference, part by part.
+  // field at both angles is that of the same mirrors, so that its error is that of the difference, term by term.
   WithError change(SeamCurve SeamPoint::*curve) const;
 };
 

@@ -147,10 +147,17 @@ std::vector<PathRecord> mirror_records(World const& world, ArmWaves const& waves
 
 struct RimGroup {
   std::vector<PathRecord> records;
-  std::size_t rims = 0, map_draws = 0, tolerance_draws = 0;
+  std::size_t rims = 0, map_draws = 0, draws = 0;
 };
 
-std::string statement(ArmWaves const& waves, ClassKind kind, RimGroup const& group) {
+// Of rims, in each draw of the heights.
+std::string what_is_drawn(World const& world) {
+  bool const tolerance = world.wave.tolerance.any();
+  if (!rolled_mirror(world.wave)) return "the tolerances";
+  return tolerance ? "the tolerances and of the roll of one of them" : "the roll of one of them";
+}
+
+std::string statement(World const& world, ArmWaves const& waves, ClassKind kind, RimGroup const& group) {
   std::string const rims = group.rims == 1 ? "1 rim" : fmt::format("{} rims", group.rims);
   if (kind == ClassKind::speckle)
     return fmt::format(
@@ -160,8 +167,7 @@ std::string statement(ArmWaves const& waves, ClassKind kind, RimGroup const& gro
         rims, 1e6 * waves.arm.crossover);
   std::string drawn = group.map_draws > 1 ? fmt::format("mean over {} draws of the mirrors", group.map_draws)
                                           : std::string("one draw of the mirrors");
-  drawn += group.tolerance_draws > 0 ? fmt::format(", each with {} of the tolerances", group.tolerance_draws)
-                                     : std::string(", rims as in the scene");
+  if (group.draws > 0) drawn += fmt::format(", each with {} of {}", group.draws, what_is_drawn(world));
   return fmt::format(
       "{} in the field of the cavity (docs/theory/wave.md, eq. W.14): {}; both directions; powers added; first order "
       "in the motion",
@@ -185,7 +191,7 @@ RimGroup rims_of_kind(World const& world, ArmWaves const& waves, std::string con
     ++group.rims;
     if (solved) {
       group.map_draws = found.draws.size();
-      group.tolerance_draws = found.draws.front().responses.size() - 1;
+      group.draws = found.draws.front().responses.size() - 1;
     }
     if (solved)
       add_solved(group.records, world, waves.arm, rim, found);
@@ -215,7 +221,7 @@ std::vector<CouplingClass> wave_rim_classes(World const& world, ArmWaves const& 
       std::vector<PathStep> steps{{group_of(from->surface), Event::emit},
                                   {GroupId{std::uint32_t(at - world.groups().begin())}, Event::diffract},
                                   {group_of(to->surface), Event::couple}};
-      std::string const text = statement(waves, kind, group);
+      std::string const text = statement(world, waves, kind, group);
       classes.push_back(deterministic_class(kind, std::move(steps), to->port, 1, std::move(group.records), text));
     }
   return classes;

@@ -10,8 +10,8 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/functions.hpp"
-#include "base/math/samples.hpp"
 #include "base/math/rng.hpp"
+#include "base/math/samples.hpp"
 #include "base/process/threads.hpp"
 #include "beams/round_cavity.hpp"
 #include "wave/arm/arm_checks.hpp"
@@ -36,12 +36,14 @@ double normal(Rng& random) {
   return radius * sincos_turn(random.uniform()).cos;
 }
 
-// The rim as drawn in the scene, then with its tolerances, drawn anew in each draw of the heights.
+// The rim as drawn in the scene, then with its tolerances and the roll of a mirror, drawn anew in each draw of the
+// heights. Draw 0 has no roll.
 std::vector<RimCurve> curves_of(ArmCavity const& arm, std::size_t number, WaveSettings const& settings,
                                 std::uint32_t map_draw) {
   ArmRim const& rim = arm.rims[number];
   std::vector<RimCurve> curves{curve_of(arm, rim)};
-  if (!settings.tolerance.any()) return curves;
+  auto const rolled = rolled_mirror(settings);
+  if (!settings.tolerance.any() && !rolled) return curves;
   for (std::uint32_t draw = 0; draw < settings.draws; ++draw) {
     Rng random(settings.mirrors[0].seed, std::uint64_t(map_draw) * settings.draws + draw, std::uint32_t(number),
                Stream::static_phase);
@@ -49,6 +51,7 @@ std::vector<RimCurve> curves_of(ArmCavity const& arm, std::size_t number, WaveSe
     Vec3 const displacement{settings.tolerance.centre * normal(random), settings.tolerance.centre * normal(random),
                             settings.tolerance.place * normal(random)};
     curves.push_back(curve_of(arm, rim, displacement, wider));
+    if (rolled) curves.back().roll[*rolled] = 2 * pi * draw / settings.draws;
   }
   return curves;
 }
@@ -206,6 +209,12 @@ void warn_of_clipping(ArmWaves& waves) {
 }
 
 }  // namespace
+
+std::optional<std::size_t> rolled_mirror(WaveSettings const& settings) {
+  for (std::size_t const i : {1, 0})
+    if (settings.mirrors[i].heights == WaveSettings::Heights::material) return i;
+  return {};
+}
 
 Spread spread_of(std::vector<double> values) {
   std::ranges::sort(values);

@@ -25,14 +25,15 @@ Spread spread_of(std::vector<double> values);  // not empty
 
 // A rim in one draw of the heights.
 struct RimDraw {
-  std::vector<RimResponse> responses;  // as drawn in the scene, then with each draw of the tolerances
+  std::vector<RimResponse> responses;  // as drawn in the scene, then with each draw of the tolerances and of the roll
   Complex clipped;                     // s of the light that the baffle takes from the mode
 };
 struct RimResult {
   std::vector<RimDraw> draws;  // of the heights; empty where the grid does not hold the light that meets the rim
   SpeckleMeans speckle;        // eq. W.22 with the BSDF of the mirrors; stands for it there
 
-  // All draws of the heights, with all draws of the tolerances where there are any, otherwise as drawn in the scene.
+  // All draws of the heights, with all draws of tolerances and roll where there are any, otherwise as drawn in the
+  // scene.
   std::vector<RimResponse const*> ensemble() const;
 };
 
@@ -73,6 +74,11 @@ struct ArmWaves {
   std::vector<DiodeResult> diodes = {};  // as arm.diodes
   std::vector<Field> fields = {};  // of the first draw, that arrive at mirror 1 and at mirror 2; empty: not wanted
 };
+
+// Random mirrors scatter alike in all azimuths, so that the light of one may be turned about the axis against that of
+// the other, as if the mirror had another roll: a draw that needs no other field. The mirror whose light is turned;
+// none where all heights are known.
+std::optional<std::size_t> rolled_mirror(WaveSettings const&);
 
 struct ArmOptions {
   int threads = 0;            // 0: all

@@ -30,9 +30,9 @@ struct HeightsRecord {
 // A rim in one draw.
 struct RimDrawRecord {
   std::uint32_t heights = 0;
-  std::uint32_t tolerance = 0;  // 0: as drawn in the scene; from 1: draw of the tolerances
+  std::uint32_t tolerance = 0;  // 0: as drawn in the scene; from 1: draw of the tolerances and of the roll
   RimResponse response;
-  Complex clipped;  // the same for all tolerances
+  Complex clipped;  // the same for all of these draws
 };
 struct RimRecord {
   std::string name;

@@ -278,11 +278,21 @@ void read_tolerance(Node const& table, WaveSettings& wave) {
     tolerance.refuse_unknown("'tolerance'");
     if (!table.has("baffles"))
       tolerance.problem("'tolerance' without 'baffles'", "name the baffles that it is for, or remove it");
-  } else if (table.has("draws") && !table.has("tolerance")) {
-    table["draws"].problem("'draws' without 'tolerance': nothing is drawn", "give both, or neither");
   }
+}
+
+bool random_mirrors(WaveSettings const& wave) {
+  return std::ranges::any_of(
+      wave.mirrors, [](WaveSettings::Mirror const& m) { return m.heights == WaveSettings::Heights::material; });
+}
+
+void read_draws(Node const& table, WaveSettings& wave) {
+  bool const drawn = wave.tolerance.any() || random_mirrors(wave);
+  if (table.has("draws") && !drawn)
+    table["draws"].problem("'draws' with mirrors of known heights and without 'tolerance': nothing is drawn",
+                           "remove it, or give a 'tolerance'");
   constexpr double most_draws = 1000;  // which give the mean over the tolerances to 3 %
-  wave.draws = std::uint32_t(table.whole("draws", wave.tolerance.any() ? 32 : 1, 1, most_draws));
+  wave.draws = std::uint32_t(table.whole("draws", drawn ? 32 : 1, 1, most_draws));
 }
 
 void read_map_draws(Node const& table, WaveSettings& wave) {
@@ -345,6 +355,7 @@ void read_wave(Scene const& scene, World& world, Registry const& names) {
   read_mirrors(table, cavity, names, wave);
   read_input(table, wave);
   read_tolerance(table, wave);
+  read_draws(table, wave);
   read_photodiodes(table, world, names);
   refuse_of_rings(table, wave);
   refuse_rims_of_edges(table, world);

@@ -87,7 +87,7 @@ struct WaveSettings {
   std::uint32_t points = 0;                              // of the grid, along one side; 0: chosen by the computation
   double window = 0;                                     // m, side of the grid; 0: chosen by the computation
   Tolerance tolerance;
-  std::uint32_t draws = 1;      // of the tolerances, in each draw of the heights
+  std::uint32_t draws = 1;      // of the tolerances and of the roll of a mirror, in each draw of the heights
   std::uint32_t map_draws = 1;  // of the random heights of the mirrors
   std::optional<Input> input;
   std::vector<Photodiodes> photodiodes;

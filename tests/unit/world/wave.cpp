@@ -144,7 +144,9 @@ TEST(ReadWave, WrongNumbersAreExplained) {
   EXPECT_THAT(wave_problem(ring + "{rims: 1 mm}}\n"), HasSubstr("did you mean 'rim'?"));
   EXPECT_THAT(wave_problem(ring + "{rim: 1 mm}, draws: 0}\n"), HasSubstr("'draws' must be between 1 and"));
   EXPECT_THAT(wave_problem("wave: {beam: arm, tolerance: {rim: 1 mm}}\n"), HasSubstr("'tolerance' without 'baffles'"));
-  EXPECT_THAT(wave_problem("wave: {beam: arm, draws: 8}\n"), HasSubstr("'draws' without 'tolerance'"));
+  EXPECT_THAT(wave_problem("wave: {beam: arm, draws: 8, maps: {I: {spectrum: none}, E: {spectrum: none}}}\n"),
+              HasSubstr("'draws' with mirrors of known heights and without 'tolerance'"));
+  EXPECT_EQ(wave_problem("wave: {beam: arm, draws: 8}\n"), "");  // the roll of a mirror is drawn
   EXPECT_THAT(wave_problem("wave: {beam: arm, map_draws: 0}\n"), HasSubstr("'map_draws' must be between 1 and"));
   std::string const perfect = "wave: {beam: arm, map_draws: 2, maps: {E: {spectrum: none}, I: {spectrum: ";
   EXPECT_THAT(wave_problem(perfect + "none}}}\n"), HasSubstr("'map_draws' with perfect mirrors"));
