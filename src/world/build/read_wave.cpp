@@ -288,7 +288,7 @@ bool random_mirrors(WaveSettings const& wave) {
 
 void read_draws(Node const& table, WaveSettings& wave) {
   bool const drawn = wave.tolerance.any() || random_mirrors(wave);
-  if (table.has("draws") && !drawn)
+  if (table.has("draws") && !drawn && !table.has("tolerance"))
     table["draws"].problem("'draws' with mirrors of known heights and without 'tolerance': nothing is drawn",
                            "remove it, or give a 'tolerance'");
   constexpr double most_draws = 1000;  // which give the mean over the tolerances to 3 %

@@ -111,6 +111,49 @@ TEST(MovingRims, LeversOfAMirrorAgainstTheMovedMirror) {
   EXPECT_GT(relative(all.mirrors[1].figure[0], x), 0.1);  // negative control: the curvature rests
 }
 
+// Heights that scatter light by 120 to 160 urad, onto the rim of a baffle of 70 mm in the middle.
+WaveMirror speckled(Grid const& grid, unsigned seed) {
+  WaveMirror mirror{1 / 2500., {0.075}, 0, 0, std::vector<double>(grid.size()), 0};
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int waves = 0; waves < 40;) {
+    int const m = int(std::floor(130 * uniform(random))) - 65, n = int(std::floor(130 * uniform(random))) - 65;
+    double const phase = uniform(random), angle = nd_yag / grid.window * std::hypot(m, n);
+    if (angle < 120e-6 || angle > 160e-6) continue;
+    ++waves;
+    for (int row = 0; row < grid.points; ++row)
+      for (int column = 0; column < grid.points; ++column)
+        mirror.height[std::size_t(row * grid.points + column)] +=
+            0.1e-9 * turned((m * grid.at(column) + n * grid.at(row)) / grid.window + phase).real();
+  }
+  return mirror;
+}
+
+// Turning the light of a mirror about the axis is, to first order in its heights, what turning the mirror does.
+TEST(MovingRims, RollOfTheLightIsThatOfTheMirror) {
+  Grid const grid{384, 0.4};
+  WaveCavity const cavity{nd_yag, 1000, speckled(grid, 1), speckled(grid, 2), {{500, {0.07}}}, grid};
+  CavityWaves const waves(cavity);
+  WaveMode const mode = waves.mode(waves.hermite_gauss(), exact());
+  RimCurve const still = round_curve(cavity.baffles[0], cavity);
+  RimCurve rolled = still;
+  rolled.roll[1] = pi / 2;
+  CavityRims const found = rim_responses(waves, mode, {{still, rolled}});
+  WaveCavity other = cavity;
+  int const n = cavity.grid.points;
+  for (int row = 0; row < n; ++row)
+    for (int column = 0; column < n; ++column) {  // at (x, y) the height that was at (y, -x)
+      int const from_row = (n - column) % n, from_column = row;
+      other.mirror2.height[std::size_t(row * n + column)] =
+          cavity.mirror2.height[std::size_t(from_row * n + from_column)];
+    }
+  RimLevers const expected = levers(other).rim;
+  for (int axis : {0, 1}) {
+    EXPECT_LT(relative(found.responses[0][1].levers.displacement[axis], expected.displacement[axis]), 0.15) << axis;
+    EXPECT_GT(relative(found.responses[0][0].levers.displacement[axis], expected.displacement[axis]), 0.5) << axis;
+  }
+}
+
 // eq. W.16: nothing changes when baffle and mirrors move or turn together.
 TEST(MovingRims, CommonMotionChangesNothingV4) {
   WaveCavity const cavity = rough();

@@ -75,7 +75,7 @@ TEST(ReadWave, Defaults) {
   EXPECT_TRUE(wave.present && wave.groups.empty() && !wave.crossover && !wave.tolerance.any());
   EXPECT_EQ(wave.points, 0u);
   EXPECT_EQ(wave.window, 0);
-  EXPECT_EQ(wave.draws, 1u);
+  EXPECT_EQ(wave.draws, 32u);  // of the roll of a random mirror
   EXPECT_EQ(wave.map_draws, 1u);
   for (WaveSettings::Mirror const& m : wave.mirrors) {
     EXPECT_EQ(m.heights, WaveSettings::Heights::material);
@@ -83,7 +83,9 @@ TEST(ReadWave, Defaults) {
   }
   std::string const ring = "wave: {beam: arm, baffles: ring_one, tolerance: {rim: ";
   EXPECT_EQ(wave_world(ring + "1 mm}}\n").wave.draws, 32u);
-  EXPECT_EQ(wave_world(ring + "0 mm}}\n").wave.draws, 1u);
+  std::string const perfect = "maps: {I: {spectrum: none}, E: {spectrum: none}}";
+  EXPECT_EQ(wave_world(ring + "1 mm}, " + perfect + "}\n").wave.draws, 32u);
+  EXPECT_EQ(wave_world(ring + "0 mm}, " + perfect + "}\n").wave.draws, 1u);
   EXPECT_EQ(wave_world("wave: {beam: arm, maps: {I: {spectrum: none}}}\n").wave.mirrors[1].heights,
             WaveSettings::Heights::none);
   EXPECT_EQ(wave_world("wave: {beam: arm, maps: {I: {remove: []}}}\n").wave.mirrors[1].removed,
@@ -146,7 +148,7 @@ TEST(ReadWave, WrongNumbersAreExplained) {
   EXPECT_THAT(wave_problem("wave: {beam: arm, tolerance: {rim: 1 mm}}\n"), HasSubstr("'tolerance' without 'baffles'"));
   EXPECT_THAT(wave_problem("wave: {beam: arm, draws: 8, maps: {I: {spectrum: none}, E: {spectrum: none}}}\n"),
               HasSubstr("'draws' with mirrors of known heights and without 'tolerance'"));
-  EXPECT_EQ(wave_problem("wave: {beam: arm, draws: 8}\n"), "");  // the roll of a mirror is drawn
+  EXPECT_EQ(wave_problem("wave: {beam: arm, draws: 8}\n"), "no error");  // the roll of a mirror is drawn
   EXPECT_THAT(wave_problem("wave: {beam: arm, map_draws: 0}\n"), HasSubstr("'map_draws' must be between 1 and"));
   std::string const perfect = "wave: {beam: arm, map_draws: 2, maps: {E: {spectrum: none}, I: {spectrum: ";
   EXPECT_THAT(wave_problem(perfect + "none}}}\n"), HasSubstr("'map_draws' with perfect mirrors"));
@@ -172,7 +174,7 @@ TEST(ReadWave, WrongMapsAreExplained) {
 }
 
 TEST(ReadWave, ReportsAllProblemsAtOnce) {
-  EXPECT_THAT(wave_problem("wave: {beam: amr, crossover: 1 m, baffles: wall, grid: {points: 70}, draws: 2,"
+  EXPECT_THAT(wave_problem("wave: {beam: amr, crossover: 1 m, baffles: wall, grid: {points: 70}, draws: 0,"
                            " maps: {I: {seed: -1}}, colour: red}\n"),
               AllOf(HasSubstr("'amr'"), HasSubstr("'crossover'"), HasSubstr("'wall'"), HasSubstr("'points'"),
                     HasSubstr("'draws'"), HasSubstr("'seed'"), HasSubstr("'colour'"), HasSubstr("7 errors.")));
