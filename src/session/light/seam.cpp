@@ -138,7 +138,7 @@ Seam check_seam(Model& model, TraceOptions const& options) {
   double const own = crossover_angle(model.world, stated);
   Seam seam;
   seam.crossover = own;
-  seam.one_draw = rolled_mirror(stated) && stated.draws * stated.map_draws == 1;
+  seam.one_draw = stated.rolled() && stated.draws * stated.map_draws == 1;
   std::size_t const bin = bin_of_check(model.noise.grid);
   seam.frequency = model.noise.grid.centre(bin);
   double const window = window_of(model.world, own);

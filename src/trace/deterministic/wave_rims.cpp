@@ -153,7 +153,7 @@ struct RimGroup {
 // Of rims, in each draw of the heights.
 std::string what_is_drawn(World const& world) {
   bool const tolerance = world.wave.tolerance.any();
-  if (!rolled_mirror(world.wave)) return "the tolerances";
+  if (!world.wave.rolled()) return "the tolerances";
   return tolerance ? "the tolerances and of the roll of one of them" : "the roll of one of them";
 }
 

@@ -42,7 +42,7 @@ std::vector<RimCurve> curves_of(ArmCavity const& arm, std::size_t number, WaveSe
                                 std::uint32_t map_draw) {
   ArmRim const& rim = arm.rims[number];
   std::vector<RimCurve> curves{curve_of(arm, rim)};
-  auto const rolled = rolled_mirror(settings);
+  auto const rolled = settings.rolled();
   if (!settings.tolerance.any() && !rolled) return curves;
   for (std::uint32_t draw = 0; draw < settings.draws; ++draw) {
     Rng random(settings.mirrors[0].seed, std::uint64_t(map_draw) * settings.draws + draw, std::uint32_t(number),
@@ -209,12 +209,6 @@ void warn_of_clipping(ArmWaves& waves) {
 }
 
 }  // namespace
-
-std::optional<std::size_t> rolled_mirror(WaveSettings const& settings) {
-  for (std::size_t const i : {1, 0})
-    if (settings.mirrors[i].heights == WaveSettings::Heights::material) return i;
-  return {};
-}
 
 Spread spread_of(std::vector<double> values) {
   std::ranges::sort(values);

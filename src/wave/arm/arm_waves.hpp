@@ -75,11 +75,6 @@ struct ArmWaves {
   std::vector<Field> fields = {};  // of the first draw, that arrive at mirror 1 and at mirror 2; empty: not wanted
 };
 
-// Random mirrors scatter alike in all azimuths, so that the light of one may be turned about the axis against that of
-// the other, as if the mirror had another roll: a draw that needs no other field. The mirror whose light is turned;
-// none where all heights are known.
-std::optional<std::size_t> rolled_mirror(WaveSettings const&);
-
 struct ArmOptions {
   int threads = 0;            // 0: all
   int highest_order = -1;     // of the modes listed; < 0: none

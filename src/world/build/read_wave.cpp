@@ -281,13 +281,8 @@ void read_tolerance(Node const& table, WaveSettings& wave) {
   }
 }
 
-bool random_mirrors(WaveSettings const& wave) {
-  return std::ranges::any_of(
-      wave.mirrors, [](WaveSettings::Mirror const& m) { return m.heights == WaveSettings::Heights::material; });
-}
-
 void read_draws(Node const& table, WaveSettings& wave) {
-  bool const drawn = wave.tolerance.any() || random_mirrors(wave);
+  bool const drawn = wave.tolerance.any() || wave.rolled();
   if (table.has("draws") && !drawn && !table.has("tolerance"))
     table["draws"].problem("'draws' with mirrors of known heights and without 'tolerance': nothing is drawn",
                            "remove it, or give a 'tolerance'");

@@ -91,6 +91,19 @@ struct WaveSettings {
   std::uint32_t map_draws = 1;  // of the random heights of the mirrors
   std::optional<Input> input;
   std::vector<Photodiodes> photodiodes;
+
+  // Random mirrors scatter alike in all azimuths, so that the light of one may be turned about the axis against that of
+  // the other, as if the mirror had another roll: a draw that needs no other field. The number of the mirror whose
+  // light is turned; none where the heights of both are known, the only random one has defects, or one is misaligned.
+  std::optional<std::size_t> rolled() const {
+    std::optional<std::size_t> found;
+    for (std::size_t i = 0; i < mirrors.size(); ++i) {
+      if (mirrors[i].misaligned()) return {};
+      if (mirrors[i].heights == Heights::material && mirrors[i].absorbers.empty() && mirrors[i].ripples.empty())
+        found = i;
+    }
+    return found;
+  }
 };
 
 }  // namespace straytrace::world
