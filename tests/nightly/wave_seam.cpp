@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The noise of detectors at three crossover angles, on which it must not depend (docs/theory/wave.md, eq. W.21):
+// validation case V16 with arms of the library.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/benches.hpp"
+#include "support/recorded.hpp"
+
+namespace straytrace::testing::nightly_seam {
+namespace {
+
+struct Detector {
+  char const *arm, *crossover;
+};
+
+nlohmann::json seam_of(Detector const& detector) {
+  Folder const folder;
+  write_text(folder / "arm.yaml",
+             text_of(fmt::format("{}/examples/{}_arm.yaml", source_folder, detector.arm)) +
+                 fmt::format("wave: {{beam: arm, baffles: \"baffles*\", crossover: {}}}\n", detector.crossover));
+  Launch slow;
+  slow.seconds = 3600;
+  Finished const done =
+      straytrace({"wave", folder / "arm.yaml", "--seam", "--histories", "1e6", "--quiet", "--format", "json"}, slow);
+  EXPECT_EQ(done.code, 0) << done.err;
+  return nlohmann::json::parse(done.out);
+}
+
+double spread(nlohmann::json const& seam, char const* curve) {
+  double low = 1e300, high = 0;
+  for (auto const& point : seam["points"]) {
+    low = std::fmin(low, point[curve]["value"].get<double>());
+    high = std::fmax(high, point[curve]["value"].get<double>());
+  }
+  return high / low - 1;
+}
+
+class DetectorSeam : public ::testing::TestWithParam<Detector> {};
+
+// Light from baffles: of rays and halo together, whose shares change by much more.
+TEST_P(DetectorSeam, LightFromBafflesIsTheSameV16) {
+  auto const seam = seam_of(GetParam());
+  ASSERT_EQ(seam["points"].size(), 3u);
+  double const change = seam["change_of_rays_and_halo"]["value"], sigma = seam["change_of_rays_and_halo"]["sigma"];
+  EXPECT_LT(std::fabs(change), 0.03);
+  EXPECT_LT(sigma, 0.015);
+  EXPECT_GT(std::fmax(spread(seam, "rays"), spread(seam, "halo")), 0.1);  // control
+}
+
+INSTANTIATE_TEST_SUITE_P(V16, DetectorSeam,
+                         ::testing::Values(Detector{"et_hf", "100 urad"}, Detector{"et_lf", "100 urad"},
+                                           Detector{"ce", "60 urad"}, Detector{"kagra", "120 urad"},
+                                           Detector{"ligo", "120 urad"}, Detector{"virgo", "120 urad"}),
+                         [](auto const& info) { return std::string(info.param.arm); });
+
+}  // namespace
+}  // namespace straytrace::testing::nightly_seam
