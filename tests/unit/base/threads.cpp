@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/process/thread_team.hpp"
+
 namespace straytrace::testing::base_threads {
 namespace {
 
@@ -28,6 +30,30 @@ TEST(Threads, OneIsTheCaller) {
   auto const caller = std::this_thread::get_id();
   in_parallel(100, 1, [&](std::size_t) { elsewhere += std::this_thread::get_id() != caller; });
   EXPECT_EQ(elsewhere, 0);
+}
+
+TEST(ThreadTeam, EachPartOfEachWorkOnce) {
+  for (unsigned const threads : {0u, 1u, 3u, 16u}) {
+    ThreadTeam team(threads);
+    for (std::size_t const count : {1000u, 0u, 1u, 2u, 1000u, 7u}) {
+      std::vector<std::atomic<int>> calls(1000);
+      team.run(count, [&](std::size_t i) { ++calls[i]; });
+      auto const once = std::count(calls.begin(), calls.end(), 1), never = std::count(calls.begin(), calls.end(), 0);
+      EXPECT_EQ(std::size_t(once), count) << threads;
+      EXPECT_EQ(std::size_t(never), 1000 - count) << threads;
+    }
+  }
+}
+
+// What one work leaves is there for the next, whoever did which part.
+TEST(ThreadTeam, WorksFollowEachOther) {
+  ThreadTeam team(3);
+  std::vector<int> values(100), sums(100);
+  for (int round = 1; round <= 100; ++round) {
+    team.run(100, [&](std::size_t i) { values[i] = round; });
+    team.run(100, [&](std::size_t i) { sums[i] += values[99 - i]; });
+  }
+  EXPECT_EQ(std::count(sums.begin(), sums.end(), 100 * 101 / 2), 100);
 }
 
 }  // namespace
