@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/process/threads.hpp"
+
 namespace straytrace::wave {
 namespace {
 
 constexpr double rounding = 1e-14;    // of an image with nothing new in it
 constexpr double least_start = 1e-6;  // of a start beside the others
+constexpr Eigen::Index slice = 1024;  // elements of a vector that stay in the cache
 
 }  // namespace
 
@@ -32,7 +35,7 @@ void SpectrumDisc::unpack(Eigen::VectorXcd const& packed, Field& spectrum) const
   for (std::size_t i = 0; i < at_.size(); ++i) spectrum.values[at_[i]] = packed[Eigen::Index(i)];
 }
 
-Krylov::Krylov(std::vector<Eigen::VectorXcd> const& starts) {
+Krylov::Krylov(std::vector<Eigen::VectorXcd> const& starts, int threads) : threads_(unsigned(std::max(0, threads))) {
   for (Eigen::VectorXcd const& start : starts) {
     Eigen::VectorXcd rest = start.normalized();
     orthogonalise(rest);
@@ -41,15 +44,32 @@ Krylov::Krylov(std::vector<Eigen::VectorXcd> const& starts) {
   starts_ = int(vectors_.size());
 }
 
+// Classical Gram-Schmidt, twice: the second removes the rounding of the first. Slice by slice, so that the vectors are
+// read from memory three times in all.
 Eigen::VectorXcd Krylov::orthogonalise(Eigen::VectorXcd& image) const {
-  Eigen::VectorXcd shares = Eigen::VectorXcd::Zero(Eigen::Index(vectors_.size()));
-  for (int pass = 0; pass < 2; ++pass)  // the second removes the rounding of the first
-    for (Eigen::Index i = 0; i < shares.size(); ++i) {
-      Complex const share = vectors_[std::size_t(i)].dot(image);
-      shares[i] += share;
-      image -= share * vectors_[std::size_t(i)];
-    }
-  return shares;
+  auto const count = Eigen::Index(vectors_.size());
+  Eigen::MatrixXcd parts(count, (image.size() + slice - 1) / slice);  // of the shares, by slice
+  auto const sweep = [&](Eigen::VectorXcd const* subtracted, bool measured) {
+    in_parallel(std::size_t(parts.cols()), threads_, [&](std::size_t s) {
+      Eigen::Index const first = Eigen::Index(s) * slice, size = std::min(slice, image.size() - first);
+      auto here = image.segment(first, size);
+      for (Eigen::Index i = 0; subtracted && i < count; ++i)
+        here -= (*subtracted)[i] * vectors_[std::size_t(i)].segment(first, size);
+      for (Eigen::Index i = 0; measured && i < count; ++i)
+        parts(i, Eigen::Index(s)) = vectors_[std::size_t(i)].segment(first, size).dot(here);
+    });
+  };
+  auto const summed = [&] {
+    Eigen::VectorXcd sum = Eigen::VectorXcd::Zero(count);
+    for (Eigen::Index s = 0; s < parts.cols(); ++s) sum += parts.col(s);
+    return sum;
+  };
+  sweep(nullptr, true);
+  Eigen::VectorXcd const shares = summed();
+  sweep(&shares, true);
+  Eigen::VectorXcd const rounded = summed();
+  sweep(&rounded, false);
+  return shares + rounded;
 }
 
 bool Krylov::extend(Eigen::VectorXcd image) {

@@ -34,8 +34,9 @@ struct RitzPair {
 // several starts, eigenvalues of one size keep as many eigenvectors apart.
 class Krylov {
  public:
-  explicit Krylov(Eigen::VectorXcd const& start) : Krylov(std::vector<Eigen::VectorXcd>{start}) {}
-  explicit Krylov(std::vector<Eigen::VectorXcd> const& starts);
+  explicit Krylov(Eigen::VectorXcd const& start, int threads = 1)
+      : Krylov(std::vector<Eigen::VectorXcd>{start}, threads) {}
+  explicit Krylov(std::vector<Eigen::VectorXcd> const& starts, int threads = 1);
 
   int steps() const { return int(matrix_.cols()); }
   int starts() const { return starts_; }  // that are independent
@@ -48,9 +49,10 @@ class Krylov {
   Eigen::VectorXcd vector(RitzPair const&) const;
 
  private:
-  // Takes the shares of the vectors out of one; the shares.
+  // Takes the shares of the vectors out of one; the shares. The same bits for any number of threads.
   Eigen::VectorXcd orthogonalise(Eigen::VectorXcd&) const;
 
+  unsigned threads_;
   std::vector<Eigen::VectorXcd> vectors_;
   int starts_ = 0;
   Eigen::MatrixXcd matrix_;  // Hessenberg with as many subdiagonals as starts; rows: vectors, columns: steps
