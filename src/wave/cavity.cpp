@@ -62,6 +62,7 @@ CavityWaves::~CavityWaves() = default;
 WaveCavity const& CavityWaves::cavity() const { return parts_->cavity; }
 RoundTrip const& CavityWaves::trip() const { return parts_->trip; }
 Transform const& CavityWaves::transform() const { return parts_->trip.transform(); }
+int CavityWaves::threads() const { return parts_->trip.threads(); }
 Mask const& CavityWaves::mask(std::size_t baffle) const { return parts_->trip.mask(baffle); }
 Mask const& CavityWaves::outline1() const { return parts_->trip.mask(parts_->trip.trip().stops.size() - 1); }
 Mask const& CavityWaves::outline2() const { return parts_->trip.mask(parts_->cavity.baffles.size()); }
@@ -75,11 +76,15 @@ void CavityWaves::set_heights(std::array<std::vector<double>, 2> heights) {
   parts_->cavity.mirror2.height = std::move(heights[1]);
 }
 
-void CavityWaves::round_trip(Field& spectrum, Observer const& observer) const {
+void CavityWaves::round_trip(Field& spectrum, Observer const& observer, Looks const& looks) const {
   if (!observer) return parts_->trip.travel(spectrum);
-  parts_->trip.travel(spectrum, [&](StopArrival const& at) {
-    observer({int(parts_->plane(at.stop)), parts_->travel(at.stop), at.spectrum, at.columns, at.field});
-  });
+  Parts const& parts = *parts_;
+  Watch watch{[&](std::size_t stop, Field const& arriving) {
+                observer({int(parts.plane(stop)), parts.travel(stop), arriving});
+              },
+              {}};
+  if (looks) watch.looks = [&](std::size_t stop) { return looks(int(parts.plane(stop)), parts.travel(stop)); };
+  parts.trip.travel(spectrum, watch);
 }
 
 std::array<AxisShift, 2> axis_shifts(double curvature1, double curvature2, double length) {

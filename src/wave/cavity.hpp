@@ -47,11 +47,10 @@ enum class Travel { towards_mirror2, towards_mirror1 };
 struct Arrival {
   int plane = 0;
   Travel travel = Travel::towards_mirror2;
-  Field const& spectrum;  // band-limited, in the order of Grid::frequency
-  int columns = 0;        // that hold it, for Transform
   Field const& field;
 };
 using Observer = std::function<void(Arrival const&)>;
+using Looks = std::function<bool(int plane, Travel)>;  // where somebody looks; empty: everywhere
 
 // Where the power of a field of unit power goes in one round trip (eq. W.24).
 struct PowerLedger {
@@ -68,6 +67,7 @@ class CavityWaves {
   WaveCavity const& cavity() const;
   RoundTrip const& trip() const;
   Transform const& transform() const;
+  int threads() const;
   Mask const& mask(std::size_t baffle) const;
   Mask const& outline1() const;
   Mask const& outline2() const;
@@ -80,8 +80,8 @@ class CavityWaves {
   // Spectrum of a Hermite-Gauss mode of the mirrors alone about the axis that their tilts give, n quanta along x and m
   // along y, after the reflection by mirror 1. Unit power. NumericalError if the cavity is not stable.
   Field hermite_gauss(int n = 0, int m = 0) const;
-  // eq. W.8, in place. Calls the observer for each arrival, in order of the way.
-  void round_trip(Field& spectrum, Observer const& = {}) const;
+  // eq. W.8, in place. Calls the observer for each arrival where it looks, in order of the way.
+  void round_trip(Field& spectrum, Observer const& = {}, Looks const& = {}) const;
   // The mode that shares most with `start`, a spectrum after mirror 1. NumericalError if none is found.
   WaveMode mode(Field const& start, SolveOptions const& = {}) const;
   // B of eq. W.11 of the field after mirror 1 and that which arrives there.

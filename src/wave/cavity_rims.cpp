@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include "base/math/constants.hpp"
 
@@ -11,20 +13,19 @@ namespace straytrace::wave {
 namespace {
 
 // Of the field turned about the axis by `roll`.
-std::vector<WaveValue> values_at(Sampler const& field, std::vector<RimPoint> const& rim, double roll) {
+std::vector<WaveValue> values_at(Field const& field, std::vector<RimPoint> const& rim, double roll, int threads) {
   double const c = std::cos(roll), s = std::sin(roll);
-  std::vector<WaveValue> values;
-  for (RimPoint const& point : rim) {
-    WaveValue const v = field.at(c * point.place.x + s * point.place.y, c * point.place.y - s * point.place.x);
-    values.push_back({v.value, c * v.dx - s * v.dy, s * v.dx + c * v.dy});
-  }
+  std::vector<Vec3> places;
+  for (RimPoint const& point : rim)
+    places.push_back({c * point.place.x + s * point.place.y, c * point.place.y - s * point.place.x, 0});
+  std::vector<WaveValue> values = Sampler(field).at(places, threads);
+  for (WaveValue& v : values) v = {v.value, c * v.dx - s * v.dy, s * v.dx + c * v.dy};
   return values;
 }
 
 // eq. W.14, times B.
-RimResponse response(RimCurve const& rim, std::vector<WaveValue> const& forward, Sampler const& from_mirror2,
+RimResponse response(RimCurve const& rim, std::vector<WaveValue> const& forward, std::vector<WaveValue> const& backward,
                      double wavelength) {
-  std::vector<WaveValue> const backward = values_at(from_mirror2, rim.points, rim.roll[1]);
   Complex widening = 0;
   for (std::size_t i = 0; i < rim.points.size(); ++i)
     widening += 2 * length(rim.points[i].step) * forward[i].value * backward[i].value;
@@ -36,11 +37,26 @@ RimResponse response(RimCurve const& rim, std::vector<WaveValue> const& forward,
 
 // Integral of (1 - T) psi_f psi_b over the whole plane; the series of the mask and the product of the fields are exact
 // together, also where the mask overshoots.
-Complex taken(Mask const& mask, Field const& forward, Field const& backward) {
-  Complex sum = 0;
-  for (std::size_t i = 0; i < forward.values.size(); ++i)
-    sum += (1 - mask.values()[i]) * forward.values[i] * backward.values[i];
-  return sum * (forward.grid.pitch() * forward.grid.pitch());
+Complex taken(Mask const& mask, Field const& forward, Field const& backward, int threads) {
+  Grid const& grid = forward.grid;
+  std::vector<Complex> rows(static_cast<std::size_t>(grid.points));
+  for_rows(0, grid.points, threads, [&](int row) {
+    double const* const screen = mask.values().data() + std::size_t(row) * std::size_t(grid.points);
+    Complex sum = 0;
+    for (int i = 0; i < grid.points; ++i) sum += (1 - screen[i]) * forward(row, i) * backward(row, i);
+    rows[std::size_t(row)] = sum;
+  });
+  return std::accumulate(rows.begin(), rows.end(), Complex()) * (grid.pitch() * grid.pitch());
+}
+
+void divide_by_overlap(CavityRims& rims) {
+  for (Complex& s : rims.clipped) s /= rims.overlap;
+  for (auto& baffle : rims.responses)
+    for (RimResponse& r : baffle) {
+      for (int i = 0; i < 3; ++i) r.levers.displacement[i] /= rims.overlap;
+      for (int i = 0; i < 3; ++i) r.levers.rotation[i] /= rims.overlap;
+      r.widening /= rims.overlap;
+    }
 }
 
 }  // namespace
@@ -66,7 +82,7 @@ CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,
   std::vector<std::vector<std::vector<WaveValue>>> outward(n);
   Field departing = mode.spectrum, work = mode.spectrum;
   waves.transform().inverse(departing, cavity.grid.points, cavity.grid.points);
-  waves.round_trip(work, [&](Arrival const& arrival) {
+  auto const see = [&](Arrival const& arrival) {
     auto const plane = std::size_t(arrival.plane);
     if (also) also(arrival);
     if (plane == 0) {
@@ -79,26 +95,26 @@ CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,
       return;
     }
     if (curves[plane - 1].empty()) return;
-    Sampler const field(arrival.spectrum, waves.transform(), arrival.columns);
+    bool const outwards = arrival.travel == Travel::towards_mirror2;
     for (std::size_t i = 0; i < curves[plane - 1].size(); ++i) {
       RimCurve const& curve = curves[plane - 1][i];
-      if (arrival.travel == Travel::towards_mirror2)
-        outward[plane - 1].push_back(values_at(field, curve.points, curve.roll[0]));
+      std::vector<WaveValue> values =
+          values_at(arrival.field, curve.points, curve.roll[outwards ? 0 : 1], waves.threads());
+      if (outwards)
+        outward[plane - 1].push_back(std::move(values));
       else
-        result.responses[plane - 1].push_back(response(curve, outward[plane - 1][i], field, cavity.wavelength));
+        result.responses[plane - 1].push_back(response(curve, outward[plane - 1][i], values, cavity.wavelength));
     }
-    if (arrival.travel == Travel::towards_mirror2)
+    if (outwards)
       forward[plane - 1] = arrival.field;
     else
-      result.clipped[plane - 1] = 2.0 * taken(waves.mask(plane - 1), *forward[plane - 1], arrival.field);
+      result.clipped[plane - 1] =
+          2.0 * taken(waves.mask(plane - 1), *forward[plane - 1], arrival.field, waves.threads());
+  };
+  waves.round_trip(work, see, [&](int plane, Travel) {
+    return also || plane == 0 || plane == int(n) + 1 || !curves[std::size_t(plane) - 1].empty();
   });
-  for (Complex& s : result.clipped) s /= result.overlap;
-  for (auto& baffle : result.responses)
-    for (RimResponse& r : baffle) {
-      for (int i = 0; i < 3; ++i) r.levers.displacement[i] /= result.overlap;
-      for (int i = 0; i < 3; ++i) r.levers.rotation[i] /= result.overlap;
-      r.widening /= result.overlap;
-    }
+  divide_by_overlap(result);
   return result;
 }
 

@@ -36,7 +36,11 @@ DrivenCavity::DrivenCavity(CavityWaves const& waves, std::array<MirrorCoating, 2
 DrivenCavity::DrivenCavity(CavityWaves const& waves, std::array<MirrorCoating, 2> coatings, Complex resonance,
                            Eigen::VectorXcd const& entering, std::vector<double> const& detunings,
                            DrivenOptions const& options)
-    : waves_(waves), coatings_(coatings), resonance_(resonance), entered_(entering.norm()), krylov_(entering) {
+    : waves_(waves),
+      coatings_(coatings),
+      resonance_(resonance),
+      entered_(entering.norm()),
+      krylov_(entering, waves.threads()) {
   for (;;) {
     advance();
     int const trips = krylov_.steps();
@@ -53,10 +57,9 @@ DrivenCavity::DrivenCavity(CavityWaves const& waves, std::array<MirrorCoating, 2
 void DrivenCavity::advance() {
   Field work(waves_.cavity().grid);
   waves_.band().unpack(krylov_.next() / amplitude_scale(work.grid), work);
-  waves_.round_trip(work, [&](Arrival const& arrival) {
-    if (arrival.travel == Travel::towards_mirror2 && arrival.plane == int(waves_.cavity().baffles.size()) + 1)
-      add_transmitted(arrival.field);
-  });
+  waves_.round_trip(
+      work, [&](Arrival const& arrival) { add_transmitted(arrival.field); },
+      [&](int plane, Travel) { return plane == int(waves_.cavity().baffles.size()) + 1; });
   krylov_.extend(waves_.band().pack(work) * amplitude_scale(work.grid));
 }
 

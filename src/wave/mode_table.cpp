@@ -52,7 +52,7 @@ bool unchanged(std::vector<RitzPair> const& now, std::vector<RitzPair> const& be
 
 // Until two more round trips of each start change no eigenvalue.
 Family family_of(RoundTrip const& trip, HermiteGauss const& hermite_gauss, int order, SolveOptions const& options) {
-  Krylov krylov(starts_of(trip, hermite_gauss, order));
+  Krylov krylov(starts_of(trip, hermite_gauss, order), trip.threads());
   Field work(trip.trip().grid);
   Family family{{}, krylov.starts()};
   int quiet = 0;

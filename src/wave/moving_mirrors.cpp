@@ -13,13 +13,16 @@ namespace {
 
 // Height of a mirror and its slopes, on the grid and between its points.
 struct Relief {
+  Field height;
   std::vector<double> slope_x, slope_y;  // on the grid
-  Sampler between;
 
-  Relief(std::vector<double> const& height, Grid const& grid, Transform const& transform)
-      : between(spectrum_of(height, grid, transform), transform, grid.points) {
+  Relief(std::vector<double> const& on_grid, Grid const& grid, Transform const& transform) : height(grid) {
+    std::ranges::copy(on_grid, height.values.begin());
+    Field spectrum = height;
+    transform.forward(spectrum, grid.points, grid.points);
+    check_band(spectrum);
     for (bool const along_x : {true, false}) {
-      Field slope = spectrum_of(height, grid, transform);
+      Field slope = spectrum;
       for (int row = 0; row < grid.points; ++row)
         for (int column = 0; column < grid.points; ++column)
           slope(row, column) *= Complex{0, 2 * pi * grid.frequency(along_x ? column : row)};
@@ -27,22 +30,16 @@ struct Relief {
       for (Complex z : slope.values) (along_x ? slope_x : slope_y).push_back(z.real());
     }
   }
-  static Field spectrum_of(std::vector<double> const& height, Grid const& grid, Transform const& transform) {
-    Field field(grid);
-    std::ranges::copy(height, field.values.begin());
-    transform.forward(field, grid.points, grid.points);
-    return field;
-  }
 };
 
-// The Laplacian across the axis of the field that arrives.
-Field laplacian(Arrival const& arrival, Transform const& transform) {
-  Field field = arrival.spectrum;
+// The Laplacian across the axis.
+Field laplacian(Field field, Transform const& transform) {
   Grid const& grid = field.grid;
+  transform.forward(field, grid.points, grid.points);
   for (int row = 0; row < grid.points; ++row)
     for (int column = 0; column < grid.points; ++column)
       field(row, column) *= -4 * pi * pi * (std::pow(grid.frequency(row), 2) + std::pow(grid.frequency(column), 2));
-  transform.inverse(field, arrival.columns, grid.points);
+  transform.inverse(field, grid.points, grid.points);
   return field;
 }
 
@@ -59,7 +56,7 @@ struct MirrorIntegrals {
     RoundHole const& hole = mirror.outline;
     for (RimPoint const& point : round_rim(hole.radius, {hole.x, hole.y, 0}, count)) {
       Vec3 const p = point.place;
-      double const height = relief ? relief->between.at(p.x, p.y).value.real() : 0;
+      double const height = relief ? Sampler(relief->height).at(p.x, p.y).value.real() : 0;
       double const path =
           (p.x * p.x + p.y * p.y) * mirror.curvature + 2 * height - 2 * (mirror.tilt_x * p.x + mirror.tilt_y * p.y);
       Complex const psi = field.at(p.x, p.y).value;
@@ -101,10 +98,9 @@ MirrorLevers mirror_levers(CavityWaves const& waves, Arrival const& arrival) {
   std::optional<Relief> relief;
   if (!mirror.height.empty()) relief.emplace(mirror.height, grid, waves.transform());
   MirrorIntegrals sum{mirror, grid, cavity.wavelength};
-  sum.add_outline(relief, {arrival.spectrum, waves.transform(), arrival.columns},
-                  points_along(2 * pi * mirror.outline.radius, cavity));
+  sum.add_outline(relief, Sampler(arrival.field), points_along(2 * pi * mirror.outline.radius, cavity));
   Field const factor = reflection(mirror, Mask(mirror.outline, grid, waves.transform()), cavity.wavelength, grid);
-  sum.add_area(relief, factor, arrival.field, laplacian(arrival, waves.transform()));
+  sum.add_area(relief, factor, arrival.field, laplacian(arrival.field, waves.transform()));
 
   Complex const phase{0, 4 * pi / cavity.wavelength}, x = sum.x / sum.norm, y = sum.y / sum.norm;
   MirrorLevers levers;

@@ -41,10 +41,10 @@ void Passages::put(BlockedField const& blocked, Field& spectrum) const {
   });
 }
 
-void Passages::columns(Passage const& passage, BlockedField const& from, BlockedField const& to, RowRange given,
-                       RowRange wanted) const {
+void Passages::columns(ThreadTeam& team, Passage const& passage, BlockedField const& from, BlockedField const& to,
+                       RowRange given, RowRange wanted) const {
   int const count = blocks_of(passage), unused_from = (from.blocks - count) / 2, unused_to = (to.blocks - count) / 2;
-  in_parallel(std::size_t(count), threads_, [&](std::size_t i) {
+  team.run(std::size_t(count), [&](std::size_t i) {
     tables_.with_work([&](double* work) {
       line_kernels->leg(tables_.plan(), work, from, unused_from + int(i), to, unused_to + int(i), passage.leg, given,
                         wanted);
@@ -52,36 +52,44 @@ void Passages::columns(Passage const& passage, BlockedField const& from, Blocked
   });
 }
 
-void Passages::rows(Passage const& passage, Passage const& next, BlockedField const& field) const {
-  RowRange const range = rows_of(passage, grid_.points);
+void Passages::rows(ThreadTeam& team, Passage const& passage, Passage const& next, BlockedField const& field,
+                    Field* seen) const {
+  RowRange const passing = rows_of(passage, grid_.points), range = seen ? RowRange{0, grid_.points} : passing;
+  double* const out = seen ? reinterpret_cast<double*>(seen->values.data()) : nullptr;
   int const given = (field.blocks - blocks_of(passage)) / 2, wanted = (field.blocks - blocks_of(next)) / 2;
-  in_parallel(std::size_t((passage.rows + block_lines - 1) / block_lines), threads_, [&](std::size_t i) {
+  team.run(std::size_t((range.last - range.first + block_lines - 1) / block_lines), [&](std::size_t i) {
     tables_.with_work([&](double* work) {
       line_kernels->plane(tables_.plan(), work, field, range.first + int(i) * block_lines, range.last, passage.plane,
-                          given, wanted);
+                          given, wanted, out, passing);
     });
   });
 }
 
-void Passages::run(Field& spectrum) const {
+void Passages::run(Field& spectrum, Watch const& watch) const {
   int const N = grid_.points;
   BlockedField frequencies{nullptr, 0, N, blocks_of(passages_.front()), true};
   // The last group of rows of a plane may reach beyond it.
-  BlockedField field{nullptr, N / 2 - rows_ / 2, rows_ + block_lines, blocks_, false};
+  int const kept = watch.seen ? N : rows_;
+  BlockedField field{nullptr, N / 2 - kept / 2, kept + block_lines, blocks_, false};
+  Field arriving(watch.seen ? grid_ : Grid{});
   std::vector<double> first(size_of(frequencies)), second(size_of(field));
   frequencies.values = first.data();
   field.values = second.data();
   take(spectrum, frequencies);
+  ThreadTeam team(threads_);
   RowRange const all{0, N};
   for (std::size_t i = 0; i < passages_.size(); ++i) {
     Passage const& here = passages_[i];
+    bool const seen = watch.at(i);
+    RowRange const wanted = seen ? all : rows_of(here, N);
     if (i == 0)
-      columns(here, frequencies, field, all, rows_of(here, N));
+      columns(team, here, frequencies, field, all, wanted);
     else
-      columns(here, field, field, rows_of(passages_[i - 1], N), rows_of(here, N));
-    rows(here, passages_[(i + 1) % passages_.size()], field);
+      columns(team, here, field, field, rows_of(passages_[i - 1], N), wanted);
+    rows(team, here, passages_[(i + 1) % passages_.size()], field, seen ? &arriving : nullptr);
+    if (seen) watch.seen(i, arriving);
   }
-  columns(passages_.front(), field, frequencies, rows_of(passages_.back(), N), all);
+  columns(team, passages_.front(), field, frequencies, rows_of(passages_.back(), N), all);
   put(frequencies, spectrum);
 }
 

@@ -8,7 +8,6 @@
 
 #include "base/errors.hpp"
 #include "beams/higher_modes.hpp"
-#include "wave/passages.hpp"
 
 namespace straytrace::wave {
 namespace {
@@ -164,9 +163,10 @@ struct RoundTrip::Parts {
     return {re, re + trip.grid.size()};
   }
 
-  void travel(Field& spectrum) const;
-  void travel(Field& spectrum, std::function<void(StopArrival const&)> const&, TripLosses*) const;
-  void pass(std::size_t stop, Field&) const;
+  void travel(Field& spectrum, Watch const& watch = {}) const {
+    passages->run(spectrum, watch);
+    if (trip.mirrored) mirror_image(spectrum, threads);
+  }
   double taken(std::size_t stop, Field const&) const;
 };
 
@@ -177,56 +177,12 @@ double RoundTrip::Parts::taken(std::size_t stop, Field const& field) const {
   return clipped + trip.stops[stop].mirror->scattered * (sum_of_squares(field) - clipped);
 }
 
-// Through the opening of a baffle, or back from a mirror.
-void RoundTrip::Parts::pass(std::size_t stop, Field& field) const {
-  PlaneFactor const by = factor(stops[stop]);
-  int const N = trip.grid.points, rows = masks[stops[stop].mask].rows();
-  for_rows(N / 2 - rows / 2, N / 2 + rows / 2, threads, [&](int row) {
-    std::size_t const from = std::size_t(row) * std::size_t(N), to = from + std::size_t(N);
-    for (std::size_t i = from; i < to; ++i)
-      if (by.im)
-        field.values[i] *= Complex{by.re[i], by.im[i]};
-      else
-        field.values[i] *= by.re[i];
-  });
-}
-
-void RoundTrip::Parts::travel(Field& spectrum) const {
-  passages->run(spectrum);
-  if (trip.mirrored) mirror_image(spectrum, threads);
-}
-
-void RoundTrip::Parts::travel(Field& spectrum, std::function<void(StopArrival const&)> const& observer,
-                              TripLosses* losses) const {
-  int const N = trip.grid.points;
-  double const plane_power = trip.grid.pitch() * trip.grid.pitch(), spectral_power = plane_power / double(N) / N;
-  Field arriving(observer ? trip.grid : Grid{});
-  double left = losses ? sum_of_squares(spectrum) * spectral_power : 0;
-  for (std::size_t i = 0; i < stops.size(); ++i) {
-    Leg const& leg = legs[stops[i].leg];
-    int const rows = masks[stops[i].mask].rows();
-    leg.apply(spectrum, threads);
-    if (observer) arriving.values = spectrum.values;
-    transform.inverse(spectrum, leg.columns(), observer || losses ? N : rows);
-    if (observer) observer({i, arriving, leg.columns(), spectrum});
-    if (losses) {
-      double const arrived = sum_of_squares(spectrum) * plane_power, lost = taken(i, spectrum) * plane_power;
-      losses->beyond_band += left - arrived;
-      left = arrived - lost;
-      losses->taken[i] += lost;
-    }
-    pass(i, spectrum);
-    transform.forward(spectrum, rows, i + 1 < stops.size() ? legs[stops[i + 1].leg].columns() : first_leg().columns());
-  }
-  if (trip.mirrored) mirror_image(spectrum, threads);
-  if (losses) losses->beyond_band += left - disc.pack(spectrum).squaredNorm() * spectral_power;
-}
-
 RoundTrip::RoundTrip(Trip trip, int threads) : parts_(std::make_unique<Parts>(std::move(trip), threads)) {}
 RoundTrip::~RoundTrip() = default;
 RoundTrip::RoundTrip(RoundTrip&&) noexcept = default;
 Trip const& RoundTrip::trip() const { return parts_->trip; }
 Transform const& RoundTrip::transform() const { return parts_->transform; }
+int RoundTrip::threads() const { return parts_->threads; }
 Mask const& RoundTrip::mask(std::size_t stop) const { return parts_->masks[parts_->stops[stop].mask]; }
 SpectrumDisc const& RoundTrip::band() const { return parts_->disc; }
 
@@ -261,12 +217,7 @@ void RoundTrip::set_height(std::size_t stop, std::vector<double> height) {
   mirror.height = {};
 }
 
-void RoundTrip::travel(Field& spectrum, std::function<void(StopArrival const&)> const& observer) const {
-  if (observer)
-    parts_->travel(spectrum, observer, nullptr);
-  else
-    parts_->travel(spectrum);
-}
+void RoundTrip::travel(Field& spectrum, Watch const& watch) const { parts_->travel(spectrum, watch); }
 
 namespace {
 
@@ -281,7 +232,7 @@ WaveMode mode_of(Krylov const& krylov, RitzPair const& pair, SpectrumDisc const&
 
 WaveMode RoundTrip::mode(Field const& start, SolveOptions const& options) const {
   Grid const& grid = parts_->trip.grid;
-  Krylov krylov(parts_->disc.pack(start));
+  Krylov krylov(parts_->disc.pack(start), parts_->threads);
   Field work(grid);
   Complex before = 0;
   for (int settled = 0;;) {
@@ -303,8 +254,18 @@ WaveMode RoundTrip::mode(Field const& start, SolveOptions const& options) const 
 
 TripLosses RoundTrip::losses(WaveMode const& mode) const {
   TripLosses losses{std::vector<double>(parts_->stops.size())};
+  Grid const& grid = parts_->trip.grid;
+  double const plane_power = grid.pitch() * grid.pitch(), spectral_power = plane_power / double(grid.size());
   Field work = mode.spectrum;
-  parts_->travel(work, {}, &losses);
+  double left = sum_of_squares(work) * spectral_power;
+  parts_->travel(work, {[&](std::size_t stop, Field const& arriving) {
+                          double const arrived = sum_of_squares(arriving) * plane_power;
+                          losses.taken[stop] = parts_->taken(stop, arriving) * plane_power;
+                          losses.beyond_band += left - arrived;
+                          left = arrived - losses.taken[stop];
+                        },
+                        {}});
+  losses.beyond_band += left - parts_->disc.pack(work).squaredNorm() * spectral_power;
   return losses;
 }
 

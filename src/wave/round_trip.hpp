@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "wave/krylov.hpp"
+#include "wave/passages.hpp"
 #include "wave/plane.hpp"
 
 namespace straytrace::wave {
@@ -33,15 +34,6 @@ struct Trip {
 // diverges; centre [m] and direction of travel [rad].
 struct AxisBeam {
   double radius = 0, curvature = 0, centre = 0, slope = 0;
-};
-
-// A field that arrives at a stop before its mask. Multiplied by exp(i pi curvature rho^2/lambda) and divided by the
-// scale it is that of the light, on a grid of pitch times scale.
-struct StopArrival {
-  std::size_t stop = 0;
-  Field const& spectrum;  // band-limited, in the order of Grid::frequency
-  int columns = 0;        // that hold it, for Transform
-  Field const& field;
 };
 
 // Where the power of a field of unit power goes in one round trip (eq. W.24).
@@ -74,6 +66,7 @@ class RoundTrip {
   RoundTrip(RoundTrip&&) noexcept;
   Trip const& trip() const;
   Transform const& transform() const;
+  int threads() const;
   Mask const& mask(std::size_t stop) const;
   SpectrumDisc const& band() const;  // frequencies at the start of the fields of which modes are made
   // Another surface of the mirror at a stop, as WaveMirror::height.
@@ -81,8 +74,10 @@ class RoundTrip {
 
   // Spectrum of a Hermite-Gauss mode after the last mirror, n quanta along x and m along y. Unit power.
   Field hermite_gauss(AxisBeam x, AxisBeam y, int n = 0, int m = 0) const;
-  // eq. W.8, in place. Calls the observer for each arrival, in order of the way.
-  void travel(Field& spectrum, std::function<void(StopArrival const&)> const& = {}) const;
+  // eq. W.8, in place. The fields that arrive at a stop before its mask are shown in order of the way. Multiplied by
+  // exp(i pi curvature rho^2/lambda) and divided by the scale they are those of the light, on a grid of pitch times
+  // scale (eq. W.54).
+  void travel(Field& spectrum, Watch const& = {}) const;
   // The mode that shares most with `start`, a spectrum after the last mirror. NumericalError if none is found.
   WaveMode mode(Field const& start, SolveOptions const& = {}) const;
   TripLosses losses(WaveMode const&) const;

@@ -4,149 +4,122 @@
 #include <array>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
-#include "base/math/functions.hpp"
+#include "wave/lines/line_kernels.hpp"
 
 namespace straytrace::wave {
 namespace {
 
-constexpr int kernel_points = 14;
-constexpr double half_kernel = kernel_points / 2;  // pitches
-constexpr double interpolated_band = 0.5 * 0.72;   // cycles per pitch
-// Aliases of the band begin at 1 - 0.36 cycles per pitch. A little below that, their sum is smallest.
-constexpr double kernel_shape = 2 * pi * half_kernel * 0.635;
+constexpr int sampled_points = SampleWeights::points, sample_terms = SampleWeights::terms;
+constexpr double half_window = sampled_points / 2;  // pitches
+constexpr double interpolated_band = 0.72 / 2;      // cycles per pitch
+// The spectrum of the window fills the gap between the band and its alias, from 0.36 to 0.64 cycles per pitch.
+constexpr double window_shape = 2 * pi * half_window * (0.5 - interpolated_band);
 
-// Kaiser-Bessel kernel at t pitches from its centre, 1 there.
-double kaiser_bessel(double t) {
-  double const x = t / half_kernel;
-  return std::cyl_bessel_i(0.0, kernel_shape * std::sqrt(std::fmax(0.0, 1 - x * x))) /
-         std::cyl_bessel_i(0.0, kernel_shape);
+// Weight of a point t pitches away.
+double windowed_sinc(double t) {
+  double const x = t / half_window;
+  double const window = std::cyl_bessel_i(0.0, window_shape * std::sqrt(std::fmax(0.0, 1 - x * x))) /
+                        std::cyl_bessel_i(0.0, window_shape);
+  return t == 0 ? 1 : window * sincos_turn(t / 2).sin / (pi * t);
 }
 
-// Its transform at a frequency in the band, cycles per pitch.
-double kernel_transform(double frequency) {
-  double const q = 2 * pi * half_kernel * frequency, root = std::sqrt(kernel_shape * kernel_shape - q * q);
-  return 2 * half_kernel * std::sinh(root) / (root * std::cyl_bessel_i(0.0, kernel_shape));
-}
-
-// Between two points of the grid the kernels of the next 14 points are polynomials of v, from -1 at the lower point to
-// 1 at the upper one.
-class KernelPieces {
- public:
-  using Weights = std::array<double, kernel_points>;
-
-  KernelPieces() {
-    for (int piece = 0; piece < kernel_points; ++piece) fill(piece);
-  }
-
-  // Kernels of points -6 to 7 from the lower one, and their derivatives by the place in pitches.
-  void evaluate(double v, Weights& value, Weights& slope) const {
-    value = coefficients_[terms - 1];
-    slope = {};
-    for (int n = terms - 2; n >= 0; --n)
-      for (int i = 0; i < kernel_points; ++i) {
-        slope[i] = slope[i] * v + value[i];
-        value[i] = value[i] * v + coefficients_[n][i];
-      }
-    for (double& s : slope) s *= 2;
-  }
-
- private:
-  static constexpr int terms = 16;
-  std::array<Weights, terms> coefficients_{};  // of v^n
-
-  // Interpolation at Chebyshev's points: its series in Chebyshev polynomials, as powers.
-  void fill(int piece) {
-    std::array<double, terms> polynomial{1}, before{};
-    for (int order = 0; order < terms; ++order) {
-      double sum = 0;
-      for (int j = 0; j < terms; ++j) {
-        double const turn = (j + 0.5) / (2 * terms);
-        sum +=
-            kaiser_bessel(0.5 * (sincos_turn(turn).cos + 1) + half_kernel - 1 - piece) * sincos_turn(order * turn).cos;
-      }
-      for (int n = 0; n < terms; ++n) coefficients_[n][piece] += polynomial[n] * sum * (order == 0 ? 1.0 : 2.0) / terms;
-      std::array<double, terms> next{};
-      for (int n = 0; n < terms; ++n)
-        next[n] = (n > 0 ? (order == 0 ? 1 : 2) * polynomial[n - 1] : 0) - (order == 0 ? 0 : before[n]);
-      before = std::exchange(polynomial, next);
+// Interpolation at Chebyshev's points: its series in Chebyshev polynomials, as powers.
+void fit_weight(SampleWeights& weights, int point) {
+  std::array<double, sample_terms> polynomial{1}, before{};
+  for (int order = 0; order < sample_terms; ++order) {
+    double sum = 0;
+    for (int j = 0; j < sample_terms; ++j) {
+      double const turn = (j + 0.5) / (2 * sample_terms), past_lower = 0.5 * (sincos_turn(turn).cos + 1);
+      sum += windowed_sinc(past_lower + half_window - 1 - point) * sincos_turn(order * turn).cos;
     }
+    for (int n = 0; n < sample_terms; ++n)
+      weights.coefficients[n][point] += polynomial[n] * sum * (order == 0 ? 1.0 : 2.0) / sample_terms;
+    std::array<double, sample_terms> next{};
+    for (int n = 0; n < sample_terms; ++n)
+      next[n] = (n > 0 ? (order == 0 ? 1 : 2) * polynomial[n - 1] : 0) - (order == 0 ? 0 : before[n]);
+    before = std::exchange(polynomial, next);
   }
-};
-
-KernelPieces const& kernel_pieces() {
-  static KernelPieces const pieces;
-  return pieces;
 }
 
-// The points of one axis that a place takes part of.
-struct KernelSpan {
-  std::array<int, kernel_points> index;
-  KernelPieces::Weights value, slope;
+SampleWeights const& sample_weights() {
+  static SampleWeights const weights = [] {
+    SampleWeights made;
+    for (int point = 0; point < sampled_points; ++point) fit_weight(made, point);
+    return made;
+  }();
+  return weights;
+}
 
-  KernelSpan(Grid const& grid, double place) {
+// Between two points of an axis.
+struct AxisPlace {
+  int first;  // of the points that it takes part of, may lie beyond the border
+  double v;   // -1 to 1
+
+  AxisPlace(Grid const& grid, double place) {
     double const at = place / grid.pitch() + grid.points / 2, lower = std::floor(at);
-    kernel_pieces().evaluate(2 * (at - lower) - 1, value, slope);
-    for (int i = 0; i < kernel_points; ++i)
-      index[i] = (int(lower) - kernel_points / 2 + 1 + i + grid.points) % grid.points;
+    first = int(lower) - sampled_points / 2 + 1;
+    v = 2 * (at - lower) - 1;
   }
 };
 
-// Columns that are not wanted become zero, whatever they hold.
-Field divided_by_kernel(Field spectrum, int columns) {
-  int const n = spectrum.grid.points;
-  std::vector<double> factor(static_cast<std::size_t>(n));  // 0 beyond the band
-  for (int i = 0; i < n; ++i) {
-    double const frequency = spectrum.grid.frequency(i) * spectrum.grid.pitch();
-    factor[i] = std::fabs(frequency) <= interpolated_band ? 1 / kernel_transform(frequency) : 0;
+int wrapped_index(int i, int size) { return (i % size + size) % size; }
+
+}  // namespace
+
+void Sampler::check(double x, double y) const {
+  double const half = field_.grid.window / 2;
+  if (!(std::fabs(x) <= half && std::fabs(y) <= half))
+    throw NumericalError("a point of a rim lies outside the window of the grid");
+}
+
+WaveValue Sampler::inside(double x, double y) const {
+  Grid const& grid = field_.grid;
+  int const n = grid.points;
+  AxisPlace const along(grid, x), across(grid, y);
+  std::array<double const*, sampled_points> rows;
+  std::vector<Complex> copied;  // where they cross the border
+  bool const whole = along.first >= 0 && along.first + sampled_points <= n;
+  if (!whole) copied.resize(std::size_t(sampled_points) * sampled_points);
+  for (int i = 0; i < sampled_points; ++i) {
+    Complex const* const row = field_.values.data() + std::size_t(wrapped_index(across.first + i, n)) * std::size_t(n);
+    Complex* const copy = copied.data() + std::ptrdiff_t(i) * sampled_points;
+    if (!whole)
+      for (int j = 0; j < sampled_points; ++j) copy[j] = row[wrapped_index(along.first + j, n)];
+    rows[std::size_t(i)] = reinterpret_cast<double const*>(whole ? row + along.first : copy);
   }
+  double sums[6];
+  line_kernels->sample(sample_weights(), along.v, across.v, rows.data(), sums);
+  double const per_metre = 2 / grid.pitch();
+  return {{sums[0], sums[1]}, {per_metre * sums[2], per_metre * sums[3]}, {per_metre * sums[4], per_metre * sums[5]}};
+}
+
+WaveValue Sampler::at(double x, double y) const {
+  check(x, y);
+  return inside(x, y);
+}
+
+std::vector<WaveValue> Sampler::at(std::vector<Vec3> const& places, int threads) const {
+  for (Vec3 const& p : places) check(p.x, p.y);
+  std::vector<WaveValue> values(places.size());
+  for_rows(0, int(places.size()), threads,
+           [&](int i) { values[std::size_t(i)] = inside(places[std::size_t(i)].x, places[std::size_t(i)].y); });
+  return values;
+}
+
+void check_band(Field const& spectrum) {
+  Grid const& grid = spectrum.grid;
+  auto const in_band = [&](int i) { return std::fabs(grid.frequency(i)) * grid.pitch() <= interpolated_band; };
   double inside = 0, beyond = 0;
-  for (int row = 0; row < n; ++row)
-    for (int column = 0; column < n; ++column) {
-      Complex& value = spectrum(row, column);
-      bool const wanted = column < columns / 2 || column >= n - columns / 2;
-      double const scale = wanted ? factor[row] * factor[column] : 0;
-      if (wanted) (scale > 0 ? inside : beyond) += std::norm(value);
-      value *= scale;
-    }
+  for (int row = 0; row < grid.points; ++row)
+    for (int column = 0; column < grid.points; ++column)
+      (in_band(row) && in_band(column) ? inside : beyond) += std::norm(spectrum(row, column));
   if (beyond > 1e-18 * inside)
     throw NumericalError(
         "the grid is too coarse for its field: it holds light beyond 0.72 of the largest angle of the grid, where it "
         "cannot be interpolated");
-  return spectrum;
-}
-
-}  // namespace
-
-Sampler::Sampler(Field spectrum, Transform const& transform, int columns)
-    : prepared_(divided_by_kernel(std::move(spectrum), columns)) {
-  transform.inverse(prepared_, columns, prepared_.grid.points);
-}
-
-WaveValue Sampler::at(double x, double y) const {
-  Grid const& grid = prepared_.grid;
-  if (!(std::fabs(x) <= grid.window / 2 && std::fabs(y) <= grid.window / 2))
-    throw NumericalError("a point of a rim lies outside the window of the grid");
-  KernelSpan const across(grid, x), up(grid, y);
-  WaveValue sum{};
-  for (int i = 0; i < kernel_points; ++i) {
-    Complex const* row = prepared_.values.data() + std::size_t(up.index[i]) * std::size_t(grid.points);
-    Complex value = 0, slope = 0;
-    for (int j = 0; j < kernel_points; ++j) {
-      Complex const point = row[across.index[j]];
-      value += across.value[j] * point;
-      slope += across.slope[j] * point;
-    }
-    sum.value += up.value[i] * value;
-    sum.dx += up.value[i] * slope;
-    sum.dy += up.slope[i] * value;
-  }
-  sum.dx /= grid.pitch();
-  sum.dy /= grid.pitch();
-  return sum;
 }
 
 }  // namespace straytrace::wave

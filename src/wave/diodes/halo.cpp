@@ -94,7 +94,7 @@ ModeAxis axis_of(CavityWaves const& waves, Arrival const& arrival) {
       y += power * grid.at(row);
     }
   ModeAxis axis{x / sum, y / sum, 0, 0, 0};
-  WaveValue const v = Sampler(arrival.spectrum, waves.transform(), arrival.columns).at(axis.x, axis.y);
+  WaveValue const v = Sampler(arrival.field).at(axis.x, axis.y);
   double const k = 2 * pi / waves.cavity().wavelength;
   axis.field = v.value;
   axis.slope_x = (v.dx / v.value).imag() / k;
@@ -264,10 +264,8 @@ HaloStatistics halo_on(CavityWaves const& smooth, WaveMode const& mode, std::arr
   std::map<std::pair<int, Travel>, DiodePlane> planes;
   for (std::size_t i = 0; i < diodes.size(); ++i) planes[{diodes[i].plane, diodes[i].travel}].diodes.push_back(i);
   Field work = mode.spectrum;
-  smooth.round_trip(work, [&](Arrival const& arrival) {
-    auto const found = planes.find({arrival.plane, arrival.travel});
-    if (found == planes.end()) return;
-    DiodePlane& plane = found->second;
+  auto const see = [&](Arrival const& arrival) {
+    DiodePlane& plane = planes.at({arrival.plane, arrival.travel});
     plane.axis = axis_of(smooth, arrival);
     double const place = place_of(cavity, arrival.plane);
     double const length = arrival.travel == Travel::towards_mirror2 ? place : cavity.length - place;
@@ -277,7 +275,8 @@ HaloStatistics halo_on(CavityWaves const& smooth, WaveMode const& mode, std::arr
     DiodeMeter meter(smooth, mine, speckle);
     meter(arrival);
     plane.light = meter.light();
-  });
+  };
+  smooth.round_trip(work, see, [&](int plane, Travel travel) { return planes.contains({plane, travel}); });
   for (auto const& [where, plane] : planes) add_plane(smooth, mirrors, diodes, plane, moments, out);
   return out;
 }

@@ -78,7 +78,7 @@ double DiodeLight::power() const {
 
 // |psi|^2 holds twice the frequencies of psi, whose largest is 0.7 of Nyquist's.
 DiodeMeter::DiodeMeter(CavityWaves const& waves, std::vector<Photodiode> const& diodes, double finest)
-    : waves_(waves), diodes_(diodes) {
+    : diodes_(diodes) {
   double const of_grid = waves.cavity().grid.pitch() / 0.7;
   for (Photodiode const& d : diodes) light_.push_back({points_of(d, std::fmax(finest, of_grid)), {}});
 }
@@ -86,7 +86,7 @@ DiodeMeter::DiodeMeter(CavityWaves const& waves, std::vector<Photodiode> const& 
 void DiodeMeter::operator()(Arrival const& arrival) {
   auto const meets = [&](Photodiode const& d) { return d.plane == arrival.plane && d.travel == arrival.travel; };
   if (std::ranges::none_of(diodes_, meets)) return;
-  Sampler const field(arrival.spectrum, waves_.transform(), arrival.columns);
+  Sampler const field(arrival.field);
   for (std::size_t i = 0; i < diodes_.size(); ++i) {
     if (!meets(diodes_[i])) continue;
     light_[i].field.clear();

@@ -51,7 +51,6 @@ class DiodeMeter {
   std::vector<DiodeLight> const& light() const { return light_; }  // in the order of the diodes
 
  private:
-  CavityWaves const& waves_;
   std::vector<Photodiode> const& diodes_;
   std::vector<DiodeLight> light_;
 };

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "wave/lines/line_kernels.hpp"
 
+#include <array>
 #include <cstdlib>
+#include <iterator>
+#include <utility>
 
 #include "base/math/simd.hpp"
 
@@ -14,7 +17,7 @@ namespace portable {
 #include "wave/lines/butterflies.hpp"
 #include "wave/lines/line_kernels_body.hpp"
 #undef STRAY_LANES
-constexpr LineKernels kernels{"portable", forward, inverse, leg, leg_row, plane};
+constexpr LineKernels kernels{"portable", forward, inverse, leg, leg_row, plane, sample};
 }  // namespace portable
 
 #if STRAY_VECTORS && defined(__x86_64__)
@@ -25,7 +28,7 @@ namespace avx2 {
 #include "wave/lines/butterflies.hpp"
 #include "wave/lines/line_kernels_body.hpp"
 #undef STRAY_LANES
-constexpr LineKernels kernels{"avx2", forward, inverse, leg, leg_row, plane};
+constexpr LineKernels kernels{"avx2", forward, inverse, leg, leg_row, plane, sample};
 }  // namespace avx2
 #pragma GCC pop_options
 #pragma GCC push_options
@@ -35,7 +38,7 @@ namespace avx512 {
 #include "wave/lines/butterflies.hpp"
 #include "wave/lines/line_kernels_body.hpp"
 #undef STRAY_LANES
-constexpr LineKernels kernels{"avx512", forward, inverse, leg, leg_row, plane};
+constexpr LineKernels kernels{"avx512", forward, inverse, leg, leg_row, plane, sample};
 }  // namespace avx512
 #pragma GCC pop_options
 #endif

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string_view>
 
 namespace straytrace::wave {
@@ -10,9 +11,10 @@ namespace straytrace::wave {
 // One-dimensional transform of N points in place, in steps of radix 2 to 8. The spectrum comes out, and goes in, in the
 // order of its digits: frequency f at `position[f]`.
 struct LinePlan {
-  static constexpr int most_steps = 16;
+  static constexpr int radices[] = {8, 4, 5, 3, 2};
+  static constexpr int most_steps = std::numeric_limits<int>::digits;  // N is below 2^31
   int points = 0, steps = 0;
-  int radix[most_steps];               // of each step, largest distance first
+  int kind[most_steps];                // of each step, largest distance first: which of the radices
   double const* twiddles[most_steps];  // cos, sin of 2 pi j q/n for q = 1 to radix - 1 of each j below n/radix
   int const* position = nullptr;
 };
@@ -60,6 +62,13 @@ struct Lines {
   double factor = 1;
 };
 
+// Weights by which the points of a row or a column about a place are added up for the field there: between two points,
+// polynomials of v, from -1 at the lower one to 1 at the upper one, which is number points/2.
+struct SampleWeights {
+  static constexpr int points = 48, terms = 14;
+  double coefficients[terms][points] = {};  // of v^n
+};
+
 struct LineKernels {
   char const* name;
   // `work`: 16 N numbers, aligned to 64 bytes, of the thread.
@@ -72,9 +81,13 @@ struct LineKernels {
   // A row of a spectrum times the factor of a leg, at row frequency n: its first and last `half` elements, interleaved.
   void (*leg_row)(LegTables const&, int points, int n, int half, double* row);
   // 8 rows from `row` on through a plane, of which those before `last` are wanted. Takes the columns of blocks `given`
-  // to blocks - given, writes those from `wanted` on likewise.
+  // to blocks - given, writes those from `wanted` on likewise. `seen`: a whole field, interleaved, into which the rows
+  // are written as they arrive, or null. `passing`: only looked at where none of them is among these.
   void (*plane)(LinePlan const&, double* work, BlockedField const&, int row, int last, PlaneFactor const&, int given,
-                int wanted);
+                int wanted, double* seen, RowRange passing);
+  // The field at a place, of parts of 48 rows of 48 interleaved numbers: re, im of the value, of the derivative along
+  // the rows and of that across them, per v.
+  void (*sample)(SampleWeights const&, double along, double across, double const* const* rows, double* sums);
 };
 
 LineKernels const* find_line_kernels(std::string_view name);  // "portable", "avx2" or "avx512"; null: not here

@@ -23,7 +23,7 @@ STRAY_ALWAYS void store(double* at, Element const& x) {
 constexpr int element_size = 2 * lanes;
 
 template <int radix>
-STRAY_ALWAYS void split(double* x, int points, double const* twiddle) {
+static void split(double* x, int points, double const* twiddle) {
   int const part = points / radix;
   for (int j = 0; j < part; ++j) {
     Element a[radix];
@@ -39,7 +39,7 @@ STRAY_ALWAYS void split(double* x, int points, double const* twiddle) {
 }
 
 template <int radix>
-STRAY_ALWAYS void join(double* x, int points, double const* twiddle) {
+static void join(double* x, int points, double const* twiddle) {
   int const part = points / radix;
   for (int j = 0; j < part; ++j) {
     Element a[radix];
@@ -53,49 +53,30 @@ STRAY_ALWAYS void join(double* x, int points, double const* twiddle) {
   }
 }
 
-static void split_step(int radix, double* x, int points, double const* twiddle) {
-  switch (radix) {
-    case 8:
-      return split<8>(x, points, twiddle);
-    case 5:
-      return split<5>(x, points, twiddle);
-    case 4:
-      return split<4>(x, points, twiddle);
-    case 3:
-      return split<3>(x, points, twiddle);
-    default:
-      return split<2>(x, points, twiddle);
-  }
+struct Step {
+  void (*split)(double* x, int points, double const* twiddle);
+  void (*join)(double* x, int points, double const* twiddle);
+};
+template <std::size_t... kind>
+constexpr std::array<Step, sizeof...(kind)> steps_of(std::index_sequence<kind...>) {
+  return {{{split<LinePlan::radices[kind]>, join<LinePlan::radices[kind]>}...}};
 }
-static void join_step(int radix, double* x, int points, double const* twiddle) {
-  switch (radix) {
-    case 8:
-      return join<8>(x, points, twiddle);
-    case 5:
-      return join<5>(x, points, twiddle);
-    case 4:
-      return join<4>(x, points, twiddle);
-    case 3:
-      return join<3>(x, points, twiddle);
-    default:
-      return join<2>(x, points, twiddle);
-  }
-}
+constexpr auto steps = steps_of(std::make_index_sequence<std::size(LinePlan::radices)>());
 
 // Depth first, so that parts stay in the cache.
 static void transform_forward(LinePlan const& plan, double* x, int points, int step = 0) {
   if (step == plan.steps) return;
-  int const radix = plan.radix[step], part = points / radix;
-  split_step(radix, x, points, plan.twiddles[step]);
+  int const radix = LinePlan::radices[plan.kind[step]], part = points / radix;
+  steps[std::size_t(plan.kind[step])].split(x, points, plan.twiddles[step]);
   if (part > 1)
     for (int q = 0; q < radix; ++q) transform_forward(plan, x + q * part * element_size, part, step + 1);
 }
 static void transform_inverse(LinePlan const& plan, double* x, int points, int step = 0) {
   if (step == plan.steps) return;
-  int const radix = plan.radix[step], part = points / radix;
+  int const radix = LinePlan::radices[plan.kind[step]], part = points / radix;
   if (part > 1)
     for (int q = 0; q < radix; ++q) transform_inverse(plan, x + q * part * element_size, part, step + 1);
-  join_step(radix, x, points, plan.twiddles[step]);
+  steps[std::size_t(plan.kind[step])].join(x, points, plan.twiddles[step]);
 }
 
 STRAY_ALWAYS void clear(double* x, int first, int last) {
@@ -331,8 +312,50 @@ STRAY_ALWAYS void multiply_rows(int points, double* work, PlaneFactor const& fac
     }
 }
 
+// Real and imaginary parts side by side.
+STRAY_ALWAYS void interleave(Vector const& re, Vector const& im, Vector& first, Vector& second) {
+#if STRAY_LANES == 2
+  first = __builtin_shufflevector(re, im, 0, 2);
+  second = __builtin_shufflevector(re, im, 1, 3);
+#elif STRAY_LANES == 4
+  first = __builtin_shufflevector(re, im, 0, 4, 1, 5);
+  second = __builtin_shufflevector(re, im, 2, 6, 3, 7);
+#else
+  first = __builtin_shufflevector(re, im, 0, 8, 1, 9, 2, 10, 3, 11);
+  second = __builtin_shufflevector(re, im, 4, 12, 5, 13, 6, 14, 7, 15);
+#endif
+}
+
+// The first `count` rows of `lanes` into a field, interleaved, from its row `row` on.
+static void write_rows(double const* work, int points, int row, int count, double* field) {
+  int column = 0;
+  for (; column + lanes <= points; column += lanes) {
+    Vector re[lanes], im[lanes];
+    for (int k = 0; k < lanes; ++k) {
+      Element const x = loaded(work + (column + k) * element_size);
+      re[k] = x.re;
+      im[k] = x.im;
+    }
+    transpose(re);
+    transpose(im);
+    for (int k = 0; k < count; ++k) {
+      double* const to = field + 2 * (std::ptrdiff_t(row + k) * points + column);
+      Vector first, second;
+      interleave(re[k], im[k], first, second);
+      vector_at(to) = first;
+      vector_at(to + lanes) = second;
+    }
+  }
+  for (; column < points; ++column)
+    for (int k = 0; k < count; ++k) {
+      double* const to = field + 2 * (std::ptrdiff_t(row + k) * points + column);
+      to[0] = work[column * element_size + k];
+      to[1] = work[column * element_size + k + lanes];
+    }
+}
+
 static void plane(LinePlan const& plan, double* work, BlockedField const& field, int row, int last,
-                  PlaneFactor const& factor, int given, int wanted) {
+                  PlaneFactor const& factor, int given, int wanted, double* seen, RowRange passing) {
   constexpr int row_size = 2 * block_lines;
   int const N = plan.points;
   std::ptrdiff_t const to_im = factor.im ? factor.im - factor.re : 0;
@@ -343,6 +366,8 @@ static void plane(LinePlan const& plan, double* work, BlockedField const& field,
     for (int b = given; b < field.blocks - given; ++b)
       exchange<true>(plan, work, field.block(b) + offset, field.first_column(b));
     transform_inverse(plan, work, N);
+    if (seen) write_rows(work, N, from, last - from < lanes ? last - from : lanes, seen);
+    if (from >= passing.last || from + lanes <= passing.first) continue;
     double const* rows[lanes];
     for (int k = 0; k < lanes; ++k) rows[k] = factor.re + std::ptrdiff_t(from + k < last ? from + k : last - 1) * N;
     multiply_rows(N, work, factor, rows, to_im);
@@ -357,6 +382,45 @@ static void forward(LinePlan const& plan, double* work, Lines const& lines) {
 }
 static void inverse(LinePlan const& plan, double* work, Lines const& lines) {
   transform_lines<false>(plan, work, lines);
+}
+
+static void weigh(SampleWeights const& weights, double v, double* value, double* slope) {
+  for (int from = 0; from < SampleWeights::points; from += lanes) {
+    Vector sum = vector_at(weights.coefficients[SampleWeights::terms - 1] + from), derivative{};
+    for (int n = SampleWeights::terms - 2; n >= 0; --n) {
+      derivative = derivative * v + sum;
+      sum = sum * v + vector_at(weights.coefficients[n] + from);
+    }
+    vector_at(value + from) = sum;
+    vector_at(slope + from) = derivative;
+  }
+}
+
+static void sample(SampleWeights const& weights, double along, double across, double const* const* rows, double* sums) {
+  constexpr int points = SampleWeights::points, together = 4;  // vectors, to fill the pipelines
+  double value[points], slope[points], column_value[2 * points], column_slope[2 * points];
+  weigh(weights, across, value, slope);
+  for (int from = 0; from < 2 * points; from += together * lanes) {
+    Vector sum[together] = {}, derivative[together] = {};
+    for (int i = 0; i < points; ++i)
+      for (int k = 0; k < together; ++k) {
+        Vector const x = vector_at(rows[i] + from + k * lanes);
+        sum[k] += value[i] * x;
+        derivative[k] += slope[i] * x;
+      }
+    for (int k = 0; k < together; ++k) {
+      vector_at(column_value + from + k * lanes) = sum[k];
+      vector_at(column_slope + from + k * lanes) = derivative[k];
+    }
+  }
+  weigh(weights, along, value, slope);
+  for (int k = 0; k < 6; ++k) sums[k] = 0;
+  for (int i = 0; i < points; ++i)
+    for (int part = 0; part < 2; ++part) {
+      sums[part] += value[i] * column_value[2 * i + part];
+      sums[2 + part] += slope[i] * column_value[2 * i + part];
+      sums[4 + part] += value[i] * column_slope[2 * i + part];
+    }
 }
 
 #undef STRAY_ALWAYS

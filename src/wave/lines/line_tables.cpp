@@ -1,34 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "wave/lines/line_tables.hpp"
 
+#include <fmt/format.h>
+
+#include <iterator>
 #include <new>
 
+#include "base/errors.hpp"
 #include "base/math/functions.hpp"
 
 namespace straytrace::wave {
 namespace {
 
-// Largest radix first; a factor 16 is 4 by 4, not 8 by 2.
-std::vector<int> radices_of(int points) {
-  std::vector<int> radices;
-  while (points % 8 == 0 && points != 16) {
-    radices.push_back(8);
-    points /= 8;
-  }
-  for (int const radix : {4, 5, 3, 2})
-    while (points % radix == 0) {
-      radices.push_back(radix);
-      points /= radix;
-    }
-  return radices;
+// In the order of the radices; a factor 16 is 4 by 4, not 8 by 2.
+std::vector<int> kinds_of(int points) {
+  std::vector<int> kinds;
+  int rest = points;
+  for (int kind = 0; kind < int(std::size(LinePlan::radices)); ++kind)
+    for (int const radix = LinePlan::radices[kind]; rest % radix == 0 && !(radix == 8 && rest == 16); rest /= radix)
+      kinds.push_back(kind);
+  if (rest != 1) throw InputError(fmt::format("a grid of {} points has a prime factor above 5", points));
+  return kinds;
 }
 
 }  // namespace
 
 LineTables::LineTables(int points) : position_(std::size_t(points)) {
-  std::vector<int> const radices = radices_of(points);
+  std::vector<int> const kinds = kinds_of(points);
   int part = points;
-  for (int const radix : radices) {
+  for (int const kind : kinds) {
+    int const radix = LinePlan::radices[kind];
     std::vector<double>& table = twiddles_.emplace_back();
     for (int j = 0; j < part / radix; ++j)
       for (int q = 1; q < radix; ++q) {
@@ -39,16 +40,17 @@ LineTables::LineTables(int points) : position_(std::size_t(points)) {
   }
   for (int f = 0; f < points; ++f) {
     int rest = f, stride = points;
-    for (int const radix : radices) {
+    for (int const kind : kinds) {
+      int const radix = LinePlan::radices[kind];
       stride /= radix;
       position_[std::size_t(f)] += rest % radix * stride;
       rest /= radix;
     }
   }
   plan_.points = points;
-  plan_.steps = int(radices.size());
-  for (std::size_t i = 0; i < radices.size(); ++i) {
-    plan_.radix[i] = radices[i];
+  plan_.steps = int(kinds.size());
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    plan_.kind[i] = kinds[i];
     plan_.twiddles[i] = twiddles_[i].data();
   }
   plan_.position = position_.data();

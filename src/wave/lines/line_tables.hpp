@@ -11,10 +11,9 @@
 
 namespace straytrace::wave {
 
-// N has no prime factor above 5.
 class LineTables {
  public:
-  explicit LineTables(int points);
+  explicit LineTables(int points);  // InputError if it has a prime factor above 5
   LineTables(LineTables const&) = delete;
   LineTables& operator=(LineTables const&) = delete;
 

@@ -6,13 +6,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <utility>
+#include <vector>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 #include "support/recorded.hpp"
+#include "wave/lines/line_kernels.hpp"
 #include "wave/rims.hpp"
+#include "wave/transform.hpp"
 
 namespace straytrace::wave_sampler {
 namespace {
@@ -60,12 +64,18 @@ WaveValue fourier_sum(Field const& spectrum, double x, double y) {
   return sum;
 }
 
+Field in_space(Field spectrum) {
+  Transform(grid.points).inverse(spectrum, grid.points, grid.points);
+  return spectrum;
+}
+
 // Largest errors over the largest value and the largest derivative.
 struct Errors {
   double value = 0, slope = 0;
 
   explicit Errors(Field const& spectrum, double stretch = 1) {
-    Sampler const sampler(spectrum, Transform(grid.points), grid.points);
+    Field const field = in_space(spectrum);
+    Sampler const sampler(field);
     double largest = 0, steepest = 0;
     Rng random(4, 0, 0, Stream::source);
     for (int i = 0; i < 300; ++i) {
@@ -100,15 +110,37 @@ TEST(Sampler, PlaneWavesAtTheLimit) {
 }
 
 TEST(Sampler, BeyondTheLimitAndTheWindowAreErrors) {
-  Transform const transform(grid.points);
-  EXPECT_NO_THROW(Sampler(plane_wave(0, limit), transform, grid.points));
-  EXPECT_THROW(Sampler(plane_wave(0, limit + 1), transform, grid.points), NumericalError);
-  EXPECT_THROW(Sampler(plane_wave(-limit - 1, 0), transform, grid.points), NumericalError);
-  EXPECT_NO_THROW(Sampler(plane_wave(0, limit + 1), transform, 2 * limit));  // not wanted
-  Sampler const sampler(plane_wave(1, 1), transform, grid.points);
+  EXPECT_NO_THROW(wave::check_band(plane_wave(0, limit)));
+  EXPECT_THROW(wave::check_band(plane_wave(0, limit + 1)), NumericalError);
+  EXPECT_THROW(wave::check_band(plane_wave(-limit - 1, 0)), NumericalError);
+  Field const field = in_space(plane_wave(1, 1));
+  Sampler const sampler(field);
   EXPECT_NO_THROW(sampler.at(0.25, -0.25));
   EXPECT_THROW(sampler.at(0.2501, 0), NumericalError);
   EXPECT_THROW(sampler.at(0, not_a_number), NumericalError);
+  EXPECT_THROW(sampler.at({{0, 0, 0}, {0, 0.2501, 0}}, 2), NumericalError);
+}
+
+TEST(Sampler, SameBitsOnAnyProcessorAndNumberOfThreads) {
+  Field const field = in_space(random_spectrum());
+  Sampler const sampler(field);
+  auto const places = wave::round_rim(0.24, {0.004, 0, 0}, 100);
+  std::vector<Vec3> at;
+  for (wave::RimPoint const& p : places) at.push_back(p.place);
+  wave::LineKernels const* const chosen = wave::line_kernels;
+  wave::line_kernels = wave::find_line_kernels("portable");
+  std::vector<WaveValue> const first = sampler.at(at, 1);
+  auto const same = [&](std::vector<WaveValue> const& values) {
+    return std::memcmp(values.data(), first.data(), first.size() * sizeof(WaveValue)) == 0;
+  };
+  for (char const* const name : {"portable", "avx2", "avx512"}) {
+    wave::line_kernels = wave::find_line_kernels(name);
+    if (!wave::line_kernels) continue;  // not this processor
+    for (int const threads : {1, 3}) EXPECT_TRUE(same(sampler.at(at, threads))) << name << ", " << threads;
+  }
+  wave::line_kernels = chosen;
+  at[50].x = std::nextafter(at[50].x, 0.0);
+  EXPECT_FALSE(same(sampler.at(at, 1))) << "another place is not noticed";
 }
 
 // A Gaussian beam of a curved wavefront, off the axis, in closed form and from a grid.
@@ -121,16 +153,15 @@ WaveValue beam(double x, double y, double curvature) {
 // Eq. W.14 from fields on a grid, as the cavity has them.
 TEST(Sampler, LeversOfARimBetweenThePoints) {
   Grid const wide{96, 0.4};
-  Transform const transform(wide.points);
   auto const on_grid = [&](double curvature) {
     Field field(wide);
     for (int row = 0; row < wide.points; ++row)
       for (int column = 0; column < wide.points; ++column)
         field(row, column) = beam(wide.at(column), wide.at(row), curvature).value;
-    transform.forward(field, wide.points, wide.points);
-    return Sampler(field, transform, wide.points);
+    return field;
   };
-  Sampler const first = on_grid(3000), second = on_grid(-1000);
+  Field const fields[] = {on_grid(3000), on_grid(-1000)};
+  Sampler const first(fields[0]), second(fields[1]);
   auto const rim = wave::round_rim(0.035, {0.001, 0, 0}, 256);
   auto const sampled = rim_levers(
       rim, [&](Vec3 const& p) { return first.at(p.x, p.y); }, [&](Vec3 const& p) { return second.at(p.x, p.y); },
