@@ -265,10 +265,13 @@ ArmCavity planned_arm(World const& world, WaveSettings const& settings) {
     for (WaveSettings::Absorber const& a : settings.mirrors[i].absorbers)
       mirror.scattered += scattered_by_absorber(a, mirror.spot, world.wavelength, arm.crossover);
   }
-  check_rims(world, settings, arm);
-  check_alignment(world, arm);
   choose_grid(arm, settings);
-  check_grid(world, settings, arm);
+  if (check_shifts(world, settings, arm)) {
+    check_rims(world, settings, arm);
+    check_alignment(world, arm);
+    check_grid(world, settings, arm);
+    check_input(world, settings, arm);
+  }
   check_mirrors(world, settings, arm);
   return arm;
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/gauss_points.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::wave {
@@ -22,6 +24,8 @@ constexpr int fewest_pitches = 8;         // of a radius of an opening
 constexpr double largest_shift = 0.2;     // of a speckled rim, over its radius
 constexpr double nearest_in_spots = 1.5;  // of a speckled rim from the axis: 1 % of the power lies beyond
 constexpr double clear_in_spots = 3.5;    // 2e-11 lie beyond
+constexpr double entered = 0.99;          // of the input beam; less is worth a warning
+constexpr double hardly_entered = 0.01;
 
 // 1/e^2 radius of the mode at a place between the mirrors, from its radius and curvature on mirror 1.
 double mode_radius(ArmCavity const& arm, double z) {
@@ -37,35 +41,91 @@ double off_axis(ArmCavity const& arm, ArmRim const& rim) {
                     rim.centre.y - axis.y1 - along * (axis.y2 - axis.y1));
 }
 
-std::string where(World const& world, ArmRim const& rim) {
-  return fmt::format("the inner edge of '{}' at {:.6g} m", world.name_of(rim.surface), rim.centre.z);
+// rad; of an opening against the plane across the beam.
+double tilt_of(ArmCavity const& arm, ArmRim const& rim) {
+  return std::acos(std::fmin(1.0, std::fabs(dot(rim.rim.axis, arm.frame.z))));
 }
 
-// Both waves of eq. W.22 are speckle about a centred edge, without direct light of the mode.
-void check_speckled(World const& world, ArmCavity& arm, ArmRim const& rim) {
-  double const shift = off_axis(arm, rim), nearest = rim.rim.radius - shift;
-  double const spot = mode_radius(arm, rim.centre.z), angle = std::fmax(rim.angle1, rim.angle2);
-  ArmProblem problem{{"baffles"}, "", ""};
-  problem.remedy = fmt::format(
-      "let the grid solve it with a 'crossover' of {:.4g} urad or more, or remove it from 'baffles'", 1e6 * angle);
-  if (nearest < nearest_in_spots * spot) {
-    problem.what = fmt::format(
-        "{} comes within {:.3g} m of the axis, where the mode has a radius of {:.3g} m: light of the "
-        "mode itself meets it, which the mean over speckle (eq. W.22) leaves out",
-        where(world, rim), nearest, spot);
-  } else if (shift > largest_shift * rim.rim.radius) {
-    problem.what = fmt::format(
-        "{} is {:.3g} m off the axis of the cavity, while the mean over speckle (eq. W.22) is that of a centred edge",
-        where(world, rim), shift);
-  } else if (nearest < clear_in_spots * spot) {
-    problem.severity = Severity::warning;
-    problem.of_noise = true;
-    problem.what = fmt::format(
-        "{} comes within {:.2g} radii of the mode: the mean over speckle (eq. W.22) leaves out the light of the mode "
-        "itself there",
-        where(world, rim), nearest / spot);
+// Of the nearest point of an edge from the axis of the mode, in radii of the mode there; below 0: beyond the axis.
+double radii_from_axis(ArmCavity const& arm, ArmRim const& rim) {
+  return (rim.rim.radius - off_axis(arm, rim)) / mode_radius(arm, rim.centre.z);
+}
+
+using Rims = std::vector<ArmRim const*>;
+
+// "the inner edge of 'a' at 1 m", or of several: the first ones and a count.
+std::string where(World const& world, Rims const& rims) {
+  constexpr std::size_t named = 3;
+  std::string text = rims.size() > 1 ? "the inner edges of " : "the inner edge of ";
+  std::size_t const shown = rims.size() > named + 1 ? named : rims.size();
+  for (std::size_t i = 0; i < shown; ++i)
+    text += fmt::format("{}'{}' at {:.6g} m",
+                        i == 0                 ? ""
+                        : i + 1 == rims.size() ? " and "
+                                               : ", ",
+                        world.name_of(rims[i]->surface), rims[i]->centre.z);
+  return shown < rims.size() ? fmt::format("{} and {} others", text, rims.size() - shown) : text;
+}
+
+// Edges beyond the crossover angle that eq. W.22 does not describe: both of its waves are speckle about a centred edge,
+// without direct light of the mode.
+struct UnlikeSpeckle {
+  Rims in_mode, off_axis, next_to_mode;
+};
+
+UnlikeSpeckle unlike_speckle(ArmCavity const& arm) {
+  UnlikeSpeckle found;
+  for (ArmRim const& rim : arm.rims) {
+    if (rim.in_band || tilt_of(arm, rim) > largest_tilt) continue;
+    double const shift = off_axis(arm, rim), spots = radii_from_axis(arm, rim);
+    if (spots < nearest_in_spots)
+      found.in_mode.push_back(&rim);
+    else if (shift > largest_shift * rim.rim.radius)
+      found.off_axis.push_back(&rim);
+    else if (spots < clear_in_spots)
+      found.next_to_mode.push_back(&rim);
   }
-  if (!problem.what.empty()) arm.problems.push_back(std::move(problem));
+  return found;
+}
+
+// One problem for all of these edges. `verb`: of one and of several of them.
+void tell_of_edges(World const& world, ArmCavity& arm, Rims const& rims, std::array<char const*, 2> verb,
+                   std::string const& what, Severity severity = Severity::error) {
+  if (rims.empty()) return;
+  double angle = 0;
+  for (ArmRim const* rim : rims) angle = std::fmax(angle, std::fmax(rim->angle1, rim->angle2));
+  arm.problems.push_back(
+      {{"baffles"},
+       fmt::format("{} {} {}", where(world, rims), verb[rims.size() > 1 ? 1 : 0], what),
+       fmt::format("let the grid solve {} with a 'crossover' of {:.4g} urad or more, or remove {} from 'baffles'",
+                   rims.size() > 1 ? "them" : "it", 1e6 * angle, rims.size() > 1 ? "them" : "it"),
+       severity,
+       {},
+       severity == Severity::warning});
+}
+
+void check_speckled(World const& world, ArmCavity& arm) {
+  UnlikeSpeckle const found = unlike_speckle(arm);
+  auto const nearest = [&](Rims const& rims) {
+    double least = infinity;
+    for (ArmRim const* rim : rims) least = std::fmin(least, radii_from_axis(arm, *rim));
+    return fmt::format("within {:.2g} radii of the mode of its axis{}", least,
+                       rims.size() > 1 ? " at the nearest" : "");
+  };
+  constexpr std::array comes{"comes", "come"};
+  tell_of_edges(world, arm, found.in_mode, comes,
+                nearest(found.in_mode) +
+                    ": light of the mode itself meets it, which the mean over speckle (eq. W.22) leaves out");
+  double farthest = 0;
+  for (ArmRim const* rim : found.off_axis) farthest = std::fmax(farthest, off_axis(arm, *rim));
+  tell_of_edges(world, arm, found.off_axis, {"is", "are up to"},
+                fmt::format("{:.3g} m off the axis of the cavity, while the mean over speckle (eq. W.22) is that of a "
+                            "centred edge",
+                            farthest));
+  tell_of_edges(
+      world, arm, found.next_to_mode, comes,
+      nearest(found.next_to_mode) + ": the mean over speckle (eq. W.22) leaves out the light of the mode itself there",
+      Severity::warning);
 }
 
 void check_tolerance(WaveSettings const& settings, ArmCavity& arm) {
@@ -206,9 +266,7 @@ void check_memory(ArmCavity& arm) {
 
 }  // namespace
 
-bool clear_of_mode(ArmCavity const& arm, ArmRim const& rim) {
-  return rim.rim.radius - off_axis(arm, rim) >= clear_in_spots * mode_radius(arm, rim.centre.z);
-}
+bool clear_of_mode(ArmCavity const& arm, ArmRim const& rim) { return radii_from_axis(arm, rim) >= clear_in_spots; }
 
 int allowed_points(int least) {
   for (int n = std::max(64, least + least % 2); n <= most_points; n += 2) {
@@ -226,18 +284,37 @@ double needed_memory(ArmCavity const& arm) {
 }
 
 void check_rims(World const& world, WaveSettings const& settings, ArmCavity& arm) {
-  for (ArmRim const& rim : arm.rims) {
-    double const tilt = std::acos(std::fmin(1.0, std::fabs(dot(rim.rim.axis, arm.frame.z))));
-    if (tilt > largest_tilt)
-      arm.problems.push_back(
-          {{"baffles"},
-           fmt::format("{} is tilted by {:.3g} deg against the beam; openings on the grid are circles across it",
-                       where(world, rim), tilt * 180 / pi),
-           "remove it from 'baffles'"});
-    else if (!rim.in_band)
-      check_speckled(world, arm, rim);
-  }
+  Rims tilted;
+  double most = 0;
+  for (ArmRim const& rim : arm.rims)
+    if (double const tilt = tilt_of(arm, rim); tilt > largest_tilt) {
+      tilted.push_back(&rim);
+      most = std::fmax(most, tilt);
+    }
+  if (!tilted.empty())
+    arm.problems.push_back(
+        {{"baffles"},
+         fmt::format("{} {} tilted by {:.3g} deg against the beam; openings on the grid are circles across it",
+                     where(world, tilted), tilted.size() > 1 ? "are" : "is", most * 180 / pi),
+         fmt::format("remove {} from 'baffles'", tilted.size() > 1 ? "them" : "it")});
+  check_speckled(world, arm);
   check_tolerance(settings, arm);
+}
+
+bool check_shifts(World const& world, WaveSettings const& settings, ArmCavity& arm) {
+  bool inside = true;
+  for (std::size_t i : {0, 1}) {
+    double const shift = std::hypot(settings.mirrors[i].shift[0], settings.mirrors[i].shift[1]);
+    if (!(shift > arm.mirrors[i].radius)) continue;
+    inside = false;
+    std::string const& name = world.name_of(arm.mirrors[i].surface);
+    arm.problems.push_back(
+        {{"mirrors", name, "shift"},
+         fmt::format("a shift of {:.3g} m exceeds the clear aperture of '{}', whose radius is {:.3g} m", shift, name,
+                     arm.mirrors[i].radius),
+         "check its unit"});
+  }
+  return inside;
 }
 
 void check_alignment(World const& world, ArmCavity& arm) {
@@ -252,6 +329,43 @@ void check_alignment(World const& world, ArmCavity& arm) {
                                           off, world.name_of(arm.mirrors[i].surface), hole.radius),
                               "lower them; a mode needs 1.5 of its radii to the edge of each mirror"});
   }
+}
+
+namespace {
+
+// Of the power of a Gaussian beam, within a circle whose centre is `off` from its axis: across the direction of `off`
+// by the error function, along it by Gauss's rule.
+double share_within(double beam_radius, double off, double radius) {
+  double const from = std::fmax(-radius, off - 4 * beam_radius), to = std::fmin(radius, off + 4 * beam_radius);
+  if (!(from < to)) return 0;
+  GaussPoints const gauss(96);
+  double const scale = std::sqrt(2) / beam_radius;  // intensity exp(-2 r^2/w^2)
+  double sum = 0;
+  for (std::size_t i = 0; i < gauss.at.size(); ++i) {
+    double const x = from + (to - from) * gauss.at[i];
+    sum += gauss.weight[i] * std::exp(-std::pow(scale * (x - off), 2)) *
+           std::erf(scale * std::sqrt(std::fmax(0.0, radius * radius - x * x)));
+  }
+  return (to - from) * sum * scale / std::sqrt(pi);
+}
+
+}  // namespace
+
+void check_input(World const& world, WaveSettings const& settings, ArmCavity& arm) {
+  if (!settings.input) return;
+  auto const& [x, y] = settings.input->shift;
+  RoundHole const& hole = arm.cavity.mirror1.outline;
+  double const w = settings.input->radius.value_or(arm.mirrors[0].spot);
+  double const share = share_within(w, std::hypot(x - hole.x, y - hole.y), hole.radius);
+  if (share >= entered) return;
+  bool const wide = share_within(w, 0, hole.radius) < entered;
+  arm.problems.push_back(
+      {{"input", wide ? "radius" : "shift"},
+       fmt::format("{} of the power of the input beam falls on '{}', whose clear aperture has a radius of {:.3g} m",
+                   share < 1e-6 ? "less than 1e-6" : fmt::format("only {:.2g}", share),
+                   world.name_of(arm.mirrors[0].surface), hole.radius),
+       "check 'radius' and 'shift' of 'input', and their units",
+       share < hardly_entered ? Severity::error : Severity::warning});
 }
 
 void choose_grid(ArmCavity& arm, WaveSettings const& settings) {
@@ -273,12 +387,17 @@ void check_grid(World const& world, WaveSettings const& settings, ArmCavity& arm
   check_points(settings, arm);
   check_edges_in_grid(arm);
   check_memory(arm);
+  Rims small;
   for (ArmRim const& rim : arm.rims)
-    if (rim.rim.radius < fewest_pitches * grid.pitch())
-      arm.problems.push_back({{"grid", "points"},
-                              fmt::format("{} has a radius of {:.3g} m, less than {} points of the grid",
-                                          where(world, rim), rim.rim.radius, fewest_pitches),
-                              "choose more points or a narrower window"});
+    if (rim.rim.radius < fewest_pitches * grid.pitch()) small.push_back(&rim);
+  if (!small.empty()) {
+    auto const least = std::ranges::min_element(small, {}, [](ArmRim const* r) { return r->rim.radius; });
+    arm.problems.push_back(
+        {{"grid", "points"},
+         fmt::format("{} {} a radius of {:.3g} m, less than {} points of the grid", where(world, small),
+                     small.size() > 1 ? "have" : "has", (*least)->rim.radius, fewest_pitches),
+         "choose more points or a narrower window"});
+  }
   double divergence = 0;
   for (ArmMirror const& m : arm.mirrors) divergence = std::fmax(divergence, arm.cavity.wavelength / (pi * m.spot));
   if (arm.crossover < 3 * divergence)

@@ -9,8 +9,12 @@ namespace straytrace::wave {
 
 // Edges that are tilted, or that W.22 does not describe; tolerances as large as the edges.
 void check_rims(World const&, WaveSettings const&, ArmCavity&);
+// Mirrors that are shifted by more than their radius; false where one is, so that no axis is worth a check.
+bool check_shifts(World const&, WaveSettings const&, ArmCavity&);
 // Mirrors whose tilts and shifts take the mode off them.
 void check_alignment(World const&, ArmCavity&);
+// An input beam that falls beside the first mirror.
+void check_input(World const&, WaveSettings const&, ArmCavity&);
 // Those of the table; otherwise a window as wide as the legs need, and the power of two that carries the crossover
 // angle and light between the edges of neighbouring baffles that clip the mode.
 void choose_grid(ArmCavity&, WaveSettings const&);

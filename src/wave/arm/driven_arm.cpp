@@ -47,9 +47,6 @@ void warn(DrivenArm& driven, DrivenOptions const& options) {
         "wave: after {} round trips, fields at some detunings are known to {:.2g} of themselves only: resonances of "
         "modes that the input barely excites",
         driven.round_trips, driven.error));
-  if (driven.entered < 0.99)
-    driven.warnings.push_back(
-        fmt::format("wave: only {:.4g} of the input beam falls on the first mirror", driven.entered));
 }
 
 }  // namespace
