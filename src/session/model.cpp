@@ -120,17 +120,18 @@ double scattered_share(World const& world, std::string const& material) {
 std::vector<std::string> limits_of(Scene const& scene, World const& world) {
   std::vector<std::string> lines;
   if (!world.edges.groups.empty())
-    lines.push_back("diffraction at the rims of 'edges': routes of kind edge, upper bounds");
+    lines.push_back("diffraction at the inner edges of 'edges': routes of kind edge, upper bounds");
   if (world.wave.present && world.wave.ring) {
     lines.push_back("the field of 'wave' gives the losses of its cavity, and no noise: it has three mirrors or more");
   } else if (world.wave.present) {
-    lines.push_back(world.wave.groups.empty() ? "light below the crossover angle of 'wave' is in the loss of the cavity"
-                                                " alone: the table names no 'baffles'"
-                                              : "diffraction at the rims of 'wave': routes of kind wave and speckle; "
-                                                "light that they scatter back: routes of kind halo");
+    lines.push_back(world.wave.groups.empty()
+                        ? "light below the crossover angle of 'wave' is in the loss of the cavity"
+                          " alone: the table names no 'baffles'"
+                        : "diffraction at the inner edges of 'wave': routes of kind wave and speckle; "
+                          "light that they scatter back: routes of kind halo");
     lines.push_back("the crossover angle of 'wave' was not varied: straytrace wave SCENE --seam");
   } else if (world.edges.groups.empty()) {
-    lines.push_back("diffraction at rims is not counted: the scene has neither table 'edges' nor 'wave'");
+    lines.push_back("diffraction at inner edges is not counted: the scene has neither table 'edges' nor 'wave'");
   }
   bool const ghosts = read_ghosts(scene).has_value();
   lines.push_back(ghosts                       ? "ghost beams: routes of kind ghost, by the beam tree"

@@ -230,7 +230,8 @@ struct Mark {
   char const* page = "docs/theory/errors.md";
 };
 constexpr Mark marks[] = {
-    {"at most", "an upper bound: light at rims, of kind edge, makes a part of the number, and speckle lowers it"},
+    {"at most",
+     "an upper bound: light at inner edges, of kind edge, makes a part of the number, and speckle lowers it"},
     {"about",
      "a number without an error: of an unresolved route, or a total that contains upper bounds and lacks routes"},
     {"lower bound", "routes are unresolved: the total contains their observed part, with an equal error"},
@@ -268,9 +269,12 @@ constexpr Mark marks[] = {
     {"scattered", "kind of a route: light that surfaces scatter, sampled by the histories", "docs/theory/sampling.md"},
     {"ghost", "kind of a route: specular reflections that leave the main beam, computed, not sampled",
      "docs/theory/ghosts.md"},
-    {"edge", "kind of a route: light diffracted at rims, computed, an upper bound", "docs/theory/diffraction.md"},
-    {"wave", "kind of a route: light diffracted at rims, by Fourier propagation in the cavity", "docs/theory/wave.md"},
-    {"speckle", "kind of a route: light diffracted at rims, in the mean over random mirrors", "docs/theory/wave.md"},
+    {"edge", "kind of a route: light diffracted at inner edges, computed, an upper bound",
+     "docs/theory/diffraction.md"},
+    {"wave", "kind of a route: light diffracted at inner edges, by Fourier propagation in the cavity",
+     "docs/theory/wave.md"},
+    {"speckle", "kind of a route: light diffracted at inner edges, in the mean over random mirrors",
+     "docs/theory/wave.md"},
     {"halo", "kind of a route: light below the crossover angle that surfaces in the field of a cavity scatter back",
      "docs/theory/wave.md"},
     {"linear", "regime of a route: at least half of its noise power is to first order in the motion",

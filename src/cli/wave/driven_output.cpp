@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/errors.hpp"
+#include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "base/units/quantity.hpp"
 #include "results/text/columns.hpp"
@@ -16,6 +18,23 @@ namespace straytrace::cli {
 namespace {
 
 constexpr char example[] = "write for example --detuning -0.5..0.5:1001 (free spectral ranges) or -200Hz..200Hz:401";
+
+constexpr double most_detuning = 1e-4;  // of the frequency of the light
+
+ScanAxis axis_of(std::string const& option) {
+  try {
+    return parse_axes({option}, false).front();
+  } catch (InputError const& e) {
+    throw InputError(e.reason(), example);
+  }
+}
+
+// Of a value in a list that did not become a finite number.
+std::string fault_of(std::string const& value, double number) {
+  if (std::isinf(number)) return fmt::format("'{}' is outside the range of double precision", value);
+  char const* const fault = leading_number(value) ? "has another unit than the first value" : "is not a number";
+  return fmt::format("'{}' {}", value, fault);
+}
 
 double in_orders(DrivenPowers const& p) {
   double sum = 0;
@@ -54,30 +73,33 @@ Columns table_of(DrivenArm const& driven, std::vector<std::size_t> const& rows) 
 
 }  // namespace
 
-std::vector<double> Detunings::in_ranges(double cavity_length) const {
-  std::vector<double> all = values;
-  if (in_hertz)
-    for (double& v : all) v *= 2 * cavity_length / speed_of_light;
-  return all;
-}
-
-Detunings parse_detunings(std::string const& text) {
-  ScanAxis const axis = [&] {
-    try {
-      return parse_axes({"detuning=" + text}, false).front();
-    } catch (InputError const&) {
-      throw InputError(fmt::format("'{}' is not a list of detunings", text), example);
-    }
-  }();
-  Detunings detunings{axis.numbers, false};
-  for (double v : detunings.values)
-    if (!std::isfinite(v)) throw InputError(fmt::format("'{}' is not a list of detunings", text), example);
-  if (axis.unit.empty()) return detunings;
-  auto const unit = parse_unit(axis.unit);
-  if (!unit || unit->dimension != dim::frequency)
-    throw InputError(fmt::format("'{}' is not a unit of frequency", axis.unit), example);
-  for (double& v : detunings.values) v = to_si(v, *unit);
-  detunings.in_hertz = true;
+std::vector<double> parse_detunings(std::string const& text, WaveCavity const& cavity) {
+  std::string const option = "--detuning=" + text;
+  ScanAxis const axis = axis_of(option);
+  std::vector<InputError> errors;
+  auto const refuse = [&](std::string const& why, std::string const& remedy = example) {
+    errors.emplace_back(fmt::format("'{}': {}", option, why), remedy);
+  };
+  auto const unit = axis.unit.empty() ? std::nullopt : parse_unit(axis.unit);
+  if (!axis.unit.empty() && (!unit || unit->dimension != dim::frequency))
+    refuse(fmt::format("'{}' is not a unit of frequency", axis.unit));
+  if (axis.range && axis.numbers.front() > axis.numbers.back()) refuse("the range runs downwards");
+  double const largest = most_detuning * 2 * cavity.length / cavity.wavelength;
+  std::vector<double> detunings;
+  for (std::size_t i = 0; i < axis.numbers.size(); ++i) {
+    double const number = axis.numbers[i];
+    detunings.push_back(unit ? to_si(number, *unit) * 2 * cavity.length / speed_of_light : number);
+    bool const inside = axis.range && i > 0 && i + 1 < axis.numbers.size();  // of a range only the ends are told
+    if (!std::isfinite(number))
+      refuse(fault_of(axis.values[i], number));
+    else if (!inside && std::fabs(detunings.back()) > largest)
+      refuse(fmt::format("'{}' is more than {:g} of the frequency of the light, and the field is computed at one "
+                         "wavelength",
+                         axis.values[i], most_detuning),
+             fmt::format("stay within {:.3g} free spectral ranges, {:.3g} Hz", largest,
+                         most_detuning * speed_of_light / cavity.wavelength));
+  }
+  throw_all(errors);
   return detunings;
 }
 

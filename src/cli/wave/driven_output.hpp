@@ -12,13 +12,9 @@
 
 namespace straytrace::cli {
 
-// "-0.5..0.5:1001" or "0,0.1" in free spectral ranges, or with a unit of frequency.
-struct Detunings {
-  std::vector<double> values;  // free spectral ranges, or Hz
-  bool in_hertz = false;
-  std::vector<double> in_ranges(double cavity_length) const;  // free spectral ranges
-};
-Detunings parse_detunings(std::string const&);  // InputError
+// "-0.5..0.5:1001" or "0,0.1" in free spectral ranges, or with a unit of frequency; in free spectral ranges. Throws one
+// InputError with all that is wrong.
+std::vector<double> parse_detunings(std::string const&, WaveCavity const&);
 
 // `show`: rows; of more detunings, the resonances.
 std::string driven_text(DrivenArm const&, World const&, std::size_t show);

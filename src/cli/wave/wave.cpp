@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace wave: the field of a cavity at small angles, where its light goes, and what its rims couple back.
+// straytrace wave: the field of a cavity at small angles, where its light goes, and what edges of baffles couple back.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <array>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -30,7 +31,8 @@ struct WaveOptions : TraceOptions {
   std::size_t show = 12;
   int order = 2;
   bool grid_check = false, by_frequency = false, seam = false;
-  std::string detuning, csv, out, plot;
+  std::optional<std::string> detuning;
+  std::string csv, out, plot;
   bool fields = false;
 };
 
@@ -42,13 +44,51 @@ int print_seam(Model& model, WaveOptions const& options) {
   return seam.complete ? done : checkpointed;
 }
 
-std::optional<Detunings> detunings_of(WaveOptions const& options, WaveSettings const& wave) {
-  if (!options.detuning.empty() && !options.plot.empty()) check_ending(options.plot, {".png"}, "--plot");
-  if (!options.detuning.empty()) return parse_detunings(options.detuning);
-  if (!options.csv.empty() && wave.photodiodes.empty())
-    throw InputError("--csv is for photodiodes, which the scene has none of, or for a scan of detuning",
-                     "add 'photodiodes' to the table 'wave', or for example --detuning -0.5..0.5:1001");
-  return {};
+// Histories are not overwritten by a file without any.
+void refuse_loss_of_histories(WaveOptions const& options, Model const& model) {
+  auto const earlier = earlier_run(options.out, model.hash(), model.seed, options.force);
+  if (earlier && earlier->trace.total.histories > 0)
+    throw InputError(fmt::format("'{}' contains {:.3g} histories, which would be lost", options.out,
+                                 double(earlier->trace.total.histories)),
+                     "choose another file with -o, or overwrite it with --force");
+}
+
+// Includes and data files.
+void refuse_files_of_scene(std::string const& output, Scene const& scene, std::string const& input) {
+  std::filesystem::path const folder = std::filesystem::path(input).parent_path();
+  for (auto const& [name, text] : scene.files()) refuse_overwriting(output, (folder / name).string());
+}
+
+struct DrivenPlan {
+  std::vector<double> detunings;  // free spectral ranges
+  std::array<MirrorCoating, 2> coatings;
+};
+
+// All that is wrong with the options, before any work. Nothing without --detuning.
+std::optional<DrivenPlan> checked(WaveOptions const& options, Model const& model) {
+  std::vector<InputError> errors;
+  auto const collect = [&](auto const& step) {
+    try {
+      step();
+    } catch (InputError const& e) {
+      errors.push_back(e);
+    }
+  };
+  for (std::string const& output : {options.csv, options.plot})
+    collect([&] { refuse_files_of_scene(output, model.scene, options.input); });
+  if (!options.out.empty()) collect([&] { refuse_loss_of_histories(options, model); });
+  std::optional<DrivenPlan> driven;
+  if (options.detuning) {
+    driven.emplace();
+    if (!options.plot.empty()) collect([&] { check_ending(options.plot, {".png"}, "--plot"); });
+    collect([&] { driven->detunings = parse_detunings(*options.detuning, model.arm.value().cavity); });
+    collect([&] { driven->coatings = mirror_coatings(model); });
+  } else if (!options.csv.empty() && model.world.wave.photodiodes.empty()) {
+    errors.emplace_back("--csv is for photodiodes, which the scene has none of, or for a scan of detuning",
+                        "add 'photodiodes' to the table 'wave', or for example --detuning -0.5..0.5:1001");
+  }
+  throw_all(errors);
+  return driven;
 }
 
 void write_driven(DrivenArm const& driven, WaveOptions const& options) {
@@ -57,15 +97,6 @@ void write_driven(DrivenArm const& driven, WaveOptions const& options) {
   if (!options.plot.empty() && picture.empty()) throw InputError(message, "or remove --plot");
   if (!options.csv.empty()) write_file(options.csv, driven_csv(driven));
   if (!options.plot.empty()) write_file(options.plot, picture);
-}
-
-// Histories are not overwritten by a file without any.
-void refuse_loss_of_histories(WaveOptions const& options, Model const& model) {
-  auto const earlier = earlier_run(options.out, model.hash(), model.seed, options.force);
-  if (earlier && earlier->trace.total.histories > 0)
-    throw InputError(fmt::format("'{}' contains {:.3g} histories, which would be lost", options.out,
-                                 double(earlier->trace.total.histories)),
-                     "choose another file with -o, or overwrite it with --force");
 }
 
 // A run without histories, which `run` and `trace` resume without solving the cavity again; and the picture of the
@@ -79,12 +110,12 @@ void write_field(WaveOptions const& options, Model& model, ArmWaves const& waves
     if (!options.quiet) std::cerr << fmt::format("run file: {}\n", options.out);
   }
   std::string message;
-  if (options.detuning.empty() && !options.plot.empty() && !draw_wave_picture(content, options.plot, message))
+  if (!options.detuning && !options.plot.empty() && !draw_wave_picture(content, options.plot, message))
     throw InputError(message, "or remove --plot");
 }
 
 int ring(Model const& model, WaveOptions const& options, ArmOptions const& what) {
-  if (options.seam || options.grid_check || options.by_frequency || !options.detuning.empty() || !options.out.empty() ||
+  if (options.seam || options.grid_check || options.by_frequency || options.detuning || !options.out.empty() ||
       !options.plot.empty() || !options.csv.empty())
     throw InputError(
         "--seam, --grid-check, --by-frequency, --detuning, -o, --plot and --csv work for two-mirror cavities only",
@@ -108,19 +139,15 @@ int wave(WaveOptions const& options) {
   what.by_frequency = options.by_frequency;
   what.fields = options.fields;
   if (model.world.wave.ring) return ring(model, options, what);
-  std::optional<Detunings> const detunings = detunings_of(options, model.world.wave);
   if (options.seam) return print_seam(model, options);
-  std::optional<std::array<MirrorCoating, 2>> coatings;
-  if (detunings) coatings = mirror_coatings(model);
-  if (!options.out.empty()) refuse_loss_of_histories(options, model);
+  std::optional<DrivenPlan> const wanted = checked(options, model);
   ArmWaves const waves = solve_waves(model, options.threads, options, what);
   for (std::string const& warning : waves.arm.warnings) print_warning(warning, options);
-  if (!options.out.empty() || (!options.plot.empty() && !detunings)) write_field(options, model, waves);
-  if (!options.csv.empty() && !detunings) write_file(options.csv, photodiodes_csv(waves, model.world));
+  if (!options.out.empty() || (!options.plot.empty() && !wanted)) write_field(options, model, waves);
+  if (!options.csv.empty() && !wanted) write_file(options.csv, photodiodes_csv(waves, model.world));
   std::optional<DrivenArm> driven;
-  if (detunings) {
-    driven = drive_waves(model, waves, *coatings, detunings->in_ranges(waves.arm.cavity.length), options.threads,
-                         options, options.order);
+  if (wanted) {
+    driven = drive_waves(model, waves, wanted->coatings, wanted->detunings, options.threads, options, options.order);
     for (std::string const& warning : driven->warnings) print_warning(warning, options);
     write_driven(*driven, options);
   }
@@ -140,10 +167,11 @@ int wave(WaveOptions const& options) {
 void add_wave(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<WaveOptions>();
   WaveOptions& o = *options;
-  auto* const command = app.add_subcommand(
-      "wave", "Compute the field of a cavity at small angles: its losses, its modes, and what its rims couple back.");
+  auto* const command = app.add_subcommand("wave",
+                                           "Compute the field of a cavity at small angles: its losses, its modes, and "
+                                           "what the inner edges of its baffles couple back.");
   add_scene_options(*command, o);
-  command->add_option("--show", o.show, "rows of rims and of photodiodes")->check(whole_between(1, 1e6, "20"));
+  command->add_option("--show", o.show, "rows of inner edges and of photodiodes")->check(whole_between(1, 1e6, "20"));
   command->add_option("--order", o.order, "highest order of the modes listed")->check(whole_between(0, 8, "2"));
   command->add_flag(
       "--grid-check", o.grid_check,

@@ -47,14 +47,14 @@ std::string photodiodes_text(ArmWaves const& waves, World const& world, std::siz
 }
 
 std::string photodiodes_csv(ArmWaves const& waves, World const& world) {
-  std::string const unit = arm_power(world) > 0 ? " [W]" : "";
-  std::string text = fmt::format("photodiode,x [m],y [m],power{0},mean{0},spread{0}\n", unit);
+  char const* const unit = arm_power(world) > 0 ? "W" : "W/W";
+  std::string text = fmt::format("photodiode,x [m],y [m],power [{0}],mean [{0}],spread [{0}]\n", unit);
   double const scale = diode_scale(world);
   for (std::size_t i = 0; i < waves.diodes.size(); ++i) {
     Photodiode const& d = waves.arm.diodes[i];
     DiodeResult const& found = waves.diodes[i];
     text +=
-        fmt::format("{},{:.9g},{:.9g},{},{:.9g},{:.9g}\n", csv_text(d.name), d.x + d.radius * std::cos(d.azimuth),
+        fmt::format("{},{},{},{},{},{}\n", csv_text(d.name), d.x + d.radius * std::cos(d.azimuth),
                     d.y + d.radius * std::sin(d.azimuth), csv_number(!found.draws.empty(), scale * first_draw(found)),
                     scale * found.mean, scale * found.spread);
   }

@@ -2,8 +2,10 @@
 // What straytrace wave prints. Inside the module.
 #pragma once
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <string>
 
 #include "wave/arm/arm_waves.hpp"
@@ -17,6 +19,8 @@ constexpr double rounding_of_shares = 1e-12;  // of the power; smaller ones are 
 inline double arm_power(World const& world) {
   return world.wave.beam < world.beam_powers.size() ? world.beam_powers[world.wave.beam] : 0;
 }
+// Turns, without the sign of a phase that is zero to all digits.
+inline std::string phase_text(double turns) { return fmt::format("{:+.5f}", std::fabs(turns) < 5e-6 ? 0.0 : turns); }
 inline char const* method_of(RimResult const& rim) { return rim.draws.empty() ? "speckle" : "wave"; }
 // Of |A| over all draws: across the beam sqrt((|A_x|^2 + |A_y|^2)/2), or along it. The rim is in the grid.
 Spread lever_spread(RimResult const&, bool along);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/math/constants.hpp"
+#include "cli/wave/wave_output.hpp"
 #include "results/text/columns.hpp"
 
 namespace straytrace::cli {
@@ -64,8 +65,7 @@ std::string ring_modes_text(RingWaves const& waves) {
   Columns table{{"mode", "shared", "loss", "phase/turns", "by ray matrix"}, {true}, {}};
   for (ModeLine const& m : waves.modes)
     table.rows.push_back({fmt::format("HG{}{}", m.hermite.one, m.hermite.two), fmt::format("{:.4f}", m.hermite.shared),
-                          share_text(m.loss), fmt::format("{:+.5f}", m.phase),
-                          fmt::format("{:+.5f}", expected_phase(waves.ring, m))});
+                          share_text(m.loss), phase_text(m.phase), phase_text(expected_phase(waves.ring, m))});
   return "\nModes next to Hermite-Gauss modes, first index in the plane of incidence, and the power shared with them; "
          "phase of the\n"
          "round trip over that of the fundamental mode.\n\n" +

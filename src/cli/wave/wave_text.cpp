@@ -48,7 +48,7 @@ std::string cavity_text(ArmWaves const& waves, World const& world) {
   auto const in_band = std::ranges::count_if(arm.rims, &ArmRim::in_band);
   std::string text = fmt::format(
       "cavity {}: {:.6g} m, grid of {} x {} points over {:.4g} m, which carries angles up to {:.4g} urad\n"
-      "crossover angle {:.4g} urad: {} of {} rims are within it, seen from both mirrors\n",
+      "crossover angle {:.4g} urad: {} of {} inner edges are within it, seen from both mirrors\n",
       world.wave.beam_name, arm.cavity.length, grid.points, grid.points, grid.window,
       1e6 * grid.largest_angle(arm.cavity.wavelength), 1e6 * arm.crossover, in_band, arm.rims.size());
   for (ArmMirror const& m : arm.mirrors)
@@ -138,8 +138,7 @@ std::string modes_text(ArmWaves const& waves) {
                           fmt::format("LG{}{}{}", m.laguerre.one, m.laguerre.two > 0 ? "+" : "", m.laguerre.two),
                           fmt::format("{:.4f}", m.laguerre.shared), fmt::format("{:.6f}", m.in_order),
                           m.loss > rounding_of_shares ? fmt::format("{:.4g}", m.loss) : "below 1e-12",
-                          fmt::format("{:+.5f}", std::fabs(m.phase) < 5e-6 ? 0.0 : m.phase),
-                          m.alike > 1 ? fmt::format("{}", m.alike) : "-"});
+                          phase_text(m.phase), m.alike > 1 ? fmt::format("{}", m.alike) : "-"});
   return "\nModes of the mirrors without baffles, the Hermite-Gauss and the Laguerre-Gauss mode (LG p l) next to each "
          "and the power\n"
          "shared with it, and that shared with all of the order; phase of the round trip over that of the fundamental "
@@ -162,7 +161,7 @@ std::string more_rows(std::size_t count, std::size_t show) {
 
 std::string rims_text(ArmWaves const& waves, World const& world, std::vector<std::size_t> const& order,
                       std::size_t show) {
-  Columns table{{"rim of", "z/m", "urad from 1", "from 2", "method", "|A_x|/(1/m)", "|A_y|", "|A_z|", "radius",
+  Columns table{{"edge of", "z/m", "urad from 1", "from 2", "method", "|A_x|/(1/m)", "|A_y|", "|A_z|", "radius",
                  "speckle, across", "along"},
                 {true, false, false, false, true},
                 {}};
@@ -175,18 +174,19 @@ std::string rims_text(ArmWaves const& waves, World const& world, std::vector<std
                           number_text(lever_rms(found, 2)), number_text(widening_rms(found)),
                           number_text(expected_lever(found, 0)), number_text(expected_lever(found, 2))});
   }
-  return "\nStray field over the main field per round trip, per displacement of a rim (eq. W.14) and per change of its "
+  return "\nStray field over the main field per round trip, per displacement of an inner edge (eq. W.14) and per "
+         "change of its "
          "radius,\n"
          "largest first; rms over the draws. speckle: expected rms over random mirrors with the BSDF models of the "
          "materials\n"
-         "(eq. W.22); it stands for a rim whose light the grid does not hold.\n\n" +
+         "(eq. W.22); it stands for an edge whose light the grid does not hold.\n\n" +
          aligned(table) + more_rows(order.size(), show);
 }
 
 std::string spread_text(ArmWaves const& waves, World const& world, std::vector<std::size_t> const& order,
                         std::size_t show) {
   Columns table{
-      {"rim of", "z/m", "across, mean", "median", "5 %", "95 %", "along, mean", "median", "5 %", "95 %"}, {true}, {}};
+      {"edge of", "z/m", "across, mean", "median", "5 %", "95 %", "along, mean", "median", "5 %", "95 %"}, {true}, {}};
   std::size_t draws = 0, solved = 0;
   for (std::size_t const i : order) {
     RimResult const& found = waves.rims[i];
@@ -283,7 +283,8 @@ std::string grid_text(ArmWaves const& waves) {
   std::string text =
       fmt::format("{} points change the loss by {:+.2g} of itself", g.points, g.loss / waves.draws.front().loss);
   if (!std::isnan(g.across))
-    text += fmt::format(", levers of rims by up to {:.2g} (across) and {:.2g} (along) of their rms", g.across, g.along);
+    text +=
+        fmt::format(", levers of edges by up to {:.2g} (across) and {:.2g} (along) of their rms", g.across, g.along);
   return text;
 }
 

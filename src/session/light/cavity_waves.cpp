@@ -147,11 +147,19 @@ nlohmann::ordered_json wave_json(Model const& model) {
   return all;
 }
 
-ArmWaves solve_waves(Model const& model, unsigned threads, PrintOptions const& print, ArmOptions options) {
+namespace {
+
+ArmWaves solve(Model const& model, ArmCavity arm, unsigned threads, PrintOptions const& print, ArmOptions options) {
   WaveProgress progress(print);
   options.threads = int(threads);
   options.progress = std::ref(progress);
-  return solve_arm(model.world, model.world.wave, model.arm.value(), options);
+  return solve_arm(model.world, model.world.wave, std::move(arm), options);
+}
+
+}  // namespace
+
+ArmWaves solve_waves(Model const& model, unsigned threads, PrintOptions const& print, ArmOptions options) {
+  return solve(model, model.arm.value(), threads, print, std::move(options));
 }
 
 RingWaves solve_ring_waves(Model const& model, unsigned threads, PrintOptions const& print, ArmOptions options) {
@@ -205,7 +213,9 @@ ArmWaves solved_or_known(Model& model, unsigned threads, PrintOptions const& pri
   if (!model.waves || model.waves->key != key_of(model)) {
     ArmOptions kept;
     kept.highest_order = kept_orders;
-    ArmWaves waves = solve_waves(model, threads, print, kept);
+    ArmCavity arm = model.arm.value();
+    arm.diodes.clear();  // the run file has no light on photodiodes
+    ArmWaves waves = solve(model, std::move(arm), threads, print, kept);
     keep_waves(model, waves);
     return waves;
   }

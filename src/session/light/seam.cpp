@@ -130,9 +130,14 @@ WithError Seam::change(SeamCurve SeamPoint::*curve) const {
 }
 
 Seam check_seam(Model& model, TraceOptions const& options) {
+  std::vector<InputError> errors;
   if (!model.detector)
-    throw InputError("without an interferometer there is no noise to compare",
-                     "add 'ports' and 'interferometer' to the scene");
+    errors.emplace_back("without an interferometer there is no noise to compare",
+                        "add 'ports' and 'interferometer' to the scene");
+  if (model.motion.inputs.empty())
+    errors.emplace_back("nothing moves, so there is no noise to compare",
+                        "give a body 'motion', for example 'bodies: {baffles: {motion: {x: {peterson: typical}}}}'");
+  throw_all(errors);
   InterruptGuard const guard;
   WaveSettings const stated = model.world.wave;
   double const own = crossover_angle(model.world, stated);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace wave, and a run of a scene with a table `wave` (docs/theory/wave.md).
+#include "cli/wave/wave_output.hpp"
 #include "physics/wave/kilometre_arm.hpp"
 #include "results/results.hpp"
 #include "scenes/answers.hpp"
@@ -42,11 +43,11 @@ TEST_F(WaveCommand, PrintsItsParts) {
   EXPECT_EQ(all.err, "");
   for (char const* const part :
        {"cavity arm: 1000 m, grid of 256 x 256 points over 0.5 m, which carries angles up to 272.4 urad",
-        "crossover angle 120 urad: 1 of 2 rims are within it, seen from both mirrors",
+        "crossover angle 120 urad: 1 of 2 inner edges are within it, seen from both mirrors",
         "mirror I: radius of the mode 20.58 mm; heights below the crossover angle ", "loss per round trip",
         "past the rim of I, and scattered", "past the rim of E, and scattered", "on baffles, towards E",
         "on baffles, towards I", "at angles that reach no opening", "smooth mirrors without baffles lose ",
-        "Modes of the mirrors without baffles", "HG00  1.0000", "per displacement of a rim (eq. W.14)",
+        "Modes of the mirrors without baffles", "HG00  1.0000", "per displacement of an inner edge (eq. W.14)",
         "Light on baffles in W", "not checked; --grid-check solves again", "residual ", "one draw; 'map_draws'",
         "scatter of second order"})
     EXPECT_THAT(all.out, HasSubstr(part));
@@ -67,7 +68,7 @@ TEST_F(WaveCommand, PrintsSpreadsAndErrors) {
   for (char const* const part :
        {"share +W +median +5 % +95 % +finer grid", "mean over 2 draws of the heights of the mirrors",
         "The same over 64 draws \\(2 of the heights", "\nbaffle_mid +500 +[0-9.e-]+ +[0-9.e-]+",
-        "384 points change the loss by [+-]", "levers of rims by up to [0-9]", "2 draws, above",
+        "384 points change the loss by [+-]", "levers of edges by up to [0-9]", "2 draws, above",
         "Loss per round trip by the spatial frequency", "56.4 to 113 /m +120 ", "above 113 /m ", "between bands "})
     EXPECT_THAT(all.out, ContainsRegex(part)) << part;
   auto const values = answer(command);
@@ -134,6 +135,45 @@ TEST_F(WaveCommand, DetuningOfTheInputBeam) {
               HasSubstr("Field driven through I, which transmits 0.014"));
   EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--csv", csv}), HasSubstr("or for example --detuning"));
   EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--detuning", "1kg"}), HasSubstr("is not a unit of frequency"));
+}
+
+// Each mistake has its reason, and all are told at once. 1e-4 of the frequency of the light is 1.9e5 free spectral
+// ranges of 1 km.
+TEST_F(WaveCommand, DetuningErrorsHaveTheirReasons) {
+  auto const said = [&](std::string const& detuning, Words more = {}) {
+    Words words{"wave", scene_, "--quiet", "--detuning", detuning};
+    words.insert(words.end(), more.begin(), more.end());
+    return error_text(words);
+  };
+  EXPECT_THAT(said("0.5..-0.5:11"), HasSubstr("error: '--detuning=0.5..-0.5:11': the range runs downwards"));
+  EXPECT_THAT(said("1..2"), HasSubstr("'--detuning=1..2': the range has no number of values"));
+  EXPECT_THAT(said("-1..1:1"), HasSubstr("a range has 2 to 10000 values"));
+  EXPECT_THAT(said(""), HasSubstr("'--detuning=': a value is missing"));
+  EXPECT_THAT(said("1e300..2e300:3"), AllOf(HasSubstr("'1e+300' is more than 0.0001 of the frequency of the light"),
+                                            HasSubstr("stay within 1.88e+05 free spectral ranges")));
+  std::string const all = said("1Hz,x,2MW,1e400Hz,1e12Hz", {"--plot", folder_ / "a.pdf"});
+  EXPECT_THAT(all, AllOf(HasSubstr("'x' is not a number"), HasSubstr("'2MW' has another unit than the first value"),
+                         HasSubstr("'1e400Hz' is outside the range of double precision"),
+                         HasSubstr("'1e12Hz' is more than 0.0001"), HasSubstr("--plot"), Not(HasSubstr("'1Hz'"))));
+}
+
+// A file that the scene reads is an input of the command. Control: another name.
+TEST_F(WaveCommand, OutputsAreNoFilesOfTheScene) {
+  std::string map = "x [mm], y [mm], height [nm]\n";
+  for (int i = 0; i < 81; ++i) map += fmt::format("{}, {}, 1\n", 20 * (i % 9 - 4), 20 * (i / 9 - 4));
+  write_text(folder_ / "map.csv", map);
+  write_text(scene_, edited(scene_text(), "wave: {", "wave: {maps: {I: {file: map.csv}}, "));
+  EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--detuning", "0", "--csv", folder_ / "map.csv"}),
+              HasSubstr("map.csv' is also another file of this command"));
+  EXPECT_EQ(text_of(folder_ / "map.csv"), map);
+  EXPECT_EQ(straytrace({"wave", scene_, "--quiet", "--detuning", "0", "--csv", folder_ / "new.csv"}).code, 0);
+}
+
+TEST_F(WaveCommand, SeamNeedsMotion) {
+  std::string const moving = "motion: {x: {peterson: typical}, others: still}";
+  write_text(scene_, edited(scene_text(), moving, "motion: still"));
+  EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--seam", "--histories", "1e9"}),
+              HasSubstr("nothing moves, so there is no noise to compare"));
 }
 
 // The field of an earlier run is taken while its key is that of the scene: the eigenvalue, which is falsified here,
@@ -222,6 +262,54 @@ std::string error_at(std::string const& text, std::string const& value) {
   std::size_t const at = text.find(value), line = text.rfind('\n', at);
   return fmt::format("arm.yaml:{}:{}: error: ", 1 + std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '\n'),
                      at - line);
+}
+
+// The share of a centred Gaussian beam in a circle is 1 - exp(-2 R^2/w^2): 0.245 for 75 mm and 20 cm.
+TEST_F(WaveCommand, InputBesideTheMirrorIsNoInput) {
+  auto const checked = [&](std::string const& input) {
+    write_text(scene_, edited(scene_text(), "wave: {", "wave: {input: {" + input + "}, "));
+    return straytrace({"check", scene_});
+  };
+  Finished const beside = checked("shift: [0.2 m, 0 m]");
+  EXPECT_EQ(beside.code, 2);
+  EXPECT_THAT(beside.err, AllOf(HasSubstr(error_at(text_of(scene_), "[0.2 m")),
+                                HasSubstr("less than 1e-6 of the power of the input beam falls on 'I'")));
+  Finished const wide = checked("radius: 20 cm");
+  EXPECT_EQ(wide.code, 0);
+  EXPECT_THAT(wide.err, HasSubstr("warning: only 0.25 of the power of the input beam falls on 'I'"));
+  EXPECT_THAT(checked("shift: [75 mm, 0 m]").err, HasSubstr("warning: only 0.4"));  // less than half, of a curved edge
+  EXPECT_THAT(checked("shift: [20 mm, 0 m]").err, Not(HasSubstr("input beam")));
+}
+
+// Edges of 45 mm, 2.2 to 2.4 radii of the mode: one warning for all six. An error for one that is off the axis.
+TEST_F(WaveCommand, EdgesOfOneKindShareAWarning) {
+  auto const warned = [&](std::string const& place) {
+    std::string const text = edited(scene_text(), "crossover: 120 urad", "crossover: 60 urad");
+    write_text(scene_, edited(text, "at: [0 m, 0 m, 300 m]", place));
+    return straytrace({"check", scene_}).err;
+  };
+  std::string const all = warned("at: [0 m, 0 m, 0 m], repeat: {along: z, count: 5, from: 300 m, to: 340 m}");
+  EXPECT_THAT(all,
+              HasSubstr("the inner edges of 'baffle_near' at 300 m, 'baffle_near' at 310 m, 'baffle_near' at 320 m "
+                        "and 3 others come within 2."));
+  std::string const mean = "the mean over speckle";
+  EXPECT_EQ(all.find(mean), all.rfind(mean));
+  EXPECT_THAT(warned("at: [11 mm, 0 m, 300 m]"),
+              HasSubstr("error: the inner edge of 'baffle_near' at 300 m is 0.011 m off the axis of the cavity"));
+}
+
+TEST(WaveOutput, PhasesOfZeroHaveNoMinus) {
+  EXPECT_EQ(cli::phase_text(-4.9e-6), "+0.00000");
+  EXPECT_EQ(cli::phase_text(-5.1e-6), "-0.00001");  // negative control
+  EXPECT_EQ(cli::phase_text(-0.25), "-0.25000");
+}
+
+TEST_F(WaveCommand, ShiftBeyondTheApertureIsToldAlone) {
+  write_text(scene_, edited(scene_text(), "wave: {", "wave: {mirrors: {E: {shift: [1 m, 0 m]}}, "));
+  EXPECT_THAT(error_text({"check", scene_}),
+              AllOf(HasSubstr(error_at(text_of(scene_), "[1 m") + "a shift of 1 m exceeds the clear aperture of 'E', "
+                                                                  "whose radius is 0.075 m"),
+                    HasSubstr("\n1 error. Nothing was run.")));
 }
 
 // All of them, each at the key that causes it, before any field; with its key right, no error is left.
