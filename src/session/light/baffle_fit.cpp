@@ -8,11 +8,13 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "base/errors.hpp"
 #include "base/files/text_file.hpp"
 #include "base/input/document.hpp"
 #include "io/delimited_text.hpp"
+#include "scene/scene_document.hpp"
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
 #include "session/model.hpp"
@@ -26,24 +28,27 @@ constexpr char const* example = "photodiode, power [W], error [W]";
 struct Measured {
   std::vector<std::string> diodes;
   std::vector<double> power, error;  // W
-  std::vector<std::uint32_t> line;
+  std::vector<Place> place;          // of the names
 };
 
-void check_row(Measured const& m, std::size_t i, std::vector<Problem>& problems) {
-  auto const refuse = [&](std::string what, std::string remedy) {
-    problems.push_back({{0, m.line[i], 0}, std::move(what), std::move(remedy)});
+void check_row(Measured const& m, std::size_t i, Place error, std::vector<Problem>& problems) {
+  auto const refuse = [&](Place at, std::string what, std::string remedy) {
+    problems.push_back({at, std::move(what), std::move(remedy)});
   };
-  if (m.diodes[i].empty()) refuse("the photodiode has no name", "write its name in the column 'photodiode'");
-  if (std::find(m.diodes.begin(), m.diodes.begin() + std::ptrdiff_t(i), m.diodes[i]) !=
-      m.diodes.begin() + std::ptrdiff_t(i))
-    refuse(fmt::format("photodiode '{}' is measured twice", m.diodes[i]), "keep one of the rows");
+  std::string const& name = m.diodes[i];
+  if (name.empty()) refuse(m.place[i], "the photodiode has no name", "write its name in the column 'photodiode'");
+  if (std::find(m.diodes.begin(), m.diodes.begin() + std::ptrdiff_t(i), name) != m.diodes.begin() + std::ptrdiff_t(i))
+    refuse(m.place[i], fmt::format("photodiode '{}' is measured twice", name), "keep one of the rows");
   if (!(m.error[i] > 0))
-    refuse(fmt::format("the error of '{}' is not above zero", m.diodes[i]), "state one standard deviation in W");
+    refuse(error, fmt::format("the error of '{}' is not above zero", name),
+           "state one standard deviation, in the unit of the column");
 }
 
-Measured read_measured(std::string const& file) {
+Place place_of(io::TextCell const& cell) { return {0, cell.line, cell.column}; }
+
+// The rows, with those that have problems.
+Measured read_measured(std::string const& file, std::vector<Problem>& problems) {
   static constexpr std::array<std::string_view, 2> numeric = {"power", "error"};
-  std::vector<Problem> problems;
   CsvTable const table = parse_csv_table(read_text(file), Comments::whole_lines, example, problems, numeric);
   int const name = table.find("photodiode"), power = table.find("power"), error = table.find("error");
   if (problems.empty())
@@ -55,85 +60,175 @@ Measured read_measured(std::string const& file) {
       else if (auto const& c = table.columns[std::size_t(column)]; column != name && c.unit.dimension != dim::power)
         problems.push_back({{0, c.line, c.at}, wrong_unit(c, dim::power), fmt::format("write '{} [W]'", title)});
     }
-  if (!problems.empty()) throw errors_in(file, problems);
   Measured out;
+  if (name < 0 || power < 0 || error < 0) return out;
   for (CsvTable::Row const& row : table.rows) {
     out.diodes.emplace_back(row.cells[std::size_t(name)].text);
     out.power.push_back(row.values[std::size_t(power)]);
     out.error.push_back(row.values[std::size_t(error)]);
-    out.line.push_back(row.line());
-    check_row(out, out.diodes.size() - 1, problems);
+    out.place.push_back(place_of(row.cells[std::size_t(name)]));
+    check_row(out, out.diodes.size() - 1, place_of(row.cells[std::size_t(error)]), problems);
   }
-  if (out.diodes.empty()) problems.push_back({{0, 0, 0}, "no photodiode is measured", "write a row for each"});
-  if (!problems.empty()) throw errors_in(file, problems);
+  if (out.diodes.empty() && problems.empty())
+    problems.push_back({{0, 0, 0}, "no photodiode is measured", "write a row for each"});
   return out;
 }
 
-// Solves the cavity for parameters, and chooses the measured photodiodes.
+// Numbers of the measured photodiodes among those of the scene.
+std::vector<Eigen::Index> chosen_among(std::vector<Photodiode> const& diodes, Measured const& measured,
+                                       std::vector<Problem>& problems) {
+  std::vector<std::string> names;
+  for (Photodiode const& d : diodes) names.push_back(d.name);
+  std::vector<Eigen::Index> chosen;
+  for (std::size_t i = 0; i < measured.diodes.size(); ++i) {
+    std::string const& name = measured.diodes[i];
+    auto const at = std::ranges::find(names, name);
+    if (at == names.end() && !name.empty())
+      problems.push_back({measured.place[i], fmt::format("the scene has no photodiode '{}'", name),
+                          did_you_mean(name, names, "'straytrace wave SCENE' lists them")});
+    chosen.push_back(Eigen::Index(at - names.begin()));
+  }
+  return chosen;
+}
+
+std::string setting(FreeParameter const& p, double value) {
+  return fmt::format("{}={}{}{}", p.name, value, p.unit.empty() ? "" : " ", p.unit);
+}
+
+Model model_with(SceneOptions const& scene, std::vector<std::string> const& point) {
+  std::vector<std::string> overrides = scene.overrides;
+  overrides.insert(overrides.end(), point.begin(), point.end());
+  try {
+    return read_model(scene.input, overrides);
+  } catch (InputError const& e) {
+    if (point.empty()) throw;
+    throw InputError(e.problems, fmt::format("{}\nat the point {}", e.what(), fmt::join(point, ", ")), e.files);
+  }
+}
+
+double power_of(Model const& model) {
+  std::size_t const beam = model.world.wave.beam;
+  return beam < model.world.beam_powers.size() ? model.world.beam_powers[beam] : 0;
+}
+
+// Finds all that is wrong with a request before the first field.
+class RequestCheck {
+ public:
+  explicit RequestCheck(BaffleFitRequest const& request) : request_(request) {}
+
+  // Throws one InputError.
+  void run() {
+    read_free();
+    std::vector<Problem> problems;
+    collect([&] { measured = read_measured(request_.measured, problems); });
+    std::optional<Model> model;
+    collect([&] { model = model_with(request_.scene, {}); });
+    if (model) {
+      print_warnings(model->scene, request_.scene);
+      collect([&] { check(*model); });
+      if (model->arm && !model->arm->diodes.empty()) chosen = chosen_among(model->arm->diodes, measured, problems);
+      if (model->arm) diodes = model->arm->diodes.size();
+    }
+    if (!problems.empty()) errors_.push_back(errors_in(request_.measured, problems));
+    for (std::size_t i = 0; i < free.size(); ++i) check_ends(i, model.has_value());
+    if (std::size_t const all = measured.diodes.size(); all > 0 && all <= free.size())
+      errors_.emplace_back(fmt::format("{} measured and {} free: nothing is left to test the model", all, free.size()),
+                           fmt::format("measure at least {} photodiodes, or free fewer parameters", free.size() + 1));
+    throw_all(errors_);
+  }
+
+  std::vector<FreeParameter> free;
+  Measured measured;
+  std::vector<Eigen::Index> chosen;  // photodiodes of the scene, as measured
+  std::size_t diodes = 0;            // of the scene
+
+ private:
+  void collect(auto const& step) {
+    try {
+      step();
+    } catch (InputError const& e) {
+      errors_.push_back(e);
+    }
+  }
+  void read_free() {
+    for (std::string const& text : request_.free)
+      collect([&] {
+        FreeParameter const p = free_parameter(text);
+        if (std::ranges::find(free, p.name, &FreeParameter::name) != free.end())
+          throw InputError(fmt::format("--free: '{}' is free twice", p.name), "keep one of the ranges");
+        for (std::string const& set : request_.scene.overrides)
+          if (set.substr(0, set.find('=')) == p.name)
+            throw InputError(fmt::format("--free and -p both set '{}'", p.name),
+                             "remove -p, or keep it and fit other parameters");
+        free.push_back(p);
+        texts_.push_back(text);
+      });
+  }
+  static void check(Model const& model) {
+    WaveSettings const& wave = model.world.wave;
+    if (!wave.present || wave.photodiodes.empty())
+      throw InputError(fmt::format("{} has no photodiodes", model.scene.main_file()),
+                       "add 'photodiodes' to its table 'wave'; see docs/reference/scene.md#wave");
+    if (!(power_of(model) > 0))
+      throw InputError(fmt::format("beam '{}' states no power, and the photodiodes measure watts", wave.beam_name),
+                       "add 'power: 10 kW' to the beam");
+  }
+  // Of one parameter, both ends of its range: a number of 0 between them needs no unit.
+  void check_ends(std::size_t i, bool sound) {
+    FreeParameter const& p = free[i];
+    for (double const end : {p.range.low, p.range.high}) try {
+        model_with(request_.scene, {setting(p, end)});
+      } catch (InputError const& e) {
+        if (tell_of_option(e, texts_[i])) return;
+        if (!sound) return;  // the scene has errors of its own
+        errors_.push_back(e);
+        return;
+      }
+  }
+  // Problems of the last setting on the command line, which is that of the option.
+  bool tell_of_option(InputError const& e, std::string const& text) {
+    bool told = false;
+    for (Problem const& p : e.problems)
+      if (p.place.file < e.files.size() && e.files[p.place.file] == command_line_name &&
+          p.place.line > request_.scene.overrides.size()) {
+        errors_.emplace_back(fmt::format("--free \"{}\": {}", text, p.what), p.suggestion);
+        told = true;
+      }
+    return told;
+  }
+
+  BaffleFitRequest const& request_;
+  std::vector<std::string> texts_;  // of --free, as `free`
+  std::vector<InputError> errors_;
+};
+
+// Solves the cavity for parameters.
 class BaffleModel {
  public:
-  BaffleModel(BaffleFitRequest const& request, std::vector<FreeParameter> const& free, Measured const& measured)
-      : request_(request), free_(free), progress_(request.scene.quiet), begin_(std::chrono::steady_clock::now()) {
-    Eigen::VectorXd middle(Eigen::Index(free.size()));
-    for (std::size_t i = 0; i < free.size(); ++i)
-      middle[Eigen::Index(i)] = 0.5 * (free[i].range.low + free[i].range.high);
-    Model const model = model_at(middle);
-    print_warnings(model.scene, request.scene);
-    check(model);
-    choose(expectation(model.world, HaloMoments::mean), measured);
-  }
-
-  std::string beam;
-  double power = 0;  // W
-  std::size_t left_out = 0;
+  BaffleModel(BaffleFitRequest const& request, RequestCheck const& checked)
+      : request_(request),
+        free_(checked.free),
+        chosen_(checked.chosen),
+        progress_(request.scene.quiet),
+        begin_(std::chrono::steady_clock::now()) {}
 
   Eigen::VectorXd mean(Eigen::VectorXd const& at) {
-    DiodeExpectation const e = expectation(model_at(at).world, HaloMoments::mean);
-    return power * (e.smooth + e.halo.mean)(chosen_);
+    Model const model = model_at(at);
+    DiodeExpectation const e = expectation(model.world, HaloMoments::mean);
+    return power_of(model) * (e.smooth + e.halo.mean)(chosen_);
   }
   Eigen::MatrixXd covariance(Eigen::VectorXd const& at) {
-    DiodeExpectation const e = expectation(model_at(at).world, HaloMoments::mean_and_covariance);
-    return power * power * e.halo.covariance(chosen_, chosen_);
+    Model const model = model_at(at);
+    DiodeExpectation const e = expectation(model.world, HaloMoments::mean_and_covariance);
+    return std::pow(power_of(model), 2) * e.halo.covariance(chosen_, chosen_);
+  }
+  Model model_at(Eigen::VectorXd const& at) const {
+    std::vector<std::string> point;
+    for (std::size_t i = 0; i < free_.size(); ++i) point.push_back(setting(free_[i], at[Eigen::Index(i)]));
+    return model_with(request_.scene, point);
   }
 
  private:
-  Model model_at(Eigen::VectorXd const& at) const {
-    std::vector<std::string> overrides = request_.scene.overrides, point;
-    for (std::size_t i = 0; i < free_.size(); ++i)
-      point.push_back(fmt::format("{}={:.17g} {}", free_[i].name, at[Eigen::Index(i)], free_[i].unit));
-    overrides.insert(overrides.end(), point.begin(), point.end());
-    try {
-      return read_model(request_.scene.input, overrides);
-    } catch (InputError const& e) {
-      throw InputError(e.problems, fmt::format("{}\nat the point {}", e.what(), fmt::join(point, ", ")), e.files);
-    }
-  }
-  void check(Model const& model) {
-    WaveSettings const& wave = model.world.wave;
-    if (!wave.present || wave.photodiodes.empty())
-      throw InputError(fmt::format("{} has no photodiodes", request_.scene.input),
-                       "add 'photodiodes' to its table 'wave'; see docs/reference/scene.md#wave");
-    power = wave.beam < model.world.beam_powers.size() ? model.world.beam_powers[wave.beam] : 0;
-    if (!(power > 0))
-      throw InputError(fmt::format("beam '{}' states no power, and the photodiodes measure watts", wave.beam_name),
-                       "add 'power: 10 kW' to the beam");
-    beam = wave.beam_name;
-  }
-  void choose(DiodeExpectation const& e, Measured const& measured) {
-    std::vector<std::string> names;
-    for (Photodiode const& d : e.diodes) names.push_back(d.name);
-    std::vector<Problem> problems;
-    for (std::size_t i = 0; i < measured.diodes.size(); ++i) {
-      auto const at = std::ranges::find(names, measured.diodes[i]);
-      if (at == names.end())
-        problems.push_back({{0, measured.line[i], 0},
-                            fmt::format("the scene has no photodiode '{}'", measured.diodes[i]),
-                            did_you_mean(measured.diodes[i], names, "'straytrace wave SCENE' lists them")});
-      chosen_.push_back(Eigen::Index(at - names.begin()));
-    }
-    if (!problems.empty()) throw errors_in(request_.measured, problems);
-    left_out = names.size() - chosen_.size();
-  }
   DiodeExpectation expectation(World const& world, HaloMoments moments) {
     if (guard_.stop()) throw InputError("interrupted; nothing was fitted", "run it again");
     ++solved_;
@@ -144,7 +239,7 @@ class BaffleModel {
 
   BaffleFitRequest const& request_;
   std::vector<FreeParameter> const& free_;
-  std::vector<Eigen::Index> chosen_;  // photodiodes of the scene, as measured
+  std::vector<Eigen::Index> const& chosen_;
   InterruptGuard const guard_;
   ProgressLine progress_;
   std::chrono::steady_clock::time_point begin_;
@@ -173,36 +268,24 @@ FreeParameter free_parameter(std::string const& text) {
 }
 
 BaffleFit fit_baffle(BaffleFitRequest const& request) {
-  BaffleFit out;
-  std::vector<InputError> errors;
-  Measured measured;
-  for (std::string const& text : request.free) try {
-      out.parameters.push_back(free_parameter(text));
-    } catch (InputError const& e) {
-      errors.push_back(e);
-    }
-  try {
-    measured = read_measured(request.measured);
-  } catch (InputError const& e) {
-    errors.push_back(e);
-  }
-  throw_all(errors);
-  BaffleModel model(request, out.parameters, measured);
-  if (measured.diodes.size() <= out.parameters.size())
-    throw InputError(
-        fmt::format("{} measured and {} free: nothing is left to test the model", measured.diodes.size(),
-                    out.parameters.size()),
-        fmt::format("measure at least {} photodiodes, or free fewer parameters", out.parameters.size() + 1));
+  RequestCheck checked(request);
+  checked.run();
+  Measured& measured = checked.measured;
+  BaffleModel model(request, checked);
   DiodeFitProblem problem;
-  for (FreeParameter const& p : out.parameters) problem.ranges.push_back(p.range);
+  for (FreeParameter const& p : checked.free) problem.ranges.push_back(p.range);
   problem.measured = vector_of(measured.power);
   problem.error = vector_of(measured.error);
   problem.mean = [&](Eigen::VectorXd const& at) { return model.mean(at); };
   problem.covariance = [&](Eigen::VectorXd const& at) { return model.covariance(at); };
+  BaffleFit out;
   out.fit = fit_diodes(problem);
-  out.beam = model.beam;
-  out.arm_power = model.power;
-  out.left_out = model.left_out;
+  std::vector<double> values;
+  for (DiodeFit::Parameter const& p : out.fit.parameters) values.push_back(p.value);
+  Model const best = model.model_at(vector_of(values));
+  out.beam = best.world.wave.beam_name;
+  out.arm_power = power_of(best);
+  out.left_out = checked.diodes - checked.chosen.size();
   for (std::size_t i = 0; i < measured.diodes.size(); ++i) {
     double const own = measured.error[i] / out.fit.sigma[Eigen::Index(i)];
     out.speckle.push_back(1 - own * own);
@@ -210,6 +293,7 @@ BaffleFit fit_baffle(BaffleFitRequest const& request) {
   out.diodes = std::move(measured.diodes);
   out.measured = std::move(measured.power);
   out.error = std::move(measured.error);
+  out.parameters = std::move(checked.free);
   return out;
 }
 

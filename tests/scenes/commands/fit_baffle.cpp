@@ -4,6 +4,7 @@
 
 #include "physics/wave/kilometre_arm.hpp"
 #include "scenes/answers.hpp"
+#include "session/light/cavity_waves.hpp"
 
 namespace straytrace::testing::app_fit_baffle {
 namespace {
@@ -93,9 +94,72 @@ TEST_F(FitBaffle, ErrorsSayWhatIsWrong) {
   std::string const two = head + "d_1, 1e-6, 1e-8\nd_2, 1e-6, 1e-8\n";
   EXPECT_THAT(refused(two, {"--free", "shift=1..-1 mm", "--free", "shift"}),
               AllOf(HasSubstr("does not rise"), HasSubstr("names no parameter")));
-  EXPECT_THAT(refused(two, {"--free", "shifd=-1..1 mm"}), HasSubstr("shifd"));
+  EXPECT_THAT(refused(two, {"--free", "shifd=-1..1 mm"}),
+              AllOf(HasSubstr("error: --free \"shifd=-1..1 mm\": parameter 'shifd' is not defined in the model"),
+                    HasSubstr("did you mean 'shift'?")));
+  EXPECT_THAT(refused(two, {"--free", "shift=-1..1 mm", "-p", "shift=0 mm"}),
+              HasSubstr("--free and -p both set 'shift'"));
   EXPECT_THAT(refused(two, {"--free", "shift=-1..1 mm", "--free", "power=9..11 kW"}),
               HasSubstr("2 measured and 2 free: nothing is left to test"));
+}
+
+// A range about 0 needs its unit although its middle does not. Before any field: at once.
+TEST_F(FitBaffle, AllErrorsAreToldAtOnce) {
+  write_text(csv_, "photodiode, power [uW], error [nW]\nd_1, 1, 0\n  d_9, 1, 1\nd_1, 1, 1\n");
+  std::string const all = error_text(fit(
+      {"--free", "shift=-1..1", "--free", "shift=-2..2 mm", "--free", "powr=9..11 kW", "--free", "power=9..11 kW"}));
+  for (char const* const part :
+       {"--free \"shift=-1..1\": 'shift' is a length, got \"-1\" without a unit", "--free: 'shift' is free twice",
+        "--free \"powr=9..11 kW\": parameter 'powr' is not defined", "measured.csv:2:9: error: the error of 'd_1'",
+        "measured.csv:3:3: error: the scene has no photodiode 'd_9'",
+        "measured.csv:4:1: error: photodiode 'd_1' is measured twice", "3 measured and 3 free"})
+    EXPECT_THAT(all, HasSubstr(part));
+  EXPECT_THAT(all, AllOf(Not(HasSubstr("-p ")), Not(HasSubstr("command line"))));
+}
+
+// The power of the beam is a parameter like any other: twice the light is twice the power.
+TEST_F(FitBaffle, FindsThePowerInMicrowatts) {
+  measure("0.3 mm");
+  std::istringstream rows(text_of(csv_));
+  std::string text = "photodiode, power [uW], error [nW]\n", row;
+  std::getline(rows, row);
+  while (std::getline(rows, row)) {
+    std::istringstream cells(row);
+    std::string name, power, error;
+    std::getline(std::getline(std::getline(cells, name, ','), power, ','), error, ',');
+    text += fmt::format("{}, {:.12g}, {:.12g}\n", name, 2e6 * std::stod(power), 2e9 * std::stod(error));
+  }
+  write_text(csv_, text);
+  auto const found = answer(fit({"-p", "shift=0.3 mm", "--free", "power=5..30 kW"}));
+  EXPECT_NEAR(found["parameters"][0]["value"].get<double>(), 20, 0.01);
+  EXPECT_NEAR(found["arm_power_w"].get<double>(), 20e3, 10);
+}
+
+// Only `straytrace wave` and `fit baffle` give the light on photodiodes; a trace does not compute it.
+TEST_F(FitBaffle, TracesLeavePhotodiodesOut) {
+  SceneOptions quiet;
+  quiet.quiet = true;
+  Model model = read_model(scene_, {});
+  ArmWaves const of_trace = solved_or_known(model, 1, quiet), whole = solve_waves(model, 1, quiet, {});
+  EXPECT_TRUE(of_trace.diodes.empty());
+  EXPECT_EQ(whole.diodes.size(), 8u);
+  EXPECT_EQ(of_trace.mode.eigenvalue, whole.mode.eigenvalue);
+}
+
+TEST_F(FitBaffle, CsvHasUnitsAndAllDigits) {
+  std::string const csv = folder_ / "all.csv";
+  auto const all = answer({"wave", scene_, "--csv", csv, "--quiet"});
+  std::istringstream rows(text_of(csv));
+  std::string row;
+  std::getline(rows, row);
+  EXPECT_EQ(row, "photodiode,x [m],y [m],power [W],mean [W],spread [W]");
+  std::getline(rows, row);
+  double const share = all["photodiodes"][0]["power_share_mean"];
+  EXPECT_THAT(row, HasSubstr(fmt::format(",{},", 10e3 * share)));
+  std::string const text = edited(edited(text_of(scene_), ", power: power}", "}"), ", power: 10 kW}", "}");
+  write_text(scene_, text.substr(0, text.find("interferometer: ")));  // which needs a power
+  EXPECT_EQ(straytrace({"wave", scene_, "--csv", csv, "--quiet", "--order", "0"}).code, 0);
+  EXPECT_THAT(text_of(csv), HasSubstr("power [W/W],mean [W/W],spread [W/W]\n"));
 }
 
 TEST_F(FitBaffle, WaveListsPhotodiodes) {
