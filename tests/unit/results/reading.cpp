@@ -41,8 +41,9 @@ struct ReportReading : ::testing::Test {
 // Band power of h = a constant: a^2 times the width of the bins inside.
 TEST_F(ReportReading, BandPowerIntegratesThePsd) {
   FrequencyGrid const grid{{10, 20, 40, 80}};
-  NoiseTrace const flat{"", 0,    {2, 2, 2}, {0.1, 0.1, 0.1}, {},    {}, {}, {}, {}, {}, {}, {}, {}, {}, {},
-                        0,  true, "",        false,           false, {}};
+  NoiseTrace flat;
+  flat.asd = {2, 2, 2};
+  flat.sigma = {0.1, 0.1, 0.1};
   WithError const p = band_power(flat, grid, 10, 50);
   EXPECT_DOUBLE_EQ(p.value, 4 * 30);
   EXPECT_DOUBLE_EQ(p.sigma, 2 * 2 * 0.1 * 30);

@@ -238,7 +238,8 @@ TEST_F(ReportRunFile, HoldsAnEmptyResult) {
   TraceResult nothing;
   NoiseBudget quiet;
   quiet.grid.edges = {10, 20};
-  quiet.total = {"total", 0, {0}, {0}, {}, {}, {}, {0}, {0}, {}, {}, {}, {}, {}, {}, 0, true, "", false, false, {}};
+  quiet.total.name = "total";
+  quiet.total.asd = quiet.total.sigma = quiet.total.phase_asd = quiet.total.amplitude_asd = {0};
   RunContent c = content(nothing, &quiet);
   c.files.clear();
   c.overrides.clear();

@@ -275,27 +275,9 @@ NoiseBudget simple(double first) {
   NoiseBudget b;
   b.grid.edges = {10, 20, 40};
   b.design.push_back({"adv-lal", {1e-22, 1e-22}});
-  b.total = {"total",
-             0,
-             {first * 1e-23, 0.2e-23},
-             {0.1 * first * 1e-23, 0.01e-23},
-             {},
-             {},
-             {},
-             {},
-             {},
-             {},
-             {},
-             {},
-             {},
-             {},
-             {},
-             0,
-             true,
-             "",
-             false,
-             false,
-             {}};
+  b.total.name = "total";
+  b.total.asd = {first * 1e-23, 0.2e-23};
+  b.total.sigma = {0.1 * first * 1e-23, 0.01e-23};
   return b;
 }
 
