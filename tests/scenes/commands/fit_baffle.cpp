@@ -156,10 +156,6 @@ TEST_F(FitBaffle, CsvHasUnitsAndAllDigits) {
   std::getline(rows, row);
   double const share = all["photodiodes"][0]["power_share_mean"];
   EXPECT_THAT(row, HasSubstr(fmt::format(",{},", 10e3 * share)));
-  std::string const text = edited(edited(text_of(scene_), ", power: power}", "}"), ", power: 10 kW}", "}");
-  write_text(scene_, text.substr(0, text.find("interferometer: ")));  // which needs a power
-  EXPECT_EQ(straytrace({"wave", scene_, "--csv", csv, "--quiet", "--order", "0"}).code, 0);
-  EXPECT_THAT(text_of(csv), HasSubstr("power [W/W],mean [W/W],spread [W/W]\n"));
 }
 
 TEST_F(FitBaffle, WaveListsPhotodiodes) {
