@@ -26,7 +26,8 @@ void add_levers(Json& out, RimLevers const& levers) {
   }
 }
 
-// As drawn in the scene (tolerance 0), then with each draw of the tolerances and of the roll, in each draw of the heights.
+// As drawn in the scene (tolerance 0), then with each draw of the tolerances and of the roll, in each draw of the
+// heights.
 Json levers_json(RimResult const& rim) {
   Json all = Json::array();
   for (std::size_t heights = 0; heights < rim.draws.size(); ++heights)

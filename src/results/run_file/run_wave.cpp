@@ -150,7 +150,8 @@ void wave_rim_columns(Column&& column) {
 template <class Column>
 void wave_draw_columns(Column&& column) {
   column("heights", "row of /wave/heights", &RimDrawRecord::heights);
-  column("tolerance", {"1", "0: rims as in the scene; from 1: draw of the tolerances and of the roll of a mirror"}, &RimDrawRecord::tolerance);
+  column("tolerance", {"1", "0: rims as in the scene; from 1: draw of the tolerances and of the roll of a mirror"},
+         &RimDrawRecord::tolerance);
   auto const levers = through(&RimDrawRecord::response, &RimResponse::levers);
   complex_columns<3>(column, "displacement", "1/m", through(levers, &RimLevers::displacement));
   complex_columns<3>(column, "rotation", "1/rad", through(levers, &RimLevers::rotation));
