@@ -89,7 +89,7 @@ std::vector<double> parse_detunings(std::string const& text, WaveCavity const& c
   for (std::size_t i = 0; i < axis.numbers.size(); ++i) {
     double const number = axis.numbers[i];
     detunings.push_back(unit ? to_si(number, *unit) * 2 * cavity.length / speed_of_light : number);
-    bool const inside = axis.range && i > 0 && i + 1 < axis.numbers.size();  // of a range only the ends are told
+    bool const inside = axis.range && i > 0 && i + 1 < axis.numbers.size();  // of a range only the ends are reported
     if (!std::isfinite(number))
       refuse(fault_of(axis.values[i], number));
     else if (!inside && std::fabs(detunings.back()) > largest)

@@ -111,7 +111,7 @@ TEST(MovingRims, LeversOfAMirrorAgainstTheMovedMirror) {
   EXPECT_GT(relative(all.mirrors[1].figure[0], x), 0.1);  // negative control: the curvature rests
 }
 
-// Heights that scatter light by 120 to 160 urad, onto the rim of a baffle of 70 mm in the middle.
+// Heights that scatter light by 120 to 160 urad, onto the inner edge of 70 mm in the middle.
 WaveMirror speckled(Grid const& grid, unsigned seed) {
   WaveMirror mirror{1 / 2500., {0.075}, 0, 0, std::vector<double>(grid.size()), 0};
   std::mt19937 random(seed);

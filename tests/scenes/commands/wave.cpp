@@ -137,7 +137,7 @@ TEST_F(WaveCommand, DetuningOfTheInputBeam) {
   EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--detuning", "1kg"}), HasSubstr("is not a unit of frequency"));
 }
 
-// Each mistake has its reason, and all are told at once. 1e-4 of the frequency of the light is 1.9e5 free spectral
+// Each mistake has its reason, and all are reported at once. 1e-4 of the frequency of the light is 1.9e5 free spectral
 // ranges of 1 km.
 TEST_F(WaveCommand, DetuningErrorsHaveTheirReasons) {
   auto const said = [&](std::string const& detuning, Words more = {}) {
