@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <map>
 #include <memory>
 
 #include "base/errors.hpp"
 #include "io/markup.hpp"
+#include "noise/project/route_noise.hpp"
 #include "results/curves/band.hpp"
 #include "results/text/columns.hpp"
 
@@ -341,19 +343,20 @@ std::string budget_csv(RunContent const& run) {
 std::string routes_csv(RunContent const& run, PathTable const& table) {
   NoiseBudget const& b = *run.noise;
   auto const traces = by_hash(b.routes);
-  std::vector<NoiseTrace const*> routes;
+  std::vector<std::pair<NoiseTrace const*, double>> routes;  // with the relative error of h over random mirrors
   std::string text = file_header(run) +
                      "# one-sided strain ASD of each resolved route and its standard error, 1/sqrt(Hz), by rank\n"
                      "frequency_Hz";
   for (PathRow const& row : table.rows) {
     auto const found = traces.find(row.hash);
     if (!row.resolved || found == traces.end()) continue;
-    routes.push_back(found->second);
+    routes.emplace_back(found->second, mirror_error(row.kind, row.coupling) / 2);
     text += "," + csv_text(row.sequence) + "," + csv_text(row.sequence + " sigma");
   }
   for (std::size_t i = 0; i < b.grid.size(); ++i) {
     text += "\n" + csv_number(true, b.grid.centre(i));
-    for (NoiseTrace const* t : routes) text += "," + value_at(t->asd, i) + "," + value_at(t->sigma, i);
+    for (auto const& [t, mirrors] : routes)
+      text += "," + value_at(t->asd, i) + "," + csv_number(true, std::hypot(t->sigma.at(i), mirrors * t->asd.at(i)));
   }
   return text + "\n";
 }

@@ -93,7 +93,7 @@ double worst_route(Goal const& goal, CouplingTable const& table) {
           goal.name == "*" ? c.coupling.mean > 0.01 * all[c.port.value] : groups_in(name_of_route(table, c)) == wanted;
       if (!asked) continue;
       found = true;
-      worst = std::max(worst, relative(c.coupling));
+      if (!c.deterministic()) worst = std::max(worst, relative(c.coupling));  // no history lowers theirs
     }
   };
   look(table.classes, route_name);

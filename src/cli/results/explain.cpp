@@ -350,7 +350,10 @@ std::optional<Explanation> explain_message(std::string const& text) {
 
 // "h = 1.23e-24 ± 0.04e-24 /sqrt(Hz), Monte-Carlo error", "h = 1.2e-24 (computed) /sqrt(Hz)" or "h at most ...".
 std::string strain_with_error(WithError const& h, bool sampled) {
-  return fmt::format("h {}{} /sqrt(Hz){}", h.at_most ? "" : "= ", with_error(h), sampled ? ", Monte-Carlo error" : "");
+  return fmt::format("h {}{} /sqrt(Hz){}", h.at_most ? "" : "= ", with_error(h),
+                     sampled       ? ", Monte-Carlo error"
+                     : h.sigma > 0 ? ", error over random mirrors"
+                                   : "");
 }
 
 void add_factors(Explanation& a, std::vector<StrainFactor> const& factors) {

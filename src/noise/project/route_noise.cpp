@@ -152,6 +152,10 @@ class EffectiveNumber {
 
 std::size_t replica_of(std::uint64_t history, std::uint64_t block_size) { return history / block_size % replica_count; }
 
+double mirror_error(ClassKind kind, Estimate const& coupling) {
+  return kind == ClassKind::halo && coupling.mean > 0 ? coupling.std_error / coupling.mean : 0;
+}
+
 double jackknife_variance(std::span<double const> without) {
   auto const n = static_cast<double>(without.size());
   if (n < 2) return not_a_number;

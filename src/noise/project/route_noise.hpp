@@ -87,6 +87,10 @@ struct DrawBand {
 };
 DrawBand draw_band(CouplingClass const&, std::size_t first, SpectrumInterpolator const&);
 
+// Standard error of the coupling of a route over random mirrors (kind halo), relative, that of its PSD as well: no
+// history lowers it. 0: the route has none, or it is not known.
+double mirror_error(ClassKind, Estimate const& coupling);
+
 // Squared standard error of a mean from its delete-one values; NaN with fewer than two.
 double jackknife_variance(std::span<double const> without);
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "noise/classes/motion_classes.hpp"
+#include "noise/project/route_noise.hpp"
 #include "results/curves/band.hpp"
 #include "results/route_table/route_columns.hpp"
 #include "results/route_table/route_sums.hpp"
@@ -154,8 +155,10 @@ void add_noise(PathRow& row, NoiseTrace const& trace, FrequencyGrid const& grid,
   row.faint = !row.resolved && trace.faint;
   if (row.why_not.empty()) row.why_not = trace.why_not;
   row.rms_phase = std::sqrt(trace.mean_square_phase);
+  double const mirrors = mirror_error(row.kind, row.coupling);
   for (double const f : hz) {
-    WithError const seen = strain_at(trace, grid, f);
+    WithError seen = strain_at(trace, grid, f);
+    if (mirrors > 0) seen.sigma = std::hypot(seen.sigma, mirrors / 2 * seen.value);  // d sqrt(x) = dx/(2 sqrt(x))
     row.strain.push_back(row.resolved ? seen : WithError{not_a_number, not_a_number});
     row.hint.push_back(row.resolved ? not_a_number : seen.value);
     bool const made = row.resolved && !trace.input_low.empty();
@@ -247,6 +250,7 @@ PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, M
       add_noise(row, budget->routes[i], budget->grid, table.frequencies);
       row.regime = regime(budget->routes[i], budget->grid, table.low, table.high);
       row.power = band_power(budget->routes[i], budget->grid, table.low, table.high);
+      row.power.sigma = std::hypot(row.power.sigma, mirror_error(row.kind, row.coupling) * row.power.value);
     }
     find_body(row, c, coupling.bodies, !motion ? nullptr : row.rms_phase < 1 ? &in_band : &all);
     table.rows.push_back(std::move(row));

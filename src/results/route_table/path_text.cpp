@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/text/words.hpp"
+#include "noise/project/route_noise.hpp"
 #include "results/curves/band.hpp"
 #include "results/route_table/route_columns.hpp"
 #include "results/route_table/route_names.hpp"
@@ -130,6 +131,8 @@ std::string explanation(PathTable const& table, bool shortened) {
     text +=
         "Kinds other than scattered are computed, not sampled, without a Monte-Carlo error; their limits are listed "
         "below.\n";
+  if (std::ranges::any_of(table.rows, [](auto& row) { return mirror_error(row.kind, row.coupling) > 0; }))
+    text += "Kind halo: errors are those of a mean over random mirrors; more histories do not lower them.\n";
   if (std::ranges::any_of(table.rows, &PathRow::upper_bound))
     text +=
         "Kind edge is an upper bound: 'at most'. Shares are those with all bounds reached; without, those of other "

@@ -7,6 +7,7 @@
 
 #include "base/errors.hpp"
 #include "ifo/interferometer.hpp"
+#include "noise/project/route_noise.hpp"
 #include "results/route_table/route_sums.hpp"
 
 namespace straytrace::results {
@@ -52,7 +53,7 @@ StrainFactors strain_factors(CouplingTable const& table, NoiseBudget const& budg
           grid.edges[bin],
           grid.edges[bin + 1],
           factors_of(c, trace, row, ifo, centre, h),
-          {h, trace.sigma[bin], row.upper_bound()},
+          {h, std::hypot(trace.sigma[bin], mirror_error(c.kind, c.coupling) / 2 * h), row.upper_bound()},
           !c.deterministic(),
           trace.resolved,
           trace.why_not,

@@ -55,6 +55,25 @@ TEST(Crossover, NoiseDoesNotDependOnItV16) {
   EXPECT_GT(std::hypot(rays_from_above(), halo.value[1]) / both.value[1] - 1, 0.2);
 }
 
+// Errors of the halo over mirrors, 8 and 10 % here, are printed with its h and do not keep the trace from its goal.
+TEST(Crossover, StopRulesDoNotWaitForMirrors) {
+  Folder const folder;
+  constexpr std::uint64_t most = 1 << 16;
+  expect_done({"run", crossover_arm, "-o", folder / "out", "--until", "class:* < 5 %, h_total < 5 %", "--histories",
+               std::to_string(most), "--quiet"});
+  EXPECT_LT(read_run(folder / "out/run.h5").trace.total.histories, most / 2);
+  auto const said = nlohmann::json::parse(expect_done({"paths", folder / "out/run.h5", "--format", "json"}).out);
+  int halos = 0;
+  for (auto const& row : said["routes"]) {
+    if (row["kind"] != "halo") continue;
+    ++halos;
+    double const coupling = row["coupling"]["sigma"].get<double>() / row["coupling"]["value"].get<double>();
+    EXPECT_GT(coupling, 0.06);  // above the goal
+    EXPECT_NEAR(row["strain"][0]["sigma"].get<double>() / row["strain"][0]["value"].get<double>(), coupling / 2, 1e-9);
+  }
+  EXPECT_EQ(halos, 2);
+}
+
 // Ctrl-C while rays are traced at the first angle: the table of what is done, and the words that it is not all.
 TEST(Crossover, InterruptedSeamPrintsTheAnglesDone) {
   Program running({"wave", crossover_arm, "--seam", "--histories", "1e10"});

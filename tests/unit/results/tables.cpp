@@ -127,6 +127,25 @@ TEST_F(ReportTables, TextStatesUnresolvedAndSums) {
   EXPECT_THAT(path_text(table(), 3), Not(HasSubstr("unresolved")));
 }
 
+// The coupling of light at small angles has an error over random mirrors, and h half of it, relative. The trace's own
+// error stays without it: no history lowers it. Control: the same route, where it is computed without an error.
+TEST_F(ReportTables, ErrorOverMirrorsIsThatOfH) {
+  CouplingClass& c = trace.coupling.classes[1];
+  c.kind = ClassKind::halo;
+  c.coupling.std_error = 0.2 * c.coupling.mean;
+  NoiseTrace& h = noise.routes[1];
+  std::fill(h.sigma.begin(), h.sigma.end(), 0);
+  auto const row = [&](PathTable const& t) { return *std::ranges::find(t.rows, c.hash, &PathRow::hash); };
+  PathRow const with = row(table());
+  EXPECT_NEAR(with.strain[0].sigma / with.strain[0].value, 0.1, 1e-12);
+  EXPECT_NEAR(with.power.sigma / with.power.value, 0.2, 1e-12);
+  EXPECT_GT(with.share.sigma / with.share.value, 0.1);
+  EXPECT_THAT(path_text(table(), 9), AllOf(HasSubstr("mean over random mirrors"), Not(HasSubstr("computed  "))));
+  c.kind = ClassKind::speckle;
+  EXPECT_EQ(row(table()).strain[0].sigma, 0);
+  EXPECT_THAT(path_text(table(), 9), AllOf(Not(HasSubstr("random mirrors")), HasSubstr("computed  ")));
+}
+
 // Whole steps around "…". Names that would look the same differ; controls: short names, and one name twice.
 TEST(RouteNames, LongOnesKeepTheirEndsAndStayDifferent) {
   std::string const inside = "A·T > B·T > C·T > A·T > ", a = inside + "B·R > " + inside + "C·R",
