@@ -12,6 +12,7 @@ class Light {
     this.addBeams();
     this.addGhosts();
     this.addRays();
+    if (stage.scene.halo) this.halo = new Halo(stage, this.layer("light at small angles", true));
     this.layer("paths", true);
     this.buildBar();
     stage.draw();

@@ -189,7 +189,7 @@ class Stage {
     const material = p.front === p.back || !p.back ? p.front : !p.front ? p.back + " (back)" :
         p.front + " (front), " + p.back + " (back)";
     return p.name + ": " + shape + ", material " + (material || "none") + ", body " + (p.body || "none") +
-           (p.clear ? ", measuring plane" : "") +
+           (p.clear ? ", measuring plane" : "") + (this.lightOn ? this.lightOn(p.name) : "") +
            (drawn < all ? ", drawn with " + drawn + " of " + all + " triangles" : "");
   }
   choose(entry) {

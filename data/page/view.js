@@ -10,6 +10,7 @@ window.stage = stage;
 const light = new Light(stage);
 place.append(el("p", {class: "legend"}, "Red: main beams and lit spots. Ghosts by order: orange 1, pink 2, brown 3. Sample rays: green until a " +
     "surface, light blue where they leave the scene. Click a part for its name, material and body; ● solid, ◐ transparent, ○ hidden."));
+if (light.halo) place.append(light.halo.scale(), light.halo.note());
 if (data.table && data.table.rows > 0) {
   const part = section("Routes", "routes");
   const table = new PathTable(part, data.table, ids => {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <memory>
 
@@ -21,6 +22,7 @@
 #include "report/scene_picture.hpp"
 #include "results/text/image.hpp"
 #include "session/importance_map.hpp"
+#include "session/light/cavity_waves.hpp"
 #include "session/open_run.hpp"
 #include "trace/importance/importance.hpp"
 #include "world/model/world.hpp"
@@ -177,6 +179,9 @@ void print(RenderOptions const& options, Camera const& c, Drawn const& drawn) {
     nlohmann::json shine = nlohmann::json::array();
     for (Shine const& o : drawn.shine)
       shine.push_back({{"object", o.object}, {"scattered", o.scattered}, {"glint", o.glint}});
+    nlohmann::json halo = nlohmann::json::array();
+    for (HaloOn const& on : drawn.halo)
+      halo.push_back({{"object", on.object}, {drawn.halo_in_watts ? "power_W" : "power_share", on.power}});
     nlohmann::json const out{{"file", options.out},
                              {"columns", c.columns},
                              {"rows", c.rows},
@@ -186,6 +191,7 @@ void print(RenderOptions const& options, Camera const& c, Drawn const& drawn) {
                              {"focal_length_pixels", c.focal_length()},
                              {"scale", drawn.scale},
                              {"shine", shine},
+                             {"halo", halo},
                              {"legend", legend}};
     std::cout << out.dump() << '\n';
     return;
@@ -203,6 +209,10 @@ void print(RenderOptions const& options, Camera const& c, Drawn const& drawn) {
     std::cout << "scattered    glint        at the eye over the intensity of the flash, 1/m^2\n";
   for (Shine const& o : drawn.shine)
     std::cout << fmt::format("{:<11.3e}  {:<11.3e}  {}\n", o.scattered, o.glint, o.object);
+  if (!drawn.halo.empty())
+    std::cout << fmt::format("light at small angles on objects, {}\n",
+                             drawn.halo_in_watts ? "W" : "over the power of the mode");
+  for (HaloOn const& on : drawn.halo) std::cout << fmt::format("{:<9.3g}  {}\n", on.power, on.object);
   for (LegendEntry const& e : drawn.legend) std::cout << fmt::format("{} {:7} {}\n", e.colour, e.name, e.what);
 }
 
@@ -230,28 +240,56 @@ void steer_as_traced(World& world, std::optional<RunFile> const& run, std::vecto
   if (!kept || !show_importance(world, run->about.importance)) steer(world);
 }
 
-int render(RenderOptions const& w) {
-  check_picture_name(w.out);
-  std::optional<RunFile> file;
-  if (names_run(w.input)) file = read_run(w.input);
-  Scene const scene = file ? scene_of(*file, w.overrides) : read_scene(w.input, w.overrides);
-  World world = build_world(scene);
-  scene.throw_if_problems();
+using Draw = std::function<Drawn(Camera const&, LookSettings const&)>;
+
+void draw(RenderOptions const& w, World const& world, Draw const& drawn_by) {
   Framing const view = choose_view(world, w);
   LookSettings settings{view.cuts, looks_of(world.view()), w.threads};
   if (w.whole) std::replace(settings.looks.begin(), settings.looks.end(), Look::open, Look::solid);
   for (std::string const& cut : w.cuts) settings.cuts.push_back(read_cut(cut, view.camera.eye));
-  if (w.mode == "importance" && !w.flash) steer_as_traced(world, file, w.overrides);
-  Drawn const drawn = w.flash                  ? draw_flash(world, view.camera, settings, flash_of(w, view.camera))
-                      : w.mode == "id"         ? draw_ids(world, view.camera, settings)
-                      : w.mode == "depth"      ? draw_depths(world, view.camera, settings)
-                      : w.mode == "normal"     ? draw_normals(world, view.camera, settings)
-                      : w.mode == "importance" ? draw_importance(world, view.camera, settings)
-                                               : draw_shaded(world, view.camera, settings);
+  Drawn const drawn = drawn_by(view.camera, settings);
   Image image{view.camera.columns, view.camera.rows, drawn.rgb};
   if (drawn.bar) add_colour_bar(image, *drawn.bar);
   write_png(w.out, image);
   print(w, view.camera, drawn);
+}
+
+// Of a run with its own field; otherwise the field is solved.
+void draw_halo_of(RenderOptions const& w, std::optional<RunFile> const& run) {
+  Model model = run ? model_of(*run, w.overrides) : read_model(w.input, w.overrides);
+  if (run) model.waves = run->about.waves;
+  choose_view(model.world, w);  // bad options before a long computation
+  WaveRecord const& field = waves_to_show(model, w.overrides.empty(), w.threads, w);
+  HaloLight const light(model.world, *model.arm, field.irradiance);
+  draw(w, model.world, [&](Camera const& camera, LookSettings const& settings) {
+    return draw_halo(model.world, camera, settings, light, field.power);
+  });
+}
+
+int render(RenderOptions const& w) {
+  check_picture_name(w.out);
+  std::optional<RunFile> file;
+  if (names_run(w.input)) file = read_run(w.input);
+  if (w.mode == "halo" && !w.flash) {
+    draw_halo_of(w, file);
+    return done;
+  }
+  Scene const scene = file ? scene_of(*file, w.overrides) : read_scene(w.input, w.overrides);
+  World world = build_world(scene);
+  scene.throw_if_problems();
+  if (w.mode == "importance" && !w.flash) {
+    choose_view(world, w);
+    steer_as_traced(world, file, w.overrides);
+  }
+  draw(w, world, [&](Camera const& camera, LookSettings const& settings) {
+    if (w.flash) return draw_flash(world, camera, settings, flash_of(w, camera));
+    auto* const drawn_by = w.mode == "id"           ? draw_ids
+                           : w.mode == "depth"      ? draw_depths
+                           : w.mode == "normal"     ? draw_normals
+                           : w.mode == "importance" ? draw_importance
+                                                    : draw_shaded;
+    return drawn_by(world, camera, settings);
+  });
   return done;
 }
 
@@ -263,8 +301,8 @@ void add_render(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand("render", "Draw a scene by ray casting, to check its geometry.");
   add_scene_options(*command, o, "scene (YAML), or run file (HDF5)");
   mark_output(*command, *command->add_option("-o,--out", o.out, "picture to write (PNG)")->required());
-  command->add_option("--mode", o.mode, "shaded, id, normal, depth or importance")
-      ->check(CLI::IsMember({"shaded", "id", "normal", "depth", "importance"}));
+  command->add_option("--mode", o.mode, "shaded, id, normal, depth, importance or halo")
+      ->check(CLI::IsMember({"shaded", "id", "normal", "depth", "importance", "halo"}));
   command->add_option("--eye", o.eye, "position of the camera, for example 0,20cm,-1.5m");
   command->add_option("--look", o.look, "point in the middle of the picture; default: middle of the scene");
   command->add_option("--up", o.up, "upward direction of the picture; default: 0,1,0");

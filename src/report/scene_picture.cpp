@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -177,6 +178,48 @@ Drawn draw_importance(World const& world, Camera const& camera, LookSettings con
       high > 0
           ? fmt::format("adjoint from {:.3g} (violet) by green to {:.3g} (yellow), logarithmic; grey: none", low, high)
           : "no targets: no light of a second scatter is received";
+  return drawn;
+}
+
+HaloScale halo_scale(std::vector<HaloSurface> const& surfaces) {
+  constexpr double faintest = 1e-6;  // part of the brightest that has a colour of its own
+  HaloScale scale{infinity, 0};
+  for (HaloSurface const& s : surfaces)
+    for (HaloPatch const& p : s.patches)
+      if (p.irradiance > 0) scale = {std::min(scale.low, p.irradiance), std::max(scale.high, p.irradiance)};
+  if (!(scale.high > 0)) return {};
+  return {std::max(scale.low, faintest * scale.high), scale.high};
+}
+
+Drawn draw_halo(World const& world, Camera const& camera, LookSettings const& settings, HaloLight const& light,
+                double power) {
+  constexpr int rings = 64;  // of the scale; the picture has those of the field
+  std::vector<HaloSurface> const surfaces = light.surfaces(rings);
+  auto const [low, high] = halo_scale(surfaces);
+  Drawn drawn;
+  std::map<std::string, double> objects;
+  drawn.halo_in_watts = power > 0;
+  double const unit = power > 0 ? power : 1;
+  for (HaloSurface const& s : surfaces) objects[object_of(group_of(world, s.surface))] += unit * s.share;
+  for (auto const& [name, on] : objects) drawn.halo.push_back({name, on});
+  std::ranges::stable_sort(drawn.halo, std::greater{}, &HaloOn::power);
+  std::vector<bool> visible;
+  drawn.rgb = shaded(
+      world.view(), camera, settings,
+      [&](Seen const& s) {
+        double const e = light.on(s.surface, s.point, s.front);
+        return e > 0 ? heat(high > low ? std::log(e / low) / std::log(high / low) : 1) : Rgb{0.6, 0.6, 0.6};
+      },
+      visible, 1);
+  if (high > low)
+    drawn.bar = ColourBar{unit * low, unit * high,
+                          power > 0 ? "irradiance: watts per square metre" : "share of the mode per square metre",
+                          [](double x) { return bytes(heat(x)); }};
+  drawn.scale = high > 0 ? fmt::format(
+                               "light at small angles from {:.3g} (violet) by green to {:.3g} {} (yellow), "
+                               "logarithmic; grey: none",
+                               unit * low, unit * high, power > 0 ? "W/m^2" : "of the power of the mode per m^2")
+                         : "no light at small angles falls on surfaces";
   return drawn;
 }
 

@@ -10,6 +10,7 @@
 #include "results/results.hpp"
 #include "results/text/image.hpp"
 #include "trace/camera/camera.hpp"
+#include "trace/deterministic/halo_light.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::report {
@@ -22,10 +23,17 @@ struct Shine {
   std::string object;  // the first hit of a ray
   double scattered = 0, glint = 0;
 };
+// Power that an object takes of the light at small angles.
+struct HaloOn {
+  std::string object;
+  double power = 0;  // W; over that of the mode where that is not stated
+};
 struct Drawn {
   std::vector<std::uint8_t> rgb;  // three bytes per pixel, row by row
   std::vector<LegendEntry> legend;
-  std::vector<Shine> shine;      // of a flash: most first
+  std::vector<Shine> shine;  // of a flash: most first
+  std::vector<HaloOn> halo;  // on all objects of the scene: most first
+  bool halo_in_watts = false;
   std::string scale;             // meaning of the shades, in words; may be empty
   std::optional<ColourBar> bar;  // added below the picture
 };
@@ -38,9 +46,16 @@ Drawn draw_normals(World const&, Camera const&, LookSettings const&);  // in the
 Drawn draw_depths(World const&, Camera const&, LookSettings const&);   // near white, far black, logarithmic
 // Adjoint of the steering tables that the world has (docs/theory/sampling.md): surfaces that light must not reach.
 Drawn draw_importance(World const&, Camera const&, LookSettings const&);
+// Irradiance of the light of a cavity at small angles (docs/theory/wave.md); `power` of its mode [W], 0: not stated.
+Drawn draw_halo(World const&, Camera const&, LookSettings const&, HaloLight const&, double power);
 // By the camera's own flash, logarithmic; values above the brightest scattered light are white.
 Drawn draw_flash(World const&, Camera const&, LookSettings const&, Flash const&);
 
 std::string object_of(std::string const& group);
+// Ends of a logarithmic scale of the irradiance on these surfaces, over the power of the mode, 1/m^2; 0: all dark.
+struct HaloScale {
+  double low = 0, high = 0;
+};
+HaloScale halo_scale(std::vector<HaloSurface> const&);
 
 }  // namespace straytrace::report

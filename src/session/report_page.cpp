@@ -236,12 +236,13 @@ std::string view_page(Model const& model, SteeredWorld const& world, RunContent 
   j["scene"] = scene_part(model, paths, ghosts);
   Box const box = scene_drawing(model.world, 1).box;
   j["scene"]["rays"] = rays_json(model.world, sample_rays(world, box, model.seed, wanted.rays));
+  if (wanted.halo) j["scene"]["halo"] = halo_json(model.world, *model.arm, *model.waves);
   if (run && table) j["table"] = table_json(*table);
   j["version"] = fmt::format("{} ({})", build_info::version, build_info::commit);
   j["model"] = model.hash();
   j["libraries"] = scripts_json();
   page.scene = true;
-  page.scripts = {"base.js", "filter.js", "table.js", "scene.js", "stage.js", "light.js", "view.js"};
+  page.scripts = {"base.js", "filter.js", "table.js", "scene.js", "stage.js", "light.js", "halo.js", "view.js"};
   return html_text(page);
 }
 

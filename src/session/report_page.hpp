@@ -32,8 +32,9 @@ struct ViewWanted {
   std::string title;
   std::uint64_t rays = 200;  // sample histories
   std::size_t rows = 12, paths = 12;
+  bool halo = false;  // light at small angles of the field that the model has
 };
-// A scene with its beams, ghosts and sample rays; with a run also the paths of its first rows.
+// A scene with its beams, ghosts, sample rays and light at small angles; with a run also the paths of its first rows.
 std::string view_page(Model const&, SteeredWorld const&, RunContent const* run, PathTable const*, ViewWanted const&);
 
 // Paths of the first rows of the table, and of the routes to receivers, `paths` of each; of routes that were computed

@@ -14,6 +14,7 @@
 #include "results/curves/curve_file.hpp"
 #include "results/text/picture.hpp"
 #include "session/diagnostics.hpp"
+#include "session/light/cavity_waves.hpp"
 #include "session/open_run.hpp"
 #include "session/report_page.hpp"
 #include "session/session.hpp"
@@ -125,18 +126,26 @@ void write_view(ViewOptions const& options, Model const& model, SteeredWorld con
   tell("view", out);
 }
 
+// Whether a run holds light at small angles that falls on baffles.
+bool has_halo(Model const& model) { return model.waves && model.arm && !model.arm->rims.empty(); }
+
 int view(ViewOptions const& options) {
   if (!options.out.empty()) check_ending(options.out, {".html"}, "-o");
   if (!options.glb.empty()) check_ending(options.glb, {".glb"}, "--glb");
   if (!names_run(options.input)) {
     Model model = read_model(options.input, options.overrides);
     print_warnings(model, options);
+    if (options.wanted.halo) waves_to_show(model, false, 0, options);
     write_view(options, model, steer(model.world), nullptr, nullptr);
   } else {
     if (!options.overrides.empty())
       throw InputError("the parameters of a run are fixed", "remove -p, or view the scene file");
-    Opened const run(options.input);
-    write_view(options, run.model, run.world, &run.content, &run.table);
+    Opened run(options.input);
+    run.model.waves = run.content.waves;
+    ViewOptions shown = options;
+    shown.wanted.halo = options.wanted.halo || has_halo(run.model);
+    if (shown.wanted.halo) waves_to_show(run.model, true, 0, options);
+    write_view(shown, run.model, run.world, &run.content, &run.table);
   }
   return done;
 }
@@ -191,6 +200,8 @@ void add_view(CLI::App& app, int& exit_code) {
       ->add_option("--show", o.wanted.rows,
                    "number of rows of the path table whose paths are drawn, for a run; default 12")
       ->check(whole_between(0, 1e4, "30"));
+  command->add_flag("--halo", o.wanted.halo,
+                    "solve the field of the table 'wave' and show its light on baffles; a run file holds it already");
   command->add_option("--title", o.wanted.title, "replaces the title of the scene");
   command->add_flag("--quiet", o.quiet, "no messages");
   command->footer(

@@ -18,6 +18,7 @@
 #include "world/model/world.hpp"
 
 namespace straytrace::wave {
+struct ArmCavity;
 struct WaveRecord;
 }  // namespace straytrace::wave
 
@@ -43,6 +44,8 @@ PageJson maps_json(std::vector<SurfaceMap> const&, double beam_power);
 // from the axis [m] (docs/theory/wave.md, eq. W.17).
 using ScatteredLight = std::function<double(std::size_t mirror, double distance, double off_axis)>;
 PageJson wave_json(wave::WaveRecord const&, ScatteredLight const&);
+// Where its light at small angles falls on the surfaces of a scene.
+PageJson halo_json(World const&, wave::ArmCavity const&, wave::WaveRecord const&);
 
 PageJson scene_json(SceneDrawing const&);
 PageJson paths_json(World const&, std::vector<DrawnPath> const&);

@@ -225,4 +225,18 @@ ArmWaves solved_or_known(Model& model, unsigned threads, PrintOptions const& pri
   return waves_of(model.world, model.world.wave, model.arm.value(), *record);
 }
 
+WaveRecord const& waves_to_show(Model& model, bool as_traced, unsigned threads, PrintOptions const& print) {
+  if (!model.arm)
+    throw InputError(model.ring ? "the field of a cavity of three mirrors or more has no light on baffles"
+                                : "the scene has no table 'wave', which gives the light at small angles",
+                     model.ring ? "show the field of a cavity of two mirrors"
+                                : "add for example 'wave: {beam: arm, baffles: \"baffle*\"}'");
+  if (model.arm->rims.empty())
+    throw InputError("the table 'wave' names no baffles that the light at small angles could fall on",
+                     "add for example 'baffles: \"baffle*\"' to it");
+  bool const known = as_traced && model.waves && model.waves->rims.size() == model.arm->rims.size();
+  if (!known) solved_or_known(model, threads, print);
+  return *model.waves;
+}
+
 }  // namespace straytrace::session

@@ -39,5 +39,8 @@ DrivenArm drive_waves(Model const&, ArmWaves const&, std::array<MirrorCoating, 2
 // record for the run file in the model.
 ArmWaves solved_or_known(Model&, unsigned threads, PrintOptions const&);
 void keep_waves(Model&, ArmWaves const&);
+// The same for pictures of its light on baffles; `as_traced`: the field that the model has is taken without a look at
+// its key. InputError where the model has no such light.
+WaveRecord const& waves_to_show(Model&, bool as_traced, unsigned threads, PrintOptions const&);
 
 }  // namespace straytrace::session

@@ -199,12 +199,12 @@ struct Dot {
   Vec3 pane;                // normal of the first one
 };
 
-Dot dot_of(WorldView const& world, Sight const& s, Vec3 dir, Paint const& paint) {
+Dot dot_of(WorldView const& world, Sight const& s, Vec3 dir, Paint const& paint, double edge_on) {
   Dot d;
   d.colour = background;
   if (s.solid.surface.valid()) {
     double const facing = std::fabs(dot(dir, s.solid.normal));
-    d.colour = mix({}, paint(s.solid), 0.35 + 0.65 * facing);
+    d.colour = mix({}, paint(s.solid), edge_on + (1 - edge_on) * facing);
     d.point = s.solid.point;
     d.normal = s.solid.normal;
     d.distance = s.solid.distance;
@@ -239,7 +239,7 @@ std::uint8_t byte(double x) { return std::uint8_t(std::lround(255 * std::clamp(x
 }  // namespace
 
 std::vector<std::uint8_t> shaded(WorldView const& world, Camera const& camera, LookSettings const& settings,
-                                 Paint const& paint, std::vector<bool>& visible) {
+                                 Paint const& paint, std::vector<bool>& visible, double edge_on) {
   std::size_t const wide = std::size_t{camera.columns} * finer;
   std::uint32_t const high = camera.rows * finer;
   std::vector<Dot> dots(wide * high);
@@ -250,7 +250,7 @@ std::vector<std::uint8_t> shaded(WorldView const& world, Camera const& camera, L
       Sight const s = sight(world, ray, camera.from, settings);
       if (s.solid.surface.valid()) seen[s.solid.surface.value] = true;
       for (int i = 0; i < s.panes; ++i) seen[s.glass[i].surface.value] = true;
-      dots[row * wide + column] = dot_of(world, s, ray.dir, paint);
+      dots[row * wide + column] = dot_of(world, s, ray.dir, paint, edge_on);
     }
   });
   visible.assign(seen.begin(), seen.end());

@@ -84,9 +84,9 @@ struct Rgb {
 };
 using Paint = std::function<Rgb(Seen const&)>;
 // Three bytes per pixel, row by row; headlight, dark edges, four rays per pixel. `visible`, one flag per surface, is
-// set for those in the picture.
+// set for those in the picture. `edge_on`: brightness of surfaces seen edge-on; 1: colours as painted.
 std::vector<std::uint8_t> shaded(WorldView const&, Camera const&, LookSettings const&, Paint const&,
-                                 std::vector<bool>& visible);
+                                 std::vector<bool>& visible, double edge_on = 0.35);
 
 // The view of a camera with its own flash: scattered light and glints, as in photographs taken to find retro-reflecting
 // surfaces (R3.36). Page: docs/reference/render.md.

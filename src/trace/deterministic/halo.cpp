@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <vector>
 
 #include "base/math/samples.hpp"
+#include "trace/deterministic/halo_light.hpp"
 #include "trace/step/connect.hpp"
 #include "trace/tally/coupling_table.hpp"
 #include "trace/tally/replay.hpp"
@@ -39,46 +39,17 @@ struct LitSide {
   Footprint const& spot() const { return world.footprints()[footprint()]; }
   bool couples() const { return spot().receives && spot().port.valid(); }
   std::size_t rims() const { return waves.arm.rims.size(); }
-  // Planes in the order of the light: 0 is this mirror.
-  double place(std::size_t step) const {  // m from mirror 1
-    std::size_t const plane = mirror == 0 ? step : rims() + 1 - step;
-    return plane == 0 ? 0 : plane <= rims() ? waves.arm.cavity.baffles[plane - 1].place : waves.arm.cavity.length;
+  // Baffles in the order in which the light meets them.
+  std::size_t rim(std::size_t step) const { return mirror == 0 ? step : rims() - 1 - step; }
+  HaloPlane plane(std::size_t step) const {
+    return {world, waves.arm, waves.irradiance, rim(step),
+            mirror == 0 ? Travel::towards_mirror2 : Travel::towards_mirror1};
   }
-  // Share of the power of the mode that the baffle at a plane takes from it.
+  // Share of the power of the mode that a baffle takes from it.
   double taken(std::size_t step) const {
     PowerLedger const& l = waves.ledger;
-    return (mirror == 0 ? l.towards_mirror2[step - 1] : l.towards_mirror1[rims() - step]);
+    return (mirror == 0 ? l.towards_mirror2 : l.towards_mirror1)[rim(step)];
   }
-  PolarIrradiance const& irradiance(std::size_t step) const {
-    return waves.irradiance.of(int(mirror == 0 ? step : rims() + 1 - step),
-                               mirror == 0 ? Travel::towards_mirror2 : Travel::towards_mirror1);
-  }
-};
-
-// Surfaces that the light of a plane meets, sought along the axis halfway to the planes on both sides.
-class LitColumn {
- public:
-  LitColumn(LitSide const& side, std::size_t step) : side_(side) {
-    double const here = side.place(step), before = 0.5 * (side.place(step - 1) + here),
-                 after = 0.5 * (here + side.place(step + 1));
-    start_ = side.waves.arm.frame.origin + before * side.waves.arm.frame.z;
-    length_ = std::fabs(after - before);
-  }
-  // None: the light passes, or the point lies behind a wall.
-  std::optional<Vertex> at(double radius, double azimuth) const {
-    CavityFrame const& frame = side_.waves.arm.frame;
-    Vec3 const out = std::cos(azimuth) * frame.x + std::sin(azimuth) * frame.y;
-    if (side_.view.occluded({start_, out, radius}, {})) return {};
-    Hit const hit = side_.view.closest({start_ + radius * out, side_.travel, length_}, {});
-    if (!hit.surface.valid()) return {};
-    return make_vertex(side_.view, hit.surface, start_ + radius * out + hit.distance * side_.travel, side_.travel,
-                       hit.piece);
-  }
-
- private:
-  LitSide const& side_;
-  Vec3 start_;
-  double length_;
 };
 
 // Share of the power that falls on a surface that it scatters back to where the light came from, in the state of
@@ -150,50 +121,22 @@ double irradiance_beyond(LitSide const& side, double distance, double radius) {
   return mean_irradiance(side.brdf, m.spot, m.curvature, distance, radius, side.waves.arm.crossover);
 }
 
-// A surface, with the part of a cell that it covers and a point there.
-struct LitPart {
-  Vertex vertex;
-  double share = 1;
-};
-// Those of a cell; edges of surfaces within the ring are resolved to an eighth of its width.
-std::vector<LitPart> lit_parts(LitColumn const& column, PolarIrradiance const& light, int ring, int sector) {
-  constexpr int cuts = 8;
-  double const azimuth = light.azimuth(sector), step = light.step / cuts;
-  auto const radius = [&](int i) { return ring * light.step + (i + 0.5) * step; };
-  auto const first = column.at(radius(0), azimuth), last = column.at(radius(cuts - 1), azimuth);
-  if (!first && !last) return {};
-  if (first && last && first->surface == last->surface) return {{*first, 1}};
-  std::vector<LitPart> found;
-  for (int i = 0; i < cuts; ++i) {
-    auto const vertex = column.at(radius(i), azimuth);
-    if (!vertex) continue;
-    double const share = radius(i) / light.radius(ring) / cuts;
-    auto const known = std::ranges::find(found, vertex->surface, [](LitPart const& p) { return p.vertex.surface; });
-    if (known == found.end())
-      found.push_back({*vertex, share});
-    else
-      known->share += share;
-  }
-  return found;
-}
-
 // The light of one plane; returns the share of the power of the mode that meets surfaces there.
-double add_plane(LitSide const& side, std::size_t step, LitGroups& groups) {
-  PolarIrradiance const& light = side.irradiance(step);
-  double const wavelength = side.world.wavelength, distance = std::fabs(side.place(step) - side.place(0));
-  LitColumn const column(side, step);
+double add_plane(LitSide const& side, HaloPlane const& plane, LitGroups& groups) {
+  PolarIrradiance const& light = plane.light();
+  double const wavelength = side.world.wavelength;
   std::map<std::uint32_t, std::array<PathRecord, octants>> records;
   double met = 0;
   for (int ring = 0; ring < light.rings; ++ring) {
     double beyond = -1;  // not known yet
     for (int sector = 0; sector < light.sectors; ++sector) {
       std::size_t const cell = std::size_t(ring * light.sectors + sector);
-      for (LitPart const& part : lit_parts(column, light, ring, sector)) {
+      for (LitPart const& part : plane.parts(ring, sector)) {
         double const area = part.share * light.cell_area(ring);  // across the beam
         met += area * double(light.mean[cell]);
         double const scale = wavelength * wavelength * back_scatter(side, part.vertex) * area;
         if (!(scale > 0)) continue;
-        if (beyond < 0) beyond = irradiance_beyond(side, distance, light.radius(ring));
+        if (beyond < 0) beyond = irradiance_beyond(side, plane.distance(), light.radius(ring));
         double const mixed = scale * 4 * double(light.mean[cell]) * beyond;
         double const weight = scale * double(light.square[cell]) + mixed;
         if (!(weight > 0)) continue;
@@ -264,8 +207,8 @@ HaloClasses halo_classes(World const& world, ArmWaves const& waves) {
   for (std::size_t mirror : {std::size_t{0}, std::size_t{1}}) {
     LitSide const side(world, waves, mirror);
     LitGroups groups;
-    for (std::size_t step = 1; step <= side.rims(); ++step) {
-      met += add_plane(side, step, groups);
+    for (std::size_t step = 0; step < side.rims(); ++step) {
+      met += add_plane(side, side.plane(step), groups);
       taken += side.taken(step);
     }
     if (!side.couples()) continue;

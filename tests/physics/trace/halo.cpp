@@ -5,11 +5,13 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/math/gauss_points.hpp"
 #include "physics/wave/kilometre_arm.hpp"
 #include "support/recorded.hpp"
+#include "trace/deterministic/halo_light.hpp"
 #include "wave/heights/height_map.hpp"
 
 namespace straytrace::testing::trace_halo {
@@ -185,6 +187,60 @@ TEST(Halo, EdgesWithinARing) {
   EXPECT_LT(deviation(coupling, bench.coupling("I", "baffle_one")), eighth / area);
   // Control: whole rings whose middle the baffle covers, from 42 to 203 mm.
   EXPECT_GT(deviation(pi * (0.203 * 0.203 - 0.042 * 0.042), area), 3 * eighth / area);
+}
+
+// For pictures: the irradiance of the side that the light meets, and patches whose light sums to what the surface
+// takes.
+TEST(Halo, LightOnSurfaces) {
+  LitBench bench;
+  constexpr double irradiance = 1e-4, from = 0.1;
+  bench.waves.irradiance.towards_mirror2[1] = even_irradiance(irradiance, from);
+  HaloLight const light(bench.world, bench.waves.arm, bench.waves.irradiance);
+  auto const all = light.surfaces(10);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(bench.world.name_of(all[0].surface), "baffle_one");
+  EXPECT_EQ(all[0].travel, Travel::towards_mirror2);
+  double const expected = irradiance * pi * (outer * outer - from * from);
+  EXPECT_LT(deviation(all[0].share, expected), 1e-2);  // of a ring of 1 mm
+  double sum = 0;
+  std::size_t least = 1000;
+  for (HaloPatch const& p : all[0].patches) {
+    sum += p.irradiance * pi / 32 * (p.outer * p.outer - p.inner * p.inner);
+    least = std::min(least, std::size_t(p.inner * 1e3));
+    EXPECT_NEAR(p.inner_place, 400, 1e-9);
+  }
+  EXPECT_LE(all[0].patches.size(), 320u);
+  EXPECT_EQ(least, std::size_t(inner * 1e3));
+  EXPECT_LT(deviation(sum, all[0].share), 1e-5);
+  // It faces +z: light towards mirror 2 meets its back. Controls: its front, the dark ring, the other baffle.
+  SurfaceId const surface = all[0].surface;
+  EXPECT_EQ(light.on(surface, {0, 0.15, 400}, false), double(float(irradiance)));
+  EXPECT_EQ(light.on(surface, {0, 0.15, 400}, true), 0);
+  EXPECT_EQ(light.on(surface, {0, 0.09, 400}, false), 0);
+  EXPECT_EQ(light.on(surface, {0, 0.15, 600}, false), 0);
+}
+
+// On a cone the irradiance is lower by the cosine of the angle of incidence, and patches lie on it. Control: as if
+// flat.
+TEST(Halo, LightOnACone) {
+  std::string text = lit_text();
+  std::string const flat = "disk: {inner_radius: 45 mm, outer_radius: 20 cm}";
+  for (std::size_t at; (at = text.find(flat)) != text.npos;)
+    text.replace(at, flat.size(), "cone: {inner_radius: 45 mm, outer_radius: 20 cm, half_angle: 35 deg}");
+  LitBench bench(text);
+  bench.waves.irradiance.towards_mirror2[1] = even_irradiance(1e-4, 0);
+  auto const all = HaloLight(bench.world, bench.waves.arm, bench.waves.irradiance).surfaces(10);
+  ASSERT_EQ(all.size(), 1u);
+  double drawn = 0, across = 0;
+  for (HaloPatch const& p : all[0].patches) {
+    double const width = p.outer - p.inner, height = p.outer_place - p.inner_place;
+    EXPECT_NEAR(std::fabs(width / height), std::tan(35 * degree), 1e-6);
+    EXPECT_NEAR(p.irradiance, 1e-4 * std::sin(35 * degree), 1e-9);
+    drawn += p.irradiance * std::hypot(width, height) * pi / 32 * (p.outer + p.inner);
+    across += p.irradiance * width * pi / 32 * (p.outer + p.inner);
+  }
+  EXPECT_LT(deviation(drawn, all[0].share), 1e-4);
+  EXPECT_GT(deviation(across, all[0].share), 0.3);
 }
 
 // The rays of the mirrors begin at the crossover angle, and scatter what the BSDF scatters beyond it (eq. W.20).
