@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/process/thread_team.hpp"
+
 namespace straytrace::wave {
 
 Passages::Passages(LineTables const& tables, Grid const& grid, std::vector<Passage> passages, int threads)

@@ -5,9 +5,12 @@
 #include <functional>
 #include <vector>
 
-#include "base/process/thread_team.hpp"
 #include "wave/field.hpp"
 #include "wave/lines/line_tables.hpp"
+
+namespace straytrace {
+class ThreadTeam;
+}
 
 namespace straytrace::wave {
 

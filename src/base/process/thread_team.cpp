@@ -10,7 +10,7 @@ ThreadTeam::ThreadTeam(unsigned threads) {
 }
 
 ThreadTeam::~ThreadTeam() {
-  work_ = nullptr;
+  over_ = true;
   ++round_;
   round_.notify_all();
 }
@@ -19,21 +19,33 @@ void ThreadTeam::run(std::size_t count, std::function<void(std::size_t)> const& 
   work_ = &work;
   count_ = count;
   next_ = 0;
-  busy_ = unsigned(others_.size());
+  inside_ = 0;
   ++round_;
   round_.notify_all();
   take_part();
-  for (unsigned busy = busy_; busy > 0; busy = busy_) busy_.wait(busy);
+  for (int inside = inside_ += closed; inside != closed; inside = inside_) inside_.wait(inside);
 }
 
 void ThreadTeam::serve() {
   for (unsigned seen = 0;;) {
     round_.wait(seen);
-    ++seen;
-    if (!work_) return;
+    seen = round_;
+    if (over_) return;
+    if (!enter()) continue;
     take_part();
-    if (--busy_ == 0) busy_.notify_one();
+    leave();
   }
+}
+
+bool ThreadTeam::enter() {
+  int inside = inside_;
+  while (inside >= 0)
+    if (inside_.compare_exchange_weak(inside, inside + 1)) return true;
+  return false;
+}
+
+void ThreadTeam::leave() {
+  if (--inside_ == closed) inside_.notify_one();
 }
 
 void ThreadTeam::take_part() {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Threads that do one divided work after the other, where each is too short to start threads for it.
+// Threads that stay for many divided works, each too short to start threads for it.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <thread>
 #include <vector>
 
@@ -17,17 +18,23 @@ class ThreadTeam {
   ThreadTeam(ThreadTeam const&) = delete;
   ThreadTeam& operator=(ThreadTeam const&) = delete;
 
-  // As in_parallel; from one thread at a time.
+  // As in_parallel; from one thread at a time. Threads that wake too late, on a busy machine, are not waited for.
   void run(std::size_t count, std::function<void(std::size_t)> const& work);
 
  private:
+  static constexpr int closed = std::numeric_limits<int>::min() / 2;
+
   void serve();
+  bool enter();
+  void leave();
   void take_part();
 
-  std::function<void(std::size_t)> const* work_ = nullptr;  // null: go home
+  std::function<void(std::size_t)> const* work_ = nullptr;
   std::size_t count_ = 0;
   std::atomic<std::size_t> next_{0};
-  std::atomic<unsigned> round_{0}, busy_{0};
+  std::atomic<unsigned> round_{0};
+  std::atomic<int> inside_{closed};  // threads that take part, besides the caller; closed on top when none may enter
+  std::atomic<bool> over_{false};
   std::vector<std::jthread> others_;
 };
 

@@ -151,10 +151,10 @@ struct RimGroup {
 };
 
 // Of rims, in each draw of the heights.
-std::string what_is_drawn(World const& world) {
-  bool const tolerance = world.wave.tolerance.any();
-  if (!world.wave.rolled()) return "the tolerances";
-  return tolerance ? "the tolerances and of the roll of one of them" : "the roll of one of them";
+std::string draws_text(World const& world, std::size_t draws) {
+  if (!world.wave.rolled()) return fmt::format("{} draws of the tolerances", draws);
+  if (!world.wave.tolerance.any()) return fmt::format("{} rolls of one of them", draws);
+  return fmt::format("{} draws of the tolerances and of the roll of one of them", draws);
 }
 
 std::string statement(World const& world, ArmWaves const& waves, ClassKind kind, RimGroup const& group) {
@@ -167,7 +167,8 @@ std::string statement(World const& world, ArmWaves const& waves, ClassKind kind,
         rims, 1e6 * waves.arm.crossover);
   std::string drawn = group.map_draws > 1 ? fmt::format("mean over {} draws of the mirrors", group.map_draws)
                                           : std::string("one draw of the mirrors");
-  if (group.draws > 0) drawn += fmt::format(", each with {} of {}", group.draws, what_is_drawn(world));
+  if (group.draws > 0)
+    drawn += fmt::format(", {} {}", group.map_draws > 1 ? "each with" : "with", draws_text(world, group.draws));
   return fmt::format(
       "{} in the field of the cavity (docs/theory/wave.md, eq. W.14): {}; both directions; powers added; first order "
       "in the motion",

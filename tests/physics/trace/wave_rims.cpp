@@ -174,13 +174,13 @@ TEST(WaveRims, MeanOverDraws) {
   CouplingClass const c = bench.of("baffle_one");
   EXPECT_NEAR(square(c, x) / (0.5 * std::norm(first) + 0.5 * std::norm(second)), 1, 1e-12);
   EXPECT_NEAR(weights(c) / 25e-12, 1, 0.5);
-  EXPECT_THAT(c.statement, HasSubstr("one draw of the mirrors, each with 2 of the tolerances"));
+  EXPECT_THAT(c.statement, HasSubstr("one draw of the mirrors, with 2 rolls of one of them"));
   bench.waves.rims[0].draws.push_back({{levers(1), levers(along), levers(along)}, Complex{3e-6, 4e-6}});
   CouplingClass const more = bench.of("baffle_one");
   double const mean = (std::norm(first) + std::norm(second) + 2 * std::norm(along)) / 4;
   EXPECT_NEAR(square(more, x) / mean, 1, 1e-12);
   EXPECT_GT(std::fabs(square(more, x) / square(c, x) - 1), 0.1);  // negative control
-  EXPECT_THAT(more.statement, HasSubstr("mean over 2 draws of the mirrors, each with 2 of the tolerances"));
+  EXPECT_THAT(more.statement, HasSubstr("mean over 2 draws of the mirrors, each with 2 rolls of one of them"));
   ASSERT_EQ(more.records.size(), 8u);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(more.records[i].history, i / 2);
 }

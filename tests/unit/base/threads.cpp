@@ -45,6 +45,18 @@ TEST(ThreadTeam, EachPartOfEachWorkOnce) {
   }
 }
 
+// Each of two parts waits for the other: two threads are at work.
+TEST(ThreadTeam, OthersTakePart) {
+  ThreadTeam team(2);
+  for (int round = 0; round < 10; ++round) {
+    std::atomic<int> arrived = 0;
+    team.run(2, [&](std::size_t) {
+      for (++arrived; arrived < 2;) std::this_thread::yield();
+    });
+    EXPECT_EQ(arrived, 2);
+  }
+}
+
 // What one work leaves is there for the next, whoever did which part.
 TEST(ThreadTeam, WorksFollowEachOther) {
   ThreadTeam team(3);
