@@ -84,7 +84,7 @@ class Wave:
     def levers(self, rim: int) -> ComplexArray:
         """Derivatives of the stray field over the main field by the motion of an inner edge, [draw, 6]: x, y, z [1/m] and
         rotations about them [1/rad]. Each draw of the heights has a row for the edges as in the scene, then one for each draw of
-        the tolerances; `draws["heights"]` and `draws["tolerance"]` number them, as draw_offset says. No row: the grid does not hold the light that meets the edge, and the columns speckle_... of `rims` stand for it."""
+        the tolerances and of the roll of a mirror; `draws["heights"]` and `draws["tolerance"]` number them, as draw_offset says. No row: the grid does not hold the light that meets the edge, and the columns speckle_... of `rims` stand for it."""
         part = slice(int(self.draw_offset[rim]), int(self.draw_offset[rim + 1]))
         return np.hstack([self.draws["displacement"][part], self.draws["rotation"][part]])
 
