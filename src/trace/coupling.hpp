@@ -50,8 +50,8 @@ constexpr std::uint32_t no_member = 0xffffffff;
 
 // One stored path: its address and the results of its replay.
 struct PathRecord {
-  std::uint64_t history = 0;
-  std::uint32_t event = 0;       // vertex number
+  std::uint64_t history = 0;     // of kind wave: the draw
+  std::uint32_t event = 0;       // vertex number; of kind wave: the draw of the heights of the mirrors
   std::uint32_t connection = 0;  // 2 i: hit footprint i, 2 i + 1: connected to it
   double coupling = 0;           // recoupled power fraction of this score times the number of histories [1]
   double weight = 0;             // share of the class mean it stands for; the weights of a class sum to the mean

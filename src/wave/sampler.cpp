@@ -85,10 +85,13 @@ WaveValue Sampler::inside(double x, double y) const {
   if (!whole) copied.resize(std::size_t(sampled_points) * sampled_points);
   for (int i = 0; i < sampled_points; ++i) {
     Complex const* const row = field_.values.data() + std::size_t(wrapped_index(across.first + i, n)) * std::size_t(n);
-    Complex* const copy = copied.data() + std::ptrdiff_t(i) * sampled_points;
-    if (!whole)
+    Complex const* from = whole ? row + along.first : nullptr;
+    if (!whole) {
+      Complex* const copy = copied.data() + std::ptrdiff_t(i) * sampled_points;
       for (int j = 0; j < sampled_points; ++j) copy[j] = row[wrapped_index(along.first + j, n)];
-    rows[std::size_t(i)] = reinterpret_cast<double const*>(whole ? row + along.first : copy);
+      from = copy;
+    }
+    rows[std::size_t(i)] = reinterpret_cast<double const*>(from);
   }
   double sums[6];
   line_kernels->sample(sample_weights(), along.v, across.v, rows.data(), sums);

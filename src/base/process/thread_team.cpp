@@ -6,10 +6,17 @@
 namespace straytrace {
 
 ThreadTeam::ThreadTeam(unsigned threads) {
-  for (unsigned i = 1; i < thread_count(threads); ++i) others_.emplace_back([this] { serve(); });
+  try {
+    for (unsigned i = 1; i < thread_count(threads); ++i) others_.emplace_back([this] { serve(); });
+  } catch (...) {  // no more threads: those that have started must not wait when they are joined
+    dismiss();
+    throw;
+  }
 }
 
-ThreadTeam::~ThreadTeam() {
+ThreadTeam::~ThreadTeam() { dismiss(); }
+
+void ThreadTeam::dismiss() {
   over_ = true;
   ++round_;
   round_.notify_all();

@@ -24,6 +24,7 @@ class ThreadTeam {
  private:
   static constexpr int closed = std::numeric_limits<int>::min() / 2;
 
+  void dismiss();
   void serve();
   bool enter();
   void leave();

@@ -165,10 +165,27 @@ double jackknife_variance(std::span<double const> without) {
   return (n - 1) / n * sum;
 }
 
+namespace {
+
+// Draws of one draw of the heights share its speckle: with several, their means are the samples.
+double error_of_mean(std::vector<double> const& of_draws, std::size_t heights) {
+  std::vector<double> means(heights);
+  std::size_t const each = of_draws.size() / heights;
+  for (std::size_t i = 0; i < each * heights; ++i) means[i / each] += of_draws[i] / double(each);
+  std::vector<double> const& samples = heights > 1 ? means : of_draws;
+  return std::sqrt(sample_variance(samples) / double(samples.size()));
+}
+
+}  // namespace
+
 DrawBand draw_band(CouplingClass const& c, std::size_t first, SpectrumInterpolator const& nodes) {
   std::uint64_t draws = 0;
+  std::size_t heights = 1;
   if (c.kind == ClassKind::wave)
-    for (PathRecord const& r : c.records) draws = std::max(draws, r.history + 1);
+    for (PathRecord const& r : c.records) {
+      draws = std::max(draws, r.history + 1);
+      heights = std::max(heights, std::size_t(r.event) + 1);
+    }
   if (draws < 2) return {};
   std::vector<std::vector<double>> weights(draws, std::vector<double>(nodes.basis().size()));
   std::vector<SpectrumInterpolator::Share> shares;
@@ -183,7 +200,7 @@ DrawBand draw_band(CouplingClass const& c, std::size_t first, SpectrumInterpolat
   for (std::size_t bin = 0; bin < band.psd.front().size(); ++bin) {
     std::vector<double> values;
     for (Bins const& of_draw : band.psd) values.push_back(of_draw[bin]);
-    band.error.push_back(std::sqrt(sample_variance(values) / double(draws)));
+    band.error.push_back(error_of_mean(values, heights));
     std::ranges::sort(values);
     band.low.push_back(nearest_rank(values, 0.05));
     band.high.push_back(nearest_rank(values, 0.95));

@@ -30,14 +30,18 @@ void add_scaled(std::vector<double>& sum, std::vector<double> const& terms, doub
   for (std::size_t i = 0; i < terms.size(); ++i) sum[i] += factor * terms[i];
 }
 
-void add_route(SeamCurve& curve, NoiseTrace const& route, CouplingClass const& c, std::size_t bin) {
+void add_route(SeamCurve& curve, NoiseTrace const& route, CouplingClass const& c, std::size_t bin,
+               std::size_t heights) {
   if (c.kind == ClassKind::halo) return add_scaled(curve.halo, c.azimuth_parts, route.psd(bin) / c.coupling.mean);
   if (c.kind != ClassKind::wave) {
     curve.variance += std::pow(route.psd_sigma(bin), 2);
     return;
   }
-  std::vector<double> draws;
-  for (std::vector<double> const& asd : route.draws) draws.push_back(asd[bin] * asd[bin] / double(route.draws.size()));
+  // Draws of one draw of the heights share its speckle: with several, each is a sample.
+  std::size_t const count = route.draws.size(), samples = heights > 1 ? heights : count;
+  std::vector<double> draws(samples);
+  for (std::size_t i = 0; i < count; ++i)
+    draws[i * samples / count] += route.draws[i][bin] * route.draws[i][bin] / double(count);
   if (curve.edges.empty() || curve.edges.size() == draws.size())
     add_scaled(curve.edges, draws, 1);
   else
@@ -47,7 +51,7 @@ void add_route(SeamCurve& curve, NoiseTrace const& route, CouplingClass const& c
 // Sum of the PSDs of the resolved routes of some kinds; errors of routes are independent. NaN where rays are among the
 // kinds and none of their routes is resolved.
 SeamCurve curve_of(NoiseBudget const& budget, CouplingTable const& table, std::vector<ClassKind> const& kinds,
-                   std::size_t bin) {
+                   std::size_t bin, std::size_t heights) {
   SeamCurve curve;
   double psd = 0;
   bool traced = std::ranges::find(kinds, ClassKind::scattered) == kinds.end();
@@ -56,7 +60,7 @@ SeamCurve curve_of(NoiseBudget const& budget, CouplingTable const& table, std::v
     CouplingClass const& c = table.classes[i];
     if (!route.resolved || std::ranges::find(kinds, c.kind) == kinds.end()) continue;
     psd += route.psd(bin);
-    add_route(curve, route, c, bin);
+    add_route(curve, route, c, bin, heights);
     traced = traced || c.kind == ClassKind::scattered;
   }
   double const asd = std::sqrt(psd),
@@ -78,9 +82,10 @@ double error_of_ratio(SeamCurve const& one, SeamCurve const& two) {
   return 0.5 * std::sqrt(variance) * one.strain.value / two.strain.value;
 }
 
-SeamPoint point_of(NoiseBudget const& budget, CouplingTable const& table, double crossover, std::size_t bin) {
+SeamPoint point_of(NoiseBudget const& budget, CouplingTable const& table, double crossover, std::size_t bin,
+                   std::size_t heights) {
   using enum ClassKind;
-  auto const curve = [&](std::vector<ClassKind> const& kinds) { return curve_of(budget, table, kinds, bin); };
+  auto const curve = [&](std::vector<ClassKind> const& kinds) { return curve_of(budget, table, kinds, bin, heights); };
   return {crossover,
           curve({scattered}),
           curve({halo}),
@@ -143,7 +148,7 @@ Seam check_seam(Model& model, TraceOptions const& options) {
   double const own = crossover_angle(model.world, stated);
   Seam seam;
   seam.crossover = own;
-  seam.one_draw = stated.rolled() && stated.draws * stated.map_draws == 1;
+  seam.one_draw = stated.map_draws == 1 && stated.random();
   std::size_t const bin = bin_of_check(model.noise.grid);
   seam.frequency = model.noise.grid.centre(bin);
   double const window = window_of(model.world, own);
@@ -155,7 +160,8 @@ Seam check_seam(Model& model, TraceOptions const& options) {
     try {
       plan_anew(model);
       TracedModel const traced = trace_model(model, options, "");
-      seam.points.push_back(point_of(model.project(traced.result.coupling), traced.result.coupling, step * own, bin));
+      seam.points.push_back(
+          point_of(model.project(traced.result.coupling), traced.result.coupling, step * own, bin, stated.map_draws));
     } catch (InputError const& e) {
       if (step == 1 && !guard.stop()) throw;
       seam.warnings.push_back(fmt::format("crossover angle {:.4g} urad: {}", 1e6 * step * own, e.reason()));
@@ -172,7 +178,8 @@ Seam check_seam(Model& model, TraceOptions const& options) {
 }
 
 constexpr char one_draw[] =
-    "One draw of the mirrors: the error of edges leaves out how they differ between mirrors ('draws: 32' states it).\n";
+    "One draw of the heights: the error of edges holds the roll of a mirror alone ('map_draws: 8' states that over "
+    "mirrors).\n";
 
 std::string seam_text(Seam const& seam) {
   Columns table{{"crossover/urad", "rays", "halo", "rays and halo", "edges", "all"}, {}, {}};

@@ -156,16 +156,10 @@ double add_plane(LitSide const& side, HaloPlane const& plane, LitGroups& groups)
   return met;
 }
 
-// Whether the field is that of one of many mirrors, rather than that of measured or perfect ones.
-bool random_heights(World const& world) {
-  return std::ranges::any_of(
-      world.wave.mirrors, [](WaveSettings::Mirror const& m) { return m.heights == WaveSettings::Heights::material; });
-}
-
 std::string statement(LitSide const& side, LitGroup const& group) {
   std::size_t const draws = side.waves.draws.size();
   std::string const error =
-      random_heights(side.world)
+      side.world.wave.random()
           ? fmt::format("; standard error of a mean over mirrors {:.2g} %, by the spread around the axis",
                         100 * group.error())
           : "";
@@ -219,7 +213,7 @@ HaloClasses halo_classes(World const& world, ArmWaves const& waves) {
       std::vector<PathStep> steps{{own, Event::emit}, {{id}, Event::scatter}, {own, Event::couple}};
       result.classes.push_back(
           deterministic_class(ClassKind::halo, std::move(steps), side.spot().port, 1, std::move(group.records), text));
-      if (!random_heights(world)) continue;
+      if (!world.wave.random()) continue;
       result.classes.back().coupling.std_error = error;
       result.classes.back().azimuth_parts = std::move(group.of_part);
     }

@@ -94,7 +94,10 @@ void add_solved(std::vector<PathRecord>& records, World const& world, ArmCavity 
       wave.path_length = way_by(arm, rim);
       std::size_t const first = records.size();
       add_edge_records(records, wave, share * edge_power(wave));
-      for (std::size_t r = first; r < records.size(); ++r) records[r].history = number;
+      for (std::size_t r = first; r < records.size(); ++r) {
+        records[r].history = number;
+        records[r].event = std::uint32_t(&draw - found.draws.data());
+      }
       ++number;
     }
 }
@@ -140,7 +143,10 @@ std::vector<PathRecord> mirror_records(World const& world, ArmWaves const& waves
     wave.path_length = 2 * arm.cavity.length;
     std::size_t const first = records.size();
     add_edge_records(records, wave, edge_power(wave) / double(waves.draws.size()));
-    for (std::size_t r = first; r < records.size(); ++r) records[r].history = draw;
+    for (std::size_t r = first; r < records.size(); ++r) {
+      records[r].history = draw;
+      records[r].event = std::uint32_t(draw);
+    }
   }
   return records;
 }

@@ -109,13 +109,15 @@ void check_speckled(World const& world, ArmCavity& arm) {
   auto const nearest = [&](Rims const& rims) {
     double least = infinity;
     for (ArmRim const* rim : rims) least = std::fmin(least, radii_from_axis(arm, *rim));
-    return fmt::format("within {:.2g} radii of the mode of its axis{}", least,
+    return fmt::format("{}{}",
+                       least > 0 ? fmt::format("within {:.2g} radii of the mode from its axis", least)
+                                 : std::string("across the axis of the mode"),
                        rims.size() > 1 ? " at the nearest" : "");
   };
   constexpr std::array comes{"comes", "come"};
   tell_of_edges(world, arm, found.in_mode, comes,
                 nearest(found.in_mode) +
-                    ": light of the mode itself meets it, which the mean over speckle (eq. W.22) leaves out");
+                    ": light of the mode itself meets the edge, which the mean over speckle (eq. W.22) leaves out");
   double farthest = 0;
   for (ArmRim const* rim : found.off_axis) farthest = std::fmax(farthest, off_axis(arm, *rim));
   tell_of_edges(world, arm, found.off_axis, {"is", "are up to"},

@@ -283,11 +283,12 @@ void read_tolerance(Node const& table, WaveSettings& wave) {
 
 void read_draws(Node const& table, WaveSettings& wave) {
   bool const drawn = wave.tolerance.any() || wave.rolled();
-  if (table.has("draws") && !drawn && !table.has("tolerance"))
+  if (table.has("draws") && !wave.random() && !table.has("tolerance"))
     table["draws"].problem("'draws' with mirrors of known heights and without 'tolerance': nothing is drawn",
                            "remove it, or give a 'tolerance'");
   constexpr double most_draws = 1000;  // which give the mean over the tolerances to 3 %
-  wave.draws = std::uint32_t(table.whole("draws", drawn ? 32 : 1, 1, most_draws));
+  auto const stated = std::uint32_t(table.whole("draws", drawn ? 32 : 1, 1, most_draws));
+  wave.draws = drawn ? stated : 1;
 }
 
 void read_map_draws(Node const& table, WaveSettings& wave) {

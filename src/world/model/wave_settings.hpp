@@ -3,6 +3,8 @@
 // (docs/theory/wave.md).
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -92,6 +94,10 @@ struct WaveSettings {
   std::optional<Input> input;
   std::vector<Photodiodes> photodiodes;
 
+  // Whether the field is that of one of many mirrors, rather than that of measured or perfect ones.
+  bool random() const {
+    return std::ranges::any_of(mirrors, [](Mirror const& m) { return m.heights == Heights::material; });
+  }
   // Random mirrors scatter alike in all azimuths, so that the light of one may be turned about the axis against that of
   // the other, as if the mirror had another roll: a draw that needs no other field. The number of the mirror whose
   // light is turned; none where the heights of both are known, the only random one has defects, or one is misaligned.
