@@ -199,7 +199,7 @@ TEST(ArmCavity, EdgesThatItDoesNotDescribeAreErrors) {
   EXPECT_EQ(problem_of_baffles(disk("baffle_a", "[0 m, 0 m, 500 m]", "[0.05, 0, 1]")), "no error");
   // Off the axis, beyond the crossover angle: light of the mode itself meets the edge.
   EXPECT_THAT(problem_of_baffles(disk("baffle_a", "[0.03 m, 0 m, 300 m]")),
-              HasSubstr("light of the mode itself meets it"));
+              HasSubstr("light of the mode itself meets the edge"));
   EXPECT_EQ(problem_of_baffles(disk("baffle_a", "[0.001 m, 0 m, 300 m]"), "60 urad"), "no error");
   EXPECT_EQ(problem_of_baffles(disk("baffle_a", "[0.03 m, 0 m, 500 m]"), "160 urad"), "no error");
   // Two errors at once.
