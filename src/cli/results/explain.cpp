@@ -349,11 +349,11 @@ std::optional<Explanation> explain_message(std::string const& text) {
 }
 
 // "h = 1.23e-24 ± 0.04e-24 /sqrt(Hz), Monte-Carlo error", "h = 1.2e-24 (computed) /sqrt(Hz)" or "h at most ...".
-std::string strain_with_error(WithError const& h, bool sampled) {
+std::string strain_with_error(WithError const& h, bool sampled, ClassKind kind) {
   return fmt::format("h {}{} /sqrt(Hz){}", h.at_most ? "" : "= ", with_error(h),
-                     sampled       ? ", Monte-Carlo error"
-                     : h.sigma > 0 ? ", error over random mirrors"
-                                   : "");
+                     sampled                                  ? ", Monte-Carlo error"
+                     : h.sigma > 0 && kind == ClassKind::halo ? ", error over random mirrors"
+                                                              : "");
 }
 
 void add_factors(Explanation& a, std::vector<StrainFactor> const& factors) {
@@ -391,9 +391,9 @@ Explanation explain_strain(std::string const& run_file, std::size_t path, double
             {"linear_share", s.linear_share}};
   a.text = fmt::format("path {}: {}, port {}, bin {:.4g} to {:.4g} Hz\n", path, row.sequence, row.port, s.low, s.high);
   add_factors(a, s.factors);
-  a.text +=
-      fmt::format("  {}; moved by {}; {:.0f} % of its power to first order in the motion of the bin\n",
-                  strain_with_error(s.h, s.sampled), row.moves.empty() ? "nothing" : row.moves, 100 * s.linear_share);
+  a.text += fmt::format("  {}; moved by {}; {:.0f} % of its power to first order in the motion of the bin\n",
+                        strain_with_error(s.h, s.sampled, row.kind), row.moves.empty() ? "nothing" : row.moves,
+                        100 * s.linear_share);
   if (!s.resolved) a.text += fmt::format("  unresolved, the numbers are hints: {}\n", s.why_not);
   a.text += "see docs/theory/spectra.md\n";
   return a;
