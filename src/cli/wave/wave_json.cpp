@@ -80,7 +80,8 @@ Json grid_check_json(std::optional<GridCheck> const& check) {
           {"loss", check->loss},
           {"loss_by_surface", ledger_json(check->ledger)},
           {"across_relative", number_json(check->across)},
-          {"along_relative", number_json(check->along)}};
+          {"along_relative", number_json(check->along)},
+          {"expected_relative", number_json(check->expected)}};
 }
 
 Json bands_json(ArmWaves const& waves) {

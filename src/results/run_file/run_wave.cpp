@@ -252,6 +252,7 @@ void grid_check_numbers(Check& g, Number const& number) {
   number("beyond_band", g.ledger.beyond_band);
   number("across", g.across);
   number("along", g.along);
+  number("expected", g.expected);
 }
 
 void write_grid_check(hdf5::Writer& out, GridCheck const& g) {
@@ -265,7 +266,9 @@ void write_grid_check(hdf5::Writer& out, GridCheck const& g) {
 GridCheck read_grid_check(hdf5::Reader const& in, std::size_t rims) {
   GridCheck g;
   g.points = int(std::min<std::uint64_t>(in.attribute_count(finer_grid, "points"), 1u << 16));
-  grid_check_numbers(g, [&](char const* name, double& value) { value = in.attribute_number(finer_grid, name); });
+  grid_check_numbers(g, [&](char const* name, double& value) {
+    value = in.has_attribute(finer_grid, name) ? in.attribute_number(finer_grid, name) : std::nan("");
+  });
   g.ledger.towards_mirror2 = in.rows<double>("/wave/grid_check/towards_mirror2", rims);
   g.ledger.towards_mirror1 = in.rows<double>("/wave/grid_check/towards_mirror1", rims);
   return g;

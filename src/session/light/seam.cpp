@@ -100,14 +100,18 @@ std::size_t bin_of_check(FrequencyGrid const& grid) {
   return bin < grid.size() ? bin : 0;
 }
 
-// Of the largest crossover angle that a grid carries. Heights of the mirrors are random numbers by frequency, so that
-// one window gives all angles the same heights.
-double window_of(World const& world, double own) {
+// For the largest crossover angle. Heights of the mirrors are random numbers by frequency, so that one window gives all
+// angles the same heights; one number of points keeps the error of the grid out of the comparison.
+Grid common_grid(World const& world, double own) {
   WaveSettings settings = world.wave;
   settings.points = 0;
   settings.window = 0;
   settings.crossover = steps[2] * own;
-  return planned_arm(world, settings).cavity.grid.window;
+  ArmCavity const arm = planned_arm(world, settings);
+  Grid grid = arm.cavity.grid;
+  if (std::ranges::any_of(arm.problems, [](ArmProblem const& p) { return p.severity == Severity::error; }))
+    grid.points = 0;  // that angle is out of reach: each of the others has its own
+  return grid;
 }
 
 // Field and rays by the present table `wave`.
@@ -151,12 +155,12 @@ Seam check_seam(Model& model, TraceOptions const& options) {
   seam.one_draw = stated.map_draws == 1 && stated.random();
   std::size_t const bin = bin_of_check(model.noise.grid);
   seam.frequency = model.noise.grid.centre(bin);
-  double const window = window_of(model.world, own);
+  Grid const grid = common_grid(model.world, own);
   for (double const step : steps) {
     model.world.wave = stated;
     model.world.wave.crossover = step * own;
-    model.world.wave.window = window;
-    model.world.wave.points = 0;  // the grid of the scene need not carry it
+    model.world.wave.window = grid.window;
+    model.world.wave.points = std::uint32_t(grid.points);
     try {
       plan_anew(model);
       TracedModel const traced = trace_model(model, options, "");

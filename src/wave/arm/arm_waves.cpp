@@ -56,34 +56,6 @@ std::vector<RimCurve> curves_of(ArmCavity const& arm, std::size_t number, WaveSe
   return curves;
 }
 
-// eq. W.22. Where the grid holds the light of one of the mirrors at the edge, and nothing of the mode itself is in it,
-// with its irradiance there: it contains the waves of other baffles and their shadows.
-SpeckleMeans speckle_of(World const& world, ArmCavity const& arm, std::size_t number, PlaneIrradiance const& found) {
-  ArmRim const& rim = arm.rims[number];
-  SpeckledRim s{arm.cavity.wavelength, rim.rim.radius, rim.centre.z, arm.cavity.length - rim.centre.z};
-  s.spot1 = arm.mirrors[0].spot;
-  s.spot2 = arm.mirrors[1].spot;
-  s.outline1 = arm.mirrors[0].radius;
-  s.outline2 = arm.mirrors[1].radius;
-  bool const outside = !rim.in_band && clear_of_mode(arm, rim);
-  for (bool const first : {true, false}) {
-    ArmMirror const& mirror = arm.mirrors[first ? 0 : 1];
-    double const distance = first ? s.distance1 : s.distance2, angle = first ? rim.angle1 : rim.angle2;
-    Vec3 const falls = first ? -arm.frame.z : arm.frame.z;
-    double edge = outline_wave(s, distance, mirror.spot, mirror.radius, mirror.curvature);
-    double brdf = MirrorBrdf(world, mirror, falls)(angle);
-    if (outside && angle <= arm.crossover) {
-      Travel const travel = first ? Travel::towards_mirror2 : Travel::towards_mirror1;
-      double const all = distance * distance * found.of(int(number) + 1, travel).ring_mean(s.radius);
-      edge = std::fmin(edge, all);
-      brdf = all - edge;
-    }
-    (first ? s.edge1 : s.edge2) = edge;
-    (first ? s.brdf1 : s.brdf2) = brdf;
-  }
-  return speckle_means(s);
-}
-
 std::vector<ModeLine> listed_modes(CavityWaves const& waves, int highest_order, ArmSolver::Progress const& progress) {
   SolveOptions options;
   options.loss_error = 1e-2;
@@ -142,9 +114,11 @@ class ArmEnsemble {
       curves.push_back(waves.arm.rims[j].in_band ? curves_of(waves.arm, j, settings_, number)
                                                  : std::vector<RimCurve>{});
     DiodeMeter diodes(solver_.waves(), waves.arm.diodes);
+    LightMeter light(waves.arm, solver_.waves().cavity());
     CavityRims found = rim_responses(solver_.waves(), mode, curves, [&](Arrival const& arrival) {
       meter(arrival);
       diodes(arrival);
+      light(arrival);
       bool const at_mirror1 = arrival.plane == 0;
       if (number > 0 || (!at_mirror1 && arrival.plane != int(waves.rims.size()) + 1)) return;
       std::size_t const mirror = at_mirror1 ? 0 : 1;
@@ -156,6 +130,7 @@ class ArmEnsemble {
         waves.diodes[i].draws.push_back(diodes.light()[i].power());
     for (std::size_t j = 0; j < waves.rims.size(); ++j)
       if (!curves[j].empty()) waves.rims[j].draws.push_back({std::move(found.responses[j]), found.clipped[j]});
+    waves.light.push_back(std::move(light).result());
     progress_("balance of power");
     WaveCavity const& cavity = solver_.waves().cavity();
     waves.draws.push_back({{height_rms(cavity.mirror1.height), height_rms(cavity.mirror2.height)},
@@ -240,7 +215,7 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmCavity p
   std::vector<ModeLine> lines;
   if (options.highest_order >= 0) lines = listed_modes(solver.mirrors(), options.highest_order, say);
   double const perfect = loss_of_smooth_mirrors(arm);
-  ArmWaves waves{std::move(arm), mirrors, {}, perfect, std::move(lines), {}, {}, {}, {}, {}, {}};
+  ArmWaves waves{std::move(arm), mirrors, {}, perfect, std::move(lines), {}, {}, {}, {}, {}, {}, {}};
   waves.spots = expected_spots(waves.arm.cavity);
   if (options.fields) waves.fields.assign(2, Field(waves.arm.cavity.grid));
   waves.rims.resize(waves.arm.rims.size());
@@ -262,9 +237,9 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmCavity p
   warn_of_clipping(waves);
   waves.ledger = mean_of(waves.draws);
   waves.irradiance = std::move(meter).result();
-  for (std::size_t j = 0; j < waves.rims.size(); ++j)
-    waves.rims[j].speckle = speckle_of(world, waves.arm, j, waves.irradiance);
-  if (finer) waves.grid_check = grid_check(*finer, waves, threads, say);
+  ExpectedLevers const expected(world, waves.arm);
+  for (std::size_t j = 0; j < waves.rims.size(); ++j) waves.rims[j].speckle = expected(j, waves.light);
+  if (finer) waves.grid_check = grid_check(world, *finer, waves, threads, say);
   prefix = "heights by frequency, ";
   if (options.by_frequency) waves.bands = frequency_bands(waves.arm, solver);
   return waves;

@@ -3,12 +3,14 @@
 // heights of its mirrors (docs/theory/wave.md).
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "wave/arm/arm_cavity.hpp"
+#include "wave/arm/expected_levers.hpp"
 #include "wave/arm/frequency_bands.hpp"
 #include "wave/arm/grid_check.hpp"
 #include "wave/arm/irradiance.hpp"
@@ -60,14 +62,15 @@ struct ArmDraw {
 };
 
 struct ArmWaves {
-  ArmCavity arm;                // with the heights of the first draw
-  WaveMode mode;                // of the first draw
-  std::vector<ArmDraw> draws;   // of the heights, one at least
-  double perfect_loss = 0;      // per round trip, of smooth mirrors without baffles, by eq. W.10
-  std::vector<ModeLine> modes;  // of the mirrors without baffles, in the first draw
-  PowerLedger ledger;           // mean over the draws
-  std::vector<RimResult> rims;  // as arm.rims
-  PlaneIrradiance irradiance;   // mean over the draws
+  ArmCavity arm;                      // with the heights of the first draw
+  WaveMode mode;                      // of the first draw
+  std::vector<ArmDraw> draws;         // of the heights, one at least
+  double perfect_loss = 0;            // per round trip, of smooth mirrors without baffles, by eq. W.10
+  std::vector<ModeLine> modes;        // of the mirrors without baffles, in the first draw
+  PowerLedger ledger;                 // mean over the draws
+  std::vector<RimResult> rims;        // as arm.rims
+  PlaneIrradiance irradiance;         // mean over the draws
+  std::vector<LightOfMirrors> light;  // in each draw
   std::optional<GridCheck> grid_check;
   std::optional<HeightBands> bands;
   std::array<MirrorSpot, 2> spots;

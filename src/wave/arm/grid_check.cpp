@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "base/errors.hpp"
 #include "wave/arm/arm_checks.hpp"
@@ -52,6 +53,15 @@ double largest_change(std::vector<RimResult> const& rims, CavityRims const& fine
   return squares > 0 ? largest / std::sqrt(squares / count) : std::nan("");
 }
 
+// Sum over the edges beyond the grid of <|A_x|^2>.
+double expected_squares(World const& world, ArmCavity const& arm, LightOfMirrors const& light) {
+  ExpectedLevers const expected(world, arm);
+  double sum = 0;
+  for (std::size_t i = 0; i < arm.rims.size(); ++i)
+    if (!arm.rims[i].in_band) sum += expected(i, light).transverse;
+  return sum;
+}
+
 }  // namespace
 
 ArmCavity finer_arm(World const& world, WaveSettings const& settings, ArmCavity const& arm) {
@@ -66,17 +76,23 @@ ArmCavity finer_arm(World const& world, WaveSettings const& settings, ArmCavity 
   return arm_cavity(world, finer);
 }
 
-GridCheck grid_check(ArmCavity const& finer, ArmWaves const& coarse, int threads,
+GridCheck grid_check(World const& world, ArmCavity const& finer, ArmWaves const& coarse, int threads,
                      std::function<void(std::string const&)> const& progress) {
   ArmSolver const solver(finer, threads, [&](std::string const& what) { progress("finer grid, " + what); });
   WaveMode const mode = solver.mode(on_grid(coarse.mode.spectrum, finer.cavity.grid));
   std::vector<std::vector<RimCurve>> curves;
   for (ArmRim const& rim : finer.rims)
     curves.push_back(rim.in_band ? std::vector{curve_of(finer, rim)} : std::vector<RimCurve>{});
-  CavityRims const rims = rim_responses(solver.waves(), mode, curves);
-  return {finer.cavity.grid.points, mode.loss() - coarse.draws[0].loss,
-          difference(solver.waves().ledger(mode), coarse.draws[0].ledger), largest_change(coarse.rims, rims, {0, 1}),
-          largest_change(coarse.rims, rims, {2})};
+  LightMeter meter(finer, solver.waves().cavity());
+  CavityRims const rims = rim_responses(solver.waves(), mode, curves, std::ref(meter));
+  double const before = expected_squares(world, coarse.arm, coarse.light[0]),
+               after = expected_squares(world, finer, std::move(meter).result());
+  return {finer.cavity.grid.points,
+          mode.loss() - coarse.draws[0].loss,
+          difference(solver.waves().ledger(mode), coarse.draws[0].ledger),
+          largest_change(coarse.rims, rims, {0, 1}),
+          largest_change(coarse.rims, rims, {2}),
+          before > 0 ? std::sqrt(after / before) - 1 : std::nan("")};
 }
 
 }  // namespace straytrace::wave

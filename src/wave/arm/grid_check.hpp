@@ -18,12 +18,13 @@ struct GridCheck {
   PowerLedger ledger;  // the same, by surface
   // Largest change of a lever over the rims, relative to the rms of that lever over the rims; NaN where none is known.
   double across = 0, along = 0;
+  double expected = 0;  // relative, of the rms over all edges beyond the grid of the expected lever across; NaN: none
 };
 
 // The arm on the finer grid, with the same window, crossover angle and heights. InputError if it is too large.
 ArmCavity finer_arm(World const&, WaveSettings const&, ArmCavity const&);
 // Of the first draw of the heights.
-GridCheck grid_check(ArmCavity const& finer, ArmWaves const&, int threads,
+GridCheck grid_check(World const&, ArmCavity const& finer, ArmWaves const&, int threads,
                      std::function<void(std::string const&)> const& progress);
 
 }  // namespace straytrace::wave

@@ -99,6 +99,7 @@ ArmWaves waves_of(World const& world, WaveSettings const& settings, ArmCavity pl
                  {},
                  {},
                  record.irradiance,
+                 {},
                  record.grid_check,
                  record.bands,
                  {record.mirrors[0].light, record.mirrors[1].light}};

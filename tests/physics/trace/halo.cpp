@@ -57,7 +57,7 @@ PolarIrradiance even_irradiance(double mean, double from) {
 
 struct LitBench {
   World world;
-  ArmWaves waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, {}, 0, {}, {}, {}, {}, {}, {}, {}};
+  ArmWaves waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, {}, 0, {}, {}, {}, {}, {}, {}, {}, {}};
 
   explicit LitBench(std::string const& text = lit_text()) : world(lit_world(text)) {
     PolarIrradiance const dark = even_irradiance(0, 0);

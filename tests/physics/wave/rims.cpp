@@ -16,6 +16,7 @@
 #include "base/math/rng.hpp"
 #include "support/recorded.hpp"
 #include "support/statistics.hpp"
+#include "wave/speckled_rim.hpp"
 
 namespace straytrace::wave_rims {
 namespace {
@@ -321,19 +322,26 @@ WaveAt sum_of(WaveAt const& a, WaveAt const& b, double share) {
   };
 }
 
+// The same wave on the rim.
+wave::RingField even_wave(SpeckledRim const& rim, double l, double share) {
+  Complex const u = std::polar(std::sqrt(share) / l, k * rim.radius * rim.radius / (2 * l));
+  return {{u}, {Complex{0, k * rim.radius / l} * u}};
+}
+
 // eq. W.22 with a coherent wave from each mirror beside its speckle.
 TEST(SpeckledRim, RandomFieldsBesideSmoothWaves) {
   SpeckledRim setting = speckled(222.1);
-  setting.edge1 = 0.3;
-  setting.edge2 = 0.2;
+  constexpr double share1 = 0.3, share2 = 0.2;
+  setting.edge1 = even_wave(setting, setting.distance1, share1);
+  setting.edge2 = even_wave(setting, setting.distance2, share2);
   wave::SpeckleMeans const expected = speckle_means(setting);
   double const l1 = setting.distance1, l = l1 + setting.distance2;
   auto const rim = wave::round_rim(setting.radius, {0, 0, l1}, 256);
   testing::Sampler transverse, longitudinal;
   for (std::uint64_t draw = 0; draw < 1500; ++draw) {
     Rng random(8, draw, 0, Stream::source);
-    WaveAt const first = sum_of(speckle(0, setting.spot1, random), spherical(0), setting.edge1),
-                 second = sum_of(speckle(l, setting.spot2, random), spherical(l), setting.edge2);
+    WaveAt const first = sum_of(speckle(0, setting.spot1, random), spherical(0), share1),
+                 second = sum_of(speckle(l, setting.spot2, random), spherical(l), share2);
     RimLevers const levers = rim_levers(rim, first, second, nd_yag, 1, {0, 0, l1});
     for (int i = 0; i < 2; ++i) transverse.add(std::norm(levers.displacement[i]) / expected.transverse);
     longitudinal.add(std::norm(levers.displacement[2]) / expected.longitudinal);
@@ -344,25 +352,50 @@ TEST(SpeckledRim, RandomFieldsBesideSmoothWaves) {
                            speckle_means(speckled(222.1)).transverse / expected.transverse);
 }
 
-// eq. W.28 against the Kirchhoff integral of the clipped mode of ET-HF, in the mean over fringes.
-TEST(SpeckledRim, WaveFromTheOutlineOfAMirror) {
-  double const spot = 0.1205, outline = 0.31, curvature = 1 / 5070.;
-  for (double const l : {2000., 4250.}) {
-    double exact = 0, closed = 0;
-    constexpr int radii = 40, steps = 3000;
-    for (int i = 0; i < radii; ++i) {
-      SpeckledRim rim{nd_yag, 0.38 + 0.08 * (i + 0.5) / radii};
-      closed += wave::outline_wave(rim, l, spot, outline, curvature) / (l * l);
-      Complex field = 0;
-      for (int j = 0; j < steps; ++j) {
-        double const r = outline * (j + 0.5) / steps, mode = std::sqrt(2 / pi) / spot * std::exp(-r * r / spot / spot);
-        field += mode * std::cyl_bessel_j(0, k * r * rim.radius / l) * r * outline / steps *
-                 std::polar(1.0, k * r * r / 2 * (1 / l - curvature));
-      }
-      exact += std::norm(k / l * field);
-    }
-    EXPECT_LT(deviation(closed, exact), 0.05) << l;
+// A field on a mirror with the harmonic m, its derivative, and the light it sends to a rim by the Kirchhoff integral
+// (-i)^(m+1) k/l exp(ik a^2/2l) of J_m(k r a/l) exp(ik r^2/2l) field r dr.
+struct OnMirror {
+  int m;
+  double outline, curvature, width;  // m, 1/m, m
+  Complex at(double r) const {
+    return std::pow(r / outline, m) * std::exp(-r * r / (width * width)) * std::polar(1.0, -k * r * r * curvature / 2);
   }
+  wave::RingField leaving() const {
+    wave::RingField field{std::vector<Complex>(2 * m + 1), std::vector<Complex>(2 * m + 1)};
+    field.value.back() = at(outline);
+    field.slope.back() =
+        field.value.back() * Complex{m / outline - 2 * outline / (width * width), -k * outline * curvature};
+    return field;
+  }
+  Complex sent(double a, double l) const {
+    constexpr int steps = 6000;
+    Complex sum = 0;
+    for (int j = 0; j < steps; ++j) {
+      double const r = outline * (j + 0.5) / steps;
+      sum += at(r) * std::cyl_bessel_j(m, k * r * a / l) * r * outline / double(steps) *
+             std::polar(1.0, k * r * r / (2 * l));
+    }
+    return k / l * sum;
+  }
+};
+
+// eq. W.28, with its fringes and its derivative by the radius of the rim: of the clipped mode of ET-HF, and of light
+// that the other mirror scatters onto the outline. The control has the wavefront of the mode bent the other way.
+TEST(SpeckledRim, WaveFromTheOutlineOfAMirror) {
+  double const spot = 0.1205, outline = 0.31, roc = 5070, step = 1e-6;
+  for (double const l : {2000., 4250., 6500.})
+    for (OnMirror const& light : {OnMirror{0, outline, 1 / roc, spot}, OnMirror{3, outline, 2 / roc - 1e-4, 1.}}) {
+      double const a = 0.42;
+      wave::RingField const edge = wave::diffracted(light.leaving(), outline, nd_yag, a, l);
+      double const exact = std::norm(light.sent(a, l));
+      EXPECT_LT(deviation(edge.irradiance(), exact), 0.05) << l << ' ' << light.m;
+      double const slope = (std::norm(light.sent(a + step, l)) - std::norm(light.sent(a - step, l))) / (2 * step);
+      Complex const value = edge.at(light.m), change = edge.slope_at(light.m);
+      EXPECT_LT(std::fabs(2 * std::real(change * std::conj(value)) - slope), 0.03 * k * outline / l * exact) << l;
+      OnMirror wrong = light;
+      wrong.curvature *= -1;
+      EXPECT_GT(deviation(wave::diffracted(wrong.leaving(), outline, nd_yag, a, l).irradiance(), exact), 0.1) << l;
+    }
 }
 
 }  // namespace

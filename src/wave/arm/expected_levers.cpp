@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "wave/arm/expected_levers.hpp"
+
+#include <cmath>
+
+#include "base/math/constants.hpp"
+#include "wave/arm/arm_checks.hpp"
+#include "wave/cavity_rims.hpp"
+
+namespace straytrace::wave {
+namespace {
+
+// Nothing of the mode itself meets the rim, and the grid holds the light of this mirror there but not that of the
+// other.
+bool held(ArmCavity const& arm, ArmRim const& rim, std::size_t mirror) {
+  return !rim.in_band && clear_of_mode(arm, rim) && (mirror == 0 ? rim.angle1 : rim.angle2) <= arm.crossover;
+}
+
+double mean_irradiance_on(ArmRim const& rim, Field const& field) {
+  constexpr int points = 256;  // on a ring of some hundred patches of speckle
+  Sampler const at(field);
+  double sum = 0;
+  for (RimPoint const& p : round_rim(rim.rim.radius, rim.centre, points))
+    sum += std::norm(at.at(p.place.x, p.place.y).value);
+  return sum / points;
+}
+
+void scale(RingField& field, double factor) {
+  for (auto* const values : {&field.value, &field.slope})
+    for (Complex& f : *values) f *= factor;
+}
+
+}  // namespace
+
+LightMeter::LightMeter(ArmCavity const& arm, WaveCavity const& cavity) : arm_(arm), cavity_(cavity) {
+  light_.at_rims.resize(arm.rims.size());
+}
+
+void LightMeter::operator()(Arrival const& arrival) {
+  int const last = int(arm_.rims.size()) + 1;
+  if (arrival.plane == 0 || arrival.plane == last) {
+    WaveMirror const& mirror = arrival.plane == 0 ? cavity_.mirror1 : cavity_.mirror2;
+    int const points = points_along(2 * pi * mirror.outline.radius, cavity_);
+    light_.outlines[arrival.plane == 0 ? 0 : 1] =
+        leaving_outline(Sampler(arrival.field), mirror, cavity_.wavelength, points);
+    return;
+  }
+  std::size_t const rim = std::size_t(arrival.plane - 1), from = arrival.travel == Travel::towards_mirror2 ? 0 : 1;
+  if (held(arm_, arm_.rims[rim], from)) light_.at_rims[rim][from] = mean_irradiance_on(arm_.rims[rim], arrival.field);
+}
+
+ExpectedLevers::ExpectedLevers(World const& world, ArmCavity const& arm) : arm_(arm) {
+  for (std::size_t const i : {0, 1}) brdf_.emplace_back(world, arm.mirrors[i], i == 0 ? -arm.frame.z : arm.frame.z);
+}
+
+SpeckledRim ExpectedLevers::lit(std::size_t number, LightOfMirrors const& light) const {
+  ArmRim const& rim = arm_.rims[number];
+  SpeckledRim s{arm_.cavity.wavelength, rim.rim.radius, rim.centre.z, arm_.cavity.length - rim.centre.z};
+  s.spot1 = arm_.mirrors[0].spot;
+  s.spot2 = arm_.mirrors[1].spot;
+  for (std::size_t const i : {0, 1}) {
+    double const distance = i == 0 ? s.distance1 : s.distance2;
+    RingField edge = diffracted(light.outlines[i], arm_.mirrors[i].radius, s.wavelength, s.radius, distance);
+    double brdf = brdf_[i](i == 0 ? rim.angle1 : rim.angle2);
+    if (held(arm_, rim, i)) {
+      double const all = light.at_rims[number][i], of_edge = edge.irradiance();
+      if (of_edge > all) scale(edge, std::sqrt(all / of_edge));
+      brdf = distance * distance * std::fmax(all - of_edge, 0);
+    }
+    (i == 0 ? s.edge1 : s.edge2) = std::move(edge);
+    (i == 0 ? s.brdf1 : s.brdf2) = brdf;
+  }
+  return s;
+}
+
+SpeckleMeans ExpectedLevers::operator()(std::size_t rim, LightOfMirrors const& light) const {
+  return speckle_means(lit(rim, light));
+}
+
+SpeckleMeans ExpectedLevers::operator()(std::size_t rim, std::vector<LightOfMirrors> const& draws) const {
+  SpeckleMeans mean;
+  double const share = 1 / double(draws.size());
+  for (LightOfMirrors const& light : draws) {
+    SpeckleMeans const means = (*this)(rim, light);
+    mean.field += share * means.field;
+    mean.transverse += share * means.transverse;
+    mean.longitudinal += share * means.longitudinal;
+  }
+  return mean;
+}
+
+}  // namespace straytrace::wave

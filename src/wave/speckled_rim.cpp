@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "wave/speckled_rim.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/math/bessel.hpp"
+#include "base/math/constants.hpp"
+#include "base/math/functions.hpp"
+
+namespace straytrace::wave {
+namespace {
+
+constexpr int most_harmonic = 24;
+
+double patches(SpeckledRim const& rim, double spot, double distance) {
+  return std::pow(pi * rim.radius * spot / (rim.wavelength * distance), 2);
+}
+
+// The light of one mirror at the rim by harmonics: <|f|^2>, <f' f*> and <|f'|^2> of the field f and its derivative f'
+// along the radius, with 0 beyond the harmonics held.
+class EdgeLight {
+ public:
+  explicit EdgeLight(RingField const& wave) : most_(wave.most()) {
+    for (int m = -most_; m <= most_; ++m) {
+      Complex const f = wave.at(m), slope = wave.slope_at(m);
+      add(std::norm(f), slope * std::conj(f), std::norm(slope));
+    }
+  }
+  // Speckle of a Gaussian spot, exp(ik a^2/2l) times a random field x with <x(a) x*(a')> = power
+  // exp(-s (a^2 + a'^2)/2) I_m(s a a'), s = kappa/a^2.
+  EdgeLight(int most, double power, double kappa, double radius, double bend) : most_(most) {
+    std::vector<double> const bessel = scaled_bessels(most + 2, kappa);
+    auto const order = [&](int m) { return bessel[std::size_t(std::abs(m))]; };
+    double const s = kappa / (radius * radius), sa = kappa / radius;
+    Complex const turn{0, bend};  // of the spherical wave
+    for (int m = -most; m <= most; ++m) {
+      double const i0 = order(m), i1 = (order(m - 1) + order(m + 1)) / 2,
+                   i2 = (order(m - 2) + 2 * i0 + order(m + 2)) / 4;
+      double const even = power * i0, mixed = power * sa * (i1 - i0),
+                   slopes = power * (sa * sa * (i0 - 2 * i1 + i2) + s * i1);
+      add(even, mixed + turn * even, slopes + bend * bend * even);
+    }
+  }
+  double value(int m) const { return held(m) ? value_[place(m)] : 0; }
+  Complex mixed(int m) const { return held(m) ? mixed_[place(m)] : 0; }
+  double slope(int m) const { return held(m) ? slope_[place(m)] : 0; }
+  int most() const { return most_; }
+
+ private:
+  bool held(int m) const { return std::abs(m) <= most_; }
+  std::size_t place(int m) const { return std::size_t(m + most_); }
+  void add(double value, Complex mixed, double slope) {
+    value_.push_back(value);
+    mixed_.push_back(mixed);
+    slope_.push_back(slope);
+  }
+
+  int most_;
+  std::vector<double> value_, slope_;
+  std::vector<Complex> mixed_;
+};
+
+// Products of harmonics of two lights. Harmonics m and -m make s and A_z, m and +-1 - m make A_x.
+struct Products {
+  double field = 0, transverse = 0, longitudinal = 0;
+};
+Products products(EdgeLight const& f, EdgeLight const& b) {
+  Products sum;
+  for (int m = -f.most(); m <= f.most(); ++m) {
+    sum.field += f.value(m) * b.value(-m);
+    sum.transverse += f.value(m) * (b.value(1 - m) + b.value(-1 - m));
+    sum.longitudinal +=
+        f.slope(m) * b.value(-m) + f.value(m) * b.slope(-m) - 2 * std::real(f.mixed(m) * std::conj(b.mixed(-m)));
+  }
+  return sum;
+}
+
+// Of the speckle of both mirrors, over all harmonics.
+Products of_speckle(SpeckledRim const& rim) {
+  double const k = 2 * pi / rim.wavelength, a = rim.radius, l1 = rim.distance1, l2 = rim.distance2;
+  double const x = rim.kappa(), i0 = scaled_bessel(0, x), i1 = scaled_bessel(1, x);
+  double const power = rim.brdf1 * rim.brdf2 / std::pow(l1 * l2, 2);
+  // Differences of the slopes of both fields across the rim: of their wavefronts, and of speckle about them.
+  double const wavefronts = std::pow(a / l1 - a / l2, 2);
+  double const unequal = k * k * (std::pow(rim.spot1 / (2 * l1), 2) - std::pow(rim.spot2 / (2 * l2), 2));
+  double const bend = x > 0 ? 2 * (i0 - i1) - i1 / x : 0;
+  double const slopes = k * k * wavefronts * i0 + x * i1 / (a * a) + std::pow(a * unequal, 2) * bend;
+  return {power * i0, 2 * power * i1, power * slopes};
+}
+
+EdgeLight speckle_of(SpeckledRim const& rim, bool first, int most) {
+  double const l = first ? rim.distance1 : rim.distance2;
+  return {most, (first ? rim.brdf1 : rim.brdf2) / (l * l), patches(rim, first ? rim.spot1 : rim.spot2, l), rim.radius,
+          2 * pi * rim.radius / (rim.wavelength * l)};
+}
+
+}  // namespace
+
+double SpeckledRim::kappa() const { return patches(*this, spot1, distance1) + patches(*this, spot2, distance2); }
+
+double RingField::irradiance() const {
+  double sum = 0;
+  for (Complex const f : value) sum += std::norm(f);
+  return sum;
+}
+
+RingField leaving_outline(Sampler const& arriving, WaveMirror const& mirror, double wavelength, int count) {
+  RoundHole const& hole = mirror.outline;
+  double const k = 2 * pi / wavelength;
+  RingField field{std::vector<Complex>(2 * most_harmonic + 1), std::vector<Complex>(2 * most_harmonic + 1)};
+  for (int i = 0; i < count; ++i) {
+    SinCos const turn = sincos_turn(double(i) / count);
+    double const x = hole.x + hole.radius * turn.cos, y = hole.y + hole.radius * turn.sin;
+    WaveValue const psi = arriving.at(x, y);
+    double const tilt_x = 2 * (x * mirror.curvature - mirror.tilt_x),
+                 tilt_y = 2 * (y * mirror.curvature - mirror.tilt_y);  // of the way that the mirror adds
+    double const way = (x * x + y * y) * mirror.curvature - 2 * (mirror.tilt_x * x + mirror.tilt_y * y);
+    Complex const reflected = turned(-way / wavelength), bent{0, -k * (turn.cos * tilt_x + turn.sin * tilt_y)};
+    Complex const value = psi.value * reflected,
+                  slope = (turn.cos * psi.dx + turn.sin * psi.dy) * reflected + bent * value;
+    for (int m = -most_harmonic; m <= most_harmonic; ++m) {
+      Complex const weight = turned(-double(m) * i / count) / double(count);
+      field.value[std::size_t(m + most_harmonic)] += weight * value;
+      field.slope[std::size_t(m + most_harmonic)] += weight * slope;
+    }
+  }
+  return field;
+}
+
+RingField diffracted(RingField const& leaving, double outline, double wavelength, double a, double l) {
+  double const k = 2 * pi / wavelength, x = k * a * outline / l;
+  RingField field = leaving;
+  for (int m = -leaving.most(); m <= leaving.most(); ++m) {
+    std::size_t const i = std::size_t(m + leaving.most());
+    Complex const there = leaving.value[i];
+    field.value[i] = field.slope[i] = 0;
+    if (there == Complex{} || m * m > 8 * x) continue;
+    double const order = (4.0 * m * m - 1) / (8 * x);
+    for (double const side : {-1, 1}) {
+      // J_m = sqrt(2/pi x) cos(x - m pi/2 - pi/4 + order); the integral over the mirror by its end at the outline.
+      Complex const phase = std::polar(1.0, side * (x - m * pi / 2 - pi / 4 + order));
+      Complex const change = leaving.slope[i] / there + Complex{1 / (2 * outline), k * (outline + side * a) / l};
+      Complex const wave = k / l * outline / std::sqrt(2 * pi * x) * phase * there / change;
+      field.value[i] += wave;
+      field.slope[i] += wave * Complex{-1 / (2 * a), k * (a + side * outline * (1 - order / x)) / l};
+    }
+  }
+  return field;
+}
+
+SpeckleMeans speckle_means(SpeckledRim const& rim) {
+  double const l1 = rim.distance1, l2 = rim.distance2, k = 2 * pi / rim.wavelength;
+  EdgeLight const edge1(rim.edge1), edge2(rim.edge2);
+  Products sum = of_speckle(rim);
+  auto const add = [&](EdgeLight const& f, EdgeLight const& b) {
+    Products const more = products(f, b);
+    sum.field += more.field;
+    sum.transverse += more.transverse;
+    sum.longitudinal += more.longitudinal;
+  };
+  add(edge1, edge2);
+  add(edge1, speckle_of(rim, false, edge1.most() + 1));
+  add(speckle_of(rim, true, edge2.most() + 1), edge2);
+  double const round = std::pow(2 * pi * rim.radius, 2);
+  return {std::pow(2 * rim.wavelength * l1 * l2 / (l1 + l2), 2) * sum.field, round * sum.transverse,
+          round / (k * k) * sum.longitudinal};
+}
+
+}  // namespace straytrace::wave

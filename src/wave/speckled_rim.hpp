@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Light of the mirrors at round rims that the grid does not hold (docs/theory/wave.md, eq. W.22 and W.28).
+#pragma once
+
+#include <vector>
+
+#include "wave/round_trip.hpp"
+#include "wave/sampler.hpp"
+
+namespace straytrace::wave {
+
+// A field on a circle and its derivative along the radius, by harmonics exp(i m phi) of the azimuth:
+// value[m + most], |m| <= most. Empty: none. sqrt(W)/m, sqrt(W)/m^2
+struct RingField {
+  std::vector<Complex> value, slope;
+
+  int most() const { return value.empty() ? -1 : int(value.size() / 2); }
+  Complex at(int m) const { return value[std::size_t(m + most())]; }
+  Complex slope_at(int m) const { return slope[std::size_t(m + most())]; }
+  double irradiance() const;  // mean around the circle
+};
+
+// What leaves a mirror on its outline, without its heights: of the field that arrives there. `count` points resolve it.
+RingField leaving_outline(Sampler const& arriving, WaveMirror const&, double wavelength, int count);
+
+// eq. W.28: the wave that the outline of a mirror, of radius `outline` [m], sends to a circle of radius a at a distance
+// l. Harmonics for which k a outline/l is not large are left out.
+RingField diffracted(RingField const& leaving, double outline, double wavelength, double a, double l);
+
+// eq. W.22: means over speckle of a round rim between two mirrors that scatter, and whose outlines diffract light. The
+// offset d of the rim from the line between the spots plays no part while k a d (1/distance1 + 1/distance2) is small
+// against sqrt(kappa). Lights of the two mirrors have random phases relative to each other in each harmonic.
+struct SpeckledRim {
+  double wavelength = 0, radius = 0;    // m
+  double distance1 = 0, distance2 = 0;  // to the mirrors, m
+  double spot1 = 0, spot2 = 0;          // 1/e^2 radii on the mirrors, m
+  double brdf1 = 0, brdf2 = 0;          // 1/sr, at the angle of the rim
+  RingField edge1{}, edge2{};           // waves from the outlines, at the rim
+  double kappa() const;                 // 1; its root is the number of patches of speckle, up to sqrt(2 pi)
+};
+struct SpeckleMeans {
+  double field = 0;         // <|s|^2>
+  double transverse = 0;    // <|A_x|^2> = <|A_y|^2>, 1/m^2
+  double longitudinal = 0;  // <|A_z|^2>, 1/m^2; with the slopes of speckle, which remain where distances are equal
+};
+SpeckleMeans speckle_means(SpeckledRim const&);
+
+}  // namespace straytrace::wave
