@@ -7,6 +7,7 @@
 #include "base/math/bessel.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/functions.hpp"
+#include "base/math/gauss_points.hpp"
 
 namespace straytrace::wave {
 namespace {
@@ -128,9 +129,42 @@ RingField leaving_outline(Sampler const& arriving, WaveMirror const& mirror, dou
   return field;
 }
 
-RingField diffracted(RingField const& leaving, double outline, double wavelength, double a, double l) {
+// The field behind a straight edge over that without it, by auxiliary functions of Fresnel's integrals to 2e-3
+// (Abramowitz and Stegun, 7.3.32). v > 0: the edge leaves the straight way free.
+Complex behind_edge(double v) {
+  double const x = std::fabs(v), f = (1 + 0.926 * x) / (2 + 1.792 * x + 3.104 * x * x),
+               g = 1 / (2 + 4.142 * x + 3.492 * x * x + 6.670 * x * x * x);
+  // (1 - i)/2 times the integral of exp(i pi t^2/2) from x on
+  Complex const shadow = Complex{0.5, -0.5} * Complex{g, f} * std::polar(1.0, pi * x * x / 2);
+  return v < 0 ? shadow : 1.0 - shadow;
+}
+
+Complex passed(std::vector<PassedEdge> const& edges, double wavelength, double off_axis, double a, double l) {
+  Complex product = 1;
+  for (PassedEdge const& e : edges) {
+    double const clear = e.radius - off_axis - (a - off_axis) * e.distance / l;
+    product *= behind_edge(clear * std::sqrt(2 * l / (wavelength * e.distance * (l - e.distance))));
+  }
+  return product;
+}
+
+double share_passed(std::vector<PassedEdge> const& edges, double wavelength, double w, double a, double l) {
+  constexpr double deviations = 3;
+  static GaussPoints const gauss(16);
+  double sum = 0, all = 0;
+  for (std::size_t i = 0; i < gauss.at.size(); ++i) {
+    double const x = deviations * (2 * gauss.at[i] - 1), weight = gauss.weight[i] * std::exp(-x * x / 2);
+    sum += weight * std::norm(passed(edges, wavelength, x * w / 2, a, l));
+    all += weight;
+  }
+  return sum / all;
+}
+
+RingField diffracted(RingField const& leaving, double outline, double wavelength, double a, double l,
+                     std::vector<PassedEdge> const& edges) {
   double const k = 2 * pi / wavelength, x = k * a * outline / l;
   RingField field = leaving;
+  Complex const far = passed(edges, wavelength, -outline, a, l), near = passed(edges, wavelength, outline, a, l);
   for (int m = -leaving.most(); m <= leaving.most(); ++m) {
     std::size_t const i = std::size_t(m + leaving.most());
     Complex const there = leaving.value[i];
@@ -141,7 +175,7 @@ RingField diffracted(RingField const& leaving, double outline, double wavelength
       // J_m = sqrt(2/pi x) cos(x - m pi/2 - pi/4 + order); the integral over the mirror by its end at the outline.
       Complex const phase = std::polar(1.0, side * (x - m * pi / 2 - pi / 4 + order));
       Complex const change = leaving.slope[i] / there + Complex{1 / (2 * outline), k * (outline + side * a) / l};
-      Complex const wave = k / l * outline / std::sqrt(2 * pi * x) * phase * there / change;
+      Complex const wave = k / l * outline / std::sqrt(2 * pi * x) * phase * there / change * (side > 0 ? far : near);
       field.value[i] += wave;
       field.slope[i] += wave * Complex{-1 / (2 * a), k * (a + side * outline * (1 - order / x)) / l};
     }

@@ -23,9 +23,20 @@ struct RingField {
 // What leaves a mirror on its outline, without its heights: of the field that arrives there. `count` points resolve it.
 RingField leaving_outline(Sampler const& arriving, WaveMirror const&, double wavelength, int count);
 
+// An edge that light passes on its way from a mirror to a rim.
+struct PassedEdge {
+  double distance = 0, radius = 0;  // from the mirror; of its opening, m
+};
+// eq. W.30: the field at the rim of radius a at a distance l, of light from a point of the mirror at `off_axis` on the
+// side of the rim (< 0: on the other side), over that without the edges. Each is a straight half-plane.
+Complex passed(std::vector<PassedEdge> const&, double wavelength, double off_axis, double a, double l);
+// Of the irradiance of speckle from a spot of 1/e^2 radius w, in the mean.
+double share_passed(std::vector<PassedEdge> const&, double wavelength, double w, double a, double l);
+
 // eq. W.28: the wave that the outline of a mirror, of radius `outline` [m], sends to a circle of radius a at a distance
 // l. Harmonics for which k a outline/l is not large are left out.
-RingField diffracted(RingField const& leaving, double outline, double wavelength, double a, double l);
+RingField diffracted(RingField const& leaving, double outline, double wavelength, double a, double l,
+                     std::vector<PassedEdge> const& = {});
 
 // eq. W.22: means over speckle of a round rim between two mirrors that scatter, and whose outlines diffract light. The
 // offset d of the rim from the line between the spots plays no part while k a d (1/distance1 + 1/distance2) is small

@@ -25,6 +25,15 @@ double mean_irradiance_on(ArmRim const& rim, Field const& field) {
   return sum / points;
 }
 
+// By light of a mirror on its way to a rim.
+std::vector<PassedEdge> edges_before(ArmCavity const& arm, std::size_t rim, std::size_t mirror) {
+  auto const distance = [&](ArmRim const& r) { return mirror == 0 ? r.centre.z : arm.cavity.length - r.centre.z; };
+  std::vector<PassedEdge> edges;
+  for (ArmRim const& r : arm.rims)
+    if (distance(r) < distance(arm.rims[rim])) edges.push_back({distance(r), r.rim.radius});
+  return edges;
+}
+
 void scale(RingField& field, double factor) {
   for (auto* const values : {&field.value, &field.slope})
     for (Complex& f : *values) f *= factor;
@@ -60,12 +69,15 @@ SpeckledRim ExpectedLevers::lit(std::size_t number, LightOfMirrors const& light)
   s.spot2 = arm_.mirrors[1].spot;
   for (std::size_t const i : {0, 1}) {
     double const distance = i == 0 ? s.distance1 : s.distance2;
-    RingField edge = diffracted(light.outlines[i], arm_.mirrors[i].radius, s.wavelength, s.radius, distance);
+    std::vector<PassedEdge> const edges = edges_before(arm_, number, i);
+    RingField edge = diffracted(light.outlines[i], arm_.mirrors[i].radius, s.wavelength, s.radius, distance, edges);
     double brdf = brdf_[i](i == 0 ? rim.angle1 : rim.angle2);
     if (held(arm_, rim, i)) {
       double const all = light.at_rims[number][i], of_edge = edge.irradiance();
       if (of_edge > all) scale(edge, std::sqrt(all / of_edge));
       brdf = distance * distance * std::fmax(all - of_edge, 0);
+    } else if (clear_of_mode(arm_, rim)) {
+      brdf *= share_passed(edges, s.wavelength, arm_.mirrors[i].spot, s.radius, distance);
     }
     (i == 0 ? s.edge1 : s.edge2) = std::move(edge);
     (i == 0 ? s.brdf1 : s.brdf2) = brdf;

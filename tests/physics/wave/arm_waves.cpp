@@ -118,8 +118,10 @@ void expect_speckle(KilometreArm const& scene, double radius, bool held) {
     SpeckledRim lit{1064e-9, radius, l1, l2, waves.arm.mirrors[0].spot, waves.arm.mirrors[1].spot, one, two};
     SpeckleMeans const dark = speckle_means(lit);
     auto const& outlines = waves.light[0].outlines;
-    lit.edge1 = diffracted(outlines[0], waves.arm.mirrors[0].radius, 1064e-9, radius, l1);
-    lit.edge2 = diffracted(outlines[1], waves.arm.mirrors[1].radius, 1064e-9, radius, l2);
+    // The light of the farther mirror passes the other rim (eq. W.30).
+    std::vector<PassedEdge> const other{{400, radius}}, none;
+    lit.edge1 = diffracted(outlines[0], waves.arm.mirrors[0].radius, 1064e-9, radius, l1, i == 1 ? other : none);
+    lit.edge2 = diffracted(outlines[1], waves.arm.mirrors[1].radius, 1064e-9, radius, l2, i == 0 ? other : none);
     // The irradiance on the grid has the waves of the outlines in it.
     if (i == 1 && held) lit.brdf1 -= l1 * l1 * lit.edge1.irradiance();
     if (i == 0 && held) lit.brdf2 -= l2 * l2 * lit.edge2.irradiance();

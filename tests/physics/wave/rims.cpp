@@ -398,5 +398,24 @@ TEST(SpeckledRim, WaveFromTheOutlineOfAMirror) {
     }
 }
 
+// Eq. W.30: the pattern of Fresnel behind a straight edge has 1/4 of the irradiance in the line of the edge, its
+// largest maximum 1.3704 at v = 1.2172 and the minimum 0.7783 after it at 1.8725 (Born and Wolf, 8.7.3). The light goes
+// from 0.1 m off the axis of the mirror to the rim; the control takes it from the axis.
+TEST(SpeckledRim, LightPassesOtherEdges) {
+  double const a = 0.4, l = 2000, d = 1000, off = 0.1, per_metre = std::sqrt(2 * l / (nd_yag * d * (l - d)));
+  auto const behind = [&](double v, double from) {
+    return std::norm(wave::passed({{d, (a + off) / 2 + v / per_metre}}, nd_yag, from, a, l));
+  };
+  EXPECT_LT(deviation(behind(0, off), 0.25), 1e-9);
+  EXPECT_LT(deviation(behind(1.2172, off), 1.3704), 5e-3);
+  EXPECT_LT(deviation(behind(1.8725, off), 0.7783), 5e-3);
+  EXPECT_GT(deviation(behind(1.2172, 0), 1.3704), 0.1);
+  EXPECT_LT(behind(-3, off), 0.01);
+  EXPECT_EQ(wave::passed({}, nd_yag, off, a, l), Complex(1));
+  // A wide spot averages the pattern to its irradiance far from the shadow.
+  EXPECT_LT(deviation(wave::share_passed({{d, 0.28}}, nd_yag, 0.1, a, l), 1), 0.05);
+  EXPECT_LT(deviation(wave::share_passed({{d, 0.2}}, nd_yag, 1e-6, a, l), 0.25), 1e-4);
+}
+
 }  // namespace
 }  // namespace straytrace::wave_rims
