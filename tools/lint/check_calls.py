@@ -19,7 +19,7 @@ CPP = (
      "use hdf5::Reader",
      ("src/io/hdf5/contents.cpp", "src/io/hdf5/contents.hpp", "src/io/hdf5/load_contents.cpp", "src/io/hdf5/load_contents.hpp",
       "src/results/run_file/run_file.cpp", "src/results/run_file/checksum_header.cpp")),
-    (r"\bdlopen\s*\(", "loads code", ("src/session/backend.cpp", "src/trace/backend/device/device_backend.cpp")),
+    (r"\bdlopen\s*\(", "loads code", ("src/session/backend.cpp", "src/base/process/library.cpp")),
     (r"\bregex_match\s*\(", "ends the program at a long text; use bounded_regex_match of base/text/bounded_regex.hpp", ("src/base/text/bounded_regex.hpp",)),
     (r"\bifstream\b|\bfopen\s*\(|\bfreopen\s*\(", "reads what may be a pipe or a device; use bytes_of_file",
      ("src/base/process/child_process.cpp",)),

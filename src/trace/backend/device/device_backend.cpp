@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trace/backend/device/device_backend.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <condition_variable>
-#include <dlfcn.h>
-#include <filesystem>
 #include <mutex>
 #include <optional>
 
 #include "base/errors.hpp"
+#include "base/process/library.hpp"
 #include "trace/backend/device/world_image.hpp"
 #include "trace/step/step.hpp"
 #include "trace/tally/block_sink.hpp"
@@ -216,13 +213,8 @@ BlockSums BatchBlocks::block(std::uint32_t position, std::uint64_t number) const
 }
 
 std::unique_ptr<DeviceEngine> load_engine(std::string const& library) {
-  // Never unloaded: objects of its classes may outlive the loader.
-  void* const loaded = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!loaded) throw InputError(dlerror(), "build it again, or use --backend cpu");
-  auto const make = reinterpret_cast<MakeDeviceEngine>(dlsym(loaded, "straytrace_device_engine"));
-  if (!make)
-    throw InputError(fmt::format("'{}' is not an engine of straytrace", library),
-                     "build it again, or use --backend cpu");
+  auto const make = reinterpret_cast<MakeDeviceEngine>(
+      library_symbol(library, "straytrace_device_engine", "build it again, or use --backend cpu"));
   try {
     return std::unique_ptr<DeviceEngine>(make(device_abi));
   } catch (std::exception const& e) {
@@ -232,14 +224,7 @@ std::unique_ptr<DeviceEngine> load_engine(std::string const& library) {
 
 namespace {
 
-std::string cuda_library() {
-  std::string const name = "libstraytrace_cuda.so";
-  std::error_code ignored;
-  std::filesystem::path const program = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (auto const& place : {program / name, program / ".." / "lib" / "straytrace" / name})
-    if (std::filesystem::exists(place, ignored)) return place.lexically_normal().string();
-  return {};
-}
+std::string cuda_library() { return installed_library("libstraytrace_cuda.so"); }
 
 }  // namespace
 
