@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Fields in a cavity: legs of a long arm with two transforms, free space and a mask, compared with the same by SciPy, LightPipes, prysm and
-POPPY; transforms of whole fields; modes, round trips past 98 baffles, levers of their edges; threads.
+POPPY; transforms of whole fields; modes, round trips past 98 baffles, levers of their edges; threads; legs on a GPU, where there is one.
 
 Examples:
   scripts/bench wave --keep      512, 1024 and 2048 points per side; for the page
@@ -117,6 +117,13 @@ def main():
         for n in sorted(set(trips) - {1}):
             results.add(f"{middle} × {middle}, round trip, {n} threads", unit="s", other="1 thread",
                         goal={"of": "ratio", "at_least": 0.8 * n}, **compared([t["wall"] for t in trips[n]], [t["wall"] for t in trips[1]]))
+        found = ours(None, "device", sizes[-1], repeats)
+        for key, case, goal in (("leg", "leg on a GPU", 1e-3), ("trip", "round trip past 98 baffles on a GPU", 0.25)):
+            name = f"{sizes[-1]} × {sizes[-1]}, {case}"
+            if "skipped" in found:
+                results.add(name, skipped=found["skipped"])
+            else:
+                results.add(name, unit="s", device=found["device"], goal={"of": "ours", "at_most": goal}, **compared([found[key]]))
 
 
 if __name__ == "__main__":

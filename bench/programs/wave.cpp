@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <string_view>
 #include <time.h>
 
@@ -89,6 +90,28 @@ int arm(int points, int threads) {
   return 0;
 }
 
+// On a GPU: copies of the field to and from it are in the round trip, but not in the leg.
+int device(int points, int repeats) {
+  std::shared_ptr<WaveDevice> gpu;
+  try {
+    gpu = cuda_waves();
+  } catch (InputError const& e) {
+    std::printf("{\"skipped\": \"%s\"}\n", e.reason().c_str());
+    return 0;
+  }
+  auto const trip = [&](int rims) {
+    CavityWaves const waves(long_arm(points, rims), {1, gpu});
+    Field field = waves.hermite_gauss();
+    waves.round_trip(field);
+    return least_of(
+        repeats, [&] { waves.round_trip(field); }, CLOCK_MONOTONIC);
+  };
+  double const few = trip(9), many = trip(98);
+  std::printf("{\"device\": \"%s\", \"leg\": %.9g, \"trip\": %.9g}\n", gpu->name().c_str(), (many - few) / (2 * 89),
+              many);
+  return 0;
+}
+
 }  // namespace
 }  // namespace straytrace::bench
 
@@ -98,6 +121,9 @@ int main(int count, char** words) {
   if (what == "legs") return legs(std::atoi(words[2]), std::atoi(words[3]));
   if (what == "mode") return mode(std::atoi(words[2]), std::atoi(words[3]));
   if (what == "arm") return arm(std::atoi(words[2]), std::atoi(words[3]));
-  std::fputs("usage: bench_wave legs POINTS REPEATS | mode POINTS ROUND_TRIPS | arm POINTS THREADS\n", stderr);
+  if (what == "device") return device(std::atoi(words[2]), std::atoi(words[3]));
+  std::fputs(
+      "usage: bench_wave legs POINTS REPEATS | mode POINTS ROUND_TRIPS | arm POINTS THREADS | device POINTS REPEATS\n",
+      stderr);
   return 2;
 }

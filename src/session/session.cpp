@@ -118,7 +118,7 @@ struct DeterministicLight {
   std::vector<CouplingClass> classes;
   std::vector<std::string> warnings;
 
-  DeterministicLight(Model& model, unsigned threads, PrintOptions const& options) {
+  DeterministicLight(Model& model, Computing const& on, PrintOptions const& options) {
     EdgeClasses edges = edge_classes(model.world);
     classes = std::move(edges.classes);
     warnings = std::move(edges.warnings);
@@ -126,7 +126,7 @@ struct DeterministicLight {
       warnings.push_back(
           "wave: the field of a cavity of three mirrors or more adds no noise; 'straytrace wave' prints its losses");
     else if (model.world.wave.present) {
-      ArmWaves const waves = solved_or_known(model, threads, options);
+      ArmWaves const waves = solved_or_known(model, on, options);
       std::vector<CouplingClass> rims = wave_rim_classes(model.world, waves);
       std::ranges::copy(waves.arm.warnings, std::back_inserter(warnings));
       if (rims.empty()) warnings.push_back("wave: no inner edge couples light into a port; the field adds no noise");
@@ -252,7 +252,7 @@ TracedModel trace_model(Model& model, TraceOptions const& options, std::string c
     settings.wanted_error = model.until.wanted_error();
     settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
   }
-  DeterministicLight const beside(model, options.threads, options);
+  DeterministicLight const beside(model, computing_beside_trace(model, options), options);
   settings.deterministic = beside.classes;
   SteeredWorld world = steer(model.world, options.threads);
   ProgressLine progress(options.quiet);
@@ -286,7 +286,7 @@ TraceResult result_of(Model& model, SumTree tree, PrintOptions const& options) {
 }
 
 TraceResult nothing_traced(Model& model, unsigned threads, PrintOptions const& options) {
-  DeterministicLight const beside(model, threads, options);
+  DeterministicLight const beside(model, int(threads), options);
   TraceSettings settings;
   settings.seed = model.seed;
   settings.deterministic = beside.classes;

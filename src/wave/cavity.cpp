@@ -44,7 +44,7 @@ struct CavityWaves::Parts {
   WaveCavity cavity;
   RoundTrip trip;
 
-  Parts(WaveCavity c, int threads) : cavity(std::move(c)), trip(there_and_back(cavity), threads) {}
+  Parts(WaveCavity c, Computing on) : cavity(std::move(c)), trip(there_and_back(cavity), std::move(on)) {}
 
   // Planes: mirror 1, baffles, mirror 2. Stops: baffles, mirror 2, baffles from the last to the first, mirror 1.
   Travel travel(std::size_t stop) const {
@@ -56,8 +56,8 @@ struct CavityWaves::Parts {
   }
 };
 
-CavityWaves::CavityWaves(WaveCavity cavity, int threads)
-    : parts_(std::make_unique<Parts>(std::move(cavity), threads)) {}
+CavityWaves::CavityWaves(WaveCavity cavity, Computing on)
+    : parts_(std::make_unique<Parts>(std::move(cavity), std::move(on))) {}
 CavityWaves::~CavityWaves() = default;
 WaveCavity const& CavityWaves::cavity() const { return parts_->cavity; }
 RoundTrip const& CavityWaves::trip() const { return parts_->trip; }

@@ -62,7 +62,7 @@ struct PowerLedger {
 
 class CavityWaves {
  public:
-  explicit CavityWaves(WaveCavity, int threads = 1);  // InputError: eq. W.6, as Leg
+  explicit CavityWaves(WaveCavity, Computing = {});  // InputError: as RoundTrip
   ~CavityWaves();
   WaveCavity const& cavity() const;
   RoundTrip const& trip() const;

@@ -74,6 +74,7 @@ struct RoundTrip::Parts {
 
   Trip trip;
   int threads;
+  std::shared_ptr<WaveDevice> device;  // none: the host
   Transform transform;
   std::vector<Mask> masks;                   // one of each kind
   std::vector<std::vector<double>> factors;  // real parts, then imaginary parts
@@ -81,8 +82,10 @@ struct RoundTrip::Parts {
   std::vector<Stop> stops;
   SpectrumDisc disc;  // of the first leg: the fields of which modes are made
   std::optional<Passages> passages;
+  std::unique_ptr<DeviceTrip> on_device;
 
-  Parts(Trip t, int threads_) : trip(std::move(t)), threads(threads_), transform(trip.grid.points, threads) {
+  Parts(Trip t, Computing const& on)
+      : trip(std::move(t)), threads(on.threads), device(on.device), transform(trip.grid.points, threads) {
     make_masks();
     make_legs();
     make_factors();
@@ -155,7 +158,10 @@ struct RoundTrip::Parts {
       Leg const& leg = legs[stop.leg];
       all.push_back({leg.tables(), leg.columns(), factor(stop), masks[stop.mask].rows()});
     }
-    passages.emplace(transform.tables(), trip.grid, std::move(all), threads);
+    if (device)
+      on_device = prepared(*device, trip.grid, std::move(all));
+    else
+      passages.emplace(transform.tables(), trip.grid, std::move(all), threads);
   }
   PlaneFactor factor(Stop const& stop) const {
     if (stop.factor == none) return {masks[stop.mask].values().data()};
@@ -164,7 +170,10 @@ struct RoundTrip::Parts {
   }
 
   void travel(Field& spectrum, Watch const& watch = {}) const {
-    passages->run(spectrum, watch);
+    if (on_device)
+      run(*on_device, spectrum, watch);
+    else
+      passages->run(spectrum, watch);
     if (trip.mirrored) mirror_image(spectrum, threads);
   }
   double taken(std::size_t stop, Field const&) const;
@@ -177,7 +186,7 @@ double RoundTrip::Parts::taken(std::size_t stop, Field const& field) const {
   return clipped + trip.stops[stop].mirror->scattered * (sum_of_squares(field) - clipped);
 }
 
-RoundTrip::RoundTrip(Trip trip, int threads) : parts_(std::make_unique<Parts>(std::move(trip), threads)) {}
+RoundTrip::RoundTrip(Trip trip, Computing on) : parts_(std::make_unique<Parts>(std::move(trip), on)) {}
 RoundTrip::~RoundTrip() = default;
 RoundTrip::RoundTrip(RoundTrip&&) noexcept = default;
 Trip const& RoundTrip::trip() const { return parts_->trip; }
@@ -215,6 +224,7 @@ void RoundTrip::set_height(std::size_t stop, std::vector<double> height) {
   // In place: the passages point to it.
   std::ranges::copy(parts_of(parts_->factor_on_grid(stop)), parts_->factors[parts_->stops[stop].factor].begin());
   mirror.height = {};
+  if (parts_->on_device) parts_->on_device->take_tables();
 }
 
 void RoundTrip::travel(Field& spectrum, Watch const& watch) const { parts_->travel(spectrum, watch); }

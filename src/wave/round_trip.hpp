@@ -11,6 +11,7 @@
 #include "wave/krylov.hpp"
 #include "wave/passages.hpp"
 #include "wave/plane.hpp"
+#include "wave/wave_device.hpp"
 
 namespace straytrace::wave {
 
@@ -61,7 +62,8 @@ struct SolveOptions {
 
 class RoundTrip {
  public:
-  explicit RoundTrip(Trip, int threads = 1);  // InputError: eq. W.6, as Leg
+  // InputError: eq. W.6, as Leg; or the field does not fit into the memory of the device.
+  explicit RoundTrip(Trip, Computing = {});
   ~RoundTrip();
   RoundTrip(RoundTrip&&) noexcept;
   Trip const& trip() const;

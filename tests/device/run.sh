@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs the tests of the trace on a device: the bits of the host for every example, shape and law, then contract and
-# physics tests with all traces on the device. Usage: run.sh BUILD_DIR
+# physics tests with all traces on the device; then round trips of fields. Usage: run.sh BUILD_DIR
 set -euo pipefail
 
 build=$1
@@ -13,3 +13,10 @@ export STRAYTRACE_TEST_ENGINE=$engine
 for program in device_emulation unit_trace contract_geometry contract_optics physics_trace physics_world physics_results; do
   "$build/$program" --gtest_brief=1
 done
+# Fields, whose library is there where the build found cuFFT.
+waves=$build/libstraytrace_cufft.so
+if [[ -e $waves ]]; then
+  STRAYTRACE_TEST_WAVES=$waves "$build/unit_wave" --gtest_brief=1 --gtest_filter='DeviceTrip*'
+else
+  echo 'fields: no cuFFT at build time'
+fi

@@ -114,13 +114,13 @@ void write_field(WaveOptions const& options, Model& model, ArmWaves const& waves
     throw InputError(message, "or remove --plot");
 }
 
-int ring(Model const& model, WaveOptions const& options, ArmOptions const& what) {
+int ring(Model const& model, WaveOptions const& options, Computing const& on, ArmOptions const& what) {
   if (options.seam || options.grid_check || options.by_frequency || options.detuning || !options.out.empty() ||
       !options.plot.empty() || !options.csv.empty())
     throw InputError(
         "--seam, --grid-check, --by-frequency, --detuning, -o, --plot and --csv work for two-mirror cavities only",
         "leave them out; to check the grid, compare with twice the 'points' of 'grid'");
-  RingWaves const waves = solve_ring_waves(model, options.threads, options, what);
+  RingWaves const waves = solve_ring_waves(model, on, options, what);
   for (std::string const& warning : waves.ring.warnings) print_warning(warning, options);
   std::cout << (options.json() ? ring_json(waves, model.world).dump() + '\n' : ring_text(waves, model.world));
   return done;
@@ -138,16 +138,17 @@ int wave(WaveOptions const& options) {
   what.grid_check = options.grid_check;
   what.by_frequency = options.by_frequency;
   what.fields = options.fields;
-  if (model.world.wave.ring) return ring(model, options, what);
+  Computing const on = computing(options);
+  if (model.world.wave.ring) return ring(model, options, on, what);
   if (options.seam) return print_seam(model, options);
   std::optional<DrivenPlan> const wanted = checked(options, model);
-  ArmWaves const waves = solve_waves(model, options.threads, options, what);
+  ArmWaves const waves = solve_waves(model, on, options, what);
   for (std::string const& warning : waves.arm.warnings) print_warning(warning, options);
   if (!options.out.empty() || (!options.plot.empty() && !wanted)) write_field(options, model, waves);
   if (!options.csv.empty() && !wanted) write_file(options.csv, photodiodes_csv(waves, model.world));
   std::optional<DrivenArm> driven;
   if (wanted) {
-    driven = drive_waves(model, waves, wanted->coatings, wanted->detunings, options.threads, options, options.order);
+    driven = drive_waves(model, waves, wanted->coatings, wanted->detunings, on, options, options.order);
     for (std::string const& warning : driven->warnings) print_warning(warning, options);
     write_driven(*driven, options);
   }
@@ -190,6 +191,8 @@ void add_wave(CLI::App& app, int& exit_code) {
               *command->add_option("--csv", o.csv,
                                    "file for the table of photodiodes, or with --detuning of detunings, all digits"));
   command->add_option("--threads", o.threads, "0: all cores")->check(whole_between(0, 4096, "8"));
+  command->add_option("--backend", o.backend,
+                      "cpu; cuda: fields, and with --seam histories, on a GPU; fields agree to rounding");
   auto* const out = command->add_option(
       "-o,--out", o.out, "run file to write (HDF5), without histories: run and trace resume it with this field");
   command->add_flag("--fields", o.fields, "keep the complex fields on both mirrors in the run file")->needs(out);

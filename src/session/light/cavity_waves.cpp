@@ -147,24 +147,41 @@ nlohmann::ordered_json wave_json(Model const& model) {
   return all;
 }
 
+Computing computing(TraceOptions const& options) {
+  if (options.backend != "cpu" && options.backend != "cuda")
+    throw InputError(fmt::format("fields cannot be computed on '{}'", options.backend), "write cpu or cuda");
+  return {int(options.threads), options.backend == "cuda" ? cuda_waves() : nullptr};
+}
+
+Computing computing_beside_trace(Model const& model, TraceOptions const& options) {
+  if (model.arm && options.backend == "cuda") try {
+      return computing(options);
+    } catch (InputError const& e) {
+      print_warning("the field of the cavity is computed on the CPU: " + e.reason(), options);
+    }
+  return int(options.threads);
+}
+
 namespace {
 
-ArmWaves solve(Model const& model, ArmCavity arm, unsigned threads, PrintOptions const& print, ArmOptions options) {
+ArmWaves solve(Model const& model, ArmCavity arm, Computing const& on, PrintOptions const& print, ArmOptions options) {
   WaveProgress progress(print);
-  options.threads = int(threads);
+  options.threads = on.threads;
+  options.device = on.device;
   options.progress = std::ref(progress);
   return solve_arm(model.world, model.world.wave, std::move(arm), options);
 }
 
 }  // namespace
 
-ArmWaves solve_waves(Model const& model, unsigned threads, PrintOptions const& print, ArmOptions options) {
-  return solve(model, model.arm.value(), threads, print, std::move(options));
+ArmWaves solve_waves(Model const& model, Computing const& on, PrintOptions const& print, ArmOptions options) {
+  return solve(model, model.arm.value(), on, print, std::move(options));
 }
 
-RingWaves solve_ring_waves(Model const& model, unsigned threads, PrintOptions const& print, ArmOptions options) {
+RingWaves solve_ring_waves(Model const& model, Computing const& on, PrintOptions const& print, ArmOptions options) {
   WaveProgress progress(print);
-  options.threads = int(threads);
+  options.threads = on.threads;
+  options.device = on.device;
   options.progress = std::ref(progress);
   return solve_ring(model.world, model.world.wave, model.ring.value(), options);
 }
@@ -195,11 +212,12 @@ std::array<MirrorCoating, 2> mirror_coatings(Model const& model) {
 }
 
 DrivenArm drive_waves(Model const& model, ArmWaves const& waves, std::array<MirrorCoating, 2> const& coatings,
-                      std::vector<double> const& detunings, unsigned threads, PrintOptions const& print,
+                      std::vector<double> const& detunings, Computing const& on, PrintOptions const& print,
                       int highest_order) {
   WaveProgress progress(print);
   DrivenArmOptions options;
-  options.threads = int(threads);
+  options.threads = on.threads;
+  options.device = on.device;
   options.highest_order = highest_order;
   options.progress = std::ref(progress);
   return drive_arm(model.world.wave, waves, coatings, detunings, options);
@@ -209,13 +227,13 @@ void keep_waves(Model& model, ArmWaves const& waves) {
   model.waves = std::make_shared<WaveRecord const>(record_of(model.world, waves, key_of(model), power_of(model.world)));
 }
 
-ArmWaves solved_or_known(Model& model, unsigned threads, PrintOptions const& print) {
+ArmWaves solved_or_known(Model& model, Computing const& on, PrintOptions const& print) {
   if (!model.waves || model.waves->key != key_of(model)) {
     ArmOptions kept;
     kept.highest_order = kept_orders;
     ArmCavity arm = model.arm.value();
     arm.diodes.clear();  // the run file has no light on photodiodes
-    ArmWaves waves = solve(model, std::move(arm), threads, print, kept);
+    ArmWaves waves = solve(model, std::move(arm), on, print, kept);
     keep_waves(model, waves);
     return waves;
   }
@@ -235,7 +253,7 @@ WaveRecord const& waves_to_show(Model& model, bool as_traced, unsigned threads, 
     throw InputError("the table 'wave' names no baffles that the light at small angles could fall on",
                      "add for example 'baffles: \"baffle*\"' to it");
   bool const known = as_traced && model.waves && model.waves->rims.size() == model.arm->rims.size();
-  if (!known) solved_or_known(model, threads, print);
+  if (!known) solved_or_known(model, int(threads), print);
   return *model.waves;
 }
 

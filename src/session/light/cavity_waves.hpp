@@ -22,10 +22,14 @@ void plan_waves(Model&);
 // Crossover angle, grid and memory, for `straytrace check`; empty without a plan.
 std::string wave_line(Model const&);
 nlohmann::ordered_json wave_json(Model const&);  // null without a plan
+// Threads and, with the backend "cuda", the device of fields. InputError where there is none.
+Computing computing(TraceOptions const&);
+// The same where histories are what matters: without a device for fields a warning, and the host.
+Computing computing_beside_trace(Model const&, TraceOptions const&);
 // With progress on stderr.
-ArmWaves solve_waves(Model const&, unsigned threads, PrintOptions const&, ArmOptions = {});
+ArmWaves solve_waves(Model const&, Computing const&, PrintOptions const&, ArmOptions = {});
 // Of a cavity of three mirrors or more.
-RingWaves solve_ring_waves(Model const&, unsigned threads, PrintOptions const&, ArmOptions = {});
+RingWaves solve_ring_waves(Model const&, Computing const&, PrintOptions const&, ArmOptions = {});
 
 // Of its mirrors; the interferometer has the transmissions where the table `wave` has none. InputError where neither
 // has.
@@ -33,11 +37,11 @@ std::array<MirrorCoating, 2> mirror_coatings(Model const&);
 // The field that the input beam builds up in it, at detunings in free spectral ranges; with the split by order up to
 // `highest_order`.
 DrivenArm drive_waves(Model const&, ArmWaves const&, std::array<MirrorCoating, 2> const&,
-                      std::vector<double> const& detunings, unsigned threads, PrintOptions const&, int highest_order);
+                      std::vector<double> const& detunings, Computing const&, PrintOptions const&, int highest_order);
 
 // From the earlier run that the model knows, where that is of the same cavity and program; otherwise solved. Leaves the
 // record for the run file in the model.
-ArmWaves solved_or_known(Model&, unsigned threads, PrintOptions const&);
+ArmWaves solved_or_known(Model&, Computing const&, PrintOptions const&);
 void keep_waves(Model&, ArmWaves const&);
 // The same for pictures of its light on baffles; `as_traced`: the field that the model has is taken without a look at
 // its key. InputError where the model has no such light.

@@ -75,9 +75,10 @@ void place_diodes(WaveSettings const& settings, ArmCavity& arm) {
 }
 
 DiodeExpectation expected_on_diodes(World const& world, WaveSettings const& settings, HaloMoments moments,
-                                    int threads) {
+                                    Computing on) {
   ArmCavity const arm = arm_cavity(world, settings, planned_arm(world, settings), RandomHeights::left_out);
-  CavityWaves const waves(arm.cavity, int(thread_count(unsigned(threads))));
+  on.threads = int(thread_count(unsigned(on.threads)));
+  CavityWaves const waves(arm.cavity, on);
   // The tail of the mode on a diode is some 1e-4 of its amplitude; always from one start, so that parameters alone
   // change the result.
   SolveOptions solve;

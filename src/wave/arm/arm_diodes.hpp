@@ -27,6 +27,6 @@ struct DiodeExpectation {
   HaloStatistics halo;
 };
 // Solves the cavity with its stated heights alone. Throws as arm_cavity, and InputError where it has no mode.
-DiodeExpectation expected_on_diodes(World const&, WaveSettings const&, HaloMoments, int threads);
+DiodeExpectation expected_on_diodes(World const&, WaveSettings const&, HaloMoments, Computing);
 
 }  // namespace straytrace::wave

@@ -17,8 +17,8 @@ WaveCavity without_baffles(WaveCavity cavity) {
 
 }  // namespace
 
-ArmSolver::ArmSolver(ArmCavity const& arm, int threads, Progress progress)
-    : mirrors_(without_baffles(arm.cavity), threads), waves_(arm.cavity, threads), progress_(std::move(progress)) {}
+ArmSolver::ArmSolver(ArmCavity const& arm, Computing const& on, Progress progress)
+    : mirrors_(without_baffles(arm.cavity), on), waves_(arm.cavity, on), progress_(std::move(progress)) {}
 
 void ArmSolver::set_heights(std::array<std::vector<double>, 2> const& heights) {
   mirrors_.set_heights(heights);

@@ -12,7 +12,7 @@ namespace straytrace::wave {
 class ArmSolver {
  public:
   using Progress = std::function<void(std::string const&)>;
-  ArmSolver(ArmCavity const&, int threads, Progress);
+  ArmSolver(ArmCavity const&, Computing const&, Progress);
 
   CavityWaves const& mirrors() const { return mirrors_; }  // without baffles
   CavityWaves const& waves() const { return waves_; }

@@ -157,9 +157,9 @@ class ArmEnsemble {
 };
 
 // Mean and spread over all heights of the mirrors.
-void expect_diodes(World const& world, WaveSettings const& settings, ArmWaves& waves, int threads) {
+void expect_diodes(World const& world, WaveSettings const& settings, ArmWaves& waves, Computing const& on) {
   if (waves.arm.diodes.empty()) return;
-  DiodeExpectation const expected = expected_on_diodes(world, settings, HaloMoments::mean_and_covariance, threads);
+  DiodeExpectation const expected = expected_on_diodes(world, settings, HaloMoments::mean_and_covariance, on);
   std::size_t beyond = 0;
   for (std::size_t i = 0; i < waves.arm.diodes.size(); ++i) {
     auto const n = Eigen::Index(i);
@@ -202,7 +202,7 @@ std::vector<RimResponse const*> RimResult::ensemble() const {
 }
 
 ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmCavity planned, ArmOptions const& options) {
-  int const threads = int(thread_count(unsigned(options.threads)));
+  Computing const on(int(thread_count(unsigned(options.threads))), options.device);
   std::string prefix;
   ArmSolver::Progress const say = [&](std::string const& what) {
     if (options.progress) options.progress(prefix + what);
@@ -210,17 +210,18 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmCavity p
   ArmCavity arm = arm_cavity(world, settings, std::move(planned));
   std::optional<ArmCavity> const finer =
       options.grid_check ? std::optional(finer_arm(world, settings, arm)) : std::nullopt;
-  ArmSolver solver(arm, threads, say);
+  ArmSolver solver(arm, on, say);
   WaveMode const mirrors = solver.mode_of_mirrors();
   std::vector<ModeLine> lines;
   if (options.highest_order >= 0) lines = listed_modes(solver.mirrors(), options.highest_order, say);
   double const perfect = loss_of_smooth_mirrors(arm);
   ArmWaves waves{std::move(arm), mirrors, {}, perfect, std::move(lines), {}, {}, {}, {}, {}, {}, {}};
   waves.spots = expected_spots(waves.arm.cavity);
+  if (on.device) waves.device = on.device->name();
   if (options.fields) waves.fields.assign(2, Field(waves.arm.cavity.grid));
   waves.rims.resize(waves.arm.rims.size());
   if (!waves.arm.diodes.empty()) say("photodiodes");
-  expect_diodes(world, settings, waves, threads);
+  expect_diodes(world, settings, waves, on);
   ArmEnsemble ensemble(world, settings, solver, say);
   IrradianceMeter meter(waves.arm.cavity.grid, waves.rims.size() + 2);
   waves.mode = ensemble.solve(waves, meter, 0, mirrors.spectrum);
@@ -239,7 +240,7 @@ ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmCavity p
   waves.irradiance = std::move(meter).result();
   ExpectedLevers const expected(world, waves.arm);
   for (std::size_t j = 0; j < waves.rims.size(); ++j) waves.rims[j].speckle = expected(j, waves.light);
-  if (finer) waves.grid_check = grid_check(world, *finer, waves, threads, say);
+  if (finer) waves.grid_check = grid_check(world, *finer, waves, on, say);
   prefix = "heights by frequency, ";
   if (options.by_frequency) waves.bands = frequency_bands(waves.arm, solver);
   return waves;

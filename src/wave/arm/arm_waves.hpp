@@ -5,6 +5,7 @@
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@
 #include "wave/arm/frequency_bands.hpp"
 #include "wave/arm/grid_check.hpp"
 #include "wave/arm/irradiance.hpp"
-#include "wave/mode_table.hpp"
+#include "wave/modes/mode_table.hpp"
 
 namespace straytrace::wave {
 
@@ -76,14 +77,16 @@ struct ArmWaves {
   std::array<MirrorSpot, 2> spots;
   std::vector<DiodeResult> diodes = {};  // as arm.diodes
   std::vector<Field> fields = {};  // of the first draw, that arrive at mirror 1 and at mirror 2; empty: not wanted
+  std::string device = "cpu";      // where the fields were computed
 };
 
 struct ArmOptions {
-  int threads = 0;            // 0: all
-  int highest_order = -1;     // of the modes listed; < 0: none
-  bool grid_check = false;    // solve the first draw again on a finer grid
-  bool by_frequency = false;  // split the loss by the spatial frequency of the heights
-  bool fields = false;        // keep those that arrive at the mirrors
+  int threads = 0;                       // 0: all
+  std::shared_ptr<WaveDevice> device{};  // none: the host
+  int highest_order = -1;                // of the modes listed; < 0: none
+  bool grid_check = false;               // solve the first draw again on a finer grid
+  bool by_frequency = false;             // split the loss by the spatial frequency of the heights
+  bool fields = false;                   // keep those that arrive at the mirrors
   std::function<void(std::string const& what)> progress;
 };
 ArmWaves solve_arm(World const&, WaveSettings const&, ArmCavity planned, ArmOptions const&);

@@ -57,7 +57,7 @@ DrivenArm drive_arm(WaveSettings const& settings, ArmWaves const& solved, std::a
   DrivenArm driven;
   driven.coatings = coatings;
   driven.free_spectral_range = speed_of_light / (2 * cavity.length);
-  CavityWaves const waves(cavity, int(thread_count(unsigned(options.threads))));
+  CavityWaves const waves(cavity, {int(thread_count(unsigned(options.threads))), options.device});
   Field input = solved.mode.spectrum;
   if (settings.input) {
     beams::Mode const beam = input_of(*settings.input, cavity, solved.arm.mirrors[0].spot);

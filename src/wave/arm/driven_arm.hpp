@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "wave/arm/arm_waves.hpp"
-#include "wave/driven.hpp"
+#include "wave/modes/driven.hpp"
 
 namespace straytrace::wave {
 
@@ -26,7 +26,8 @@ struct DrivenArm {
 };
 
 struct DrivenArmOptions {
-  int threads = 0;  // 0: all
+  int threads = 0;                       // 0: all
+  std::shared_ptr<WaveDevice> device{};  // none: the host
   int highest_order = 2;
   std::function<void(std::string const& what)> progress;
 };

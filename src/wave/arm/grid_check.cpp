@@ -76,9 +76,9 @@ ArmCavity finer_arm(World const& world, WaveSettings const& settings, ArmCavity 
   return arm_cavity(world, finer);
 }
 
-GridCheck grid_check(World const& world, ArmCavity const& finer, ArmWaves const& coarse, int threads,
+GridCheck grid_check(World const& world, ArmCavity const& finer, ArmWaves const& coarse, Computing const& on,
                      std::function<void(std::string const&)> const& progress) {
-  ArmSolver const solver(finer, threads, [&](std::string const& what) { progress("finer grid, " + what); });
+  ArmSolver const solver(finer, on, [&](std::string const& what) { progress("finer grid, " + what); });
   WaveMode const mode = solver.mode(on_grid(coarse.mode.spectrum, finer.cavity.grid));
   std::vector<std::vector<RimCurve>> curves;
   for (ArmRim const& rim : finer.rims)

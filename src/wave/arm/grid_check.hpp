@@ -24,7 +24,7 @@ struct GridCheck {
 // The arm on the finer grid, with the same window, crossover angle and heights. InputError if it is too large.
 ArmCavity finer_arm(World const&, WaveSettings const&, ArmCavity const&);
 // Of the first draw of the heights.
-GridCheck grid_check(World const&, ArmCavity const& finer, ArmWaves const&, int threads,
+GridCheck grid_check(World const&, ArmCavity const& finer, ArmWaves const&, Computing const&,
                      std::function<void(std::string const&)> const& progress);
 
 }  // namespace straytrace::wave

@@ -20,7 +20,7 @@ RingWaves solve_ring(World const& world, WaveSettings const& settings, RingCavit
   throw_errors(planned.problems);
   RingCavity ring = std::move(planned);
   add_ring_heights(ring, world, settings);
-  RoundTrip const trip(ring.trip, int(thread_count(unsigned(options.threads))));
+  RoundTrip const trip(ring.trip, {int(thread_count(unsigned(options.threads))), options.device});
   for (TripStop& stop : ring.trip.stops)
     if (stop.mirror) stop.mirror->height = {};  // the round trip has them
   auto const pure = [&](int n, int m) { return trip.hermite_gauss(ring.start[0], ring.start[1], n, m); };

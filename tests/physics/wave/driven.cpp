@@ -2,7 +2,7 @@
 // The field that an input beam builds up in a cavity (docs/theory/wave.md, eq. W.50 to W.52): the Airy function
 // (eq. 6.4), the modes that a tilted and shifted beam excites (eq. 5.1, 5.2), the balance of power, and the error of
 // the Krylov space.
-#include "wave/driven.hpp"
+#include "wave/modes/driven.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // Higher modes of a cavity (docs/theory/wave.md, Higher modes): validation cases V2 and V3, and modes of high order
 // with tilted and rough mirrors, against losses of the Hankel transform (eq. W.10) and the Gouy phase
 // (eq. W.8).
-#include "wave/mode_table.hpp"
+#include "wave/modes/mode_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,6 +10,7 @@ namespace straytrace::testing::app_wave {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -36,6 +37,28 @@ class WaveCommand : public ::testing::Test {
   Folder const folder_;
   std::string const scene_ = folder_ / "arm.yaml";
 };
+
+// With a GPU the losses of the CPU to 1e-9 of themselves, otherwise a reason and a remedy.
+TEST_F(WaveCommand, FieldsOnCudaAgreeOrGiveAReason) {
+  auto const solved = [&](std::string const& backend) {
+    return straytrace({"wave", scene_, "--quiet", "--backend", backend, "-o", folder_ / backend + ".h5", "--force"});
+  };
+  auto const record = [&](std::string const& backend) { return *read_run(folder_ / backend + ".h5").about.waves; };
+  Finished const cuda = solved("cuda"), unknown = solved("mpi"), cpu = solved("cpu");
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("fields cannot be computed on 'mpi'"));
+  ASSERT_EQ(cpu.code, 0) << cpu.err;
+  EXPECT_EQ(record("cpu").device, "cpu");
+  if (cuda.code == 0) {
+    EXPECT_NEAR(record("cuda").loss(), record("cpu").loss(), 1e-9 * record("cpu").loss());
+    EXPECT_NE(record("cuda").device, "cpu");
+    return;
+  }
+  EXPECT_EQ(cuda.code, 2);
+  EXPECT_THAT(cuda.err, AnyOf(HasSubstr("no GPU"), HasSubstr("built without cuFFT")));
+  EXPECT_THAT(cuda.err, HasSubstr("--backend cpu"));
+  EXPECT_FALSE(fs::exists(folder_ / "cuda.h5"));
+}
 
 TEST_F(WaveCommand, PrintsItsParts) {
   Finished const all = straytrace({"wave", scene_, "--quiet"});

@@ -11,21 +11,14 @@
 #include <vector>
 
 #include "base/every_module.hpp"
-#include "wave/cavity.hpp"
+#include "unit/wave/uneven_cavity.hpp"
 
 namespace straytrace {
 namespace {
 
+using testing::distance_of;
+using testing::uneven_cavity;
 using wave::Complex;
-
-// Off-centre rims, legs of different lengths, mirrors that tilt: nothing is symmetric.
-WaveCavity uneven_cavity(int points) {
-  WaveCavity cavity{1064e-9, 1000, {}, {}, {}, {points, 0.4}};
-  cavity.mirror1 = {1 / 2500.0, {0.05}, 1e-7, -2e-7, {}, 1e-4};
-  cavity.mirror2 = {1 / 2500.0, {0.06, 0.001}, 0, 1e-7, {}, 2e-4};
-  cavity.baffles = {{300, {0.05, 0.004, -0.003}}, {420, {0.045}}, {900, {0.06, 0, 0.002}}};
-  return cavity;
-}
 
 Field after_two_round_trips(int points, int threads) {
   CavityWaves const waves(uneven_cavity(points), threads);
@@ -62,15 +55,6 @@ std::vector<Field> plane_by_plane(CavityWaves const& waves, Field field) {
     std::fill(&field(row, first.columns() / 2), &field(row, 0) + N - first.columns() / 2, Complex{});
   arriving.push_back(field);
   return arriving;
-}
-
-double distance_of(Field const& a, Field const& b) {
-  double most = 0, largest = 0;
-  for (std::size_t i = 0; i < a.values.size(); ++i) {
-    most = std::max(most, std::abs(a.values[i] - b.values[i]));
-    largest = std::max(largest, std::abs(b.values[i]));
-  }
-  return most / largest;
 }
 
 TEST(Passages, AreTheWayPlaneByPlane) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "wave/driven.hpp"
+#include "wave/modes/driven.hpp"
 
 #include <Eigen/Eigenvalues>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "wave/mode_table.hpp"
+#include "wave/modes/mode_table.hpp"
 
 #include <Eigen/QR>
 
