@@ -79,6 +79,9 @@ class Wave:
     at: Array | None = None       # m, x of the columns and y of the rows of `fields`; None without them
     warnings: list[str] = field(default_factory=list)
     grid_check: dict[str, Any] | None = None      # of `wave --grid-check`: changes by a finer grid
+    photodiodes: dict[str, Any] | None = None     # of `wave -o`: columns name, rim, centre [m], area [m^2]; power with the heights of the
+                                  # first draw, mean and spread over mirrors, over the power of the mode
+    device: str = "cpu"           # where the fields were computed
     by_frequency: dict[str, Any] | None = None    # of `wave --by-frequency`: columns from, to [1/m], scattered, loss; smooth, beyond
 
     def levers(self, rim: int) -> ComplexArray:
@@ -124,6 +127,19 @@ class Wave:
             "speckle_across": np.sqrt(self.rims["speckle_across"]), "speckle_along": np.sqrt(self.rims["speckle_along"])},
             index=pandas.Index(self.rims["name"], name="rim"))
 
+    def light_on_photodiodes(self) -> pandas.DataFrame:
+        """One row per photodiode: its middle x, y [m] across the axis, area [m^2], and in W (or over the power of the mode where the
+        scene does not state it) the light with the heights of the first draw (NaN: the grid does not hold it), its mean and its
+        standard deviation over all heights of the mirrors that no map states. Without photodiodes no row: `straytrace wave -o` computes them."""
+        import pandas
+
+        scale, found = self.power or 1.0, self.photodiodes or {}
+        centre = np.asarray(found.get("centre", np.zeros((0, 2))))
+        columns: dict[str, Any] = {"x": centre[:, 0], "y": centre[:, 1], "area": found.get("area", np.zeros(0))}
+        for name in ("power", "mean", "spread"):
+            columns[name] = scale * np.asarray(found.get(name, np.zeros(0)))
+        return pandas.DataFrame(columns, index=pandas.Index(found.get("name", []), name="photodiode"))
+
 
 def _columns(group: Any) -> dict[str, Any]:
     """The columns of a group; parts `_real` and `_imaginary` become one complex column."""
@@ -137,6 +153,10 @@ def _columns(group: Any) -> dict[str, Any]:
         elif not name.endswith("_imaginary"):
             found[name] = values
     return found
+
+
+def _text(value: Any) -> str:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
 def _optional(file: Any, name: str) -> dict[str, Any] | None:
@@ -168,9 +188,8 @@ def wave_of(file: Any) -> Wave | None:
     number = {name: float(group.attrs[name]) for name in ("power", "wavelength", "length", "window", "crossover", "loss",
                                                           "loss_of_smooth_mirrors", "beyond_band")}
     mirrors, rims = _columns(group["mirrors"]), _columns(group["rims"])
-    beam = group.attrs["beam"]
     return Wave(
-        beam=beam.decode() if isinstance(beam, bytes) else str(beam),
+        beam=_text(group.attrs["beam"]),
         points=int(group.attrs["points"]),
         eigenvalue=complex(group.attrs["eigenvalue_real"], group.attrs["eigenvalue_imaginary"]),
         mirrors=mirrors,
@@ -184,6 +203,8 @@ def wave_of(file: Any) -> Wave | None:
         at=group["fields/at"][()] if "fields" in group else None,
         grid_check=_optional(group, "grid_check"),
         by_frequency=_optional(group, "by_frequency"),
+        photodiodes=_columns(group["photodiodes"]) if "photodiodes" in group else None,
+        device=_text(group.attrs.get("device", "cpu")),
         warnings=[w.decode("utf-8", "replace") for w in group["warnings"][()]],
         **number,
     )

@@ -152,6 +152,19 @@ PageJson rims_json(WaveRecord const& w) {
           {"solved", solved}};
 }
 
+PageJson diodes_json(WaveRecord const& w) {
+  double const scale = w.power > 0 ? w.power : 1;
+  PageJson rows = PageJson::array();
+  for (wave::DiodeRecord const& d : w.diodes)
+    rows.push_back({{"name", d.name},
+                    {"x", number(d.centre[0])},
+                    {"y", number(d.centre[1])},
+                    {"power", number(scale * d.power)},
+                    {"mean", number(scale * d.mean)},
+                    {"spread", number(scale * d.spread)}});
+  return rows;
+}
+
 PageJson wave_ledger_json(WaveRecord const& w) {
   double towards1 = 0, towards2 = 0;
   for (wave::RimRecord const& rim : w.rims) {
@@ -228,6 +241,7 @@ PageJson wave_json(WaveRecord const& w, ScatteredLight const& scattered) {
           {"planes", planes},
           {"ledger", wave_ledger_json(w)},
           {"rims", rims_json(w)},
+          {"photodiodes", diodes_json(w)},
           {"modes", modes}};
 }
 

@@ -10,6 +10,7 @@
 namespace straytrace::results {
 namespace {
 
+using wave::DiodeRecord;
 using wave::GridCheck;
 using wave::HeightBand;
 using wave::HeightBands;
@@ -148,6 +149,18 @@ void wave_rim_columns(Column&& column) {
 }
 
 template <class Column>
+void wave_diode_columns(Column&& column) {
+  column("name", "", &DiodeRecord::name);
+  column("rim", "row of /wave/rims; 2^32 - 1: at a mirror", &DiodeRecord::rim);
+  column("towards_mirror1", yes_or_no, &DiodeRecord::towards_mirror1);
+  column("centre", {"m", "x and y across the axis"}, &DiodeRecord::centre);
+  column("area", "m^2", &DiodeRecord::area);
+  column("power", {"1", "share of the power of the mode, with the heights of the first draw"}, &DiodeRecord::power);
+  column("mean", {"1", "over all heights that no map states (eq. W.41)"}, &DiodeRecord::mean);
+  column("spread", {"1", "standard deviation over them (eq. W.43)"}, &DiodeRecord::spread);
+}
+
+template <class Column>
 void wave_draw_columns(Column&& column) {
   column("heights", "row of /wave/heights", &RimDrawRecord::heights);
   column("tolerance", {"1", "0: rims as in the scene; from 1: draw of the tolerances and of the roll of a mirror"},
@@ -242,7 +255,8 @@ void read_wave_fields(hdf5::Reader const& in, WaveRecord& w) {
   for (char const* const path : wave_fields) w.fields.push_back({std::uint32_t(n), in.rows<float>(path, n, 2 * n)});
 }
 
-constexpr char const *finer_grid = "/wave/grid_check", *by_frequency = "/wave/by_frequency";
+constexpr char const *finer_grid = "/wave/grid_check", *by_frequency = "/wave/by_frequency",
+                     *photodiodes = "/wave/photodiodes";
 
 template <class Check, class Number>
 void grid_check_numbers(Check& g, Number const& number) {
@@ -315,6 +329,7 @@ void write_wave(hdf5::Writer& out, wave::WaveRecord const& w) {
   out.group("/wave", "field of a cavity at small angles (docs/theory/wave.md)");
   out.attribute("/wave", "key", w.key);
   out.attribute("/wave", "beam", w.beam);
+  out.attribute("/wave", "device", w.device);
   wave_numbers(w, [&](char const* name, double value) { out.attribute("/wave", name, value); });
   out.attribute("/wave", "eigenvalue_real", w.eigenvalue.real());
   out.attribute("/wave", "eigenvalue_imaginary", w.eigenvalue.imag());
@@ -332,6 +347,10 @@ void write_wave(hdf5::Writer& out, wave::WaveRecord const& w) {
   out.group("/wave/draws", "derivatives of the stray field by the motion of each rim, in each draw (eq. W.14)");
   write_lists(out, wave_draw_offset, wave_draws, w.rims, &wave::RimRecord::draws,
               [](auto&& list) { wave_draw_columns(list); });
+  if (!w.diodes.empty()) {
+    out.group(photodiodes, "light on photodiodes");
+    wave_diode_columns(ColumnWriter(out, photodiodes + std::string("/"), w.diodes));
+  }
   write_wave_irradiance(out, w.irradiance);
   if (w.grid_check) write_grid_check(out, *w.grid_check);
   if (w.bands) write_bands(out, *w.bands);
@@ -342,6 +361,7 @@ wave::WaveRecord read_wave(hdf5::Reader const& in) {
   wave::WaveRecord w;
   w.key = in.attribute_text("/wave", "key");
   w.beam = in.attribute_text("/wave", "beam");
+  if (in.has_attribute("/wave", "device")) w.device = in.attribute_text("/wave", "device");
   wave_numbers(w, [&](char const* name, double& value) { value = in.attribute_number("/wave", name); });
   w.eigenvalue = {in.attribute_number("/wave", "eigenvalue_real"),
                   in.attribute_number("/wave", "eigenvalue_imaginary")};
@@ -359,6 +379,11 @@ wave::WaveRecord read_wave(hdf5::Reader const& in) {
   for (wave::RimRecord const& rim : w.rims)
     for (wave::RimDrawRecord const& draw : rim.draws)
       if (draw.heights >= w.heights.size()) damaged_run("'/wave/draws/heights' names a draw that is not there");
+  if (in.has(photodiodes))
+    wave_diode_columns(ColumnReader(in, photodiodes + std::string("/"), w.diodes, RowCount::of_first_column));
+  for (DiodeRecord const& d : w.diodes)
+    if (d.rim != DiodeRecord::none && d.rim >= w.rims.size())
+      damaged_run("'/wave/photodiodes/rim' names an edge that is not there");
   w.irradiance = read_wave_irradiance(in, w.rims.size() + 2);
   if (in.has(finer_grid)) w.grid_check = read_grid_check(in, w.rims.size());
   if (in.has(by_frequency)) w.bands = read_bands(in);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "wave/arm/wave_record.hpp"
 
+#include <cmath>
 #include <numeric>
 
 #include "base/errors.hpp"
@@ -52,6 +53,20 @@ RimRecord rim_record(World const& world, ArmWaves const& waves, std::size_t i) {
   return record;
 }
 
+DiodeRecord diode_record(ArmWaves const& waves, std::size_t i) {
+  Photodiode const& d = waves.arm.diodes[i];
+  DiodeResult const& found = waves.diodes[i];
+  bool const on_rim = d.plane > 0 && d.plane <= int(waves.arm.rims.size());
+  return {d.name,
+          on_rim ? std::uint32_t(d.plane - 1) : DiodeRecord::none,
+          d.travel == Travel::towards_mirror1,
+          {d.x + d.radius * std::cos(d.azimuth), d.y + d.radius * std::sin(d.azimuth)},
+          d.area(),
+          found.draws.empty() ? std::nan("") : found.draws.front(),
+          found.mean,
+          found.spread};
+}
+
 }  // namespace
 
 WaveRecord record_of(World const& world, ArmWaves const& waves, std::string key, double power) {
@@ -59,6 +74,7 @@ WaveRecord record_of(World const& world, ArmWaves const& waves, std::string key,
   WaveRecord record;
   record.key = std::move(key);
   record.beam = world.wave.beam_name;
+  record.device = waves.device;
   record.power = power;
   record.wavelength = arm.cavity.wavelength;
   record.length = arm.cavity.length;
@@ -81,6 +97,7 @@ WaveRecord record_of(World const& world, ArmWaves const& waves, std::string key,
   }
   record.modes = waves.modes;
   for (std::size_t i = 0; i < waves.rims.size(); ++i) record.rims.push_back(rim_record(world, waves, i));
+  for (std::size_t i = 0; i < waves.diodes.size(); ++i) record.diodes.push_back(diode_record(waves, i));
   record.irradiance = waves.irradiance;
   record.grid_check = waves.grid_check;
   record.bands = waves.bands;
@@ -106,6 +123,7 @@ ArmWaves waves_of(World const& world, WaveSettings const& settings, ArmCavity pl
   if (waves.arm.rims.size() != record.rims.size())
     throw NumericalError("the kept field of the cavity has other rims than the scene");
   waves.arm.warnings = record.warnings;
+  waves.device = record.device;
   PowerLedger& ledger = waves.ledger;
   ledger.mirror1 = record.mirrors[0].lost;
   ledger.mirror2 = record.mirrors[1].lost;

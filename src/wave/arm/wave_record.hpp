@@ -42,6 +42,17 @@ struct RimRecord {
   SpeckleMeans speckle;
   std::vector<RimDrawRecord> draws;  // empty: `speckle` stands for the rim
 };
+// A photodiode and its light, over the power of the mode.
+struct DiodeRecord {
+  std::string name;
+  std::uint32_t rim = none;        // of its baffle
+  bool towards_mirror1 = false;    // the light that meets it
+  std::array<double, 2> centre{};  // across the axis, m
+  double area = 0;                 // m^2
+  double power = 0;                // with the heights of the first draw; NaN: the grid does not hold its light
+  double mean = 0, spread = 0;     // as DiodeResult
+  static constexpr std::uint32_t none = 0xffffffffu;  // it is at a mirror
+};
 // A field that arrives at a mirror, over the root of the power of the mode; 1/m, [row, column].
 struct FieldRecord {
   std::uint32_t points = 0;
@@ -51,6 +62,7 @@ struct FieldRecord {
 struct WaveRecord {
   std::string key;  // hash of all that decides the numbers
   std::string beam;
+  std::string device = "cpu";         // as ArmWaves
   double power = 0;                   // W, of the mode; 0: not stated
   double wavelength = 0, length = 0;  // m
   Grid grid;
@@ -62,7 +74,8 @@ struct WaveRecord {
   std::array<MirrorRecord, 2> mirrors;
   std::vector<ModeLine> modes;
   std::vector<RimRecord> rims;
-  PlaneIrradiance irradiance;  // planes: mirror 1, rims, mirror 2
+  std::vector<DiodeRecord> diodes;  // empty: none, or not computed
+  PlaneIrradiance irradiance;       // planes: mirror 1, rims, mirror 2
   std::optional<GridCheck> grid_check;
   std::optional<HeightBands> bands;
   std::vector<FieldRecord> fields;  // in the first draw, that arrive at mirror 1 and at mirror 2; empty: not kept

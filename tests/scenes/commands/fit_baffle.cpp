@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace wave with photodiodes, and straytrace fit baffle (docs/theory/wave.md, eq. W.40 to W.44).
+#include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "physics/wave/kilometre_arm.hpp"
+#include "results/results.hpp"
 #include "scenes/answers.hpp"
 #include "session/light/cavity_waves.hpp"
 
@@ -75,6 +78,52 @@ TEST_F(FitBaffle, RecoversTheTruthAndRejectsAnother) {
   Finished const text = straytrace(fit());
   EXPECT_THAT(text.out, AllOf(HasSubstr("8 photodiodes, 10000 W in 'arm'"), HasSubstr("the data REJECT the model"),
                               HasSubstr("\nshift")));
+}
+
+// The watts of the table --csv are in the run file of `wave`, stay there when histories are added, and are on the page;
+// a field that `trace` solves has none.
+TEST_F(FitBaffle, RunFilesKeepTheLightOnPhotodiodes) {
+  std::string const run = folder_ / "run.h5", all = folder_ / "all.csv";
+  auto const solved = [&](std::string const& shift) {
+    EXPECT_EQ(straytrace({"wave", scene_, "--csv", all, "-o", run, "--force", "--quiet", "-p", "shift=" + shift}).code,
+              0);
+    return *read_run(run).about.waves;
+  };
+  wave::WaveRecord const record = solved("0.3 mm");
+  ASSERT_EQ(record.diodes.size(), 8u);
+  std::istringstream rows(text_of(all));
+  std::string row;
+  std::getline(rows, row);
+  for (wave::DiodeRecord const& d : record.diodes) {
+    std::getline(rows, row);
+    std::replace(row.begin(), row.end(), ',', ' ');
+    std::istringstream cells(row);
+    std::string name;
+    double x = 0, y = 0, power = 0, mean = 0;
+    cells >> name >> x >> y >> power >> mean;
+    EXPECT_EQ(d.name, name);
+    EXPECT_EQ(d.rim, 0u);
+    EXPECT_FALSE(d.towards_mirror1);
+    EXPECT_NEAR(d.centre[0], x, 1e-15);
+    EXPECT_NEAR(d.area, 16e-6, 1e-15);
+    EXPECT_NEAR(record.power * d.power, power, 1e-12 * power);
+    EXPECT_NEAR(record.power * d.mean, mean, 1e-12 * mean);
+    EXPECT_NEAR(d.spread, 0, 1e-9 * d.mean);  // perfect mirrors
+  }
+  Words const trace{"trace", scene_, "--histories", "4096", "--quiet", "-p", "shift=0.3 mm", "-o"};
+  auto const traced = [&](std::string const& file) {
+    Words words = trace;
+    words.push_back(file);
+    EXPECT_EQ(straytrace(words).code, 0);
+    return read_run(file).about.waves->diodes;
+  };
+  std::vector<wave::DiodeRecord> const resumed = traced(run);
+  ASSERT_EQ(resumed.size(), 8u);
+  EXPECT_EQ(resumed[3].power, record.diodes[3].power);
+  EXPECT_EQ(straytrace({"report", run, "-o", folder_ / "page.html", "--quiet"}).code, 0);
+  EXPECT_THAT(text_of(folder_ / "page.html"), HasSubstr("\"name\":\"d_8\",\"power\":"));
+  EXPECT_TRUE(traced(folder_ / "none.h5").empty());
+  EXPECT_GT(std::fabs(solved("-0.3 mm").diodes[0].power / record.diodes[0].power - 1), 0.05);  // control
 }
 
 TEST_F(FitBaffle, ErrorsSayWhatIsWrong) {

@@ -49,6 +49,11 @@ def made_wave(file, fields=True):
     group["irradiance/mean"] = np.concatenate([(i + 1) * light.ravel() for i in range(6)])
     group["irradiance/mean_square"] = np.concatenate([((i + 1) * light.ravel()) ** 2 for i in range(6)])
     if fields:
+        group.attrs["device"] = np.bytes_("some GPU")
+        group["photodiodes/name"], group["photodiodes/rim"] = texts(["d_1", "d_2"]), np.array([1, 2**32 - 1], dtype=np.uint32)
+        group["photodiodes/centre"], group["photodiodes/area"] = [[0.45, 0.0], [0.0, 0.46]], [1e-4, 1e-4]
+        for name, values in {"power": [2e-9, np.nan], "mean": [1e-9, 3e-9], "spread": [1e-9, 2e-9]}.items():
+            group["photodiodes/" + name] = values
         group["by_frequency/from"], group["by_frequency/loss"] = [10.0, 20.0], [-1e-9, 5e-9]
         group["by_frequency"].attrs.update(meaning=np.bytes_("loss"), smooth=3e-9, beyond=6e-8)
         group.create_group("grid_check").attrs.update(points=np.array([6], dtype=np.uint64), loss=1e-12, along=np.nan)
@@ -79,6 +84,17 @@ class WaveArrays(unittest.TestCase):
         np.testing.assert_allclose(light.profile, 5 * np.array([1.5, 5.5, 9.5]))
         (other,) = wave.light("baffle_a", towards="ETM")
         self.assertFalse(np.array_equal(light.mean, other.mean))
+
+    def test_photodiodes_in_watts(self):
+        light = self.wave.light_on_photodiodes()
+        self.assertEqual(list(light.index), ["d_1", "d_2"])
+        self.assertEqual(list(light["y"]), [0.0, 0.46])
+        np.testing.assert_allclose(light["mean"], [3e-3, 9e-3])
+        np.testing.assert_allclose(light["spread"], [3e-3, 6e-3])
+        np.testing.assert_allclose(light["power"], [6e-3, np.nan])
+        self.assertEqual(self.wave.device, "some GPU")
+        self.wave.power = 0.0                       # control: not stated, so shares
+        np.testing.assert_allclose(self.wave.light_on_photodiodes()["mean"], [1e-9, 3e-9])
 
     def test_levers_are_complex_and_by_edge(self):
         drawn = self.wave.levers(0)
@@ -111,6 +127,7 @@ class WaveArrays(unittest.TestCase):
         with h5py.File(pathlib.Path(self.folder.name) / "bare.h5", "w") as file:
             made_wave(file, fields=False)
             wave = wave_of(file)
+        self.assertEqual((wave.device, wave.photodiodes, len(wave.light_on_photodiodes())), ("cpu", None, 0))
         self.assertEqual((wave.grid_check, wave.by_frequency), (None, None))
 
     def test_fields_are_complex_images(self):

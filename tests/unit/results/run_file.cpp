@@ -93,6 +93,16 @@ TEST_F(ReportRunFile, KeepsTheFieldOfACavity) {
   EXPECT_EQ(back.rims[1].draws.size(), 0u);
   EXPECT_EQ(back.rims[0].draws[1].response.levers.rotation[2], was.rims[0].draws[1].response.levers.rotation[2]);
   EXPECT_NE(back.rims[0].draws[1].response.levers.rotation[2], was.rims[0].draws[0].response.levers.rotation[2]);
+  EXPECT_EQ(back.device, "a GPU");
+  ASSERT_EQ(back.diodes.size(), 2u);
+  EXPECT_EQ(back.diodes[0].name, "d_1");
+  EXPECT_EQ(back.diodes[0].rim, 1u);
+  EXPECT_TRUE(back.diodes[0].towards_mirror1 && !back.diodes[1].towards_mirror1);
+  EXPECT_EQ(back.diodes[0].centre, was.diodes[0].centre);
+  EXPECT_EQ(back.diodes[0].power, 2e-9);
+  EXPECT_TRUE(std::isnan(back.diodes[1].power));
+  EXPECT_EQ(back.diodes[1].spread, 2e-9);
+  EXPECT_NE(back.diodes[1].mean, back.diodes[0].mean);
   EXPECT_TRUE(back.irradiance.towards_mirror2[0].mean.empty());
   EXPECT_EQ(back.irradiance.towards_mirror1[0].mean, was.irradiance.towards_mirror1[0].mean);
   EXPECT_EQ(back.irradiance.towards_mirror2[3].square, was.irradiance.towards_mirror2[3].square);

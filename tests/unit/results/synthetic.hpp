@@ -270,6 +270,9 @@ inline wave::WaveRecord wave_record() {
              {1e-20, 2e-14, 3e-20},
              {{0, 0, rim_response(1e-7), {1e-10, -2e-10}}, {1, 1, rim_response(2e-7), {3e-10, 0}}}},
             {"baffles", {0, 0, 9e3}, 0.42, 5e-5, 4e-4, 3e-9, 4e-9, {1e-20, 2e-14, 3e-20}, {}}};
+  w.device = "a GPU";
+  w.diodes = {{"d_1", 1, true, {0.45, -0.01}, 1e-4, 2e-9, 1e-9, 5e-10},
+              {"d_2", wave::DiodeRecord::none, false, {0, 0.4}, 2e-4, not_a_number, 3e-9, 2e-9}};
   wave::PolarIrradiance const light{0.5, 2, 2, {4, 3, 2, 1}, {16, 9, 4, 1}};
   w.irradiance.towards_mirror2 = {{}, light, light, light};
   w.irradiance.towards_mirror1 = {light, light, light, {}};
