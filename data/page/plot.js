@@ -128,7 +128,8 @@ class Plot {
     let [low, high] = d3.extent(all);
     if (low === undefined) [low, high] = [log ? 0.1 : 0, 1];
     const points = this.series.some(s => s.kind === "points"), room = (points ? 0.03 : 0) * (high - low);
-    if (!log) return axis === "y" ? [Math.min(low, 0), high + 0.05 * (high - low || 1)] : [low - room, high + room];
+    if (!log && axis === "y") return [Math.min(low, 0), high + 0.05 * (high - low || 1)];
+    if (!log) return low < high ? [low - room, high + room] : [low - Math.max(1, Math.abs(low)) / 2, low + Math.max(1, Math.abs(low)) / 2];
     if (axis === "x") return low < high ? [low, high] : [low / 2, high * 2];
     // Nine decades unless requested otherwise, more where a curve would be out of sight.
     const tops = this.series.filter(s => !s.aside && s.kind !== "band").map(s => d3.max(s.y, v => v === null ? 0 : v));

@@ -103,18 +103,22 @@ function addBafflePower(part, w, watts) {
                  series: [points("light towards " + two, w.rims.towards2, "#0072B2"), points("light towards " + one, w.rims.towards1, "#D55E00")]});
 }
 
-// The speckle of one draw against the mean and spread over mirrors.
+// The speckle of one draw against mean and spread over mirrors; curves end where a set of photodiodes does.
 function addPhotodiodes(part, w, watts) {
-  const box = el("div"), number = w.photodiodes.map((_, i) => i + 1), all = name => w.photodiodes.map(d => d[name]);
-  const off = sign => w.photodiodes.map(d => Math.max(d.mean + sign * d.spread, 0)), unit = watts ? "W" : "share of the power of the mode";
-  const drawn = all("power").some(v => v !== null);
+  const box = el("div"), unit = watts ? "W" : "share of the power of the mode", mm = x => Math.abs(x) < 1e-9 ? 0 : digits(1e3 * x, 4);
+  const set = d => d.name.replace(/_\d+$/, ""), gap = {mean: null, spread: null, power: null}, rows = [];
+  w.photodiodes.forEach((d, i) => {
+    if (i > 0 && set(d) !== set(w.photodiodes[i - 1])) rows.push({...gap, number: i + 0.5});
+    rows.push({...d, number: i + 1});
+  });
+  const all = name => rows.map(d => d[name]), off = sign => rows.map(d => d.mean === null ? null : Math.max(d.mean + sign * d.spread, 0)), drawn = all("power");
   part.append(el("h3", {}, "Light on photodiodes"), box);
   new Plot(box, {height: 360, x: {label: "number of the photodiode"}, y: {label: "power [" + unit + "]", log: true, decades: 6},
-                 series: [{name: "mean over mirrors, less and plus one standard deviation", kind: "band", colour: "#56B4E9", opacity: 0.5, x: number, low: off(-1), high: off(1)},
-                          {name: "mean over mirrors (eq. W.41)", colour: "#0072B2", x: number, y: all("mean")},
-                          ...(drawn ? [{name: "heights as first drawn", kind: "points", colour: "#D55E00", x: number, y: all("power")}] : [])]});
+                 series: [{name: "mean over mirrors, less and plus one standard deviation", kind: "band", colour: "#56B4E9", opacity: 0.5, x: all("number"), low: off(-1), high: off(1)},
+                          {name: "mean over mirrors (eq. W.41)", colour: "#0072B2", x: all("number"), y: all("mean")},
+                          ...(drawn.some(v => v !== null) ? [{name: "heights as first drawn", kind: "points", colour: "#D55E00", x: all("number"), y: drawn}] : [])]});
   part.append(simpleTable(["photodiode", "x [mm]", "y [mm]", (watts ? "power [W]" : "share") + " as drawn", "mean", "standard deviation"],
-                          w.photodiodes.map(d => [d.name, digits(1e3 * d.x, 4), digits(1e3 * d.y, 4), d.power === null ? "–" : digits(d.power, 4), digits(d.mean, 4), digits(d.spread, 2)]), [0]),
+                          w.photodiodes.map(d => [d.name, mm(d.x), mm(d.y), digits(d.power, 4), digits(d.mean, 4), digits(d.spread, 2)]), [0]),
               el("p", {class: "note"}, "Mean and standard deviation over all heights of the mirrors that no map states (eq. W.41, W.43). A dash: the grid does not hold the light that meets it."));
 }
 

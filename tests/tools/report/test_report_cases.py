@@ -132,6 +132,32 @@ def check_ring(folder):
     check(done.returncode == 2 and "did you mean 'maps'?" in done.stderr, f"an unknown picture: {done.stderr}")
 
 
+def check_photodiodes(browser, folder):
+    """Each photodiode has its row and its mark, on the page of a scene with a single baffle, whose plots by place have one point."""
+    example = pathlib.Path(__file__).resolve().parents[3] / "examples/instrumented_baffle.yaml"
+    straytrace("wave", example, "-o", "field.h5", "--order", 0, "--quiet", folder=folder)
+    straytrace("report", "field.h5", "-o", "diodes.html", "--quiet", folder=folder)
+    page = folder / "diodes.html"
+    data = json.loads(DATA.search(page.read_text()).group(2))
+    diodes = data["wave"]["photodiodes"]
+    check(len(diodes) == 56 and len(data["wave"]["rims"]["z"]) == 1, f"{len(diodes)} photodiodes, {len(data['wave']['rims']['z'])} edges")
+    # Speckle: one draw is some spreads from the mean (eq. W.41, W.43).
+    off = [(d["power"] - d["mean"]) / d["spread"] for d in diodes]
+    check(0.3 < math.sqrt(sum(x * x for x in off) / len(off)) < 2, f"one draw is off by {off[:3]} spreads")
+    rows = """const title = [...document.querySelectorAll('#wave h3')].find(h => h.textContent === 'Light on photodiodes');
+              return title ? [...document.querySelectorAll('#wave table')].filter(t => t.textContent.startsWith('photodiode'))[0].tBodies[0].rows.length : 0"""
+    browser.resize(1300)
+    browser.open(page)
+    check(browser.run(rows) == 56, f"{browser.run(rows)} rows of photodiodes")
+    said = faults(browser, 1300)
+    check(not said, f"{said[:3]}, {len(said)} in all")
+    data["wave"]["photodiodes"] = []
+    none = folder / "no_diodes.html"
+    none.write_text(DATA.sub(lambda m: m.group(1) + json.dumps(data).replace("<", "\\u003c") + m.group(3), page.read_text()))
+    browser.open(none)
+    check(browser.run(rows) == 0, "missing photodiodes would not be noticed")                                         # negative control
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -142,6 +168,8 @@ def main():
             with Browser(font=font) as browser:
                 check_faint(browser, page, folder)
                 check_instances(browser, folder / "ring/report.html", folder)
+                if font == USUAL:
+                    check_photodiodes(browser, folder)
     print("pages are in order")
 
 
