@@ -13,6 +13,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/gauss_points.hpp"
+#include "wave/heights/defects.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::wave {
@@ -431,69 +432,40 @@ double begins_beyond(World const& world, ArmMirror const& mirror, double from) {
   return begin;
 }
 
-// Weighted by the beam, which is at x = y = 0. m
-double rms_in_beam(HeightMap const& map, double spot) {
-  double squares = 0, weights = 0;
-  for (std::size_t i = 0; i < map.height.size(); ++i) {
-    if (!std::isfinite(map.height[i])) continue;
-    double const x = map.x[i % map.x.size()], y = map.y[i / map.x.size()];
-    double const weight = std::exp(-2 * (x * x + y * y) / (spot * spot));
-    squares += weight * map.height[i] * map.height[i];
-    weights += weight;
-  }
-  return std::sqrt(squares / weights);
-}
+}  // namespace
 
-// The map of a file without the parts that the scene removes; errors where it cannot be used.
-HeightMap measured_map(WaveSettings::Mirror const& settings, ArmMirror const& mirror, double wavelength) {
-  HeightMap map = height_map_of(settings.bytes, settings.file);
-  if (MeasuredDisc const disc = measured_disc(map); disc.radius < 2 * mirror.spot)
-    throw InputError(
-        fmt::format("the map covers a disc of radius {:.3g} m, less than twice the radius {:.3g} m of the mode",
-                    disc.radius, mirror.spot),
-        "give a map of the whole mirror, or 'spectrum: material'");
-  refuse_large_holes(map);
-  auto const& r = settings.removed;
-  remove(map, fit_low_orders(map, mirror.spot), {r.piston, r.tilt, r.curvature, r.astigmatism});
-  if (double const size = rms_in_beam(map, mirror.spot); !(size < wavelength / 4))
-    throw InputError(
-        fmt::format("the heights are {:.3g} m rms in the beam after the removal of low orders, more than a "
-                    "quarter of the wavelength",
-                    size),
-        "check their unit; see docs/reference/scene.md#wave");
-  return map;
-}
-
-void read_measured_map(WaveSettings::Mirror const& settings, std::size_t number, ArmCavity& arm) {
+std::optional<HeightMap> checked_map(WaveSettings::Mirror const& settings, LightOnMirror const& light,
+                                     double wavelength, std::vector<ArmProblem>& problems) {
   std::vector<std::string> const keys{"maps", settings.name, "file"};
   try {
-    arm.maps[number] = measured_map(settings, arm.mirrors[number], arm.cavity.wavelength);
+    return measured_map(settings, light, wavelength);
   } catch (InputError const& e) {
     for (Problem const& p : e.problems) {
       bool const in_file = !e.files.empty();
-      arm.problems.push_back({keys, in_file ? p.what : fmt::format("{}: {}", settings.file, p.what),
-                              p.suggestion.empty() ? "check the map and its units" : p.suggestion, Severity::error,
-                              in_file ? std::optional(p.place) : std::nullopt});
+      problems.push_back({keys, in_file ? p.what : fmt::format("{}: {}", settings.file, p.what),
+                          p.suggestion.empty() ? "check the map and its units" : p.suggestion, Severity::error,
+                          in_file ? std::optional(p.place) : std::nullopt});
     }
   }
+  return {};
 }
 
-void check_defects(WaveSettings::Mirror const& settings, ArmMirror const& mirror, ArmCavity& arm) {
+void check_defects(WaveSettings::Mirror const& settings, MirrorInLight const& mirror,
+                   std::vector<ArmProblem>& problems) {
   std::vector<std::string> const keys{"maps", settings.name, "defects"};
   for (WaveSettings::Absorber const& a : settings.absorbers)
     if (double const distance = std::hypot(a.x, a.y); !(distance < mirror.radius))
-      arm.problems.push_back({keys, fmt::format("an absorber at [{:g} m, {:g} m] is not on the mirror", a.x, a.y),
-                              fmt::format("choose a place within {:.4g} m of the axis of the cavity", mirror.radius)});
+      problems.push_back({keys, fmt::format("an absorber at [{:g} m, {:g} m] is not on the mirror", a.x, a.y),
+                          fmt::format("choose a place within {:.4g} m of the vertex of the mirror", mirror.radius)});
   for (WaveSettings::Ripple const& r : settings.ripples)
-    if (double const angle = arm.cavity.wavelength / r.period; angle > arm.crossover)
-      arm.problems.push_back(
+    if (double const angle = angle_of_ripple(r, mirror.cosine, mirror.wavelength);
+        angle > mirror.crossover * (1 + 1e-12))
+      problems.push_back(
           {keys,
            fmt::format("a ripple of {:.4g} m scatters to {:.4g} urad, beyond the crossover angle of {:.4g} urad",
-                       r.period, 1e6 * angle, 1e6 * arm.crossover),
+                       r.period, 1e6 * angle, 1e6 * mirror.crossover),
            fmt::format("choose a 'crossover' of {:.4g} urad or more", 1.001e6 * angle)});
 }
-
-}  // namespace
 
 namespace {
 
@@ -514,8 +486,10 @@ void check_smooth(World const& world, WaveSettings::Mirror const& settings, ArmM
 void check_mirrors(World const& world, WaveSettings const& settings, ArmCavity& arm) {
   for (std::size_t i : {0, 1}) {
     WaveSettings::Mirror const& mirror = settings.mirrors[i];
-    check_defects(mirror, arm.mirrors[i], arm);
-    if (mirror.heights == WaveSettings::Heights::file) read_measured_map(mirror, i, arm);
+    double const spot = arm.mirrors[i].spot;
+    check_defects(mirror, {arm.mirrors[i].radius, 1, arm.cavity.wavelength, arm.crossover}, arm.problems);
+    if (mirror.heights == WaveSettings::Heights::file)
+      arm.maps[i] = checked_map(mirror, {{spot, spot}}, arm.cavity.wavelength, arm.problems);
     if (mirror.heights == WaveSettings::Heights::none) {
       check_smooth(world, mirror, arm.mirrors[i], arm);
       continue;

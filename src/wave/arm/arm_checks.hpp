@@ -23,6 +23,16 @@ void check_grid(World const&, WaveSettings const&, ArmCavity&);
 // BSDF models that begin beyond the crossover angle; measured maps, which are read here.
 void check_mirrors(World const&, WaveSettings const&, ArmCavity&);
 
+// The map of a mirror that states a file, with problems where it cannot be used.
+std::optional<HeightMap> checked_map(WaveSettings::Mirror const&, LightOnMirror const&, double wavelength,
+                                     std::vector<ArmProblem>&);
+// Defects beside the mirror, or that scatter beyond the crossover angle.
+struct MirrorInLight {
+  double radius = 0, cosine = 1;         // m; of the angle of incidence
+  double wavelength = 0, crossover = 0;  // m, rad
+};
+void check_defects(WaveSettings::Mirror const&, MirrorInLight const&, std::vector<ArmProblem>&);
+
 double needed_memory(ArmCavity const&);  // bytes, of the fields
 
 // Whether no light of the mode itself meets a rim: 2e-11 of it lies beyond.

@@ -122,7 +122,7 @@ Heights tapered(HeightMap const& map, MeasuredDisc const& disc) {
 
 }  // namespace
 
-double HeightMap::nyquist() const { return 0.5 / std::max(pitch_x(), pitch_y()); }
+double HeightMap::nyquist(double cosine) const { return 0.5 / std::max(cosine * pitch_x(), pitch_y()); }
 
 MeasuredDisc measured_disc(HeightMap const& map) {
   std::array<double, 2> low{infinity, infinity}, high{-infinity, -infinity};
@@ -134,27 +134,29 @@ MeasuredDisc measured_disc(HeightMap const& map) {
   return {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, std::min(high[0] - low[0], high[1] - low[1]) / 2};
 }
 
-LowOrders fit_low_orders(HeightMap const& map, double beam_radius) {
+LowOrders fit_low_orders(HeightMap const& map, LightOnMirror const& light) {
+  auto const [rx, ry] = light.on_mirror();
+  double const w = std::sqrt(rx * ry);
   Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
   Orders right = Orders::Zero();
   for (std::size_t i = 0; i < map.height.size(); ++i) {
     if (!std::isfinite(map.height[i])) continue;
-    double const x = map.x[i % map.x.size()] / beam_radius, y = map.y[i / map.x.size()] / beam_radius;
-    Orders const values = order_values(x, y), weighted = std::exp(-2 * (x * x + y * y)) * values;
+    double const x = map.x[i % map.x.size()] - light.centre[0], y = map.y[i / map.x.size()] - light.centre[1];
+    double const u = x / rx, v = y / ry;
+    Orders const values = order_values(x / w, y / w), weighted = std::exp(-2 * (u * u + v * v)) * values;
     matrix += weighted * values.transpose();
     right += map.height[i] * weighted;
   }
   Eigen::FullPivLU<Eigen::Matrix<double, 6, 6>> solver(matrix);
   solver.setThreshold(1e-10);
   if (!solver.isInvertible())
-    throw InputError(fmt::format("the height map has too few points within the beam of {:g} m radius", beam_radius),
+    throw InputError(fmt::format("the height map has too few points within the beam of {:g} m radius", w),
                      "give a map that covers the beam, with the axis of the cavity at x = y = 0");
   Orders const fit = solver.solve(right);
-  double const w = beam_radius;
   return {fit[0], fit[1] / w, fit[2] / w, fit[3] / (w * w), fit[4] / (w * w), fit[5] / (w * w)};
 }
 
-void remove(HeightMap& map, LowOrders const& orders, RemovedOrders const& removed) {
+void remove(HeightMap& map, LowOrders const& orders, RemovedOrders const& removed, std::array<double, 2> centre) {
   Orders amount{orders.piston,    orders.tilt_x,       orders.tilt_y,
                 orders.curvature, orders.astigmatism0, orders.astigmatism45};
   if (!removed.piston) amount[0] = 0;
@@ -162,7 +164,7 @@ void remove(HeightMap& map, LowOrders const& orders, RemovedOrders const& remove
   if (!removed.curvature) amount[3] = 0;
   if (!removed.astigmatism) amount[4] = amount[5] = 0;
   for (std::size_t i = 0; i < map.height.size(); ++i)
-    map.height[i] -= amount.dot(order_values(map.x[i % map.x.size()], map.y[i / map.x.size()]));
+    map.height[i] -= amount.dot(order_values(map.x[i % map.x.size()] - centre[0], map.y[i / map.x.size()] - centre[1]));
 }
 
 void refuse_large_holes(HeightMap const& map) {
@@ -183,21 +185,25 @@ double fill_holes(HeightMap& map) {
   return holes.share;
 }
 
-std::vector<double> resample(HeightMap const& map, Grid const& grid, double largest_frequency) {
+std::vector<double> resample(HeightMap const& map, Grid const& grid, double largest_frequency,
+                             LightOnMirror const& light) {
   MeasuredDisc disc = measured_disc(map);
   disc.radius = std::min(disc.radius, grid.window / 2);
-  double const highest = std::min(largest_frequency, map.nyquist());
+  double const highest = std::min(largest_frequency, map.nyquist(light.cosine));
   int const most = std::min(grid.points / 2 - 1, int(periods_across(highest, grid)));
   Heights const heights = tapered(map, disc);
-  Eigen::MatrixXcd const along_x = waves_along(map.x, grid.window, 0, most);
+  std::vector<double> x = map.x, y = map.y;  // across the light
+  for (double& place : x) place = light.cosine * (place - light.centre[0]);
+  for (double& place : y) place -= light.centre[1];
+  Eigen::MatrixXcd const along_x = waves_along(x, grid.window, 0, most);
   Eigen::MatrixXcd along = Eigen::MatrixXcd(heights.rows(), most + 1);
   along.real() = heights * along_x.real().transpose();
   along.imag() = heights * along_x.imag().transpose();
-  Eigen::MatrixXcd const spectrum = waves_along(map.y, grid.window, -most, most) * along;
+  Eigen::MatrixXcd const spectrum = waves_along(y, grid.window, -most, most) * along;
 
   Field field(grid);
   // The inverse transform divides by the number of points; signs put the axis into the middle of the grid.
-  double const scale = double(grid.size()) * map.pitch_x() * map.pitch_y() / (grid.window * grid.window);
+  double const scale = double(grid.size()) * light.cosine * map.pitch_x() * map.pitch_y() / (grid.window * grid.window);
   for (int m = 0; m <= most; ++m)
     for (int n = -most; n <= most; ++n) {
       if (std::hypot(n, m) > periods_across(highest, grid)) continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Heights of mirror surfaces: measured, synthesised from a spectrum, and both together on a grid
-// (docs/theory/wave.md, eq. W.17, W.18, W.20).
+// (docs/theory/wave.md, eq. W.17, W.18, W.20, W.55).
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "wave/field.hpp"
+#include "world/model/wave_settings.hpp"
 
 namespace straytrace::wave {
 
@@ -21,7 +22,17 @@ struct HeightMap {
 
   double pitch_x() const { return (x.back() - x.front()) / double(x.size() - 1); }  // m
   double pitch_y() const { return (y.back() - y.front()) / double(y.size() - 1); }  // m
-  double nyquist() const;                                                           // of the larger pitch, 1/m
+  double nyquist(double cosine = 1) const;  // of the larger pitch across light that comes at this cosine, 1/m
+};
+
+// The mode where it falls on a mirror, which takes the point (x, y) across the beam for (x/cosine, y) beside `centre`
+// (eq. W.55).
+struct LightOnMirror {
+  std::array<double, 2> radius{};  // 1/e^2 radii across the beam, along x, in the plane of incidence, and y; m
+  double cosine = 1;               // of the angle of incidence
+  std::array<double, 2> centre{};  // of the spot in the axes of the heights, m
+
+  std::array<double, 2> on_mirror() const { return {radius[0] / cosine, radius[1]}; }  // radii there, m
 };
 
 // The map in the bytes of a file; errors name `file` and the place. Three kinds of files:
@@ -37,7 +48,7 @@ struct MeasuredDisc {
 };
 MeasuredDisc measured_disc(HeightMap const&);
 
-// The best fit in the measure of a beam on the axis, weight |u|^2 = exp(-2 r^2/w^2).
+// The best fit in the measure of a beam, weight |u|^2 = exp(-2 r^2/w^2), about the centre of its spot.
 struct LowOrders {
   double piston = 0;              // m
   double tilt_x = 0, tilt_y = 0;  // rad, slope of the surface
@@ -47,17 +58,24 @@ struct LowOrders {
 struct RemovedOrders {
   bool piston = true, tilt = true, curvature = false, astigmatism = false;
 };
-LowOrders fit_low_orders(HeightMap const&, double beam_radius);
-void remove(HeightMap&, LowOrders const&, RemovedOrders const&);
+LowOrders fit_low_orders(HeightMap const&, LightOnMirror const&);
+inline LowOrders fit_low_orders(HeightMap const& map, double beam_radius) {
+  return fit_low_orders(map, LightOnMirror{{beam_radius, beam_radius}});
+}
+void remove(HeightMap&, LowOrders const&, RemovedOrders const&, std::array<double, 2> centre = {});
 
 // Throws InputError if holes make up more than 10 % of the measured disc.
 void refuse_large_holes(HeightMap const&);
 // Fills holes inside the measured disc by iterated band-limited continuation and returns their share of it.
 double fill_holes(HeightMap&);
 
-// The content of a map without holes up to `largest_frequency` [1/m] or its own Nyquist frequency, on the grid. The
-// heights taper to zero over the outer 5 % of the measured disc.
-std::vector<double> resample(HeightMap const&, Grid const&, double largest_frequency);
+// The map of a mirror that states a file, without the low orders that the scene removes. InputError where it cannot be
+// used: of the file, or without one, of the mirror.
+HeightMap measured_map(WaveSettings::Mirror const&, LightOnMirror const&, double wavelength);
+
+// The content of a map without holes up to `largest_frequency` [1/m] or its own Nyquist frequency, on the grid across
+// the light; of that, only cosine and centre matter. The heights taper to zero over the outer 5 % of the measured disc.
+std::vector<double> resample(HeightMap const&, Grid const&, double largest_frequency, LightOnMirror const& = {});
 
 // The periods of a frequency [1/m] across the window, and rounding: where one band of frequencies of the grid ends and
 // the next begins.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Height maps in HDF5 and in texts.
+// Height maps in HDF5 and in texts, and that of a mirror.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -248,6 +248,47 @@ HeightMap map_of_text(std::string const& text, std::string const& file) {
 }
 
 }  // namespace
+
+namespace {
+
+// Weighted by the beam. m
+double rms_in_beam(HeightMap const& map, LightOnMirror const& light) {
+  auto const [rx, ry] = light.on_mirror();
+  double squares = 0, weights = 0;
+  for (std::size_t i = 0; i < map.height.size(); ++i) {
+    if (!std::isfinite(map.height[i])) continue;
+    double const x = (map.x[i % map.x.size()] - light.centre[0]) / rx,
+                 y = (map.y[i / map.x.size()] - light.centre[1]) / ry;
+    double const weight = std::exp(-2 * (x * x + y * y));
+    squares += weight * map.height[i] * map.height[i];
+    weights += weight;
+  }
+  return std::sqrt(squares / weights);
+}
+
+}  // namespace
+
+HeightMap measured_map(WaveSettings::Mirror const& settings, LightOnMirror const& light, double wavelength) {
+  HeightMap map = height_map_of(settings.bytes, settings.file);
+  auto const [rx, ry] = light.on_mirror();
+  double const off = std::hypot(light.centre[0], light.centre[1]), spot = std::max(rx, ry);
+  if (MeasuredDisc const disc = measured_disc(map); disc.radius < 2 * spot + off)
+    throw InputError(
+        fmt::format("the map covers a disc of radius {:.3g} m, less than twice the radius {:.3g} m of the "
+                    "mode{}",
+                    disc.radius, spot, off > 0 ? fmt::format(", which falls {:.3g} m beside its centre", off) : ""),
+        "give a map of the whole mirror, or 'spectrum: material'");
+  refuse_large_holes(map);
+  auto const& r = settings.removed;
+  remove(map, fit_low_orders(map, light), {r.piston, r.tilt, r.curvature, r.astigmatism}, light.centre);
+  if (double const size = rms_in_beam(map, light); !(size < wavelength / 4))
+    throw InputError(
+        fmt::format("the heights are {:.3g} m rms in the beam after the removal of low orders, more than a "
+                    "quarter of the wavelength",
+                    size),
+        "check their unit; see docs/reference/scene.md#wave");
+  return map;
+}
 
 HeightMap height_map_of(std::string const& bytes, std::string const& file) {
   HeightMap map = bytes.starts_with("\x89HDF") ? MapDatasets(bytes, file).map() : map_of_text(bytes, file);

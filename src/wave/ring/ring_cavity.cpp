@@ -184,6 +184,11 @@ double RingCavity::length() const {
   return sum;
 }
 
+MirrorFrame const& RingCavity::frame_at(std::size_t stop) const {
+  return frames[std::size_t(
+      std::count_if(stops.begin(), stops.begin() + std::ptrdiff_t(stop), [](RingStop const& s) { return s.mirror; }))];
+}
+
 CrossFrame CrossFrame::behind(Vec3 normal) const {
   auto const image = [&](Vec3 v) { return v - 2 * dot(v, normal) * normal; };
   return {image(x), image(y), image(travel)};
@@ -194,7 +199,7 @@ RingCavity planned_ring(World const& world, WaveSettings const& settings) {
   ring.trip.wavelength = world.wavelength;
   Walk(world, settings, ring).around();
   choose_ring_grid(ring, settings);
-  add_scattered(ring, world);
+  plan_ring_heights(ring, world, settings);
   return ring;
 }
 

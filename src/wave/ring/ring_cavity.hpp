@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,11 +46,13 @@ struct RingCavity {
   double crossover = 0;           // rad
   bool scaled = false;            // the grid follows the beam (eq. W.54)
   Trip trip;
-  std::vector<MirrorFrame> frames;  // at the mirrors among the stops, in their order
+  std::vector<MirrorFrame> frames;             // at the mirrors among the stops, in their order
+  std::vector<std::optional<HeightMap>> maps;  // as `mirrors` of the settings: measured, without low orders
   std::vector<ArmProblem> problems;
   std::vector<std::string> warnings;  // of the solution
 
-  double length() const;  // of the round trip, m
+  double length() const;                                // of the round trip, m
+  MirrorFrame const& frame_at(std::size_t stop) const;  // of a mirror
 };
 // Planes, crossover angle and grid, with all that is wrong with them; no field and no heights.
 RingCavity planned_ring(World const&, WaveSettings const&);

@@ -7,7 +7,8 @@
 #include "base/math/constants.hpp"
 #include "base/math/gauss_points.hpp"
 #include "optics/scatter/mixture.hpp"
-#include "wave/heights/height_map.hpp"
+#include "wave/arm/arm_checks.hpp"
+#include "wave/heights/defects.hpp"
 #include "world/model/vertex.hpp"
 #include "world/model/world.hpp"
 
@@ -61,12 +62,29 @@ void turn_around(std::vector<double>& heights, int points) {
   for (auto line = heights.begin(); line != heights.end(); line += points) std::reverse(line + 1, line + points);
 }
 
+// The axes of the heights of a mirror: y along the normal of the plane of incidence, x to the right of who looks at the
+// mirror from the side of the light, from its vertex. 1 where the coordinate x of the light grows along that x, else
+// -1.
+double sense_of(MirrorFrame const& at) { return dot(at.frame.x, cross(at.across, at.normal)) < 0 ? -1 : 1; }
+
+LightOnMirror light_on(RingCavity const& ring, std::size_t i) {
+  RoundHole const& outline = ring.trip.stops[i].opening;
+  auto const& [x, y] = ring.stops[i].arriving;
+  return {{x.radius, y.radius}, outline.cosine, {-sense_of(ring.frame_at(i)) * outline.x / outline.cosine, -outline.y}};
+}
+
+std::size_t number_of(WaveSettings const& settings, SurfaceId surface) {
+  return std::size_t(std::ranges::find(settings.mirrors, surface, &WaveSettings::Mirror::surface) -
+                     settings.mirrors.begin());
+}
+
 // eq. W.20, W.55: what the light that comes at this incidence takes for heights with the spectrum
 // S2 = (BRDF cos theta_s) lambda^4/(16 pi^2 cos^2 theta) of the frequencies across it.
 std::vector<double> heights_across(NearSpecular const& bsdf, double cosine, double wavelength, Grid const& grid,
-                                   double highest, WaveSettings::Mirror const& mirror, std::uint32_t number) {
+                                   double lowest, double highest, WaveSettings::Mirror const& mirror,
+                                   std::uint32_t number) {
   int const N = grid.points;
-  std::vector<double> const white = synthesise([](double) { return 1.0; }, grid, 0, highest, mirror.seed, number);
+  std::vector<double> const white = synthesise([](double) { return 1.0; }, grid, lowest, highest, mirror.seed, number);
   Transform const transform(N, 0);
   Field field(grid);
   std::ranges::copy(white, field.values.begin());
@@ -84,33 +102,68 @@ std::vector<double> heights_across(NearSpecular const& bsdf, double cosine, doub
   return heights;
 }
 
-}  // namespace
-
-void add_scattered(RingCavity& ring, World const& world) {
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < ring.stops.size(); ++i)
-    if (RingStop& stop = ring.stops[i]; stop.mirror)
-      stop.scattered = ring.trip.stops[i].mirror->scattered =
-          NearSpecular(world, stop.surface, ring.frames[next++]).beyond(ring.crossover);
+void put_on(std::vector<double>& heights, std::vector<double> const& more) {
+  if (heights.empty()) heights.resize(more.size());
+  for (std::size_t i = 0; i < heights.size(); ++i) heights[i] += more[i];
 }
 
-void add_ring_heights(RingCavity& ring, World const& world, WaveSettings const& settings) {
-  double const wavelength = ring.trip.wavelength;
-  std::size_t next = 0;
+// On the grid across the light, x as that of the mirror; empty: none.
+std::vector<double> heights_of(RingCavity const& ring, std::size_t i, World const& world,
+                               WaveSettings const& settings) {
+  double const wavelength = ring.trip.wavelength, highest = ring.crossover / wavelength;
+  TripStop const& stop = ring.trip.stops[i];
+  Grid const grid{ring.trip.grid.points, ring.trip.grid.window * stop.scale};
+  std::size_t const number = number_of(settings, ring.stops[i].surface);
+  WaveSettings::Mirror const& mirror = settings.mirrors[number];
+  LightOnMirror const light = light_on(ring, i);
+  std::vector<double> heights;
+  std::optional<HeightMap> map = ring.maps[number];
+  if (mirror.heights != WaveSettings::Heights::none)
+    heights = heights_across(NearSpecular(world, ring.stops[i].surface, ring.frame_at(i)), light.cosine, wavelength,
+                             grid, map ? map->nyquist(light.cosine) : 0, highest, mirror, std::uint32_t(number));
+  if (map) {
+    fill_holes(*map);
+    put_on(heights, resample(*map, grid, highest, light));
+  }
+  for (WaveSettings::Absorber const& a : mirror.absorbers)
+    put_on(heights, heights_of_absorber(a, grid, stop.opening.radius, highest, light));
+  for (WaveSettings::Ripple const& r : mirror.ripples) put_on(heights, heights_of_ripple(r, grid, light));
+  return heights;
+}
+
+}  // namespace
+
+void plan_ring_heights(RingCavity& ring, World const& world, WaveSettings const& settings) {
+  ring.maps.assign(settings.mirrors.size(), {});
+  std::vector<bool> checked(settings.mirrors.size());
   for (std::size_t i = 0; i < ring.stops.size(); ++i) {
     RingStop& stop = ring.stops[i];
     if (!stop.mirror) continue;
-    MirrorFrame const& at = ring.frames[next++];
-    auto const found = std::ranges::find(settings.mirrors, stop.surface, &WaveSettings::Mirror::surface);
-    if (found->heights == WaveSettings::Heights::none) continue;
-    WaveMirror& mirror = *ring.trip.stops[i].mirror;
-    Grid const grid{ring.trip.grid.points, ring.trip.grid.window * ring.trip.stops[i].scale};
-    mirror.height =
-        heights_across(NearSpecular(world, stop.surface, at), mirror.outline.cosine, wavelength, grid,
-                       ring.crossover / wavelength, *found, std::uint32_t(found - settings.mirrors.begin()));
+    LightOnMirror const light = light_on(ring, i);
+    std::size_t const number = number_of(settings, stop.surface);
+    WaveSettings::Mirror const& mirror = settings.mirrors[number];
+    double const wavelength = ring.trip.wavelength;
+    stop.scattered = NearSpecular(world, stop.surface, ring.frame_at(i)).beyond(ring.crossover);
+    for (WaveSettings::Absorber const& a : mirror.absorbers)
+      stop.scattered += scattered_by_absorber(a, light, wavelength, ring.crossover);
+    ring.trip.stops[i].mirror->scattered = stop.scattered;
+    if (checked[number]) continue;  // by light that meets it before
+    checked[number] = true;
+    check_defects(mirror, {ring.trip.stops[i].opening.radius, light.cosine, wavelength, ring.crossover}, ring.problems);
+    if (mirror.heights == WaveSettings::Heights::file)
+      ring.maps[number] = checked_map(mirror, light, wavelength, ring.problems);
+  }
+}
+
+void add_ring_heights(RingCavity& ring, World const& world, WaveSettings const& settings) {
+  for (std::size_t i = 0; i < ring.stops.size(); ++i) {
+    if (!ring.stops[i].mirror) continue;
+    std::vector<double> heights = heights_of(ring, i, world, settings);
+    if (heights.empty()) continue;
     // The heights belong to the mirror: light that meets it twice sees them the same way around.
-    if (dot(at.frame.x, cross(at.across, at.normal)) < 0) turn_around(mirror.height, grid.points);
-    stop.roughness = height_rms(mirror.height);
+    if (sense_of(ring.frame_at(i)) < 0) turn_around(heights, ring.trip.grid.points);
+    ring.stops[i].roughness = height_rms(heights);
+    ring.trip.stops[i].mirror->height = std::move(heights);
   }
 }
 

@@ -7,9 +7,11 @@
 
 namespace straytrace::wave {
 
-// Random heights with the spectrum of the BSDF of each mirror, unless the settings make it perfect.
+// The power that its mirrors scatter beyond the crossover angle, and the measured maps, with problems of maps and
+// defects.
+void plan_ring_heights(RingCavity&, World const&, WaveSettings const&);
+// Heights of each mirror below the crossover angle, as its settings have them: measured, random with the spectrum of
+// its BSDF, or none; with defects.
 void add_ring_heights(RingCavity&, World const&, WaveSettings const&);
-// The power that its mirrors scatter beyond the crossover angle.
-void add_scattered(RingCavity&, World const&);
 
 }  // namespace straytrace::wave
