@@ -21,6 +21,7 @@
 #include "world/model/receiver.hpp"
 
 namespace straytrace::wave {
+struct RingRecord;
 struct WaveRecord;
 }  // namespace straytrace::wave
 
@@ -66,6 +67,7 @@ struct RunContent {
   ImportanceMap importance;
   double beam_power = 0;                          // W, of the main mode; 0: not stated
   std::shared_ptr<wave::WaveRecord const> waves;  // of the table `wave`; may be null
+  std::shared_ptr<wave::RingRecord const> ring;   // the same of a ring or folded cavity
   std::optional<ProjectionInputs> projection;     // absent in files of schema 1
   Provenance provenance;
   std::map<std::string, double> timing;  // s, by stage, without trace and noise

@@ -122,7 +122,8 @@ std::vector<std::string> limits_of(Scene const& scene, World const& world) {
   if (!world.edges.groups.empty())
     lines.push_back("diffraction at the inner edges of 'edges': routes of kind edge, upper bounds");
   if (world.wave.present && world.wave.ring) {
-    lines.push_back("the field of 'wave' gives the losses of its cavity, and no noise: it has three mirrors or more");
+    lines.push_back(
+        "the field of 'wave' gives losses and levers of its cavity, and no noise: it has three mirrors or more");
   } else if (world.wave.present) {
     lines.push_back(world.wave.groups.empty()
                         ? "light below the crossover angle of 'wave' is in the loss of the cavity"

@@ -22,6 +22,7 @@
 #include "world/model/world.hpp"
 
 namespace straytrace::wave {
+struct RingRecord;
 struct WaveRecord;
 }  // namespace straytrace::wave
 
@@ -80,6 +81,7 @@ struct Model : ProjectionModel {
   StopRule until;
   // Of the table `wave`, once it is solved; before, of an earlier run: its key tells whether it is of this model.
   std::shared_ptr<WaveRecord const> waves;
+  std::shared_ptr<wave::RingRecord const> ring_waves;  // of a ring or folded cavity, solved or of an earlier run
 
   std::string hash() const;  // of everything that decides the trace
 };

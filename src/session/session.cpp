@@ -82,6 +82,7 @@ void resume_earlier(Model& model, TraceOptions const& options, std::string const
   if (!found) return;
   RunFile const& earlier = *found;
   if (earlier.about.waves) model.waves = earlier.about.waves;
+  if (earlier.about.ring) model.ring_waves = earlier.about.ring;
   require_this_program(earlier.about.provenance, run_file, "choose another file with -o, or trace again with --force");
   std::uint64_t& size = model.world.block_size;
   std::uint64_t const size_before = earlier.trace.coupling.block_size, histories = earlier.trace.total.histories;
@@ -124,7 +125,8 @@ struct DeterministicLight {
     warnings = std::move(edges.warnings);
     if (model.world.wave.present && model.world.wave.ring)
       warnings.push_back(
-          "wave: the field of a cavity of three mirrors or more adds no noise; 'straytrace wave' prints its losses");
+          "wave: the field of a cavity of three mirrors or more adds no noise; 'straytrace wave' prints its losses and "
+          "levers");
     else if (model.world.wave.present) {
       ArmWaves const waves = solved_or_known(model, on, options);
       std::vector<CouplingClass> rims = wave_rim_classes(model.world, waves);
@@ -324,7 +326,8 @@ RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget
   for (Receiver const& r : content.receivers) content.map_areas.push_back(map_areas(model.world.view(), r.surface, r));
   content.importance = importance_map(model.world);
   content.beam_power = model.world.beam_power;
-  if (model.world.wave.present) content.waves = model.waves;
+  if (model.arm) content.waves = model.waves;
+  if (model.ring) content.ring = model.ring_waves;
   content.projection = model.traced;
   content.provenance.version = build_info::version;
   content.provenance.commit = build_info::commit;

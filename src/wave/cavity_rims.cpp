@@ -61,14 +61,14 @@ void divide_by_overlap(CavityRims& rims) {
 
 }  // namespace
 
-int points_along(double length, WaveCavity const& cavity) {
-  double const largest_frequency = 0.7 / (2 * cavity.grid.pitch());  // of one field
+int points_along(double length, double pitch) {
+  double const largest_frequency = 0.7 / (2 * pitch);  // of one field
   return 4 * std::max(16, int(std::ceil(2.5 * length * 2 * largest_frequency / 4)));
 }
 
 RimCurve round_curve(WaveBaffle const& baffle, WaveCavity const& cavity) {
   Vec3 const centre{baffle.rim.x, baffle.rim.y, baffle.place};
-  return {round_rim(baffle.rim.radius, centre, points_along(2 * pi * baffle.rim.radius, cavity)), centre};
+  return {round_rim(baffle.rim.radius, centre, points_along(2 * pi * baffle.rim.radius, cavity.grid.pitch())), centre};
 }
 
 CavityRims rim_responses(CavityWaves const& waves, WaveMode const& mode,

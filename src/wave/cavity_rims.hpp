@@ -21,7 +21,7 @@ struct RimCurve {
 // Of a round hole, fine enough for the fields on this grid.
 RimCurve round_curve(WaveBaffle const&, WaveCavity const&);
 // The points that a curve of this length [m] needs for fields on the grid: 2.5 for each period of their product.
-int points_along(double length, WaveCavity const&);
+int points_along(double length, double pitch);
 
 struct RimResponse {
   RimLevers levers;

@@ -98,7 +98,7 @@ MirrorLevers mirror_levers(CavityWaves const& waves, Arrival const& arrival) {
   std::optional<Relief> relief;
   if (!mirror.height.empty()) relief.emplace(mirror.height, grid, waves.transform());
   MirrorIntegrals sum{mirror, grid, cavity.wavelength};
-  sum.add_outline(relief, Sampler(arrival.field), points_along(2 * pi * mirror.outline.radius, cavity));
+  sum.add_outline(relief, Sampler(arrival.field), points_along(2 * pi * mirror.outline.radius, grid.pitch()));
   Field const factor = reflection(mirror, Mask(mirror.outline, grid, waves.transform()), cavity.wavelength, grid);
   sum.add_area(relief, factor, arrival.field, laplacian(arrival.field, waves.transform()));
 

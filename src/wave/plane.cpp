@@ -60,8 +60,11 @@ Mask::Mask(RoundHole const& hole, Grid const& grid, Transform const& transform) 
     }
   transform.inverse(spectrum, N, N);
   std::ranges::transform(spectrum.values, values_.begin(), [](Complex z) { return z.real(); });
-  double const half = std::ceil((std::abs(hole.y) + hole.radius) / grid.pitch());
-  rows_ = int(std::min(2 * (half + ripple_reach), double(N)));
+  auto const across = [&](double reach) {
+    return int(std::min(2 * (std::ceil(reach / grid.pitch()) + ripple_reach), double(N)));
+  };
+  rows_ = across(std::abs(hole.y) + hole.radius);
+  columns_ = across(std::abs(hole.x) + hole.cosine * hole.radius);
 }
 
 double Mask::clipped(Field const& field) const {

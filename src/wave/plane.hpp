@@ -28,13 +28,14 @@ class Mask {
   // screen, without the ripple of the series.
   double clipped(Field const&) const;
   std::vector<double> const& values() const { return values_; }
-  // Rows about the axis beyond which nothing passes: the opening and the reach of the ripple, which changes losses by
-  // less than 1e-6 of themselves.
+  // Rows and columns about the axis beyond which nothing passes: the opening and the reach of the ripple, which changes
+  // losses by less than 1e-6 of themselves.
   int rows() const { return rows_; }
+  int columns() const { return columns_; }
 
  private:
   std::vector<double> values_;
-  int rows_;
+  int rows_, columns_;
 };
 
 // A mirror, seen by the light that falls on it. Left out: its reflectivity, which multiplies the eigenvalue.

@@ -24,7 +24,7 @@ NARROW = {                             # (module, other): the only files it may 
     ("noise", "beams"): {"beams/cavity_mode.hpp"},
     ("noise", "trace"): {"trace/coupling.hpp"},
     ("results", "trace"): {"trace/coupling.hpp", "trace/result.hpp"},
-    ("results", "wave"): {"wave/arm/wave_record.hpp"},
+    ("results", "wave"): {"wave/arm/wave_record.hpp", "wave/ring/ring_record.hpp"},
     ("report", "wave"): {"wave/arm/wave_record.hpp"},
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*"((' + "|".join(MAY_INCLUDE) + r')/[^"]+)"')

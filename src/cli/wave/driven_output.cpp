@@ -54,16 +54,22 @@ std::vector<std::size_t> resonances(std::vector<DrivenPowers> const& all) {
   return peaks;
 }
 
-Columns table_of(DrivenArm const& driven, std::vector<std::size_t> const& rows) {
+Columns table_of(DrivenScan const& driven, World const& world, std::vector<std::size_t> const& rows) {
   Columns table{{"detuning/FSR", "Hz", "circulating", "reflected", "transmitted"}, {}, {}};
+  std::size_t const ports = driven.detunings.front().ports.size();
+  if (ports > 1) {
+    table.titles.pop_back();
+    for (std::size_t i = 0; i < ports; ++i) table.titles.push_back("by " + world.name_of(driven.surfaces[i + 1]));
+  }
   std::size_t const orders = driven.detunings.front().orders.size();
   for (std::size_t n = 0; n < orders; ++n) table.titles.push_back(fmt::format("order {}", n));
   table.titles.emplace_back("higher");
   for (std::size_t i : rows) {
     DrivenPowers const& p = driven.detunings[i];
-    std::vector<std::string> row{
-        fmt::format("{:+.6f}", p.detuning), fmt::format("{:+.6g}", p.detuning * driven.free_spectral_range),
-        fmt::format("{:.5g}", p.circulating), fmt::format("{:.5g}", p.reflected), fmt::format("{:.4g}", p.transmitted)};
+    std::vector<std::string> row{fmt::format("{:+.6f}", p.detuning),
+                                 fmt::format("{:+.6g}", p.detuning * driven.free_spectral_range),
+                                 fmt::format("{:.5g}", p.circulating), fmt::format("{:.5g}", p.reflected)};
+    for (double power : p.ports) row.push_back(fmt::format("{:.4g}", power));
     for (double share : p.orders) row.push_back(fmt::format("{:.3g}", share));
     row.push_back(fmt::format("{:.3g}", std::max(1 - in_orders(p), 0.0)));
     table.rows.push_back(std::move(row));
@@ -73,7 +79,7 @@ Columns table_of(DrivenArm const& driven, std::vector<std::size_t> const& rows) 
 
 }  // namespace
 
-std::vector<double> parse_detunings(std::string const& text, WaveCavity const& cavity) {
+std::vector<double> parse_detunings(std::string const& text, double round_trip, double wavelength) {
   std::string const option = "--detuning=" + text;
   ScanAxis const axis = axis_of(option);
   std::vector<InputError> errors;
@@ -84,11 +90,11 @@ std::vector<double> parse_detunings(std::string const& text, WaveCavity const& c
   if (!axis.unit.empty() && (!unit || unit->dimension != dim::frequency))
     refuse(fmt::format("'{}' is not a unit of frequency", axis.unit));
   if (axis.range && axis.numbers.front() > axis.numbers.back()) refuse("the range runs downwards");
-  double const largest = most_detuning * 2 * cavity.length / cavity.wavelength;
+  double const largest = most_detuning * round_trip / wavelength;
   std::vector<double> detunings;
   for (std::size_t i = 0; i < axis.numbers.size(); ++i) {
     double const number = axis.numbers[i];
-    detunings.push_back(unit ? to_si(number, *unit) * 2 * cavity.length / speed_of_light : number);
+    detunings.push_back(unit ? to_si(number, *unit) * round_trip / speed_of_light : number);
     bool const inside = axis.range && i > 0 && i + 1 < axis.numbers.size();  // of a range only the ends are reported
     if (!std::isfinite(number))
       refuse(fault_of(axis.values[i], number));
@@ -97,20 +103,23 @@ std::vector<double> parse_detunings(std::string const& text, WaveCavity const& c
                          "wavelength",
                          axis.values[i], most_detuning),
              fmt::format("stay within {:.3g} free spectral ranges, {:.3g} Hz", largest,
-                         most_detuning * speed_of_light / cavity.wavelength));
+                         most_detuning * speed_of_light / wavelength));
   }
   throw_all(errors);
   return detunings;
 }
 
-std::string driven_text(DrivenArm const& driven, World const& world, std::size_t show) {
-  auto const name = [&](std::size_t i) { return world.name_of(world.wave.mirrors[i].surface); };
+std::string driven_text(DrivenScan const& driven, World const& world, std::size_t show) {
+  auto const name = [&](std::size_t i) { return world.name_of(driven.surfaces[i]); };
+  std::string others;
+  for (std::size_t i = 1; i < driven.surfaces.size(); ++i)
+    others += fmt::format("{}{}: {:.4g}", i > 1 ? ", " : "", name(i), driven.coatings[i].transmission);
   std::string text = fmt::format(
-      "\nField driven through {}, which transmits {:.4g} ({}: {:.4g}), per input power. Free spectral range {:.6g} Hz; "
-      "{} round\n"
+      "\nField driven through {}, which transmits {:.4g} ({}), per input power. Free spectral range {:.6g} Hz; {} "
+      "round\n"
       "trips; at the worst detuning the field is known to {:.1g} of itself.\n",
-      name(0), driven.coatings[0].transmission, name(1), driven.coatings[1].transmission, driven.free_spectral_range,
-      driven.round_trips, std::max(driven.error, 1e-15));
+      name(0), driven.coatings[0].transmission, others, driven.free_spectral_range, driven.round_trips,
+      std::max(driven.error, 1e-15));
   if (driven.input_orders.empty()) {
     text += "The input is the mode of the cavity.\n";
   } else {
@@ -128,10 +137,10 @@ std::string driven_text(DrivenArm const& driven, World const& world, std::size_t
   if (!all)
     text += fmt::format("Maxima of the circulating power over {} detunings, largest first{}; --csv has all.\n",
                         driven.detunings.size(), found > show ? fmt::format(", {} of {}", show, found) : "");
-  return text + "\n" + aligned(table_of(driven, rows));
+  return text + "\n" + aligned(table_of(driven, world, rows));
 }
 
-nlohmann::ordered_json driven_json(DrivenArm const& driven) {
+nlohmann::ordered_json driven_json(DrivenScan const& driven, World const& world) {
   nlohmann::ordered_json points = nlohmann::ordered_json::array();
   for (DrivenPowers const& p : driven.detunings)
     points.push_back({{"detuning", p.detuning},
@@ -139,11 +148,14 @@ nlohmann::ordered_json driven_json(DrivenArm const& driven) {
                       {"circulating", p.circulating},
                       {"reflected", p.reflected},
                       {"transmitted", p.transmitted},
+                      {"ports", p.ports},
                       {"orders", p.orders},
                       {"field_error", p.error}});
   nlohmann::ordered_json mirrors = nlohmann::ordered_json::array();
-  for (MirrorCoating const& c : driven.coatings)
-    mirrors.push_back({{"transmission", c.transmission}, {"loss", c.loss}});
+  for (std::size_t i = 0; i < driven.surfaces.size(); ++i)
+    mirrors.push_back({{"name", world.name_of(driven.surfaces[i])},
+                       {"transmission", driven.coatings[i].transmission},
+                       {"loss", driven.coatings[i].loss}});
   return {{"mirrors", mirrors},
           {"free_spectral_range_hz", driven.free_spectral_range},
           {"entered", driven.entered},
@@ -153,13 +165,16 @@ nlohmann::ordered_json driven_json(DrivenArm const& driven) {
           {"detunings", points}};
 }
 
-std::string driven_csv(DrivenArm const& driven) {
+std::string driven_csv(DrivenScan const& driven, World const& world) {
   std::string text = "detuning,detuning [Hz],circulating,reflected,transmitted";
+  std::size_t const ports = driven.detunings.front().ports.size();
+  for (std::size_t i = 0; ports > 1 && i < ports; ++i) text += ",by " + world.name_of(driven.surfaces[i + 1]);
   for (std::size_t n = 0; n < driven.detunings.front().orders.size(); ++n) text += fmt::format(",order {}", n);
   text += ",field error\n";
   for (DrivenPowers const& p : driven.detunings) {
     text += fmt::format("{},{},{},{},{}", p.detuning, p.detuning * driven.free_spectral_range, p.circulating,
                         p.reflected, p.transmitted);
+    for (std::size_t i = 0; ports > 1 && i < ports; ++i) text += fmt::format(",{}", p.ports[i]);
     for (double share : p.orders) text += fmt::format(",{}", share);
     text += fmt::format(",{}\n", p.error);
   }

@@ -7,18 +7,18 @@
 #include <string>
 #include <vector>
 
-#include "wave/arm/driven_arm.hpp"
+#include "wave/driven.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::cli {
 
 // "-0.5..0.5:1001" or "0,0.1" in free spectral ranges, or with a unit of frequency; in free spectral ranges. Throws one
 // InputError with all that is wrong.
-std::vector<double> parse_detunings(std::string const&, WaveCavity const&);
+std::vector<double> parse_detunings(std::string const&, double round_trip, double wavelength);  // m
 
 // `show`: rows; of more detunings, the resonances.
-std::string driven_text(DrivenArm const&, World const&, std::size_t show);
-nlohmann::ordered_json driven_json(DrivenArm const&);
-std::string driven_csv(DrivenArm const&);
+std::string driven_text(DrivenScan const&, World const&, std::size_t show);
+nlohmann::ordered_json driven_json(DrivenScan const&, World const&);
+std::string driven_csv(DrivenScan const&, World const&);
 
 }  // namespace straytrace::cli

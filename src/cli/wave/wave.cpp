@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <array>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -59,13 +58,8 @@ void refuse_files_of_scene(std::string const& output, Scene const& scene, std::s
   for (auto const& [name, text] : scene.files()) refuse_overwriting(output, (folder / name).string());
 }
 
-struct DrivenPlan {
-  std::vector<double> detunings;  // free spectral ranges
-  std::array<MirrorCoating, 2> coatings;
-};
-
 // All that is wrong with the options, before any work. Nothing without --detuning.
-std::optional<DrivenPlan> checked(WaveOptions const& options, Model const& model) {
+std::optional<DrivePlan> checked(WaveOptions const& options, Model const& model) {
   std::vector<InputError> errors;
   auto const collect = [&](auto const& step) {
     try {
@@ -77,11 +71,12 @@ std::optional<DrivenPlan> checked(WaveOptions const& options, Model const& model
   for (std::string const& output : {options.csv, options.plot})
     collect([&] { refuse_files_of_scene(output, model.scene, options.input); });
   if (!options.out.empty()) collect([&] { refuse_loss_of_histories(options, model); });
-  std::optional<DrivenPlan> driven;
+  std::optional<DrivePlan> driven;
   if (options.detuning) {
     driven.emplace();
     if (!options.plot.empty()) collect([&] { check_ending(options.plot, {".png"}, "--plot"); });
-    collect([&] { driven->detunings = parse_detunings(*options.detuning, model.arm.value().cavity); });
+    double const round_trip = model.ring ? model.ring->length() : 2 * model.arm.value().cavity.length;
+    collect([&] { driven->detunings = parse_detunings(*options.detuning, round_trip, model.world.wavelength); });
     collect([&] { driven->coatings = mirror_coatings(model); });
   } else if (!options.csv.empty() && model.world.wave.photodiodes.empty()) {
     errors.emplace_back("--csv is for photodiodes, which the scene has none of, or for a scan of detuning",
@@ -91,17 +86,18 @@ std::optional<DrivenPlan> checked(WaveOptions const& options, Model const& model
   return driven;
 }
 
-void write_driven(DrivenArm const& driven, WaveOptions const& options) {
+void write_driven(DrivenScan const& driven, World const& world, WaveOptions const& options) {
   std::string message, picture;
-  if (!options.plot.empty()) picture = picture_of(driven_json(driven).dump(), "detuning", message);
+  if (!options.plot.empty()) picture = picture_of(driven_json(driven, world).dump(), "detuning", message);
   if (!options.plot.empty() && picture.empty()) throw InputError(message, "or remove --plot");
-  if (!options.csv.empty()) write_file(options.csv, driven_csv(driven));
+  if (!options.csv.empty()) write_file(options.csv, driven_csv(driven, world));
   if (!options.plot.empty()) write_file(options.plot, picture);
 }
 
 // A run without histories, which `run` and `trace` resume without solving the cavity again; and the picture of the
 // field where the scan of detuning has not taken its place.
-void write_field(WaveOptions const& options, Model& model, ArmWaves const& waves) {
+template <class Waves>
+void write_field(WaveOptions const& options, Model& model, Waves const& waves) {
   keep_waves(model, waves);
   TraceResult const nothing = nothing_traced(model, options.threads, options);
   RunContent const content = content_of(model, nothing, nullptr);
@@ -114,16 +110,36 @@ void write_field(WaveOptions const& options, Model& model, ArmWaves const& waves
     throw InputError(message, "or remove --plot");
 }
 
-int ring(Model const& model, WaveOptions const& options, Computing const& on, ArmOptions const& what) {
-  if (options.seam || options.grid_check || options.by_frequency || options.detuning || !options.out.empty() ||
-      !options.plot.empty() || !options.csv.empty())
+// Prints what is requested of a solved cavity, after the files of its scan.
+int print(std::string const& text, nlohmann::ordered_json json, std::optional<DrivenScan> const& driven,
+          World const& world, WaveOptions const& options) {
+  if (driven) {
+    for (std::string const& warning : driven->warnings) print_warning(warning, options);
+    write_driven(*driven, world, options);
+  }
+  if (options.json()) {
+    if (driven) json["driven"] = driven_json(*driven, world);
+    std::cout << json.dump() << '\n';
+  } else {
+    std::cout << text << (driven ? driven_text(*driven, world, options.show) : "");
+  }
+  return done;
+}
+
+int ring(Model& model, WaveOptions const& options, Computing const& on, ArmOptions const& what) {
+  if (options.seam || options.grid_check || options.by_frequency || options.fields ||
+      (!options.plot.empty() && !options.detuning))
     throw InputError(
-        "--seam, --grid-check, --by-frequency, --detuning, -o, --plot and --csv work for two-mirror cavities only",
+        "--seam, --grid-check, --by-frequency, --fields, and --plot without --detuning work for "
+        "two-mirror cavities only",
         "leave them out; to check the grid, compare with twice the 'points' of 'grid'");
+  std::optional<DrivePlan> const wanted = checked(options, model);
   RingWaves const waves = solve_ring_waves(model, on, options, what);
   for (std::string const& warning : waves.ring.warnings) print_warning(warning, options);
-  std::cout << (options.json() ? ring_json(waves, model.world).dump() + '\n' : ring_text(waves, model.world));
-  return done;
+  if (!options.out.empty()) write_field(options, model, waves);
+  std::optional<DrivenScan> driven;
+  if (wanted) driven = drive_waves(model, waves, *wanted, options, options.order);
+  return print(ring_text(waves, model.world), ring_json(waves, model.world), driven, model.world, options);
 }
 
 int wave(WaveOptions const& options) {
@@ -141,26 +157,15 @@ int wave(WaveOptions const& options) {
   Computing const on = computing(options);
   if (model.world.wave.ring) return ring(model, options, on, what);
   if (options.seam) return print_seam(model, options);
-  std::optional<DrivenPlan> const wanted = checked(options, model);
+  std::optional<DrivePlan> const wanted = checked(options, model);
   ArmWaves const waves = solve_waves(model, on, options, what);
   for (std::string const& warning : waves.arm.warnings) print_warning(warning, options);
   if (!options.out.empty() || (!options.plot.empty() && !wanted)) write_field(options, model, waves);
   if (!options.csv.empty() && !wanted) write_file(options.csv, photodiodes_csv(waves, model.world));
-  std::optional<DrivenArm> driven;
-  if (wanted) {
-    driven = drive_waves(model, waves, wanted->coatings, wanted->detunings, on, options, options.order);
-    for (std::string const& warning : driven->warnings) print_warning(warning, options);
-    write_driven(*driven, options);
-  }
-  if (options.json()) {
-    nlohmann::ordered_json all = wave_json(waves, model.world);
-    if (driven) all["driven"] = driven_json(*driven);
-    std::cout << all.dump() << '\n';
-    return done;
-  }
-  std::cout << wave_text(waves, model.world, options.show);
-  if (driven) std::cout << driven_text(*driven, model.world, options.show);
-  return done;
+  std::optional<DrivenScan> driven;
+  if (wanted) driven = drive_waves(model, waves, *wanted, on, options, options.order);
+  return print(wave_text(waves, model.world, options.show), wave_json(waves, model.world), driven, model.world,
+               options);
 }
 
 }  // namespace

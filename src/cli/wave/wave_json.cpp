@@ -16,6 +16,8 @@ Json spread_json(Spread const& s) {
   return {{"mean", s.mean}, {"median", s.median}, {"percentile_5", s.low}, {"percentile_95", s.high}};
 }
 
+}  // namespace
+
 void add_levers(Json& out, RimLevers const& levers) {
   out["displacement_per_m"] = out["rotation_per_rad"] = Json::array();
   Json& displacement = out["displacement_per_m"];
@@ -25,6 +27,8 @@ void add_levers(Json& out, RimLevers const& levers) {
     rotation.push_back(complex_json(levers.rotation[axis]));
   }
 }
+
+namespace {
 
 // As drawn in the scene (tolerance 0), then with each draw of the tolerances and of the roll, in each draw of the
 // heights.

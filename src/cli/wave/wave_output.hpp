@@ -28,6 +28,8 @@ Spread lever_spread(RimResult const&, bool along);
 // `show`: rows of the tables of rims.
 std::string wave_text(ArmWaves const&, World const&, std::size_t show);
 nlohmann::ordered_json wave_json(ArmWaves const&, World const&);
+// `displacement_per_m` and `rotation_per_rad`, three complex numbers each.
+void add_levers(nlohmann::ordered_json&, RimLevers const&);
 // Of photodiodes.
 std::string photodiodes_text(ArmWaves const&, World const&, std::size_t show);  // empty without any
 std::string photodiodes_csv(ArmWaves const&, World const&);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <optional>
 
 #include "base/math/constants.hpp"
 #include "cli/wave/wave_output.hpp"
@@ -18,6 +19,9 @@ constexpr double rounding = 1e-12;  // of the power; smaller shares are rounding
 std::string share_text(double share, double scale = 1) {
   return share > rounding ? fmt::format("{:.4g}", share * scale) : fmt::format("below {:.4g}", rounding * scale);
 }
+
+// Of the eigenvalues of both directions, relative.
+double mismatch_of(RingWaves const& waves) { return std::abs(waves.levers.eigenvalue / waves.mode.eigenvalue - 1.0); }
 
 // Phase of a mode over that of the fundamental one by the ray matrix of the cavity, -0.5 to 0.5 turns.
 double expected_phase(RingCavity const& ring, ModeLine const& mode) {
@@ -72,6 +76,59 @@ std::string ring_modes_text(RingWaves const& waves) {
          aligned(table);
 }
 
+// Of edges and mirrors in the order of the light.
+std::string levers_text(RingWaves const& waves, World const& world) {
+  Columns table{{"edge or mirror", "body", "|A_x|/(1/m)", "|A_y|", "|A_z|", "about x/(1/rad)", "y", "z", "radius"},
+                {true, true},
+                {}};
+  for (SurfaceLevers const& s : waves.levers.surfaces) {
+    BodyId const body = world.surfaces()[s.surface.value].body;
+    std::vector<std::string> row{world.name_of(s.surface), body.valid() ? world.bodies()[body.value].name : "-"};
+    for (auto const& part : {s.levers.displacement, s.levers.rotation})
+      for (int axis = 0; axis < 3; ++axis) row.push_back(fmt::format("{:.3g}", std::abs(part[axis])));
+    row.push_back(s.mirror ? "-" : fmt::format("{:.3g}", std::abs(s.widening)));
+    table.rows.push_back(std::move(row));
+  }
+  return fmt::format(
+             "\nStray field over the main field per round trip, per displacement along the axes of the scene, per "
+             "rotation "
+             "about the\n"
+             "centre of an edge or the vertex of a mirror, and per change of the radius of an edge (eq. W.56, W.57). "
+             "The "
+             "eigenvalue of\n"
+             "the field the other way around, which they contain, is that of the mode to {:.1e}.\n\n",
+             mismatch_of(waves)) +
+         aligned(table);
+}
+
+nlohmann::ordered_json levers_json(RingWaves const& waves, World const& world) {
+  nlohmann::ordered_json surfaces = nlohmann::ordered_json::array(), bodies = surfaces;
+  std::vector<std::optional<RimLevers>> of_body(world.bodies().size());
+  for (SurfaceLevers const& s : waves.levers.surfaces) {
+    BodyId const body = world.surfaces()[s.surface.value].body;
+    nlohmann::ordered_json entry{{"name", world.name_of(s.surface)},
+                                 {"kind", s.mirror ? "mirror" : "baffle"},
+                                 {"reference_m", {s.reference.x, s.reference.y, s.reference.z}}};
+    add_levers(entry, s.levers);
+    if (!s.mirror) entry["radius_per_m"] = {s.widening.real(), s.widening.imag()};
+    surfaces.push_back(std::move(entry));
+    if (!body.valid()) continue;
+    RimLevers const about = levers_about(s, world.bodies()[body.value].pivot);
+    RimLevers& sum = of_body[body.value] ? *of_body[body.value] : of_body[body.value].emplace();
+    for (int axis = 0; axis < 3; ++axis) {
+      sum.displacement[axis] += about.displacement[axis];
+      sum.rotation[axis] += about.rotation[axis];
+    }
+  }
+  for (std::size_t i = 0; i < of_body.size(); ++i) {
+    if (!of_body[i]) continue;
+    nlohmann::ordered_json entry{{"name", world.bodies()[i].name}};
+    add_levers(entry, *of_body[i]);
+    bodies.push_back(std::move(entry));
+  }
+  return {{"surfaces", surfaces}, {"bodies", bodies}, {"reverse_mismatch", mismatch_of(waves)}};
+}
+
 }  // namespace
 
 std::string ring_text(RingWaves const& waves, World const& world) {
@@ -84,7 +141,7 @@ std::string ring_text(RingWaves const& waves, World const& world) {
       world.wave.beam_name, ring.length(), grid.points, grid.points, grid.window,
       ring.scaled ? " at the start, which follows the beam" : "", 1e6 * grid.largest_angle(ring.trip.wavelength),
       1e6 * ring.crossover);
-  return text + stops_text(waves, world) + ring_modes_text(waves);
+  return text + stops_text(waves, world) + ring_modes_text(waves) + levers_text(waves, world);
 }
 
 nlohmann::ordered_json ring_json(RingWaves const& waves, World const& world) {
@@ -127,7 +184,8 @@ nlohmann::ordered_json ring_json(RingWaves const& waves, World const& world) {
           {"round_trips", waves.mode.round_trips},
           {"beyond_band", known(waves.losses.beyond_band)},
           {"stops", stops},
-          {"modes", modes}};
+          {"modes", modes},
+          {"levers", levers_json(waves, world)}};
 }
 
 }  // namespace straytrace::cli

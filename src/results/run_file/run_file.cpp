@@ -10,6 +10,7 @@
 #include "results/run_file/columns.hpp"
 #include "results/run_file/run_part.hpp"
 #include "wave/arm/wave_record.hpp"
+#include "wave/ring/ring_record.hpp"
 
 namespace straytrace::results {
 namespace {
@@ -202,6 +203,7 @@ void read_all(hdf5::Reader const& in, RunFile& run) {
   run.trace.good_checks = std::uint32_t(in.attribute_count("/", "good_checks"));
   run.trace.warnings = in.strings("/warnings/trace");
   if (in.has("/wave")) run.about.waves = std::make_shared<wave::WaveRecord const>(read_wave(in));
+  if (in.has("/wave_ring")) run.about.ring = std::make_shared<wave::RingRecord const>(read_ring(in));
   run.about.warnings = in.strings("/warnings/scene");
   if (in.has("/noise")) run.noise = read_noise(in);
   if (run.noise) find_bounds(*run.noise, run.trace.coupling);
@@ -389,6 +391,7 @@ void write_run(std::string const& file, RunContent const& run) {
     write_maps_of(out, run.trace->total);
     write_nodes(out, run.trace->tree);
     if (run.waves) write_wave(out, *run.waves);
+    if (run.ring) write_ring(out, *run.ring);
     if (run.noise) write_noise(out, *run.noise);
     write_warnings(out, run);
     write_timing(out, run);

@@ -35,6 +35,8 @@ void write_energy_balance(hdf5::Writer&, TraceResult const&);  // /energy_balanc
 
 void write_wave(hdf5::Writer&, wave::WaveRecord const&);  // /wave
 wave::WaveRecord read_wave(hdf5::Reader const&);          // the file has the group
+void write_ring(hdf5::Writer&, wave::RingRecord const&);  // /wave_ring
+wave::RingRecord read_ring(hdf5::Reader const&);          // the file has the group
 
 void write_noise(hdf5::Writer&, NoiseBudget const&);  // /noise
 NoiseBudget read_noise(hdf5::Reader const&);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// /wave: the solved cavity of the table `wave`.
+// /wave and /wave_ring: the solved cavity of the table `wave`.
 #include <algorithm>
 #include <cmath>
 
 #include "base/errors.hpp"
 #include "results/run_file/columns.hpp"
 #include "wave/arm/wave_record.hpp"
+#include "wave/ring/ring_record.hpp"
 
 namespace straytrace::results {
 namespace {
@@ -25,6 +26,8 @@ using wave::RimDrawRecord;
 using wave::RimLevers;
 using wave::RimRecord;
 using wave::RimResponse;
+using wave::RingRecord;
+using wave::RingSurfaceRecord;
 using wave::SpeckleMeans;
 using wave::WaveRecord;
 
@@ -389,6 +392,78 @@ wave::WaveRecord read_wave(hdf5::Reader const& in) {
   if (in.has(by_frequency)) w.bands = read_bands(in);
   read_wave_fields(in, w);
   return w;
+}
+
+// Rings and folded cavities.
+
+namespace {
+
+template <class Column>
+void ring_surface_columns(Column&& column) {
+  using Surface = RingSurfaceRecord;
+  column("name", {"", "object whose inner edge it is, or mirror"}, &Surface::name);
+  column("body", {"", "that moves it; empty: none"}, &Surface::body);
+  column("mirror", yes_or_no, &Surface::mirror);
+  column("reference", {"m", "centre of the edge or vertex of the mirror, in the scene"},
+         Converted{[](Surface const& s) {
+                     return std::array{s.reference.x, s.reference.y, s.reference.z};
+                   },
+                   [](Surface& s, std::array<double, 3> const& at) {
+                     s.reference = {at[0], at[1], at[2]};
+                   }});
+  column("lost", {"1", "share of the power lost per round trip"}, &Surface::lost);
+  complex_columns<3>(column, "displacement", "1/m", through(&Surface::levers, &RimLevers::displacement));
+  complex_columns<3>(column, "rotation", "1/rad", through(&Surface::levers, &RimLevers::rotation));
+  complex_column(column, "widening", "1/m", &Surface::widening);
+}
+
+// number(name, member) writes or reads each.
+template <class Record, class Number>
+void ring_numbers(Record& r, Number const& number) {
+  number("power", r.power);
+  number("wavelength", r.wavelength);
+  number("length", r.length);
+  number("window", r.grid.window);
+  number("crossover", r.crossover);
+  number("residual", r.residual);
+  number("beyond_band", r.beyond_band);
+}
+
+}  // namespace
+
+void write_ring(hdf5::Writer& out, RingRecord const& r) {
+  char const* const group = "/wave_ring";
+  out.group(group, "field of a ring or folded cavity at small angles (docs/theory/wave.md)");
+  out.attribute(group, "beam", r.beam);
+  ring_numbers(r, [&](char const* name, double value) { out.attribute(group, name, value); });
+  out.attribute(group, "points", Counts{std::uint64_t(r.grid.points)});
+  out.attribute(group, "eigenvalue_real", r.eigenvalue.real());
+  out.attribute(group, "eigenvalue_imaginary", r.eigenvalue.imag());
+  out.attribute(group, "reverse_eigenvalue_real", r.reverse_eigenvalue.real());
+  out.attribute(group, "reverse_eigenvalue_imaginary", r.reverse_eigenvalue.imag());
+  out.attribute(group, "loss", r.loss());
+  out.strings("/wave_ring/warnings", r.warnings);
+  out.group("/wave_ring/modes", "modes with all baffles, next to Hermite-Gauss modes");
+  wave_mode_columns(ColumnWriter(out, "/wave_ring/modes/", r.modes));
+  out.group("/wave_ring/surfaces", "derivatives of the stray field by the motion of each edge and mirror (eq. W.57)");
+  ring_surface_columns(ColumnWriter(out, "/wave_ring/surfaces/", r.surfaces));
+}
+
+RingRecord read_ring(hdf5::Reader const& in) {
+  char const* const group = "/wave_ring";
+  RingRecord r;
+  r.beam = in.attribute_text(group, "beam");
+  ring_numbers(r, [&](char const* name, double& value) { value = in.attribute_number(group, name); });
+  r.grid.points = int(std::min<std::uint64_t>(in.attribute_count(group, "points"), 1u << 16));
+  auto const complex = [&](std::string const& name) {
+    return wave::Complex{in.attribute_number(group, name + "_real"), in.attribute_number(group, name + "_imaginary")};
+  };
+  r.eigenvalue = complex("eigenvalue");
+  r.reverse_eigenvalue = complex("reverse_eigenvalue");
+  r.warnings = in.strings("/wave_ring/warnings");
+  wave_mode_columns(ColumnReader(in, "/wave_ring/modes/", r.modes, RowCount::of_first_column));
+  ring_surface_columns(ColumnReader(in, "/wave_ring/surfaces/", r.surfaces, RowCount::of_first_column));
+  return r;
 }
 
 }  // namespace straytrace::results

@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 #include "results/results.hpp"
 #include "scene/model_tree.hpp"
 #include "session/build_info.hpp"
@@ -186,45 +187,59 @@ RingWaves solve_ring_waves(Model const& model, Computing const& on, PrintOptions
   return solve_ring(model.world, model.world.wave, model.ring.value(), options);
 }
 
-std::array<MirrorCoating, 2> mirror_coatings(Model const& model) {
+namespace {
+
+// Of the interferometer, for an arm. For a ring: none of the input mirror, and other mirrors are perfect.
+double usual_transmission(Model const& model, std::size_t mirror) {
+  if (model.ring) return mirror == 0 ? not_a_number : 0;
   DetectorNumbers const numbers = model.detector ? model.detector->numbers() : DetectorNumbers{};
-  std::array<double, 2> const of_detector{numbers.input_transmission, numbers.end_transmission};
+  return mirror == 0 ? numbers.input_transmission : numbers.end_transmission;
+}
+
+}  // namespace
+
+std::vector<MirrorCoating> mirror_coatings(Model const& model) {
   Node const table = model.scene.table("wave");
-  std::array<MirrorCoating, 2> coatings;
-  for (std::size_t i : {0, 1}) {
-    WaveSettings::Mirror const& mirror = model.world.wave.mirrors[i];
-    coatings[i] = {mirror.transmission.value_or(of_detector[i]), mirror.loss};
+  std::vector<MirrorCoating> coatings;
+  for (WaveSettings::Mirror const& mirror : model.world.wave.mirrors) {
+    MirrorCoating const coating{mirror.transmission.value_or(usual_transmission(model, coatings.size())), mirror.loss};
+    coatings.push_back(coating);
     std::string const& name = model.world.name_of(mirror.surface);
-    if (!std::isfinite(coatings[i].transmission))
+    if (!std::isfinite(coating.transmission))
       cause_of(table, {"mirrors", name})
           .problem(fmt::format("a driven cavity needs the transmission of '{}'", name),
-                   fmt::format("add for example 'mirrors: {{{}: {{transmission: 1.4 %}}}}' to 'wave', or an "
-                               "'interferometer'",
-                               name));
-    else if (coatings[i].reflectivity() < 0.01)
+                   fmt::format("add for example 'mirrors: {{{}: {{transmission: 1.4 %}}}}' to 'wave'{}", name,
+                               model.ring ? "" : ", or an 'interferometer'"));
+    else if (coating.reflectivity() < 0.01)
       cause_of(table, {"mirrors", name, "loss"})
-          .problem(fmt::format("'{}', which transmits {:g} and loses {:g}, holds no light", name,
-                               coatings[i].transmission, mirror.loss),
+          .problem(fmt::format("'{}', which transmits {:g} and loses {:g}, holds no light", name, coating.transmission,
+                               mirror.loss),
                    "lower 'loss', or state a smaller 'transmission'");
   }
   model.scene.throw_if_problems();
   return coatings;
 }
 
-DrivenArm drive_waves(Model const& model, ArmWaves const& waves, std::array<MirrorCoating, 2> const& coatings,
-                      std::vector<double> const& detunings, Computing const& on, PrintOptions const& print,
-                      int highest_order) {
+DrivenScan drive_waves(Model const& model, ArmWaves const& waves, DrivePlan const& plan, Computing const& on,
+                       PrintOptions const& print, int highest_order) {
   WaveProgress progress(print);
-  DrivenArmOptions options;
-  options.threads = on.threads;
-  options.device = on.device;
-  options.highest_order = highest_order;
-  options.progress = std::ref(progress);
-  return drive_arm(model.world.wave, waves, coatings, detunings, options);
+  return drive_arm(model.world.wave, waves, plan.coatings, plan.detunings,
+                   {on.threads, on.device, highest_order, std::ref(progress)});
+}
+
+DrivenScan drive_waves(Model const& model, RingWaves const& waves, DrivePlan const& plan, PrintOptions const& print,
+                       int highest_order) {
+  WaveProgress progress(print);
+  return drive_ring(model.world, model.world.wave, waves, plan.coatings, plan.detunings,
+                    {0, {}, highest_order, std::ref(progress)});
 }
 
 void keep_waves(Model& model, ArmWaves const& waves) {
   model.waves = std::make_shared<WaveRecord const>(record_of(model.world, waves, key_of(model), power_of(model.world)));
+}
+
+void keep_waves(Model& model, RingWaves const& waves) {
+  model.ring_waves = std::make_shared<RingRecord const>(record_of(model.world, waves, power_of(model.world)));
 }
 
 ArmWaves solved_or_known(Model& model, Computing const& on, PrintOptions const& print) {

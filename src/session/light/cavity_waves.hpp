@@ -4,7 +4,6 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include <array>
 #include <string>
 #include <vector>
 
@@ -12,7 +11,7 @@
 #include "session/options.hpp"
 #include "wave/arm/driven_arm.hpp"
 #include "wave/arm/wave_record.hpp"
-#include "wave/ring/ring_waves.hpp"
+#include "wave/ring/ring_record.hpp"
 
 namespace straytrace::session {
 
@@ -31,18 +30,23 @@ ArmWaves solve_waves(Model const&, Computing const&, PrintOptions const&, ArmOpt
 // Of a cavity of three mirrors or more.
 RingWaves solve_ring_waves(Model const&, Computing const&, PrintOptions const&, ArmOptions = {});
 
-// Of its mirrors; the interferometer has the transmissions where the table `wave` has none. InputError where neither
-// has.
-std::array<MirrorCoating, 2> mirror_coatings(Model const&);
-// The field that the input beam builds up in it, at detunings in free spectral ranges; with the split by order up to
-// `highest_order`.
-DrivenArm drive_waves(Model const&, ArmWaves const&, std::array<MirrorCoating, 2> const&,
-                      std::vector<double> const& detunings, Computing const&, PrintOptions const&, int highest_order);
+// Of its mirrors, in their order; for an arm, the interferometer has the transmissions where the table `wave` has none.
+// InputError where neither has.
+std::vector<MirrorCoating> mirror_coatings(Model const&);
+// The field that the input beam builds up in it; with the split by order up to `highest_order`.
+struct DrivePlan {
+  std::vector<double> detunings;  // free spectral ranges
+  std::vector<MirrorCoating> coatings;
+};
+DrivenScan drive_waves(Model const&, ArmWaves const&, DrivePlan const&, Computing const&, PrintOptions const&,
+                       int highest_order);
+DrivenScan drive_waves(Model const&, RingWaves const&, DrivePlan const&, PrintOptions const&, int highest_order);
 
 // From the earlier run that the model knows, where that is of the same cavity and program; otherwise solved. Leaves the
 // record for the run file in the model.
 ArmWaves solved_or_known(Model&, Computing const&, PrintOptions const&);
 void keep_waves(Model&, ArmWaves const&);
+void keep_waves(Model&, RingWaves const&);
 // The same for pictures of its light on baffles; `as_traced`: the field that the model has is taken without a look at
 // its key. InputError where the model has no such light.
 WaveRecord const& waves_to_show(Model&, bool as_traced, unsigned threads, PrintOptions const&);

@@ -299,7 +299,7 @@ ArmCavity arm_cavity(World const& world, WaveSettings const& settings, ArmCavity
 
 RimCurve curve_of(ArmCavity const& arm, ArmRim const& rim, Vec3 displacement, double wider) {
   double const length = 2 * pi * rim.rim.radius;
-  int count = points_along(length, arm.cavity);
+  int count = points_along(length, arm.cavity.grid.pitch());
   if (rim.rim.tooth_depth > 0) {  // whole flanks, with two points on each at least
     int const flanks = std::max(1, int(2 * rim.rim.teeth));
     count = flanks * std::max(2, count / flanks + 1);

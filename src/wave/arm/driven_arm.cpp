@@ -41,21 +41,14 @@ std::vector<double> shares_by_order(beams::Mode const& beam, beams::Mode const& 
   return shares;
 }
 
-void warn(DrivenArm& driven, DrivenOptions const& options) {
-  if (driven.error > options.error)
-    driven.warnings.push_back(fmt::format(
-        "wave: after {} round trips, fields at some detunings are known to {:.2g} of themselves only: resonances of "
-        "modes that the input barely excites",
-        driven.round_trips, driven.error));
-}
-
 }  // namespace
 
-DrivenArm drive_arm(WaveSettings const& settings, ArmWaves const& solved, std::array<MirrorCoating, 2> const& coatings,
-                    std::vector<double> const& detunings, DrivenArmOptions const& options) {
+DrivenScan drive_arm(WaveSettings const& settings, ArmWaves const& solved, std::vector<MirrorCoating> const& coatings,
+                     std::vector<double> const& detunings, DriveOptions const& options) {
   WaveCavity const& cavity = solved.arm.cavity;
-  DrivenArm driven;
+  DrivenScan driven;
   driven.coatings = coatings;
+  for (WaveSettings::Mirror const& m : settings.mirrors) driven.surfaces.push_back(m.surface);
   driven.free_spectral_range = speed_of_light / (2 * cavity.length);
   CavityWaves const waves(cavity, {int(thread_count(unsigned(options.threads))), options.device});
   Field input = solved.mode.spectrum;
@@ -64,20 +57,19 @@ DrivenArm drive_arm(WaveSettings const& settings, ArmWaves const& solved, std::a
     driven.input_orders = shares_by_order(beam, mode_of_mirrors(cavity), options.highest_order);
     input = gaussian_field(waves, beam);
   }
+  DrivenOptions const solve = solve_options(options);
+  driven.take(DrivenCavity(waves, {coatings[0], coatings[1]}, solved.mode.eigenvalue, input, detunings, solve),
+              detunings, solve);
+  return driven;
+}
+
+DrivenOptions solve_options(DriveOptions const& options) {
   DrivenOptions solve;
   solve.highest_order = options.highest_order;
-  solve.progress = [&](int trips, double error) {
-    if (options.progress) options.progress(fmt::format("driven field, round trip {}, error {:.1e}", trips, error));
+  solve.progress = [say = options.progress](int trips, double error) {
+    if (say) say(fmt::format("driven field, round trip {}, error {:.1e}", trips, error));
   };
-  DrivenCavity const field(waves, driven.coatings, solved.mode.eigenvalue, input, detunings, solve);
-  driven.entered = field.entered();
-  driven.round_trips = field.round_trips();
-  for (double const detuning : detunings) {
-    driven.detunings.push_back(field.at(detuning));
-    driven.error = std::max(driven.error, driven.detunings.back().error);
-  }
-  warn(driven, solve);
-  return driven;
+  return solve;
 }
 
 }  // namespace straytrace::wave

@@ -13,26 +13,15 @@
 
 namespace straytrace::wave {
 
-struct DrivenArm {
-  std::array<MirrorCoating, 2> coatings;
-  double free_spectral_range = 0;       // Hz
-  double entered = 0;                   // power of the input within the first mirror
-  std::vector<double> input_orders;     // its shares in the modes of each order of the mirrors alone; empty: the mode
-                                        // of the cavity is the input
-  std::vector<DrivenPowers> detunings;  // in the order given
-  double error = 0;                     // of the field, at the worst of them, at most
-  int round_trips = 0;
-  std::vector<std::string> warnings;
-};
-
-struct DrivenArmOptions {
+struct DriveOptions {
   int threads = 0;                       // 0: all
   std::shared_ptr<WaveDevice> device{};  // none: the host
   int highest_order = 2;
   std::function<void(std::string const& what)> progress;
 };
-// `detunings` in free spectral ranges from the resonance of the mode.
-DrivenArm drive_arm(WaveSettings const&, ArmWaves const&, std::array<MirrorCoating, 2> const&,
-                    std::vector<double> const& detunings, DrivenArmOptions const& = {});
+DrivenOptions solve_options(DriveOptions const&);
+// `coatings` of both mirrors; `detunings` in free spectral ranges from the resonance of the mode.
+DrivenScan drive_arm(WaveSettings const&, ArmWaves const&, std::vector<MirrorCoating> const& coatings,
+                     std::vector<double> const& detunings, DriveOptions const& = {});
 
 }  // namespace straytrace::wave

@@ -2,9 +2,11 @@
 #include "wave/modes/driven.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace straytrace::wave {
 namespace {
@@ -12,15 +14,19 @@ namespace {
 // sqrt(W) per element of a packed spectrum: the sum of |values|^2 is the power.
 double amplitude_scale(Grid const& grid) { return grid.pitch() / grid.points; }
 
-// The input behind mirror 1: within its outline, band-limited.
-Eigen::VectorXcd entering(CavityWaves const& waves, Field field) {
-  Grid const& grid = waves.cavity().grid;
-  Transform const& transform = waves.transform();
-  transform.inverse(field, grid.points, grid.points);
-  std::vector<double> const& mask = waves.outline1().values();
+// The input behind the input mirror: within its outline, band-limited.
+Eigen::VectorXcd entering(RoundTrip const& trip, Field field) {
+  Grid const& grid = trip.trip().grid;
+  trip.transform().inverse(field, grid.points, grid.points);
+  std::vector<double> const& mask = trip.mask(trip.trip().stops.size() - 1).values();
   for (std::size_t i = 0; i < field.values.size(); ++i) field.values[i] *= mask[i];
-  transform.forward(field, grid.points, grid.points);
-  return waves.band().pack(field) * amplitude_scale(grid);
+  trip.transform().forward(field, grid.points, grid.points);
+  return trip.band().pack(field) * amplitude_scale(grid);
+}
+
+std::vector<DrivenMirror> both_mirrors(CavityWaves const& waves, std::array<MirrorCoating, 2> const& coatings) {
+  std::size_t const baffles = waves.cavity().baffles.size();
+  return {{baffles, coatings[1]}, {2 * baffles + 1, coatings[0]}};
 }
 
 double amplitude(double power) { return std::sqrt(std::max(power, 0.0)); }
@@ -29,18 +35,29 @@ constexpr int least_round_trips = 4, trips_between_checks = 2;
 
 }  // namespace
 
-DrivenCavity::DrivenCavity(CavityWaves const& waves, std::array<MirrorCoating, 2> coatings, Complex resonance,
-                           Field const& input, std::vector<double> const& detunings, DrivenOptions const& options)
-    : DrivenCavity(waves, coatings, resonance, entering(waves, input), detunings, options) {}
-
-DrivenCavity::DrivenCavity(CavityWaves const& waves, std::array<MirrorCoating, 2> coatings, Complex resonance,
-                           Eigen::VectorXcd const& entering, std::vector<double> const& detunings,
+DrivenCavity::DrivenCavity(RoundTrip const& trip, std::vector<DrivenMirror> mirrors, HermiteGauss const& hermite_gauss,
+                           Complex resonance, Field const& input, std::vector<double> const& detunings,
                            DrivenOptions const& options)
-    : waves_(waves),
-      coatings_(coatings),
+    : DrivenCavity(trip, std::move(mirrors), hermite_gauss, resonance, entering(trip, input), detunings, options) {}
+
+DrivenCavity::DrivenCavity(CavityWaves const& waves, std::array<MirrorCoating, 2> const& coatings, Complex resonance,
+                           Field const& input, std::vector<double> const& detunings, DrivenOptions const& options)
+    : DrivenCavity(
+          waves.trip(), both_mirrors(waves, coatings), [&](int n, int m) { return waves.hermite_gauss(n, m); },
+          resonance, input, detunings, options) {}
+
+DrivenCavity::DrivenCavity(RoundTrip const& trip, std::vector<DrivenMirror> mirrors, HermiteGauss const& hermite_gauss,
+                           Complex resonance, Eigen::VectorXcd const& entering, std::vector<double> const& detunings,
+                           DrivenOptions const& options)
+    : trip_(trip),
+      input_(mirrors.back().coating),
       resonance_(resonance),
       entered_(entering.norm()),
-      krylov_(entering, waves.threads()) {
+      krylov_(entering, trip.threads()) {
+  for (DrivenMirror const& m : mirrors) {
+    if (&m != &mirrors.back()) ports_.push_back({m.stop, m.coating.transmission * size_ * size_, {}, {}});
+    size_ *= amplitude(m.coating.reflectivity());
+  }
   for (;;) {
     advance();
     int const trips = krylov_.steps();
@@ -51,35 +68,35 @@ DrivenCavity::DrivenCavity(CavityWaves const& waves, std::array<MirrorCoating, 2
     if (options.progress) options.progress(trips, error);
     if (closed || last || error < options.error) break;
   }
-  find_orders(options.highest_order);
+  find_orders(options.highest_order, hermite_gauss);
 }
 
 void DrivenCavity::advance() {
-  Field work(waves_.cavity().grid);
-  waves_.band().unpack(krylov_.next() / amplitude_scale(work.grid), work);
-  waves_.round_trip(
-      work, [&](Arrival const& arrival) { add_transmitted(arrival.field); },
-      [&](int plane, Travel) { return plane == int(waves_.cavity().baffles.size()) + 1; });
-  krylov_.extend(waves_.band().pack(work) * amplitude_scale(work.grid));
+  Field work(trip_.trip().grid);
+  trip_.band().unpack(krylov_.next() / amplitude_scale(work.grid), work);
+  auto const port_at = [&](std::size_t stop) { return std::ranges::find(ports_, stop, &Port::stop); };
+  trip_.travel(work, {[&](std::size_t stop, Field const& arriving) { add_transmitted(*port_at(stop), arriving); },
+                      [&](std::size_t stop) { return port_at(stop) != ports_.end(); }});
+  krylov_.extend(trip_.band().pack(work) * amplitude_scale(work.grid));
 }
 
 // With the mask as weight, so that a product is the power that passes (eq. W.24).
-void DrivenCavity::add_transmitted(Field const& arriving) {
-  Mask const& mask = waves_.outline2();
-  int const N = arriving.grid.points, half = mask.rows() / 2;
-  Eigen::VectorXcd here(Eigen::Index(2 * half) * (2 * half)), weighted(here.size());
+void DrivenCavity::add_transmitted(Port& port, Field const& arriving) {
+  Mask const& mask = trip_.mask(port.stop);
+  int const N = arriving.grid.points, rows = mask.rows() / 2, columns = mask.columns() / 2;
+  Eigen::VectorXcd here(Eigen::Index(2 * rows) * (2 * columns)), weighted(here.size());
   Eigen::Index i = 0;
-  for (int row = N / 2 - half; row < N / 2 + half; ++row)
-    for (int column = N / 2 - half; column < N / 2 + half; ++column, ++i) {
-      here[i] = arriving.grid.pitch() * arriving(row, column);
+  for (int row = N / 2 - rows; row < N / 2 + rows; ++row)
+    for (int column = N / 2 - columns; column < N / 2 + columns; ++column, ++i) {
+      here[i] = trip_.trip().grid.pitch() * arriving(row, column);
       weighted[i] = here[i] * mask.values()[std::size_t(row) * std::size_t(N) + std::size_t(column)];
     }
-  behind_.push_back(std::move(here));
-  auto const n = Eigen::Index(behind_.size());
-  passed_.conservativeResizeLike(Eigen::MatrixXcd::Zero(n, n));
+  port.arriving.push_back(std::move(here));
+  auto const n = Eigen::Index(port.arriving.size());
+  port.power.conservativeResizeLike(Eigen::MatrixXcd::Zero(n, n));
   for (Eigen::Index j = 0; j < n; ++j) {
-    passed_(j, n - 1) = behind_[std::size_t(j)].dot(weighted);
-    passed_(n - 1, j) = std::conj(passed_(j, n - 1));
+    port.power(j, n - 1) = port.arriving[std::size_t(j)].dot(weighted);
+    port.power(n - 1, j) = std::conj(port.power(j, n - 1));
   }
 }
 
@@ -90,8 +107,7 @@ void DrivenCavity::triangularise() {
 }
 
 Complex DrivenCavity::factor(double detuning) const {
-  double const size = amplitude(coatings_[0].reflectivity()) * amplitude(coatings_[1].reflectivity());
-  return size * turned(detuning) * std::abs(resonance_) / resonance_;
+  return size_ * turned(detuning) * std::abs(resonance_) / resonance_;
 }
 
 // eq. W.50 in the Krylov space, and eq. W.51.
@@ -100,7 +116,7 @@ DrivenCavity::Solution DrivenCavity::solution(double detuning) const {
   Eigen::Index const m = triangle_.rows();
   Eigen::MatrixXcd shifted = -a * triangle_;
   shifted.diagonal().array() += 1;
-  double const pumped = amplitude(coatings_[0].transmission) * entered_;
+  double const pumped = amplitude(input_.transmission) * entered_;
   Eigen::VectorXcd const z =
       shifted.triangularView<Eigen::Upper>().solve(Eigen::VectorXcd(pumped * basis_.row(0).adjoint()));
   Solution found{basis_ * z, 0};
@@ -116,14 +132,13 @@ double DrivenCavity::worst(std::vector<double> const& detunings) const {
   return error;
 }
 
-void DrivenCavity::find_orders(int highest_order) {
+void DrivenCavity::find_orders(int highest_order, HermiteGauss const& hermite_gauss) {
   std::vector<Eigen::VectorXcd> const& vectors = krylov_.vectors();
   Eigen::Index const m = krylov_.steps();
   for (int order = 0; order <= highest_order; ++order) {
     Eigen::MatrixXcd amplitudes(order + 1, m);
     for (int n = 0; n <= order; ++n) {
-      Eigen::VectorXcd const mode =
-          waves_.band().pack(waves_.hermite_gauss(n, order - n)) * amplitude_scale(waves_.cavity().grid);
+      Eigen::VectorXcd const mode = trip_.band().pack(hermite_gauss(n, order - n)) * amplitude_scale(trip_.trip().grid);
       for (Eigen::Index j = 0; j < m; ++j) amplitudes(n, j) = mode.dot(vectors[std::size_t(j)]);
     }
     orders_.push_back(std::move(amplitudes));
@@ -133,27 +148,43 @@ void DrivenCavity::find_orders(int highest_order) {
 DrivenPowers DrivenCavity::at(double detuning) const {
   Solution const found = solution(detuning);
   Eigen::VectorXcd const& y = found.y;
-  auto const& [one, two] = coatings_;
-  double const t1 = amplitude(one.transmission), r1 = amplitude(one.reflectivity());
-  DrivenPowers powers{detuning, y.squaredNorm(), 0, 0, {}, found.error};
-  // What returns to mirror 1 is known by its reflection, which keeps 1 - scattered of it (eq. W.52).
-  double const kept = amplitude(1 - waves_.cavity().mirror1.scattered);
+  double const t1 = amplitude(input_.transmission), r1 = amplitude(input_.reflectivity());
+  DrivenPowers powers{detuning, y.squaredNorm(), 0, 0, {}, {}, found.error};
+  // What returns to the input mirror is known by its reflection, which keeps 1 - scattered of it (eq. W.52).
+  double const kept = amplitude(1 - trip_.trip().stops.back().mirror->scattered);
   Eigen::VectorXcd outwards = t1 / (r1 * kept) * y;
   outwards[0] -= (r1 + t1 * t1 / (r1 * kept)) * entered_;
   powers.reflected = outwards.squaredNorm();
-  powers.transmitted = two.transmission * (y.adjoint() * passed_ * y).value().real();
+  for (Port const& port : ports_) {
+    powers.ports.push_back(port.passes * (y.adjoint() * port.power * y).value().real());
+    powers.transmitted += powers.ports.back();
+  }
   for (Eigen::MatrixXcd const& order : orders_) powers.orders.push_back((order * y).squaredNorm() / powers.circulating);
   return powers;
 }
 
 Field DrivenCavity::field(double detuning) const {
-  Grid const& grid = waves_.cavity().grid;
+  Grid const& grid = trip_.trip().grid;
   Eigen::VectorXcd const y = solution(detuning).y;
   Eigen::VectorXcd sum = Eigen::VectorXcd::Zero(krylov_.vectors().front().size());
   for (Eigen::Index i = 0; i < y.size(); ++i) sum += y[i] * krylov_.vectors()[std::size_t(i)];
   Field spectrum(grid);
-  waves_.band().unpack(sum / amplitude_scale(grid), spectrum);
+  trip_.band().unpack(sum / amplitude_scale(grid), spectrum);
   return spectrum;
+}
+
+void DrivenScan::take(DrivenCavity const& cavity, std::vector<double> const& at, DrivenOptions const& options) {
+  entered = cavity.entered();
+  round_trips = cavity.round_trips();
+  for (double const detuning : at) {
+    detunings.push_back(cavity.at(detuning));
+    error = std::max(error, detunings.back().error);
+  }
+  if (error > options.error)
+    warnings.push_back(fmt::format(
+        "wave: after {} round trips, fields at some detunings are known to {:.2g} of themselves only: resonances of "
+        "modes that the input barely excites",
+        round_trips, error));
 }
 
 Field gaussian_field(CavityWaves const& waves, beams::Mode const& beam) {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The field that an input beam builds up in a cavity, at any detuning from one Krylov space (docs/theory/wave.md, eq.
-// W.50 to W.52).
+// The field that an input beam builds up in a cavity, linear, folded or ring, at any detuning from one Krylov space
+// (docs/theory/wave.md, eq. W.50 to W.52).
 #pragma once
 
 #include <array>
 #include <functional>
+#include <string>
 #include <vector>
 
+#include "base/memory/ids.hpp"
 #include "beams/mode.hpp"
 #include "wave/cavity.hpp"
 
@@ -17,12 +19,19 @@ struct MirrorCoating {
   double reflectivity() const { return 1 - transmission - loss; }
 };
 
+// A mirror with its coating, where the light meets it on its round trip.
+struct DrivenMirror {
+  std::size_t stop = 0;
+  MirrorCoating coating;
+};
+
 // Powers for an input beam of unit power.
 struct DrivenPowers {
   double detuning = 0;         // of the light from the resonance of the fundamental mode, in free spectral ranges
-  double circulating = 0;      // that leaves mirror 1 towards mirror 2
-  double reflected = 0;        // that leaves mirror 1 outwards: prompt reflection and leakage
-  double transmitted = 0;      // by mirror 2
+  double circulating = 0;      // that leaves the input mirror into the cavity
+  double reflected = 0;        // that leaves the input mirror outwards: prompt reflection and leakage
+  double transmitted = 0;      // by all other mirrors
+  std::vector<double> ports;   // of that, by each where the light meets it
   std::vector<double> orders;  // share of `circulating` in the Gaussian modes of each order, 0, 1, ...
   double error = 0;            // of the field, relative to it, at most: eq. W.51
 };
@@ -36,41 +45,71 @@ struct DrivenOptions {
 
 class DrivenCavity {
  public:
-  // `resonance`: eigenvalue of the fundamental mode, whose phase is that of zero detuning; `input`: spectrum of a field
-  // of unit power behind mirror 1, which the outline of the mirror clips. Round trips until the error at all
-  // `detunings` is small enough, or most_round_trips.
-  DrivenCavity(CavityWaves const&, std::array<MirrorCoating, 2>, Complex resonance, Field const& input,
+  using HermiteGauss = std::function<Field(int n, int m)>;  // spectra of the modes behind the input mirror
+  // `mirrors`: all of the round trip in the order of the light; the last is the input mirror. `resonance`: eigenvalue
+  // of the fundamental mode, whose phase is that of zero detuning; `input`: spectrum of a field of unit power behind
+  // the input mirror, whose outline clips it. Round trips until the error at all `detunings` is small enough, or
+  // most_round_trips.
+  DrivenCavity(RoundTrip const&, std::vector<DrivenMirror> mirrors, HermiteGauss const&, Complex resonance,
+               Field const& input, std::vector<double> const& detunings, DrivenOptions const& = {});
+  // Through mirror 1 of a linear one.
+  DrivenCavity(CavityWaves const&, std::array<MirrorCoating, 2> const&, Complex resonance, Field const& input,
                std::vector<double> const& detunings, DrivenOptions const& = {});
 
   DrivenPowers at(double detuning) const;
-  Field field(double detuning) const;  // its spectrum after mirror 1
+  Field field(double detuning) const;  // its spectrum after the input mirror
   int round_trips() const { return krylov_.steps(); }
-  double entered() const { return entered_ * entered_; }  // power of the input within the outline of mirror 1
+  double entered() const { return entered_ * entered_; }  // power of the input within the outline of the input mirror
 
  private:
-  DrivenCavity(CavityWaves const&, std::array<MirrorCoating, 2>, Complex resonance, Eigen::VectorXcd const& entering,
-               std::vector<double> const& detunings, DrivenOptions const&);
+  DrivenCavity(RoundTrip const&, std::vector<DrivenMirror>, HermiteGauss const&, Complex resonance,
+               Eigen::VectorXcd const& entering, std::vector<double> const& detunings, DrivenOptions const&);
   struct Solution {
     Eigen::VectorXcd y;
     double error = 0;
   };
-  Complex factor(double detuning) const;  // r1 r2 exp(i delta)
+  // Where light leaves by transmission: the fields that arrive there, where the outline of the mirror passes them, and
+  // their products, power within that outline.
+  struct Port {
+    std::size_t stop = 0;
+    double passes = 0;  // of the power that would arrive between perfect mirrors
+    std::vector<Eigen::VectorXcd> arriving;
+    Eigen::MatrixXcd power;
+  };
+  Complex factor(double detuning) const;  // product of all r, times exp(i delta)
   Solution solution(double detuning) const;
   double worst(std::vector<double> const& detunings) const;
   void advance();
-  void add_transmitted(Field const& arriving);
+  void add_transmitted(Port&, Field const& arriving);
   void triangularise();
-  void find_orders(int highest_order);
+  void find_orders(int highest_order, HermiteGauss const&);
 
-  CavityWaves const& waves_;
-  std::array<MirrorCoating, 2> coatings_;
+  RoundTrip const& trip_;
+  MirrorCoating input_;
+  double size_ = 1;  // product of all r
   Complex resonance_;
   double entered_ = 0;  // norm of the input
   Krylov krylov_;
-  Eigen::MatrixXcd triangle_, basis_;     // Schur form of the matrix of the Krylov space
-  std::vector<Eigen::VectorXcd> behind_;  // fields that arrive at mirror 2, where its mask passes them
-  Eigen::MatrixXcd passed_;               // their products: power within the outline of mirror 2
+  Eigen::MatrixXcd triangle_, basis_;  // Schur form of the matrix of the Krylov space
+  std::vector<Port> ports_;
   std::vector<Eigen::MatrixXcd> orders_;  // amplitudes of the Gaussian modes of each order in the vectors
+};
+
+// What a scan of the detuning gives.
+struct DrivenScan {
+  // The input mirror, then those that light leaves through, in the order of the light; a folded cavity has some twice.
+  std::vector<SurfaceId> surfaces;
+  std::vector<MirrorCoating> coatings;
+  double free_spectral_range = 0;       // Hz
+  double entered = 0;                   // power of the input within the input mirror
+  std::vector<double> input_orders;     // its shares in the modes of each order of the mirrors alone; empty: the mode
+                                        // of the cavity is the input
+  std::vector<DrivenPowers> detunings;  // in the order given
+  double error = 0;                     // of the field, at the worst of them, at most
+  int round_trips = 0;
+  std::vector<std::string> warnings;
+
+  void take(DrivenCavity const&, std::vector<double> const& detunings, DrivenOptions const&);  // with a warning
 };
 
 // A Gaussian beam as a spectrum behind mirror 1, in the frame of the cavity.

@@ -17,17 +17,8 @@ constexpr double most_widening = 4;  // of the mode between two mirrors on a gri
 
 double mean_radius(RingStop const& stop) { return std::sqrt(stop.arriving[0].radius * stop.arriving[1].radius); }
 std::size_t before(RingCavity const& ring, std::size_t i) { return (i + ring.stops.size() - 1) % ring.stops.size(); }
-std::size_t after(RingCavity const& ring, std::size_t i) { return (i + 1) % ring.stops.size(); }
 
 double reach(TripStop const& stop) { return stop.opening.radius + std::hypot(stop.opening.x, stop.opening.y); }
-
-// Curvature of the spherical wave that the grid follows behind a stop, and of that which comes to it (eq. W.54). 1/m
-double followed_behind(Trip const& trip, std::size_t i, std::size_t next) {
-  return (trip.stops[next].scale / trip.stops[i].scale - 1) / trip.stops[next].leg;
-}
-double followed_before(Trip const& trip, std::size_t i, std::size_t last) {
-  return (1 - trip.stops[last].scale / trip.stops[i].scale) / trip.stops[i].leg;
-}
 
 void choose_scales(RingCavity& ring) {
   std::vector<double> radii;
@@ -60,8 +51,7 @@ double slope_at(RingCavity const& ring, std::size_t i) {
   RingStop const& stop = ring.stops[i];
   TripStop const& plane = ring.trip.stops[i];
   double const power = plane.mirror ? 2 * plane.mirror->curvature : 0, cosine = plane.opening.cosine;
-  double const from = followed_before(ring.trip, i, before(ring, i)),
-               to = followed_behind(ring.trip, i, after(ring, i));
+  double const from = followed_before(ring.trip, i), to = followed_behind(ring.trip, i);
   double slope = 0;
   for (std::size_t axis : {0, 1}) {
     AxisBeam const& beam = stop.arriving[axis];
@@ -107,8 +97,17 @@ void check_ring_grid(RingCavity& ring, WaveSettings const& settings) {
 
 }  // namespace
 
+double followed_behind(Trip const& trip, std::size_t i) {
+  TripStop const& next = trip.stops[(i + 1) % trip.stops.size()];
+  return (next.scale / trip.stops[i].scale - 1) / next.leg;
+}
+double followed_before(Trip const& trip, std::size_t i) {
+  TripStop const& last = trip.stops[(i + trip.stops.size() - 1) % trip.stops.size()];
+  return (1 - last.scale / trip.stops[i].scale) / trip.stops[i].leg;
+}
+
 double needed_memory(RingCavity const& ring) {
-  return 16 * double(ring.trip.grid.size()) * (12 + 0.4 * 30 + 2 * double(ring.stops.size()));
+  return 16 * double(ring.trip.grid.size()) * (22 + 0.4 * 30 + 3 * double(ring.stops.size()));
 }
 
 void choose_ring_grid(RingCavity& ring, WaveSettings const& settings) {

@@ -3,9 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 #include "base/process/threads.hpp"
 #include "wave/ring/ring_heights.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::wave {
 namespace {
@@ -20,12 +25,10 @@ RingWaves solve_ring(World const& world, WaveSettings const& settings, RingCavit
   throw_errors(planned.problems);
   RingCavity ring = std::move(planned);
   add_ring_heights(ring, world, settings);
-  RoundTrip const trip(ring.trip, {int(thread_count(unsigned(options.threads))), options.device});
-  for (TripStop& stop : ring.trip.stops)
-    if (stop.mirror) stop.mirror->height = {};  // the round trip has them
+  RoundTrip trip(ring.trip, {int(thread_count(unsigned(options.threads))), options.device});
   auto const pure = [&](int n, int m) { return trip.hermite_gauss(ring.start[0], ring.start[1], n, m); };
   SolveOptions solve;
-  solve.loss_error = 1e-5;
+  solve.loss_error = 1e-7;  // of first order in the residual: the round trip is not symmetric
   solve.progress = [&](int trips, double residual) {
     report(options, fmt::format("round trip {}, residual {:.1e}", trips, residual));
   };
@@ -52,7 +55,85 @@ RingWaves solve_ring(World const& world, WaveSettings const& settings, RingCavit
   }
   report(options, "balance of power");
   TripLosses losses = trip.losses(mode);
-  return {std::move(ring), std::move(mode), std::move(modes), std::move(losses)};
+  solve.progress = [&](int trips, double residual) {
+    report(options, fmt::format("the other way around, round trip {}, residual {:.1e}", trips, residual));
+  };
+  RingLevers levers = ring_levers(world, ring, trip, mode, solve);
+  for (TripStop& stop : ring.trip.stops)
+    if (stop.mirror) stop.mirror->height = {};  // the round trip has them
+  return {std::move(ring), std::move(trip), std::move(mode), std::move(modes), std::move(losses), std::move(levers)};
+}
+
+namespace {
+
+struct DrivingBeam {
+  Field spectrum;
+  std::vector<double> orders;  // its shares in the modes of the mirrors
+};
+
+DrivingBeam driving_beam(WaveSettings::Input const& input, RingWaves const& waves, int highest_order) {
+  auto const& start = waves.ring.start;
+  auto const along = [&](std::size_t axis) {
+    return AxisBeam{input.radius.value_or(start[axis].radius),
+                    input.wavefront_curvature.value_or(start[axis].curvature), input.shift[axis], input.tilt[axis]};
+  };
+  DrivingBeam beam{waves.trip.hermite_gauss(along(0), along(1)), {}};
+  Grid const& grid = waves.ring.trip.grid;
+  double const unit_power = std::pow(grid.pitch() / grid.points, 2);
+  for (int order = 0; order <= highest_order; ++order) {
+    double share = 0;
+    for (int m = 0; m <= order; ++m) {
+      Field const mode = waves.trip.hermite_gauss(start[0], start[1], order - m, m);
+      Complex sum = 0;
+      for (std::size_t i = 0; i < mode.values.size(); ++i) sum += std::conj(mode.values[i]) * beam.spectrum.values[i];
+      share += std::norm(sum * unit_power);
+    }
+    beam.orders.push_back(share);
+  }
+  return beam;
+}
+
+void check_entered(double entered, std::string const& mirror, std::vector<std::string>& warnings) {
+  constexpr double most = 0.99, least = 0.01;
+  if (entered >= most) return;
+  std::string const what = fmt::format("only {:.2g} of the power of the input beam falls on '{}'", entered, mirror);
+  if (entered < least) throw InputError(what, "check 'radius' and 'shift' of 'input', and their units");
+  warnings.push_back("wave: " + what);
+}
+
+}  // namespace
+
+DrivenScan drive_ring(World const& world, WaveSettings const& settings, RingWaves const& waves,
+                      std::vector<MirrorCoating> const& coatings, std::vector<double> const& detunings,
+                      DriveOptions const& options) {
+  RingCavity const& ring = waves.ring;
+  auto const coating_of = [&](SurfaceId surface) {
+    auto const at = std::ranges::find(settings.mirrors, surface, &WaveSettings::Mirror::surface);
+    return coatings[std::size_t(at - settings.mirrors.begin())];
+  };
+  std::vector<DrivenMirror> mirrors;
+  DrivenScan driven;
+  for (std::size_t i = 0; i < ring.stops.size(); ++i) {
+    if (!ring.stops[i].mirror) continue;
+    mirrors.push_back({i, coating_of(ring.stops[i].surface)});
+    driven.surfaces.push_back(ring.stops[i].surface);
+    driven.coatings.push_back(mirrors.back().coating);
+  }
+  std::ranges::rotate(driven.surfaces, driven.surfaces.end() - 1);  // the last is the input mirror
+  std::ranges::rotate(driven.coatings, driven.coatings.end() - 1);
+  driven.free_spectral_range = speed_of_light / ring.length();
+  Field input = waves.mode.spectrum;
+  if (settings.input) {
+    DrivingBeam beam = driving_beam(*settings.input, waves, options.highest_order);
+    driven.input_orders = std::move(beam.orders);
+    input = std::move(beam.spectrum);
+  }
+  DrivenOptions const solve = solve_options(options);
+  auto const pure = [&](int n, int m) { return waves.trip.hermite_gauss(ring.start[0], ring.start[1], n, m); };
+  DrivenCavity const cavity(waves.trip, std::move(mirrors), pure, waves.mode.eigenvalue, input, detunings, solve);
+  if (settings.input) check_entered(cavity.entered(), world.name_of(driven.surfaces[0]), driven.warnings);
+  driven.take(cavity, detunings, solve);
+  return driven;
 }
 
 }  // namespace straytrace::wave

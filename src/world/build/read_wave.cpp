@@ -316,22 +316,14 @@ void refuse_of_rings(Node const& table, WaveSettings const& wave) {
   if (!wave.ring) return;
   for (char const* const key : {"tolerance", "draws", "map_draws"})
     if (table.has(key))
-      table[key].problem(fmt::format("'{}' sets the levers of edges, which exist for two-mirror cavities only", key),
-                         fmt::format("remove '{}'", key));
-  if (table.has("mirrors"))
-    table["mirrors"].problem("'mirrors' works for two-mirror cavities only",
-                             "remove it; the axis follows mirrors that are turned or displaced in 'scene'");
-  if (table.has("input"))
-    table["input"].problem(
-        "'input' works for two-mirror cavities only: there is no driven field of a ring or folded cavity",
-        "remove 'input'");
+      table[key].problem(fmt::format("'{}' works for two-mirror cavities only", key), fmt::format("remove '{}'", key));
+  for (auto const& [name, mirror] : table.table("mirrors").items())
+    for (char const* const key : {"tilt", "shift"})
+      if (mirror.kind() == Node::Kind::table && mirror.has(key))
+        mirror[key].problem(fmt::format("'{}' works for two-mirror cavities only", key),
+                            "turn or displace the mirror in 'scene'; the axis follows it");
   if (table.has("photodiodes"))
     table["photodiodes"].problem("'photodiodes' work for two-mirror cavities only", "remove 'photodiodes'");
-  for (auto const& [name, map] : table.table("maps").items())
-    for (char const* const key : {"file", "defects"})
-      if (map.kind() == Node::Kind::table && map.has(key))
-        map[key].problem(fmt::format("'{}' works for two-mirror cavities only", key),
-                         "write 'spectrum: material' or 'spectrum: none' alone");
 }
 
 }  // namespace

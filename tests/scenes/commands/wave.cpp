@@ -241,6 +241,19 @@ TEST_F(WaveCommand, RunFileWithoutHistoriesIsResumed) {
   EXPECT_THAT(error_text({"wave", scene_, "-o", field, "--quiet"}), HasSubstr("histories, which would be lost"));
 }
 
+// The mode cleaner with smaller apertures, on a grid of fewer points.
+std::string narrow_ring() {
+  std::string text = text_of(source_folder + "/examples/mode_cleaner.yaml");
+  auto const all = [&](std::string const& from, std::string const& to) {
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+      text.replace(at, from.size(), to);
+  };
+  all("outer_radius: 60 mm", "outer_radius: 20 mm");
+  all("inner_radius: 30 mm", "inner_radius: 15 mm");
+  all("crossover: 1 mrad", "crossover: 0.5 mrad");
+  return text;
+}
+
 // One curved mirror of 27.24 m, 32.9461 m around: orders across the plane lag by arccos(1 - L/RoC), those in it by half
 // a turn more, with an odd number of mirrors (eq. W.53); astigmatism at 0.8 deg is small.
 TEST_F(WaveCommand, RingHasItsLossesAndPhases) {
@@ -261,12 +274,41 @@ TEST_F(WaveCommand, RingHasItsLossesAndPhases) {
       EXPECT_GT(std::fabs(std::fabs(phase) - (mode["n"] == 1 ? lag : 0.5 - lag)), 0.01);  // negative control
     }
   }
-  EXPECT_THAT(error_text({"wave", ring, "--quiet", "--detuning", "0"}), HasSubstr("work for two-mirror cavities only"));
+  ASSERT_EQ(all["levers"]["surfaces"].size(), 4u);  // the baffle once
+  EXPECT_EQ(all["levers"]["surfaces"][0]["displacement_per_m"].size(), 3u);
+  EXPECT_EQ(all["levers"]["bodies"].size(), 1u);
   EXPECT_THAT(error_text({"wave", ring, "--quiet", "--seam"}), HasSubstr("work for two-mirror cavities only"));
-  std::string const wrong = folder_ / "ring.yaml";
+  std::string const wrong = folder_ / "ring.yaml", narrow = folder_ / "narrow.yaml", field = folder_ / "ring.h5";
+  write_text(narrow, narrow_ring());
+  ASSERT_EQ(straytrace({"wave", narrow, "-o", field, "--order", "0", "--quiet"}).code, 0);
+  RunFile const kept = read_run(field);
+  ASSERT_TRUE(kept.about.ring);
+  EXPECT_EQ(kept.about.ring->surfaces.size(), 4u);
+  EXPECT_EQ(kept.about.ring->surfaces[0].body, "stack");
   write_text(wrong, edited(text_of(ring), "crossover: 1 mrad", "crossover: 1 mrad, grid: {points: 64}"));
   EXPECT_THAT(error_text({"check", wrong, "--quiet"}),
               AllOf(HasSubstr("ring.yaml:31:"), HasSubstr("does not carry a crossover angle")));
+}
+
+// The power of a lossless ring leaves by the mirrors that transmit (eq. W.52), and at the resonance of a matched one
+// with two equal mirrors nothing is reflected.
+TEST_F(WaveCommand, RingIsDriven) {
+  std::string const ring = folder_ / "narrow.yaml";
+  write_text(ring, narrow_ring());
+  auto const driven = answer({"wave", ring, "--quiet", "--order", "1", "--detuning", "0,0.1"})["driven"];
+  ASSERT_EQ(driven["mirrors"].size(), 3u);
+  EXPECT_EQ(driven["mirrors"][0]["name"], "MC1");
+  EXPECT_EQ(driven["mirrors"][2]["name"], "MC3");
+  auto const& at = driven["detunings"];
+  EXPECT_LT(at[0]["reflected"].get<double>(), 1e-4);
+  EXPECT_NEAR(at[0]["ports"][1].get<double>(), 1, 6e-3);  // the round trip loses 3e-5 of 1/0.006 of the input
+  EXPECT_EQ(at[0]["ports"][0].get<double>(), 0);
+  EXPECT_GT(at[1]["reflected"].get<double>(), 0.99);
+  std::string const unknown = folder_ / "unknown.yaml";
+  write_text(unknown, edited(narrow_ring(), "MC1: {transmission: 0.6 %}, ", ""));
+  EXPECT_THAT(error_text({"wave", unknown, "--quiet", "--detuning", "0"}),
+              HasSubstr("a driven cavity needs the transmission of 'MC1'"));
+  EXPECT_THAT(error_text({"wave", ring, "--quiet", "--plot", "a.png"}), HasSubstr("work for two-mirror cavities only"));
 }
 
 TEST_F(WaveCommand, WhatIsMissingIsExplained) {

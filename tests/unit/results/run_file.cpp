@@ -61,6 +61,26 @@ TEST_F(ReportRunFile, ComesBackBitByBit) {
   EXPECT_EQ(back.trace.seconds, 12.5);
 }
 
+TEST_F(ReportRunFile, KeepsTheFieldOfARing) {
+  RunFile const file = read_run(written());
+  ASSERT_TRUE(file.about.ring);
+  wave::RingRecord const &back = *file.about.ring, was = ring_record();
+  EXPECT_EQ(back.beam, was.beam);
+  EXPECT_EQ(back.eigenvalue, was.eigenvalue);
+  EXPECT_EQ(back.reverse_eigenvalue, was.reverse_eigenvalue);
+  EXPECT_TRUE(back.grid == was.grid);
+  EXPECT_EQ(back.length, 33);
+  ASSERT_EQ(back.surfaces.size(), 2u);
+  EXPECT_EQ(back.surfaces[0].body, "pipe");
+  EXPECT_TRUE(back.surfaces[1].mirror && !back.surfaces[0].mirror);
+  EXPECT_EQ(back.surfaces[1].reference.y, 5);
+  EXPECT_EQ(back.surfaces[0].widening, was.surfaces[0].widening);
+  EXPECT_EQ(back.surfaces[1].levers.rotation[2], was.surfaces[1].levers.rotation[2]);
+  EXPECT_NE(back.surfaces[1].levers.rotation[2], was.surfaces[0].levers.rotation[2]);
+  ASSERT_EQ(back.modes.size(), 1u);
+  EXPECT_EQ(back.modes[0].laguerre.two, -1);
+}
+
 TEST_F(ReportRunFile, KeepsTheFieldOfACavity) {
   RunFile const file = read_run(written());
   ASSERT_TRUE(file.about.waves);

@@ -10,6 +10,7 @@
 #include "base/every_module.hpp"
 #include "results/results.hpp"
 #include "wave/arm/wave_record.hpp"
+#include "wave/ring/ring_record.hpp"
 
 namespace straytrace::test {
 
@@ -286,6 +287,25 @@ inline wave::WaveRecord wave_record() {
   return w;
 }
 
+inline wave::RingRecord ring_record() {
+  wave::RingRecord r;
+  r.beam = "imc";
+  r.power = 2e4;
+  r.wavelength = 1064e-9;
+  r.length = 33;
+  r.grid = {4, 2};
+  r.crossover = 1e-3;
+  r.eigenvalue = {0.9, -0.4};
+  r.reverse_eigenvalue = {0.9, -0.41};
+  r.residual = 1e-7;
+  r.beyond_band = 1e-9;
+  r.modes = {{1, {1, 0, 0.5}, {0, -1, 0.6}, 0.9, 1e-6, 0.25, 1e-6, 2}};
+  r.surfaces = {{"baffle", "pipe", false, {1, 2, 3}, 1e-8, rim_response(1e-7).levers, {3, -4}},
+                {"MC1", "", true, {4, 5, 6}, 2e-8, rim_response(2e-7).levers, {}}};
+  r.warnings = {"wave: made up"};
+  return r;
+}
+
 inline RunContent content(TraceResult const& trace, NoiseBudget const* noise) {
   RunContent c;
   c.files = {{"arm.yaml", "straytrace: 1\nunits: µm\n"}, {"empty.txt", ""}, {"data/steel.csv", "1, 2\r\n3, 4"}};
@@ -302,6 +322,7 @@ inline RunContent content(TraceResult const& trace, NoiseBudget const* noise) {
       {{1, 0, 0, 0.5, 0.25}, {1, 0, 0.5, 1, 0.25}, {3, 1, -1, 2, 12}}, {0.5, 0, 1e-9, 3}, {0.25, 1, 1, 0.9}};
   c.projection = projection_inputs(trace.coupling);
   c.waves = std::make_shared<wave::WaveRecord const>(wave_record());
+  c.ring = std::make_shared<wave::RingRecord const>(ring_record());
   c.trace = &trace;
   c.noise = noise;
   return c;
