@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "wave/driven.hpp"
+#include "wave/modes/driven.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::cli {

@@ -49,7 +49,7 @@ void LightMeter::operator()(Arrival const& arrival) {
   int const last = int(arm_.rims.size()) + 1;
   if (arrival.plane == 0 || arrival.plane == last) {
     WaveMirror const& mirror = arrival.plane == 0 ? cavity_.mirror1 : cavity_.mirror2;
-    int const points = points_along(2 * pi * mirror.outline.radius, cavity_);
+    int const points = points_along(2 * pi * mirror.outline.radius, cavity_.grid.pitch());
     light_.outlines[arrival.plane == 0 ? 0 : 1] =
         leaving_outline(Sampler(arrival.field), mirror, cavity_.wavelength, points);
     return;
