@@ -21,7 +21,7 @@ from .errors import RunError, StraytraceWarning
 from .paths import Paths, Where, paths_from
 from .routes import EnergyBalance, Receiver, Receivers, Routes
 from .scratch import Scratch
-from .wave import Wave, wave_of
+from .wave import Wave, WaveRing, wave_of, wave_ring_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -50,6 +50,7 @@ class Run:
     receivers: Receivers = field(default_factory=Receivers)
     beam_power: float = 0.0           # W; 0: not stated
     wave: Wave | None = None          # of the table `wave` of the scene, since schema 2.2
+    wave_ring: WaveRing | None = None     # of a ring or folded cavity, since schema 2.3
     scratch: Scratch | None = field(default=None, repr=False)    # holds a temporary file
 
     @property
@@ -198,6 +199,7 @@ def _read(file: Any, path: pathlib.Path) -> Run:
         receivers=reading.receivers_of(file),
         beam_power=float(file["receivers"].attrs["beam_power"]) if "receivers" in file else 0.0,
         wave=wave_of(file),
+        wave_ring=wave_ring_of(file),
         files={reading.text(item.attrs["name"]): reading.text(item[()]) for item in file["input/files"].values()},
     )
     if run.noise is not None:

@@ -141,6 +141,36 @@ class Wave:
         return pandas.DataFrame(columns, index=pandas.Index(found.get("name", []), name="photodiode"))
 
 
+@dataclass
+class WaveRing:
+    """The solved ring or folded cavity of the table `wave` of a scene."""
+
+    beam: str
+    power: float                  # W, of the mode; 0: not stated
+    wavelength: float             # m
+    length: float                 # m, of the round trip
+    points: int                   # of the grid, along one side
+    window: float                 # m, side of the grid at the first mirror
+    crossover: float              # rad
+    eigenvalue: complex           # of the round trip, without its transmissions
+    reverse_eigenvalue: complex   # of the round trip in the other direction
+    loss: float                   # of power per round trip
+    beyond_band: float
+    modes: dict[str, Any]         # columns as those of `Wave`
+    surfaces: dict[str, Any]      # columns with one entry for each inner edge and mirror: name, body, mirror, reference [m], lost, and the
+                                  # complex displacement [s, 3] 1/m, rotation [s, 3] 1/rad and widening [s] 1/m, along the axes of the scene
+    warnings: list[str] = field(default_factory=list)
+
+    def levers(self, surface: str) -> ComplexArray:
+        """Derivatives of the stray field over the main field by the motion of an inner edge or a mirror: x, y, z [1/m] and rotations
+       """
+        names = self.surfaces["name"]
+        if surface not in names:
+            raise KeyError(f"the cavity has no inner edge or mirror '{surface}'; it has {', '.join(names)}")
+        row = names.index(surface)
+        return np.hstack([self.surfaces["displacement"][row], self.surfaces["rotation"][row]])
+
+
 def _columns(group: Any) -> dict[str, Any]:
     """The columns of a group; parts `_real` and `_imaginary` become one complex column."""
     found: dict[str, Any] = {}
@@ -208,3 +238,20 @@ def wave_of(file: Any) -> Wave | None:
         warnings=[w.decode("utf-8", "replace") for w in group["warnings"][()]],
         **number,
     )
+
+
+def wave_ring_of(file: Any) -> WaveRing | None:
+    """/wave_ring; None where a run has none."""
+    if "wave_ring" not in file:
+        return None
+    group = file["wave_ring"]
+    number = {name: float(group.attrs[name]) for name in ("power", "wavelength", "length", "window", "crossover", "loss", "beyond_band")}
+    return WaveRing(
+        beam=_text(group.attrs["beam"]),
+        points=int(group.attrs["points"]),
+        eigenvalue=complex(group.attrs["eigenvalue_real"], group.attrs["eigenvalue_imaginary"]),
+        reverse_eigenvalue=complex(group.attrs["reverse_eigenvalue_real"], group.attrs["reverse_eigenvalue_imaginary"]),
+        modes=_columns(group["modes"]),
+        surfaces=_columns(group["surfaces"]),
+        warnings=[_text(w) for w in group["warnings"][()]],
+        **number)

@@ -12,7 +12,7 @@ sys.dont_write_bytecode = True
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
-from straytrace.wave import wave_of  # noqa: E402
+from straytrace.wave import wave_of, wave_ring_of  # noqa: E402
 
 
 def made_wave(file, fields=True):
@@ -139,6 +139,29 @@ class WaveArrays(unittest.TestCase):
         with h5py.File(pathlib.Path(self.folder.name) / "bare.h5", "w") as file:
             made_wave(file, fields=False)
             self.assertEqual((wave_of(file).fields, wave_of(file).at), ([], None))
+
+
+class RingCavity(unittest.TestCase):
+    """A made-up group /wave_ring."""
+
+    def test_levers_by_surface(self):
+        with tempfile.TemporaryDirectory() as folder, h5py.File(pathlib.Path(folder) / "run.h5", "w") as file:
+            self.assertIsNone(wave_ring_of(file))
+            group = file.create_group("wave_ring")
+            group.attrs.update(beam=np.bytes_("mode_cleaner"), power=10.0, wavelength=1064e-9, length=300.0, points=4, window=0.1,
+                               crossover=1e-3, eigenvalue_real=0.6, eigenvalue_imaginary=0.8, reverse_eigenvalue_real=0.6,
+                               reverse_eigenvalue_imaginary=0.79, loss=1e-6, beyond_band=1e-9)
+            group["warnings"] = np.array([], dtype="S20")
+            group["modes/n"] = [0, 1]
+            group["surfaces/name"] = np.array([b"baffle", b"end"], dtype="S20")
+            for kind, size in (("displacement", 1.0), ("rotation", 10.0)):
+                rows = size * np.array([[1.0, 2, 3], [4, 5, 6]])
+                group[f"surfaces/{kind}_real"], group[f"surfaces/{kind}_imaginary"] = rows, -rows
+            ring = wave_ring_of(file)
+        self.assertEqual((ring.beam, ring.points, ring.reverse_eigenvalue), ("mode_cleaner", 4, 0.6 + 0.79j))
+        np.testing.assert_array_equal(ring.levers("end"), (1 - 1j) * np.array([4, 5, 6, 40, 50, 60]))
+        with self.assertRaisesRegex(KeyError, "it has baffle, end"):
+            ring.levers("mirror")
 
 
 if __name__ == "__main__":
