@@ -18,6 +18,7 @@
 #include "session/backend.hpp"
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
+#include "session/light/cavity_waves.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 #include "trace/importance/importance.hpp"
@@ -85,6 +86,7 @@ int print_history(TraceOptions const& options, std::uint64_t number) {
   RunInput const earlier(options.input);
   Model model = earlier.read(options.overrides);
   if (options.seed) model.seed = *options.seed;
+  light_halo(model, false, options.threads, options);
   std::vector<HistoryEvent> const events =
       replay_history_events(steer(model.world, options.threads), model.seed, number);
   if (options.json()) {

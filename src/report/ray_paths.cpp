@@ -37,8 +37,7 @@ template <class Sink, class Each>
 void follow(WorldView const& view, std::uint64_t seed, std::uint64_t number, Sink& sink, Each const& each) {
   History history;
   history.begin(number);
-  if (!emit(view, seed, history.path, sink)) return;
-  bool goes_on = true;
+  bool goes_on = begin(view, seed, history, sink);
   while (goes_on) {
     Hit const hit = view.closest(history.path.ray, history.path.from);
     each(history.path, hit);
@@ -60,6 +59,10 @@ class TellingSink {
       events.back().where = world_.ports()[view_.lit[goal].port.value];
     else if (!port)
       events.back().where = world_.receiver_names().at(goal - view_.lit.size);
+  }
+  void score_halo(PathState const& path, Vertex const&, Vertex const& y, std::uint32_t source, bool, double coupling) {
+    add("rejoin", path, y, coupling);
+    events.back().where = world_.ports()[view_.lit[view_.halo.sources[source].footprint].port.value];
   }
   void score_through(PathState const& path, Vertex const& v, Vertex const&, Chain const&, std::uint32_t receiver,
                      Vertex const&, double power) {

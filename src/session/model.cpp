@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "base/errors.hpp"
@@ -280,7 +281,8 @@ void replace_motion(ProjectionModel& model, std::string const& file, FileTexts c
 }
 
 std::string Model::hash() const {
-  std::string const parts[] = {world.fingerprint()};
+  std::vector<std::string> parts{world.fingerprint()};
+  if (arm && !arm->rims.empty()) std::ranges::move(wave_inputs(*this), std::back_inserter(parts));  // paths start in it
   return model_hash(parts);
 }
 

@@ -133,6 +133,7 @@ struct DeterministicLight {
       std::ranges::copy(waves.arm.warnings, std::back_inserter(warnings));
       if (rims.empty()) warnings.push_back("wave: no inner edge couples light into a port; the field adds no noise");
       std::ranges::move(rims, std::back_inserter(classes));
+      light_halo(model, true, threads, options);
       HaloClasses halo = halo_classes(model.world, waves);
       std::ranges::move(halo.classes, std::back_inserter(classes));
       std::ranges::move(halo.warnings, std::back_inserter(warnings));
@@ -300,6 +301,9 @@ TraceResult nothing_traced(Model& model, unsigned threads, PrintOptions const& o
 
 void work_for_rank_0(Model& model, unsigned threads, Transport& transport) {
   InterruptGuard const guard;
+  PrintOptions silent;
+  silent.quiet = true;
+  light_halo(model, false, threads, silent);
   SteeredWorld const world = steer(model.world, threads);
   TraceSettings settings;
   settings.seed = model.seed;

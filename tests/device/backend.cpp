@@ -56,6 +56,12 @@ INSTANTIATE_TEST_SUITE_P(Device, Example,
                                            "two_mirrors", "virgo_arm", "benches/michelson", "benches/output_isolator",
                                            "benches/pick_off", "benches/rb1_telescope", "benches/two_tone_wall"));
 
+TEST(Device, PathsBelowTheCrossoverLeaveTheBitsOfTheHost) {
+  World const world = arm_in_halo();
+  EXPECT_GT(world.halo().cells.size(), 1000u);
+  expect_same(world, {3});
+}
+
 // Every shape, and every law on some of them, in a bright room with a lit mirror and a camera; paths that split.
 class Room {
  public:

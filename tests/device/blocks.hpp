@@ -7,10 +7,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <vector>
 
 #include "base/every_module.hpp"
 #include "scene/scene.hpp"
 #include "trace/backend/device/device_backend.hpp"
+#include "trace/deterministic/halo_source.hpp"
 #include "trace/importance/importance.hpp"
 
 namespace straytrace::testing {
@@ -26,6 +28,20 @@ inline World example(std::string const& name) {
   Scene const scene = read_scene(STRAY_SOURCE_DIR "/examples/" + name + ".yaml", {});
   World world = build_world(scene);
   scene.throw_if_problems();
+  steer(world);
+  return world;
+}
+
+// A cavity whose baffles lie in light below the crossover angle, ready to be traced.
+inline World arm_in_halo() {
+  Scene const scene = read_scene(STRAY_SOURCE_DIR "/tests/scenes/crossover_arm.yaml", {});
+  World world = build_world(scene);
+  scene.throw_if_problems();
+  ArmCavity const arm = planned_arm(world, world.wave);
+  begin_rays_at_crossover(world);
+  PolarIrradiance const even{2e-3, 80, 32, std::vector<float>(80 * 32, 1e-4f), std::vector<float>(80 * 32, 2e-8f)};
+  std::vector<PolarIrradiance> const planes(arm.rims.size() + 2, even);
+  world.light_halo(halo_source(world, arm, {planes, planes}));
   steer(world);
   return world;
 }

@@ -62,6 +62,16 @@ TEST_P(Image, HoldsNoAddressOfTheWorldItWasMadeOf) {
   std::memcpy(placed.data(), static_cast<void const*>(&view), sizeof view);  // control: the view as it was
   EXPECT_GT(left_behind(placed, mapped), 10u);
 }
+TEST(ImageOfAnArm, HoldsTheLightBelowTheCrossover) {
+  World const world = arm_in_halo();
+  WorldView view = world.view();
+  WorldImage const with(view);
+  std::size_t const cells = view.halo.cells.size * sizeof(HaloCell);
+  view.halo.cells = {};
+  EXPECT_GE(with.size(), WorldImage(view).size() + cells);
+  if (sanitized) return;
+  EXPECT_EQ(left_behind(with.placed_at(reinterpret_cast<void const*>(std::uintptr_t{1} << 60)), Mapped()), 0u);
+}
 INSTANTIATE_TEST_SUITE_P(Device, Image,
                          ::testing::Values("bench", "cad_bench", "virgo_arm", "benches/michelson",
                                            "benches/output_isolator", "benches/rb1_telescope"));

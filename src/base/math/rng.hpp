@@ -23,7 +23,8 @@ enum class Stream : std::uint32_t {
   backward = 8,
   motion = 9,
   static_phase = 10,
-  height = 11
+  height = 11,
+  halo = 12
 };
 
 class Rng {

@@ -25,6 +25,10 @@ namespace {
 
 SteeredWorld steered_as_traced(RunFile const& file, Model& model) {
   model.world.block_size = file.trace.coupling.block_size;
+  model.waves = file.about.waves;
+  PrintOptions silent;
+  silent.quiet = true;
+  light_halo(model, true, 0, silent);
   return steer(model.world);
 }
 
@@ -141,7 +145,6 @@ int view(ViewOptions const& options) {
     if (!options.overrides.empty())
       throw InputError("the parameters of a run are fixed", "remove -p, or view the scene file");
     Opened run(options.input);
-    run.model.waves = run.content.waves;
     ViewOptions shown = options;
     shown.wanted.halo = options.wanted.halo || has_halo(run.model);
     if (shown.wanted.halo) waves_to_show(run.model, true, 0, options);

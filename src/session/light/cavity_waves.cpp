@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <iterator>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
@@ -15,6 +16,7 @@
 #include "scene/model_tree.hpp"
 #include "session/build_info.hpp"
 #include "session/interrupt.hpp"
+#include "trace/deterministic/halo_source.hpp"
 #include "wave/arm/arm_checks.hpp"
 #include "wave/ring/ring_grid.hpp"
 #include "world/model/world.hpp"
@@ -24,14 +26,11 @@ namespace {
 
 constexpr int kept_orders = 2;  // of the modes in a run file
 
-// Hash of all that decides the numbers of the field: surfaces, materials and modes; the table with the content of its
-// maps; grid and crossover angle, which `wave --seam` varies; the program.
+// Hash of all that decides the numbers of the field: surfaces, materials and modes; what wave_inputs() lists; the
+// program.
 std::string key_of(Model const& model) {
-  ArmCavity const& arm = model.arm.value();
-  std::vector<std::string> parts{
-      build_info::version, build_info::commit, model.world.fingerprint(), resolved_text(model.scene.table("wave"), {}),
-      fmt::format("{} {} {}", arm.crossover, arm.cavity.grid.points, arm.cavity.grid.window)};
-  for (WaveSettings::Mirror const& m : model.world.wave.mirrors) parts.push_back(m.bytes);
+  std::vector<std::string> parts{build_info::version, build_info::commit, model.world.fingerprint()};
+  std::ranges::move(wave_inputs(model), std::back_inserter(parts));
   return model_hash(parts);
 }
 
@@ -256,6 +255,21 @@ ArmWaves solved_or_known(Model& model, Computing const& on, PrintOptions const& 
   record->power = power_of(model.world);
   model.waves = record;
   return waves_of(model.world, model.world.wave, model.arm.value(), *record);
+}
+
+std::vector<std::string> wave_inputs(Model const& model) {
+  ArmCavity const& arm = model.arm.value();
+  std::vector<std::string> parts{
+      resolved_text(model.scene.table("wave"), {}),
+      fmt::format("{} {} {}", arm.crossover, arm.cavity.grid.points, arm.cavity.grid.window)};
+  for (WaveSettings::Mirror const& m : model.world.wave.mirrors) parts.push_back(m.bytes);
+  return parts;
+}
+
+void light_halo(Model& model, bool as_traced, unsigned threads, PrintOptions const& print) {
+  if (!model.arm || model.arm->rims.empty()) return;
+  WaveRecord const& field = waves_to_show(model, as_traced, threads, print);
+  model.world.light_halo(halo_source(model.world, *model.arm, field.irradiance));
 }
 
 WaveRecord const& waves_to_show(Model& model, bool as_traced, unsigned threads, PrintOptions const& print) {

@@ -42,6 +42,9 @@ DrivenScan drive_waves(Model const&, ArmWaves const&, DrivePlan const&, Computin
                        int highest_order);
 DrivenScan drive_waves(Model const&, RingWaves const&, DrivePlan const&, PrintOptions const&, int highest_order);
 
+// What the field depends on besides surfaces, materials and modes: the table `wave` with the content of its maps; grid
+// and crossover angle, which `wave --seam` varies.
+std::vector<std::string> wave_inputs(Model const&);
 // From the earlier run that the model knows, where that is of the same cavity and program; otherwise solved. Leaves the
 // record for the run file in the model.
 ArmWaves solved_or_known(Model&, Computing const&, PrintOptions const&);
@@ -50,5 +53,8 @@ void keep_waves(Model&, RingWaves const&);
 // The same for pictures of its light on baffles; `as_traced`: the field that the model has is taken without a look at
 // its key. InputError where the model has no such light.
 WaveRecord const& waves_to_show(Model&, bool as_traced, unsigned threads, PrintOptions const&);
+// Gives the world the light below the crossover angle on its baffles, in which paths start and end: before steer().
+// Nothing without it.
+void light_halo(Model&, bool as_traced, unsigned threads, PrintOptions const&);
 
 }  // namespace straytrace::session

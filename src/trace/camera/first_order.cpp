@@ -207,6 +207,7 @@ std::vector<FirstOrderList> first_order(World const& world, FirstOrderSettings c
   SteeringTables const tables = make_strips(world);
   WorldView view = world.view();
   view.steering = tables.view();  // names the strips; without targets only the BSDF chooses directions
+  view.halo = {};                 // rays alone
   WorldView source = view;
   source.receivers = {};  // no connections are wanted
   Batches const forward = walk_all(view, settings, [&](std::uint64_t n, PathState& path) {

@@ -186,9 +186,10 @@ std::vector<std::string> left_out(World const& world, ArmWaves const& waves, dou
         "wave: {:.2g} of the light within {:.4g} urad that the edges in 'baffles' cut off meets no surface next to "
         "them and is in the loss of the cavity alone",
         1 - met / taken, urad));
-  if (!world.receivers().empty())
+  if (std::ranges::any_of(world.receivers(), &Receiver::clear))
     warnings.push_back(fmt::format(
-        "wave: receivers do not see light that the mirrors scatter within {:.4g} urad; straytrace wave prints it",
+        "wave: light that the mirrors scatter within {:.4g} urad passes measuring planes uncounted, up to the first "
+        "surface that it meets; straytrace wave prints it",
         urad));
   return warnings;
 }

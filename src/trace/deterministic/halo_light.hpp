@@ -28,6 +28,8 @@ class HaloPlane {
   Travel travel() const { return travel_; }
   double place() const { return place_; }        // m from mirror 1
   double distance() const { return distance_; }  // m from the mirror that the light comes from
+  double from() const { return from_; }          // of the part of the axis that it holds, m from mirror 1
+  double to() const { return to_; }
   bool holds(double place) const { return from_ <= place && place < to_; }
   // None: the light passes, or the point lies behind a wall.
   std::optional<Vertex> at(double radius, double azimuth) const;

@@ -6,6 +6,7 @@
 
 #include "base/process/threads.hpp"
 #include "trace/importance/steering_tables.hpp"
+#include "trace/step/halo_ends.hpp"
 
 namespace straytrace::trace {
 namespace {
@@ -135,6 +136,25 @@ SteeringTables make_importance(World const& world, ImportanceSettings const& set
   return Builder(world, settings).build();
 }
 
+namespace {
+
+// Mean of power x adjoint where light below the crossover angle meets surfaces.
+double halo_level(World const& world) {
+  constexpr int starts = 4096;
+  WorldView const view = world.view();
+  double sum = 0;
+  for (int i = 0; i < starts; ++i) {
+    PathState path;
+    Vertex vertex;
+    double const golden = (i + 1) * 0.6180339887498949;
+    if (!start_in_halo(view, (i + 0.5) / starts, 0.5, golden - std::floor(golden), path, vertex)) continue;
+    if (vertex.side() != WorldView::none) sum += path.power * view.steering.sides[vertex.side()].adjoint;
+  }
+  return sum / starts;
+}
+
+}  // namespace
+
 SteeredWorld steer(World& world, unsigned threads) {
   find_covered_receivers(world);
   if (world.limits.targets) {
@@ -145,6 +165,7 @@ SteeredWorld steer(World& world, unsigned threads) {
     if (world.receivers().empty()) settings.pilot_histories = 0;
     world.steer(make_importance(world, settings));
   }
+  if (world.steering().level > 0 && world.halo().emitted > 0) world.set_halo_level(halo_level(world));
   find_map_cells(world);
   return SteeredWorld(world);
 }

@@ -43,7 +43,8 @@ class PilotSink {
 }  // namespace
 
 Pilot run_pilot(World const& world, std::uint64_t histories) {
-  WorldView const view = world.view();
+  WorldView view = world.view();
+  view.halo = {};  // whose field may not be known yet
   std::size_t const sides = view.steering.sides.size;
   Pilot pilot{std::vector<std::uint64_t>(sides), std::vector<double>(sides),
               std::vector<std::vector<double>>(view.lit.size + view.receivers.size, std::vector<double>(sides))};
@@ -102,6 +103,7 @@ void find_map_cells(World& world) {
   auto const& receivers = world.receivers();
   if (std::ranges::none_of(receivers, [](Receiver const& r) { return r.by_light; })) return;
   WorldView view = world.view();
+  view.halo = {};
   view.block_size = largest_block;  // of the run, which cells do not depend on
   ArrivalSink sink(view);
   History history;

@@ -81,7 +81,8 @@ STRAY_HD void score_hit(WorldView const& world, PathState const& path, Vertex co
   std::uint32_t const first = world.lit_of_surface[vertex.surface.value];
   if (first == WorldView::none) return;
   for (std::uint32_t i = first; i < world.lit.size; ++i)
-    if (world.lit[i].receives && world.lit[i].surface == vertex.surface) arrive_at(world, path, vertex, i, sink);
+    if (world.lit[i].receives && world.lit[i].surface == vertex.surface && !returns_to_halo(path, i))
+      arrive_at(world, path, vertex, i, sink);
 }
 
 // The straight line from a vertex to a point: direction, length, and the BSDF of the vertex in this direction.
@@ -159,7 +160,8 @@ STRAY_HD void connect(WorldView const& world, std::uint64_t seed, PathState cons
   Rng rng(seed, path.history, path.event, Stream::connection);
   for (std::uint32_t i = 0; i < world.lit.size; ++i) {
     double const u = rng.uniform(), v = rng.uniform();
-    if (world.lit[i].receives) connect_to(world, path, vertex, i, u, v, sink);
+    bool const counted = path.from_halo && first_of_mirror(path, path.order, i);  // by the classes `halo`
+    if (world.lit[i].receives && !counted) connect_to(world, path, vertex, i, u, v, sink);
   }
 }
 

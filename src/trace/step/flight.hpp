@@ -48,7 +48,7 @@ class Flight {
     Slot& mine = slot(number);
     history.begin(number);
     mine.tally.begin(number);
-    mine.over = !emit(world_, seed_, history.path, mine.tally);
+    mine.over = !begin(world_, seed_, history, mine.tally);
     if (!mine.over) ++count_;
   }
   void search() {

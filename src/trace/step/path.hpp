@@ -38,6 +38,7 @@ struct PathState {
   Hop hop;
   double reached_pdf = 0;  // 1/m^2, with which the last scattering vertex was drawn or reached; 0: not by a direct hop
   double left_pdf = 0;     // 1/sr over the cosine and n^2, with which it was left
+  bool from_halo = false;  // its mirror scattered it below the crossover angle
   bool coherent = false;   // a free beam that has met specular surfaces only
   double path_length = 0;  // optical, sum of n d since the source, m
   double turned = 0;       // by interfaces, of the phase of coherent light (s polarised), in turns
@@ -71,6 +72,18 @@ struct History {
     return true;
   }
 };
+
+// Light from a mirror to one surface and straight back to the same mirror belongs to the classes `halo` where one of
+// both ways is below the crossover angle (docs/theory/wave.md, eq. W.21).
+//
+// Whether a path of light below the angle comes straight back from the first surface that it met.
+STRAY_HD bool returns_to_halo(PathState const& path, std::uint32_t footprint) {
+  return path.from_halo && path.order == 2 && path.hop.left_by == Event::scatter && footprint == path.source;
+}
+// Whether a vertex is the first that light of this mirror meets.
+STRAY_HD bool first_of_mirror(PathState const& path, std::uint32_t order, std::uint32_t footprint) {
+  return order == 1 && footprint == path.source;
+}
 
 // Sets the media on both sides of the vertex and the shares of light scattered, reflected and transmitted.
 STRAY_HD void evaluate_scattering(WorldView const& world, PathState const& path, Vec3 travel, Vertex& v) {

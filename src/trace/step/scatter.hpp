@@ -119,7 +119,7 @@ STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, Pa
 // beam; 0 otherwise.
 STRAY_HD double reached_density(WorldView const& world, PathState const& path, Vertex const& vertex) {
   if (!path.coherent || path.hop.left_by != Event::emit) return per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
-  return world.lit[path.source].passing(vertex.point).irradiance * vertex.wi.z / double(world.emitters.size);
+  return world.lit[path.source].passing(vertex.point).irradiance * vertex.wi.z / world.draws();
 }
 
 // Phase of the interface, in turns (docs/theory/conventions.md): a stated power reflects with a quarter, so that a

@@ -162,7 +162,7 @@ STRAY_HD void score_lit_behind(WorldView const& world, PathState const& path, st
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
       lobe * mixture_pdf(world, z.side(), law, back.patch, back.distance, back.cosine) / std::fabs(wo.z);
-  double const walk = lit.density / double(world.emitters.size) * leaving;
+  double const walk = lit.density / world.draws() * leaving;
   double const power = beam.share * lit.density * f * back.tau * etendue / (1 + walk * etendue);
   Vertex const end = make_vertex(world, world.receivers[receiver].surface, back.end, back.arriving, back.end_piece);
   if (power > 0) sink.score_lit(path, source, z, chain, receiver, end, power);

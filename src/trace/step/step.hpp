@@ -7,6 +7,8 @@
 //   emitted(path, vertex)                     a history starts: power scattered out of the mode by its first vertex
 //   visit(path, vertex)                       light has reached a vertex, with path.power
 //   score(path, vertex, lit, connection, y, coupling)  light rejoined the mode of footprint `lit` at the point y
+//   score_halo(path, x, y, source, connected, coupling)  optional: light rejoined the mode of `source` by a surface in
+//                                        its light below the crossover angle, at y; x: the vertex before, or y itself
 //   score_through(path, vertex, z, chain, receiver, end, power)  optional: power on a receiver by x -> z -> glass
 //   score_lit(path, source, z, chain, receiver, end, power)      optional: by z -> glass from the light of a beam on z
 //   book(term, power)                         the energy balance
@@ -15,6 +17,7 @@
 #pragma once
 
 #include "trace/step/connect.hpp"
+#include "trace/step/halo_ends.hpp"
 #include "trace/step/scatter.hpp"
 #include "trace/step/specular_connection.hpp"
 
@@ -53,14 +56,14 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
   auto const n = static_cast<std::uint32_t>(world.emitters.size);
   if (n == 0) return false;  // nothing lit scatters
   Rng rng(seed, path.history, 0, Stream::source);
-  double const place = stratum(seed, path.history, world.block_size) * n;
+  double const draws = world.draws(), place = stratum(seed, path.history, world.block_size) * draws;
   auto pick = static_cast<std::uint32_t>(place);
   if (pick >= n) pick = n - 1;
   path.stratum = place - pick;
   path.source = world.emitters[pick];
   Footprint const& lit = world.lit[path.source];
   path.polarisation = lit.polarisation;
-  path.power = lit.share * n;
+  path.power = lit.share * draws;
   double const u = rng.uniform(), v = rng.uniform();
   Ray const line = lit.sample(u, v);
   Crossing const met = lit.free ? Crossing{} : world.cross(lit.surface.value, line, {});
@@ -73,12 +76,13 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
   Vertex vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);
   evaluate_scattering(world, path, path.ray.dir, vertex);
   path.emitted = path.power * vertex.albedo;
-  if (lit.profile != Profile::point) path.reached_pdf = connection_density(lit, vertex.point, vertex.frame.e3) / n;
+  if (lit.profile != Profile::point) path.reached_pdf = connection_density(lit, vertex.point, vertex.frame.e3) / draws;
   sink.emitted(path, vertex);
   if (!lit.standing) score_single(world, path, vertex, lit, sink);
   connect(world, seed, path, vertex, sink);
   connect_receivers(world, seed, path, vertex, sink);
   connect_behind_glass(world, seed, path, vertex, sink);
+  connect_halo(world, seed, path, vertex, sink);
   return scatter(world, seed, path, vertex, sink, true);
 }
 
@@ -97,8 +101,10 @@ STRAY_HD bool may_split(WorldView const& world, History const& history) {
 
 // The importance that a path keeps: power x adjoint at its first vertex, so that routes through a rare first target get
 // the effort assigned to that target. A scattered path without a target keeps the importance of an average first
-// vertex. That average excludes free beams, whose first vertex sets their level.
+// vertex. That average excludes free beams, whose first vertex sets their level. Light below the crossover angle has an
+// average of its own.
 STRAY_HD double level_of(WorldView const& world, PathState const& path, double adjoint) {
+  if (path.from_halo && world.halo.level > 0) return world.halo.level;
   bool const astray = !path.coherent && (path.hop.off_list || !path.hop.aimed);
   return astray ? world.steering.level : path.power * adjoint;
 }
@@ -158,6 +164,40 @@ STRAY_HD void absorb(Sink& sink, GroupId where, double power) {
   if constexpr (requires { sink.absorbed(where, power); }) sink.absorbed(where, power);
 }
 
+// The path has reached the vertex with path.power: scores, and the next direction. False: the path has ended.
+template <class Sink>
+STRAY_HD bool arrive(WorldView const& world, std::uint64_t seed, History& history, Vertex& vertex, Sink& sink) {
+  PathState& path = history.path;
+  path.event = history.new_event();
+  ++path.order;
+  evaluate_scattering(world, path, path.ray.dir, vertex);
+  sink.visit(path, vertex);
+  score_hit(world, path, vertex, sink);  // hits of lit surfaces, eq. 1.7
+  receive(world, path, vertex, sink);
+  if (path.order >=
+      world.limits.max_order) {  // a connection is one more event, which the walk must be able to sample too
+    sink.book(BalanceTerm::truncated, path.power);
+    return false;
+  }
+  connect(world, seed, path, vertex, sink);  // next-event estimates to every lit surface, eq. 1.8
+  connect_receivers(world, seed, path, vertex, sink);
+  connect_behind_glass(world, seed, path, vertex, sink);
+  score_halo_hits(world, path, vertex, sink);
+  connect_halo(world, seed, path, vertex, sink);
+  std::uint32_t const children = path.order == 1 ? world.limits.children : 1;
+  if (children > 1) have_children(history, vertex, children);
+  std::uint32_t const room = may_split(world, history) ? History::most_waiting - history.waiting : 0;
+  std::uint32_t const copies = children > 1 ? 1 : control(world, seed, path, vertex, room, sink);
+  absorb(sink, world.surfaces[vertex.surface.value].group, children * copies * path.power * (1 - vertex.kept()));
+  for (std::uint32_t i = 1; i < copies; ++i) {
+    PathState& copy = history.sibling[history.waiting];
+    copy = path;
+    copy.event = history.new_event();
+    if (scatter(world, seed, copy, vertex, sink)) ++history.waiting;
+  }
+  return copies > 0 && scatter(world, seed, path, vertex, sink);
+}
+
 // Processes the hit of the path's ray, or its escape, and chooses the next direction. False: the path has ended.
 template <class Sink>
 STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history, Hit const& hit, Sink& sink) {
@@ -174,32 +214,7 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
     sink.book(BalanceTerm::escaped, path.power);
     return false;
   }
-  path.event = history.new_event();
-  ++path.order;
-  evaluate_scattering(world, path, path.ray.dir, vertex);
-  sink.visit(path, vertex);
-  score_hit(world, path, vertex, sink);  // hits of lit surfaces, eq. 1.7
-  receive(world, path, vertex, sink);
-  if (path.order >=
-      world.limits.max_order) {  // a connection is one more event, which the walk must be able to sample too
-    sink.book(BalanceTerm::truncated, path.power);
-    return false;
-  }
-  connect(world, seed, path, vertex, sink);  // next-event estimates to every lit surface, eq. 1.8
-  connect_receivers(world, seed, path, vertex, sink);
-  connect_behind_glass(world, seed, path, vertex, sink);
-  std::uint32_t const children = path.order == 1 ? world.limits.children : 1;
-  if (children > 1) have_children(history, vertex, children);
-  std::uint32_t const room = may_split(world, history) ? History::most_waiting - history.waiting : 0;
-  std::uint32_t const copies = children > 1 ? 1 : control(world, seed, path, vertex, room, sink);
-  absorb(sink, world.surfaces[vertex.surface.value].group, children * copies * path.power * (1 - vertex.kept()));
-  for (std::uint32_t i = 1; i < copies; ++i) {
-    PathState& copy = history.sibling[history.waiting];
-    copy = path;
-    copy.event = history.new_event();
-    if (scatter(world, seed, copy, vertex, sink)) ++history.waiting;
-  }
-  return copies > 0 && scatter(world, seed, path, vertex, sink);
+  return arrive(world, seed, history, vertex, sink);
 }
 
 template <class Sink>
@@ -207,11 +222,28 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
   return step(world, seed, history, world.closest(history.path.ray, history.path.from), sink);
 }
 
+// Starts a history at an emitter, or where light below the crossover angle has met a surface. False: it is over.
+template <class Sink>
+STRAY_HD bool begin(WorldView const& world, std::uint64_t seed, History& history, Sink& sink) {
+  PathState& path = history.path;
+  double const n = double(world.emitters.size), draws = world.draws();
+  double const place = draws > n && n > 0 ? stratum(seed, path.history, world.block_size) * draws : 0;
+  if (!(place > n)) return emit(world, seed, path, sink);
+  connect_behind_glass(world, seed, path, {}, sink);
+  Rng rng(seed, path.history, 0, Stream::source);
+  double const u = rng.uniform(), v = rng.uniform();
+  Vertex vertex;
+  if (!start_in_halo(world, (place - n) / (draws - n), u, v, path, vertex)) return false;
+  Footprint const& mode = world.lit[path.source];
+  sink.emitted(path, make_vertex(world, mode.surface, mode.centre, mode.travel));
+  return arrive(world, seed, history, vertex, sink) || next_path(world, seed, history, sink);
+}
+
 template <class Sink>
 STRAY_HD void trace_history(WorldView const& world, std::uint64_t seed, std::uint64_t number, History& history,
                             Sink& sink) {
   history.begin(number);
-  if (!emit(world, seed, history.path, sink)) return;
+  if (!begin(world, seed, history, sink)) return;
   do {
     while (step(world, seed, history, sink)) {
     }

@@ -45,11 +45,31 @@ STRAY_HD Route route_of(WorldView const& world, PathState const& path, Vertex co
 STRAY_HD std::uint32_t number_through(WorldView const& world, std::uint32_t receiver) {
   return connection_number(std::uint32_t(world.lit.size + world.receivers.size) + receiver);
 }
+// Numbers of the scores by surfaces in light below the crossover angle: after those.
+STRAY_HD std::uint32_t number_halo(WorldView const& world, std::uint32_t source, bool connected) {
+  std::uint32_t const place = std::uint32_t(world.lit.size + 2 * world.receivers.size) + source;
+  return connected ? connection_number(place) : arrival_number(place);
+}
 // Number of the score of a sub-path that meets a surface lit by the beam `source`: after all others, by hops.
 STRAY_HD std::uint32_t number_lit(WorldView const& world, std::uint32_t source, std::uint32_t hops,
                                   std::uint32_t receiver) {
   std::uint32_t const place = (receiver * std::uint32_t(world.lit.size) + source) * (most_specular_hops + 1) + hops;
-  return connection_number(std::uint32_t(world.lit.size + 2 * world.receivers.size) + place);
+  return connection_number(std::uint32_t(world.lit.size + 2 * world.receivers.size + world.halo.sources.size) + place);
+}
+// Route of light that rejoins the mode by the surface at y in the light of a source; x: the vertex before, or y itself.
+STRAY_HD Route route_halo(WorldView const& world, PathState const& path, Vertex const& x, Vertex const& y,
+                          std::uint32_t source, bool connected) {
+  Footprint const& mode = world.lit[world.halo.sources[source].footprint];
+  Route route;
+  route.end = mode.port.value;
+  route.vertices = path.order + (connected ? 3 : 2);
+  route.other = route.vertices > world.limits.route_vertices;
+  std::uint64_t name = path.route;
+  if (connected) name = extended(name, world.surfaces[x.surface.value].group, Event::scatter);
+  name = extended(name, world.surfaces[y.surface.value].group, Event::scatter);
+  name = extended(name, world.surfaces[mode.surface.value].group, Event::couple);
+  route.hash = hash_of_ends(world.lit[path.source].beam, route.other ? 0 : name, route.end);
+  return route;
 }
 // `name`: of the vertices up to z; `vertices`: their number.
 STRAY_HD Route route_behind(WorldView const& world, std::uint64_t name, std::uint32_t vertices, std::uint32_t source,
@@ -123,6 +143,10 @@ class BasicTally {
   STRAY_HD void visit(PathState const& path, Vertex const& vertex);
   STRAY_HD void score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number,
                       Vertex const& y, double coupling);
+  STRAY_HD void score_halo(PathState const& path, Vertex const& x, Vertex const& y, std::uint32_t source,
+                           bool connected, double coupling) {
+    add(path, route_halo(*world_, path, x, y, source, connected), number_halo(*world_, source, connected), coupling);
+  }
   STRAY_HD void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
                               std::uint32_t receiver, Vertex const& end, double power);
   STRAY_HD void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,

@@ -78,6 +78,30 @@ class ReplaySink {
                          path_length + fed_length(world_, path.source, goal),
                          phase_sensitivities_of(world_, vertices, path.source, goal)};
   }
+  void score_halo(PathState const& path, Vertex const& x, Vertex const& y, std::uint32_t source, bool connected,
+                  double coupling) {
+    if (found || path.event != event_ || number_ != number_halo(view_, source, connected)) return;
+    auto vertices = passed_;
+    vertices.resize(path.order + 1);
+    double path_length = length_[path.order];
+    bool const through = dot(y.point - x.point, x.frame.e3) < 0;
+    if (connected) go_to(vertices, path_length, y, Event::scatter, through ? x.n_out : x.n_in);
+    std::uint32_t const goal = view_.halo.sources[source].footprint;
+    Footprint const& mode = view_.lit[goal];
+    go_to(vertices, path_length, make_vertex(view_, mode.surface, mode.centre, mode.travel), Event::scatter,
+          mode.index);
+    vertices.back().event = Event::couple;
+    vertices.back().out = -mode.direction(vertices.back().point);
+    bool const other = route_halo(view_, path, x, y, source, connected).other;
+    path_length += fed_length(world_, path.source, goal);
+    found = ReplayedPath{vertices,
+                         path.source,
+                         goal,
+                         other,
+                         coupling,
+                         path_length,
+                         phase_sensitivities_of(world_, vertices, path.source, goal)};
+  }
   void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
                      std::uint32_t receiver, Vertex const& end, double power) {
     if (found || path.event != event_ || number_ != number_through(view_, receiver)) return;
@@ -204,7 +228,7 @@ std::optional<ReplayedPath> replay(SteeredWorld const& world, std::uint64_t seed
   ReplaySink sink(world, view, seed, event, connection);
   History again;
   again.begin(history);
-  if (!emit(view, seed, again.path, sink)) return sink.found;
+  if (!begin(view, seed, again, sink)) return sink.found;
   do {
     while (!sink.found && step(view, seed, again, sink)) {
     }

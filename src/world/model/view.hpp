@@ -10,6 +10,7 @@
 #include "geometry/shape_types.hpp"
 #include "optics/coating/specular_types.hpp"
 #include "optics/scatter/mixture.hpp"
+#include "world/model/halo.hpp"
 #include "world/model/receiver.hpp"
 #include "world/model/steering.hpp"
 #include "world/search/hit.hpp"
@@ -69,10 +70,14 @@ struct WorldView {
   bool polarised = false;                         // the walk carries the state of polarisation
   SearchView tree;
   Steering steering;  // empty: sample the BSDF alone
+  Halo halo;          // light of a cavity below the crossover angle; empty: none
   WalkLimits limits;
   double wavelength = 0;  // m
   std::uint64_t block_size = largest_block;
   static constexpr std::uint32_t none = 0xffffffffu;
+
+  // 1 over the probability with which a history starts at one of the emitters.
+  STRAY_HD double draws() const { return double(emitters.size) / (1 - halo.share); }
 
   // The smallest positive double distance, ties to the lower SurfaceId; `from` is the surface the ray starts on.
   STRAY_HD Hit closest(Ray const& ray, Departure from) const {

@@ -171,6 +171,7 @@ WorldView World::view() const {
   v.polarised = polarised;
   v.tree = tree_.view();
   v.steering = steering_.view();
+  v.halo = halo_.view();
   v.limits = limits;
   v.wavelength = wavelength;
   v.block_size = block_size;

@@ -110,6 +110,9 @@ class World {
   void finish();         // search structure, if not up to date, and lists of footprints; call last
   void steer(SteeringTables tables) { steering_ = std::move(tables); }
   SteeringTables const& steering() const { return steering_; }
+  void light_halo(HaloTables tables) { halo_ = std::move(tables); }
+  void set_halo_level(double level) { halo_.level = level; }
+  HaloTables const& halo() const { return halo_; }
 
   WorldView view() const;
   std::vector<Surface> const& surfaces() const { return surfaces_; }
@@ -165,6 +168,7 @@ class World {
   SearchTree tree_;
   std::size_t searched_ = 0;  // surfaces in it
   SteeringTables steering_;
+  HaloTables halo_;  // follows from scene and field: not part of the fingerprint
 };
 
 // Reads materials, bodies (pivots), parts, beams, ports and trace limits; problems go to the scene's document.

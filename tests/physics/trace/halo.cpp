@@ -153,8 +153,8 @@ TEST(Halo, EachSideWithItsMirror) {
   EXPECT_GT(bench.coupling("I", "baffle_two"), bench.coupling("E", "baffle_one"));
 }
 
-// It warns of light that the edges take from the mode but no surface next to them meets, and of receivers that do not
-// see it.
+// It warns of light that the edges take from the mode but no surface next to them meets, and of measuring planes that
+// it passes.
 TEST(Halo, TellsWhatItLeavesOut) {
   LitBench bench;
   bench.waves.draws.resize(1);
@@ -174,6 +174,13 @@ TEST(Halo, TellsWhatItLeavesOut) {
   EXPECT_THAT(half.warnings[0], HasSubstr("wave: 0.5 of the light within 120 urad"));
   EXPECT_EQ(half.classes[0].coupling.mean, whole.classes[0].coupling.mean);
   EXPECT_THAT(half.classes[0].statement, HasSubstr("mean over 3 draws of the mirrors"));
+  Receiver plane;
+  plane.surface = bench.waves.arm.mirrors[0].surface;
+  bench.world.add_receiver("mirror", plane);
+  EXPECT_EQ(halo_classes(bench.world, bench.waves).warnings.size(), 1u);  // control
+  plane.clear = true;
+  bench.world.add_receiver("plane", plane);
+  EXPECT_THAT(halo_classes(bench.world, bench.waves).warnings.back(), HasSubstr("passes measuring planes uncounted"));
 }
 
 // The edge of a baffle within a ring of the irradiance is resolved to an eighth of the ring (eq. W.19).

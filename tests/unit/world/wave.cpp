@@ -65,7 +65,7 @@ TEST(ReadWave, ReadsTheKeys) {
   EXPECT_EQ(wave.tolerance.place, 5e-3);
   EXPECT_EQ(wave.draws, 5u);
   EXPECT_EQ(wave.map_draws, 3u);
-  // The field at small angles is independent of the trace: the same histories are valid with another one.
+  // Surfaces, materials and modes are the same; the table is in the hash of the model.
   EXPECT_EQ(w.fingerprint(), wave_world("").fingerprint());
 }
 

@@ -122,7 +122,7 @@ struct DeviceWalk {
         mine = std::uint32_t(std::uint64_t(ticket) * stride % histories);
         history.begin(number(mine));
         tally.begin(number(mine));
-        under_way = emit(*world, seed, history.path, tally);
+        under_way = begin(*world, seed, history, tally);
       } else {
         under_way = step(*world, seed, history, tally) || next_path(*world, seed, history, tally);
       }

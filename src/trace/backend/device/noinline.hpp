@@ -29,6 +29,7 @@
 #include "optics/media_stack.hpp"
 #include "optics/polarisation.hpp"
 #include "trace/result.hpp"
+#include "world/model/halo.hpp"
 #include "world/model/receiver.hpp"
 #include "world/model/steering.hpp"
 #include "world/search/hit.hpp"
@@ -39,6 +40,7 @@
 #undef STRAY_HD
 #define STRAY_HD STRAY_CALLED
 #include "trace/step/connect.hpp"
+#include "trace/step/halo_ends.hpp"
 #include "trace/step/receive.hpp"
 #include "trace/step/scatter.hpp"
 #include "trace/step/specular_connection.hpp"

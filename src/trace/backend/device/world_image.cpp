@@ -81,6 +81,12 @@ void arrays_of(Steering const& x, F const& f) {
   f(x.targets);
 }
 template <class F>
+void arrays_of(Halo const& x, F const& f) {
+  f(x.sources);
+  f(x.sections);
+  f(x.cells);
+}
+template <class F>
 void arrays_of(WorldView const& x, F const& f) {
   arrays_of(x.shapes, f);
   arrays_of(x.laws, f);
@@ -96,6 +102,7 @@ void arrays_of(WorldView const& x, F const& f) {
   f(x.receiver_of_surface);
   arrays_of(x.tree, f);
   arrays_of(x.steering, f);
+  arrays_of(x.halo, f);
 }
 
 }  // namespace
