@@ -62,7 +62,8 @@ class TellingSink {
   }
   void score_halo(PathState const& path, Vertex const&, Vertex const& y, std::uint32_t source, bool, double coupling) {
     add("rejoin", path, y, coupling);
-    events.back().where = world_.ports()[view_.lit[view_.halo.sources[source].footprint].port.value];
+    PortId const port = view_.lit[view_.halo.sources[source].footprint].port;
+    if (port.valid()) events.back().where = world_.ports()[port.value];
   }
   void score_through(PathState const& path, Vertex const& v, Vertex const&, Chain const&, std::uint32_t receiver,
                      Vertex const&, double power) {
