@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "scenes/benches.hpp"
 #include "support/recorded.hpp"
+#include "support/statistics.hpp"
 
 namespace straytrace::testing::crossover {
 namespace {
@@ -53,6 +55,35 @@ TEST(Crossover, NoiseDoesNotDependOnItV16) {
   EXPECT_GT(rays.spread(), 0.2);
   EXPECT_GT(halo.spread(), 0.15);
   EXPECT_GT(std::hypot(rays_from_above(), halo.value[1]) / both.value[1] - 1, 0.2);
+}
+
+// The scene with another crossover angle.
+CouplingTable traced_at(int crossover_urad) {
+  Folder const folder;
+  std::string text = text_of(crossover_arm);
+  std::string const stated = "crossover: 200 urad";
+  text.replace(text.find(stated), stated.size(),
+               "crossover: " + std::to_string(crossover_urad) + " urad, grid: {window: 0.75 m}");
+  write_text(folder / "arm.yaml", text);
+  expect_done({"run", folder / "arm.yaml", "-o", folder / "arm.h5", "--histories", "524288", "--quiet"});
+  return read_run(folder / "arm.h5").trace.coupling;
+}
+SampleMean rays_of(CouplingTable const& table, std::string const& route) {
+  for (CouplingClass const& c : table.classes)
+    if (c.kind == ClassKind::scattered && route_name(table, c) == route)
+      return {c.coupling.mean, c.coupling.std_error, (long long)table.histories};
+  ADD_FAILURE() << route;
+  return {};
+}
+
+// The inside of a cone scatters the light of the field and that of the rays twice (eq. W.60, W.61): together they do
+// not depend on the angle. Control: light that it scatters once, of which rays are a part.
+TEST(Crossover, LightScatteredTwiceDoesNotDependOnIt) {
+  std::string const twice = "E·S > baffles·S > baffles·S > E·S", once = "E·S > baffles·S > E·S";
+  CouplingTable const one = traced_at(140), two = traced_at(280);
+  SampleMean const before = rays_of(one, twice);
+  expect_mean("scattered twice", difference(rays_of(two, twice), before), 0, 0.15 * before.mean);
+  EXPECT_LT(rays_of(two, once).mean, 0.7 * rays_of(one, once).mean);
 }
 
 // Errors of the halo over mirrors, 8 and 10 % here, are printed with its h and do not keep the trace from its goal.
