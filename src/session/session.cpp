@@ -133,7 +133,7 @@ struct DeterministicLight {
       std::ranges::copy(waves.arm.warnings, std::back_inserter(warnings));
       if (rims.empty()) warnings.push_back("wave: no inner edge couples light into a port; the field adds no noise");
       std::ranges::move(rims, std::back_inserter(classes));
-      light_halo(model, true, threads, options);
+      light_halo(model, true, unsigned(on.threads), options);
       HaloClasses halo = halo_classes(model.world, waves);
       std::ranges::move(halo.classes, std::back_inserter(classes));
       std::ranges::move(halo.warnings, std::back_inserter(warnings));

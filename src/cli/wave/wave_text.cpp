@@ -285,7 +285,8 @@ std::string grid_text(ArmWaves const& waves) {
   if (!std::isnan(g.across))
     text +=
         fmt::format(", levers of edges by up to {:.2g} (across) and {:.2g} (along) of their rms", g.across, g.along);
-  if (!std::isnan(g.expected)) text += fmt::format(", the expected levers of the others by {:+.2g} %", 100 * g.expected);
+  if (!std::isnan(g.expected))
+    text += fmt::format(", the expected levers of the others by {:+.2g} %", 100 * g.expected);
   return text;
 }
 

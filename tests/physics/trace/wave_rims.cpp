@@ -27,7 +27,7 @@ struct Bench {
 
   explicit Bench(KilometreArm const& scene = {})
       : world(scene.world()),
-        waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, {}, 0, {}, {}, {}, {}, {}, {}, {}} {
+        waves{arm_cavity(world, world.wave), {1, 0, 0, Field(Grid{})}, {}, 0, {}, {}, {}, {}, {}, {}, {}, {}} {
     waves.rims.resize(waves.arm.rims.size());
     waves.draws.resize(1);
   }
