@@ -12,7 +12,7 @@
 #include "scene/scene.hpp"
 #include "support/statistics.hpp"
 #include "wave/arm/arm_cavity.hpp"
-#include "wave/speckled_rim.hpp"
+#include "wave/arm/speckled_rim.hpp"
 
 namespace straytrace::testing::nightly_wave {
 namespace {

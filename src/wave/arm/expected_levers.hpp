@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "wave/arm/arm_cavity.hpp"
+#include "wave/arm/speckled_rim.hpp"
 #include "wave/cavity.hpp"
-#include "wave/speckled_rim.hpp"
 
 namespace straytrace::wave {
 

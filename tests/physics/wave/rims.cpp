@@ -16,7 +16,7 @@
 #include "base/math/rng.hpp"
 #include "support/recorded.hpp"
 #include "support/statistics.hpp"
-#include "wave/speckled_rim.hpp"
+#include "wave/arm/speckled_rim.hpp"
 
 namespace straytrace::wave_rims {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "wave/speckled_rim.hpp"
+#include "wave/arm/speckled_rim.hpp"
 
 #include <algorithm>
 #include <cmath>
