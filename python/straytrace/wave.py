@@ -79,8 +79,7 @@ class Wave:
     at: Array | None = None       # m, x of the columns and y of the rows of `fields`; None without them
     warnings: list[str] = field(default_factory=list)
     grid_check: dict[str, Any] | None = None      # of `wave --grid-check`: changes by a finer grid
-    photodiodes: dict[str, Any] | None = None     # of `wave -o`: columns name, rim, centre [m], area [m^2]; power with the heights of the
-                                  # first draw, mean and spread over mirrors, over the power of the mode
+    photodiodes: dict[str, Any] | None = None     # of `wave -o`; see light_on_photodiodes
     device: str = "cpu"           # where the fields were computed
     by_frequency: dict[str, Any] | None = None    # of `wave --by-frequency`: columns from, to [1/m], scattered, loss; smooth, beyond
 
@@ -162,8 +161,8 @@ class WaveRing:
     warnings: list[str] = field(default_factory=list)
 
     def levers(self, surface: str) -> ComplexArray:
-        """Derivatives of the stray field over the main field by the motion of an inner edge or a mirror: x, y, z [1/m] and rotations
-       """
+        """Derivatives of the stray field over the main field by the motion of an inner edge or a mirror, [6]: x, y, z [1/m] and
+        rotations about its `reference` [1/rad], along the axes of the scene."""
         names = self.surfaces["name"]
         if surface not in names:
             raise KeyError(f"the cavity has no inner edge or mirror '{surface}'; it has {', '.join(names)}")

@@ -137,10 +137,8 @@ void add_trace_options(CLI::App& command, TraceOptions& options) {
       ->check([](std::string const& rule) { return std::string(rule.empty() ? "'' is not a stop rule" : ""); });
   command.add_option("--threads", options.threads, "number of threads; default: all cores; does not change the result")
       ->check(whole_between(1, 1024, "4"));
-  command.add_option(
-      "--backend", options.backend,
-      "cpu; cuda: histories and fields on a GPU; for trace also mpi: all processes of mpirun; histories have the "
-      "same bits");
+  command.add_option("--backend", options.backend,
+                     "cpu; cuda: on a GPU; for trace also mpi: all processes of mpirun; histories have the same bits");
   command.add_option_function<std::string>(
       "--max-time", [&](std::string const& text) { options.max_seconds = parse_duration(text); },
       "stop after this time, for example 50min, with a result that can be resumed");

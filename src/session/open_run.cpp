@@ -110,7 +110,7 @@ Model RunInput::read(std::vector<std::string> const& overrides) const {
   if (!file_) return read_model(input_, overrides);
   Model model = model_of(*file_, overrides);
   model.waves = file_->about.waves;
-  model.ring_waves = file_->about.ring;
+  if (overrides.empty()) model.ring_waves = file_->about.ring;
   model.seed = file_->trace.coupling.seed;
   model.world.block_size = file_->trace.coupling.block_size;
   if (file_->trace.stop_rule.empty()) {

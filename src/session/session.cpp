@@ -82,7 +82,6 @@ void resume_earlier(Model& model, TraceOptions const& options, std::string const
   if (!found) return;
   RunFile const& earlier = *found;
   if (earlier.about.waves) model.waves = earlier.about.waves;
-  if (earlier.about.ring) model.ring_waves = earlier.about.ring;
   require_this_program(earlier.about.provenance, run_file, "choose another file with -o, or trace again with --force");
   std::uint64_t& size = model.world.block_size;
   std::uint64_t const size_before = earlier.trace.coupling.block_size, histories = earlier.trace.total.histories;
@@ -119,7 +118,7 @@ struct DeterministicLight {
   std::vector<CouplingClass> classes;
   std::vector<std::string> warnings;
 
-  DeterministicLight(Model& model, Computing const& on, PrintOptions const& options) {
+  DeterministicLight(Model& model, unsigned threads, PrintOptions const& options) {
     EdgeClasses edges = edge_classes(model.world);
     classes = std::move(edges.classes);
     warnings = std::move(edges.warnings);
@@ -128,12 +127,12 @@ struct DeterministicLight {
           "wave: the field of a cavity of three mirrors or more adds no noise; 'straytrace wave' prints its losses and "
           "levers");
     else if (model.world.wave.present) {
-      ArmWaves const waves = solved_or_known(model, on, options);
+      ArmWaves const waves = solved_or_known(model, threads, options);
       std::vector<CouplingClass> rims = wave_rim_classes(model.world, waves);
       std::ranges::copy(waves.arm.warnings, std::back_inserter(warnings));
       if (rims.empty()) warnings.push_back("wave: no inner edge couples light into a port; the field adds no noise");
       std::ranges::move(rims, std::back_inserter(classes));
-      light_halo(model, true, unsigned(on.threads), options);
+      light_halo(model, true, threads, options);
       HaloClasses halo = halo_classes(model.world, waves);
       std::ranges::move(halo.classes, std::back_inserter(classes));
       std::ranges::move(halo.warnings, std::back_inserter(warnings));
@@ -255,7 +254,7 @@ TracedModel trace_model(Model& model, TraceOptions const& options, std::string c
     settings.wanted_error = model.until.wanted_error();
     settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
   }
-  DeterministicLight const beside(model, computing_beside_trace(model, options), options);
+  DeterministicLight const beside(model, options.threads, options);
   settings.deterministic = beside.classes;
   SteeredWorld world = steer(model.world, options.threads);
   ProgressLine progress(options.quiet);
@@ -289,7 +288,7 @@ TraceResult result_of(Model& model, SumTree tree, PrintOptions const& options) {
 }
 
 TraceResult nothing_traced(Model& model, unsigned threads, PrintOptions const& options) {
-  DeterministicLight const beside(model, int(threads), options);
+  DeterministicLight const beside(model, threads, options);
   TraceSettings settings;
   settings.seed = model.seed;
   settings.deterministic = beside.classes;

@@ -192,6 +192,7 @@ RoundTrip::RoundTrip(RoundTrip&&) noexcept = default;
 Trip const& RoundTrip::trip() const { return parts_->trip; }
 Transform const& RoundTrip::transform() const { return parts_->transform; }
 int RoundTrip::threads() const { return parts_->threads; }
+Computing RoundTrip::computing() const { return {parts_->threads, parts_->device}; }
 Mask const& RoundTrip::mask(std::size_t stop) const { return parts_->masks[parts_->stops[stop].mask]; }
 SpectrumDisc const& RoundTrip::band() const { return parts_->disc; }
 

@@ -69,6 +69,7 @@ class RoundTrip {
   Trip const& trip() const;
   Transform const& transform() const;
   int threads() const;
+  Computing computing() const;
   Mask const& mask(std::size_t stop) const;
   SpectrumDisc const& band() const;  // frequencies at the start of the fields of which modes are made
   // Another surface of the mirror at a stop, as WaveMirror::height.

@@ -153,15 +153,6 @@ Computing computing(TraceOptions const& options) {
   return {int(options.threads), options.backend == "cuda" ? cuda_waves() : nullptr};
 }
 
-Computing computing_beside_trace(Model const& model, TraceOptions const& options) {
-  if (model.arm && options.backend == "cuda") try {
-      return computing(options);
-    } catch (InputError const& e) {
-      print_warning("the field of the cavity is computed on the CPU: " + e.reason(), options);
-    }
-  return int(options.threads);
-}
-
 namespace {
 
 ArmWaves solve(Model const& model, ArmCavity arm, Computing const& on, PrintOptions const& print, ArmOptions options) {
@@ -241,13 +232,15 @@ void keep_waves(Model& model, RingWaves const& waves) {
   model.ring_waves = std::make_shared<RingRecord const>(record_of(model.world, waves, power_of(model.world)));
 }
 
-ArmWaves solved_or_known(Model& model, Computing const& on, PrintOptions const& print) {
-  if (!model.waves || model.waves->key != key_of(model)) {
+ArmWaves solved_or_known(Model& model, unsigned threads, PrintOptions const& print) {
+  // Histories start in this field, with the same bits on any device.
+  bool const known = model.waves && model.waves->key == key_of(model) && model.waves->device == "cpu";
+  if (!known) {
     ArmOptions kept;
     kept.highest_order = kept_orders;
     ArmCavity arm = model.arm.value();
-    arm.diodes.clear();  // the run file has no light on photodiodes
-    ArmWaves waves = solve(model, std::move(arm), on, print, kept);
+    arm.diodes.clear();  // their mean over mirrors costs as much as the field
+    ArmWaves waves = solve(model, std::move(arm), int(threads), print, kept);
     keep_waves(model, waves);
     return waves;
   }
@@ -282,7 +275,7 @@ WaveRecord const& waves_to_show(Model& model, bool as_traced, unsigned threads, 
     throw InputError("the table 'wave' names no baffles that the light at small angles could fall on",
                      "add for example 'baffles: \"baffle*\"' to it");
   bool const known = as_traced && model.waves && model.waves->rims.size() == model.arm->rims.size();
-  if (!known) solved_or_known(model, int(threads), print);
+  if (!known) solved_or_known(model, threads, print);
   return *model.waves;
 }
 

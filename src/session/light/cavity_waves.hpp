@@ -23,8 +23,6 @@ std::string wave_line(Model const&);
 nlohmann::ordered_json wave_json(Model const&);  // null without a plan
 // Threads and, with the backend "cuda", the device of fields. InputError where there is none.
 Computing computing(TraceOptions const&);
-// The same where histories are what matters: without a device for fields a warning, and the host.
-Computing computing_beside_trace(Model const&, TraceOptions const&);
 // With progress on stderr.
 ArmWaves solve_waves(Model const&, Computing const&, PrintOptions const&, ArmOptions = {});
 // Of a cavity of three mirrors or more.
@@ -47,7 +45,7 @@ DrivenScan drive_waves(Model const&, RingWaves const&, DrivePlan const&, PrintOp
 std::vector<std::string> wave_inputs(Model const&);
 // From the earlier run that the model knows, where that is of the same cavity and program; otherwise solved. Leaves the
 // record for the run file in the model.
-ArmWaves solved_or_known(Model&, Computing const&, PrintOptions const&);
+ArmWaves solved_or_known(Model&, unsigned threads, PrintOptions const&);
 void keep_waves(Model&, ArmWaves const&);
 void keep_waves(Model&, RingWaves const&);
 // The same for pictures of its light on baffles; `as_traced`: the field that the model has is taken without a look at

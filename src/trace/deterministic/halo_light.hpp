@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where the light of a cavity at angles below the crossover meets surfaces between the mirrors (docs/theory/wave.md,
-// "Light on baffles").
+// "Light that baffles scatter back").
 #pragma once
 
 #include <cstddef>

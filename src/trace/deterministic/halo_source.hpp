@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The light of a cavity at angles below the crossover on the surfaces between its mirrors, as the tables of a source of
-// paths (world/model/halo.hpp; docs/theory/wave.md, "Light that baffles scatter elsewhere").
+// paths (world/model/halo.hpp; docs/theory/wave.md, "Elsewhere").
 #pragma once
 
 #include "trace/deterministic/halo_light.hpp"

@@ -302,7 +302,7 @@ RimLevers levers_about(SurfaceLevers const& surface, Vec3 point) {
 RingLevers ring_levers(World const& world, RingCavity const& ring, RoundTrip const& way, WaveMode const& mode,
                        SolveOptions const& options) {
   std::size_t const n = ring.stops.size();
-  RoundTrip const back(reversed(ring.trip), way.threads());
+  RoundTrip const back(reversed(ring.trip), way.computing());
   auto const against = [&](std::size_t axis) {
     AxisBeam const& arriving = ring.stops.back().arriving[axis];
     return AxisBeam{arriving.radius, -arriving.curvature};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Light of a cavity below the crossover angle on the surfaces between its mirrors, as a source of paths and a receiver
-// of them (docs/theory/wave.md, "Light that baffles scatter elsewhere"). trace/deterministic/halo_source.hpp makes the
+// of them (docs/theory/wave.md, "Elsewhere"). trace/deterministic/halo_source.hpp makes the
 // tables.
 #pragma once
 
@@ -91,7 +91,7 @@ struct Halo {
       std::uint32_t const mid = low + (high - low) / 2;
       (sections[mid].from <= local.z ? low : high) = mid;
     }
-    if (high <= low) return none;
+    if (source.count == 0) return none;
     HaloSection const& section = sections[low];
     if (!(section.from <= local.z && local.z < section.to)) return none;
     double const radius = std::sqrt(local.x * local.x + local.y * local.y), turn = turn_of(local.x, local.y);

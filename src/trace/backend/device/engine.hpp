@@ -148,6 +148,6 @@ class DeviceEngine {
 // The library exports this as `straytrace_device_engine`: throws std::runtime_error, with the reason in
 // words, when there is no device.
 using MakeDeviceEngine = DeviceEngine* (*)(std::uint32_t abi);
-constexpr std::uint32_t device_abi = 1;  // changes with anything in this file or in its includes
+constexpr std::uint32_t device_abi = 2;  // changes with anything in this file or in its includes
 
 }  // namespace straytrace::trace
