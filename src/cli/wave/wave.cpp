@@ -197,7 +197,7 @@ void add_wave(CLI::App& app, int& exit_code) {
                                    "file for the table of photodiodes, or with --detuning of detunings, all digits"));
   command->add_option("--threads", o.threads, "0: all cores")->check(whole_between(0, 4096, "8"));
   command->add_option("--backend", o.backend,
-                      "cpu; cuda: fields, and with --seam histories, on a GPU; fields agree to rounding");
+                      "cpu; cuda: fields on a GPU, which agree to rounding; with --seam, histories");
   auto* const out = command->add_option(
       "-o,--out", o.out, "run file to write (HDF5), without histories: run and trace resume it with this field");
   command->add_flag("--fields", o.fields, "keep the complex fields on both mirrors in the run file")->needs(out);

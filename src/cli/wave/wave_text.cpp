@@ -177,9 +177,9 @@ std::string rims_text(ArmWaves const& waves, World const& world, std::vector<std
   return "\nStray field over the main field per round trip, per displacement of an inner edge (eq. W.14) and per "
          "change of its "
          "radius,\n"
-         "largest first; rms over the draws. speckle: expected rms over random mirrors with the BSDF models of the "
+         "largest first; rms over the draws. speckle: expected rms over random mirrors, by the BSDF models of the "
          "materials\n"
-         "(eq. W.22); it stands for an edge whose light the grid does not hold.\n\n" +
+         "and the waves of the outlines (eq. W.29); it stands for an edge whose light the grid does not hold.\n\n" +
          aligned(table) + more_rows(order.size(), show);
 }
 

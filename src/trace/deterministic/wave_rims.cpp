@@ -167,7 +167,7 @@ std::string statement(World const& world, ArmWaves const& waves, ClassKind kind,
   std::string const rims = group.rims == 1 ? "1 rim" : fmt::format("{} rims", group.rims);
   if (kind == ClassKind::speckle)
     return fmt::format(
-        "{}, mean over random mirrors with their scatter and outlines (docs/theory/wave.md, eq. W.22): light at angles "
+        "{}, mean over random mirrors with their scatter and outlines (docs/theory/wave.md, eq. W.29): light at angles "
         "above {:.3g} urad, which the grid does not hold; at smaller angles from the other mirror, with the irradiance "
         "on the grid; powers added; first order in the motion",
         rims, 1e6 * waves.arm.crossover);
