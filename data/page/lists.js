@@ -88,6 +88,7 @@ function addAssumptions(assumptions, inputs) {
 
 function addEnergyBalance(balance) {
   const part = section("Where the light went", "energy-balance"), emitted = balance.emitted.value;
+  if (!(emitted > 0)) return part.append(el("p", {class: "note"}, "No history has been traced."));
   const terms = balance.terms.filter(f => f.power.value !== 0);
   const share = e => withError(100 * e.value / emitted, 100 * e.sigma / emitted);
   part.append(el("p", {class: "note"}, "Of the light that scatters out of the main mode and of free beams; (n): one standard error."),

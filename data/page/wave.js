@@ -130,7 +130,7 @@ function addLevers(part, w) {
   new Plot(box, {height: 430, x: {label: "distance from " + w.mirrors[0] + " [m]"}, y: {label: "|stray field over main field| per displacement [1/m]", log: true, decades: 9},
                  series: [...bands, ...(some(across) ? [points("across the beam, in the field (eq. W.14)", across, "#0072B2"),
                                                         points("along the beam, in the field", along, "#009E73", {off: true})] : []),
-                          {name: "across, expected over random mirrors (eq. W.22)", colour: "#D55E00", dash: "6 4", x: z, y: speckle},
+                          {name: "across, expected over random mirrors (eq. W.29)", colour: "#D55E00", dash: "6 4", x: z, y: speckle},
                           {name: "along, expected over random mirrors", colour: "#CC79A7", dash: "6 4", x: z, y: speckle_along, off: true}]});
   part.append(el("p", {class: "note"}, w.rims.solved + " of " + z.length + " edges are in the field: both mirrors see them within the crossover angle. For the " +
       "others the expectation stands. Rms over x and y, and over the draws where there are any."));
