@@ -2,6 +2,7 @@
 // A world that is moved to a device takes everything with it.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -48,6 +49,14 @@ std::size_t left_behind(std::vector<std::byte> const& image, Mapped const& mappe
   return found;
 }
 
+// Puts one address of this process into an image, one of two of which at most one ends like a small integer.
+void plant_address(std::vector<std::byte>& image) {
+  static std::array<std::byte, 4'000'000> target;
+  auto address = reinterpret_cast<std::uint64_t>(target.data());
+  if (std::uint32_t(address) <= 1'000'000) address += 2'000'000;
+  std::memcpy(image.data(), &address, sizeof address);
+}
+
 class Image : public ::testing::TestWithParam<char const*> {};
 
 TEST_P(Image, HoldsNoAddressOfTheWorldItWasMadeOf) {
@@ -59,8 +68,8 @@ TEST_P(Image, HoldsNoAddressOfTheWorldItWasMadeOf) {
   std::vector<std::byte> placed = image.placed_at(reinterpret_cast<void const*>(std::uintptr_t{1} << 60));
   EXPECT_GT(placed.size(), sizeof view + view.surfaces.size * sizeof(Surface));
   EXPECT_EQ(left_behind(placed, mapped), 0u);
-  std::memcpy(placed.data(), static_cast<void const*>(&view), sizeof view);  // control: the view as it was
-  EXPECT_GT(left_behind(placed, mapped), 10u);
+  plant_address(placed);  // control
+  EXPECT_EQ(left_behind(placed, mapped), 1u);
 }
 TEST(ImageOfAnArm, HoldsTheLightBelowTheCrossover) {
   World const world = arm_in_halo();
