@@ -23,7 +23,7 @@ from .errors import InputError, NumericalError, Problem, RunError, StraytraceWar
 from .paths import Path, PathColumn, Paths
 from .routes import EnergyBalance, Receiver, Receivers, Routes
 from .run import Run, open_run
-from .wave import Irradiance, Wave, WaveRing
+from .wave import Irradiance, SeamCheck, Wave, WaveRing
 
 if TYPE_CHECKING:
     from .model import Check, Model
@@ -75,4 +75,4 @@ def run(model: Model | Mapping[str, Any] | str | os.PathLike[str], out: str | os
 
 __all__ = ["Bands", "Check", "Curve", "InputError", "Irradiance", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Path", "PathColumn", "Paths",
            "Problem", "Progress", "Receiver", "Receivers", "Routes", "Run", "RunError", "Scan", "ScanPoint",
-           "StraytraceWarning", "Table", "Wave", "WaveRing", "check", "open", "open_run", "quantity", "run", "scan", "trace"]
+           "SeamCheck", "StraytraceWarning", "Table", "Wave", "WaveRing", "check", "open", "open_run", "quantity", "run", "scan", "trace"]

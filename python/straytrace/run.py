@@ -21,7 +21,7 @@ from .errors import RunError, StraytraceWarning
 from .paths import Paths, Where, paths_from
 from .routes import EnergyBalance, Receiver, Receivers, Routes
 from .scratch import Scratch
-from .wave import Wave, WaveRing, wave_of, wave_ring_of
+from .wave import SeamCheck, Wave, WaveRing, seam_of, wave_of, wave_ring_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,6 +51,7 @@ class Run:
     beam_power: float = 0.0           # W; 0: not stated
     wave: Wave | None = None          # of the table `wave` of the scene, since schema 2.2
     wave_ring: WaveRing | None = None     # of a ring or folded cavity, since schema 2.3
+    seam: SeamCheck | None = None     # the noise at another crossover angle; None: not checked, or before schema 2.3
     scratch: Scratch | None = field(default=None, repr=False)    # holds a temporary file
 
     @property
@@ -200,6 +201,7 @@ def _read(file: Any, path: pathlib.Path) -> Run:
         beam_power=float(file["receivers"].attrs["beam_power"]) if "receivers" in file else 0.0,
         wave=wave_of(file),
         wave_ring=wave_ring_of(file),
+        seam=seam_of(file),
         files={reading.text(item.attrs["name"]): reading.text(item[()]) for item in file["input/files"].values()},
     )
     if run.noise is not None:

@@ -170,6 +170,19 @@ class WaveRing:
         return np.hstack([self.surfaces["displacement"][row], self.surfaces["rotation"][row]])
 
 
+@dataclass
+class SeamCheck:
+    """The noise of a run and that at another crossover angle, on which it must not depend, at one frequency. Pairs: value and one
+    standard error; NaN where rays are not resolved."""
+
+    frequency: float                  # Hz
+    crossover: float                  # rad, of the scene
+    other_crossover: float            # rad
+    histories: int                    # at the other angle
+    baffles: dict[str, tuple[float, float]]    # of rays and halo: strain and other, 1/sqrt(Hz), of both angles; change, relative
+    total: dict[str, tuple[float, float]]      # of all stray light
+
+
 def _columns(group: Any) -> dict[str, Any]:
     """The columns of a group; parts `_real` and `_imaginary` become one complex column."""
     found: dict[str, Any] = {}
@@ -254,3 +267,16 @@ def wave_ring_of(file: Any) -> WaveRing | None:
         surfaces=_columns(group["surfaces"]),
         warnings=[_text(w) for w in group["warnings"][()]],
         **number)
+
+
+def seam_of(file: Any) -> SeamCheck | None:
+    """/seam; None where a run has none."""
+    if "seam" not in file:
+        return None
+    of = file["seam"].attrs
+
+    def light(name: str) -> dict[str, tuple[float, float]]:
+        return {key: (float(of[f"{name}_{key}"]), float(of[f"{name}_{key}_sigma"])) for key in ("strain", "other", "change")}
+
+    return SeamCheck(float(of["frequency"]), float(of["crossover"]), float(of["other_crossover"]), int(of["histories"]),
+                     light("baffles"), light("total"))

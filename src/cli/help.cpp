@@ -44,7 +44,7 @@ std::vector<OptionGroup> const& groups() {
                 "length",     "before",       "rate"}},
       {"Tracing",
        {"histories", "seed", "until", "max-time", "checkpoint", "slice", "history", "floor", "order", "detuning",
-        "seam", "grid-check", "by-frequency"}},
+        "seam", "no-seam", "grid-check", "by-frequency"}},
       {"Computing", {"threads", "backend", "jobs", "time", "accounting"}},
       {"Analysis", {"invert",        "against",
                     "margin",        "per-frequency",

@@ -13,6 +13,7 @@
 #include "results/route_table/route_sums.hpp"
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
+#include "session/light/seam.hpp"
 #include "session/open_run.hpp"
 #include "session/report_page.hpp"
 #include "session/session.hpp"
@@ -31,8 +32,11 @@ std::string write_with_page(std::string const& folder, RunContent const& content
   return undrawn;
 }
 
+std::string paragraph(std::string const& text) { return text.empty() ? "" : text + "\n\n"; }
+
 struct RunOptions : TraceOptions {
   std::string out;
+  bool no_seam = false;
 };
 
 // A stop request while it still reads, or already writes, gives a run file as well.
@@ -55,7 +59,9 @@ int run(RunOptions const& options) {
   std::optional<FolderLock> const lock = alone ? std::nullopt : std::optional<FolderLock>(std::in_place, options.out);
   std::string const run_file = alone ? options.out : options.out + "/run.h5";
   auto const [world, traced] = trace_model(model, options, run_file);  // world -> coupling table
-  std::optional<NoiseBudget> budget;                                   // the rest is fast
+  if (!model.seam && !options.no_seam && !traced.checkpointed())
+    model.seam = check_seam(earlier.read(options.overrides), traced, options);
+  std::optional<NoiseBudget> budget;  // the rest is fast
   if (model.detector) budget = model.project_with_bands(traced.coupling);
   if (budget) print_warnings(*budget, options);
   PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
@@ -73,7 +79,7 @@ int run(RunOptions const& options) {
       std::cout << path_text(paths, model.paths_shown) << '\n'
                 << band_summary(*budget, paths.frequencies) << '\n'
                 << verdict_sentence(*budget, budget->grid.edges.front(), budget->grid.edges.back()) << "\n\n"
-                << headline(*budget, paths) << '\n';
+                << paragraph(seam_sentence(content)) << headline(*budget, paths) << '\n';
     if (!content.receivers.empty())
       std::cout << (budget ? "\n" : "") << receiver_text(receiver_table(content), model.paths_shown);
     if (!options.quiet)
@@ -81,9 +87,10 @@ int run(RunOptions const& options) {
                 << (alone ? fmt::format("run file: {}\n", run_file)
                           : results_line(options.out, content, "report.html", undrawn.empty()));
   }
-  if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
+  bool const stopped = traced.checkpointed() || (guard.stop() && content.waves && !content.seam && !options.no_seam);
+  if (stopped && !options.quiet) std::cerr << how_to_go_on;
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
-  return traced.checkpointed() ? checkpointed : done;
+  return stopped ? checkpointed : done;
 }
 
 }  // namespace
@@ -96,6 +103,8 @@ void add_run(CLI::App& app, int& exit_code) {
   add_trace_options(*command, o);
   command->add_option("-o,--out", o.out, "folder for the results; a name that ends with .h5: the run file alone")
       ->required();
+  command->add_flag("--no-seam", o.no_seam,
+                    "leave out the comparison with another crossover angle (scenes with the table 'wave')");
   command->footer(
       "Examples:\n"
       "  straytrace run examples/virgo_arm.yaml -o out/\n"

@@ -48,6 +48,18 @@ struct ImportanceMap {
   std::vector<double> adjoint, law_share;  // front and back of patch 0, of patch 1, ...
 };
 
+// The noise of a run and that at another crossover angle, on which it must not depend (docs/theory/wave.md, eq. W.21).
+struct SeamCheck {
+  // At both angles, 1/sqrt(Hz), and the relative change, each with one standard error; NaN: rays are not resolved.
+  struct Light {
+    double strain = 0, strain_sigma = 0, other = 0, other_sigma = 0, change = 0, change_sigma = 0;
+  };
+  double frequency = 0;                       // Hz
+  double crossover = 0, other_crossover = 0;  // rad
+  std::uint64_t histories = 0;                // at the other angle
+  Light baffles, total;                       // baffles: rays and halo
+};
+
 // Content of a run file apart from its numbers; no host names, user names or absolute paths of this machine.
 struct RunContent {
   FileTexts files;
@@ -68,6 +80,7 @@ struct RunContent {
   double beam_power = 0;                          // W, of the main mode; 0: not stated
   std::shared_ptr<wave::WaveRecord const> waves;  // of the table `wave`; may be null
   std::shared_ptr<wave::RingRecord const> ring;   // the same of a ring or folded cavity
+  std::shared_ptr<SeamCheck const> seam;          // null: not checked
   std::optional<ProjectionInputs> projection;     // absent in files of schema 1
   Provenance provenance;
   std::map<std::string, double> timing;  // s, by stage, without trace and noise
@@ -238,6 +251,8 @@ std::string energy_balance_text(RunContent const&);
 std::string objects_text(RunContent const&);
 // "Stray light stays a factor 6.1 ± 0.2 below the margin line 0.1 x adv-lal between 10 and 500 Hz; ..."
 std::string verdict_sentence(NoiseBudget const&, double low_hz, double high_hz);
+// Whether the noise depends on the crossover angle; empty for a run without noise or without a field beside its rays.
+std::string seam_sentence(RunContent const&);
 
 // A design curve at a frequency, 1/sqrt(Hz); NaN outside the grid.
 double design_at(DesignCurve const&, FrequencyGrid const&, double hz);

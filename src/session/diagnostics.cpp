@@ -20,7 +20,7 @@ void print_warnings(Scene const& scene, PrintOptions const& options) {
 }
 
 void print_warning(std::string const& sentence, PrintOptions const& options) {
-  if (options.quiet) return;
+  if (options.quiet || !options.warnings) return;
   if (!options.json()) {
     std::cerr << "warning: " << printable(sentence) << '\n';
     return;

@@ -26,6 +26,10 @@ struct RingRecord;
 struct WaveRecord;
 }  // namespace straytrace::wave
 
+namespace straytrace::results {
+struct SeamCheck;
+}  // namespace straytrace::results
+
 namespace straytrace::session {
 
 // When a trace ends: by error, by number, by clock; whichever comes first.
@@ -82,6 +86,8 @@ struct Model : ProjectionModel {
   // Of the table `wave`, once it is solved; before, of an earlier run: its key tells whether it is of this model.
   std::shared_ptr<WaveRecord const> waves;
   std::shared_ptr<wave::RingRecord const> ring_waves;  // of a ring or folded cavity, solved or of an earlier run
+
+  std::shared_ptr<results::SeamCheck const> seam;  // of the histories of an earlier run, or of this one
 
   std::string hash() const;  // of everything that decides the trace
 };

@@ -17,6 +17,7 @@ enum ExitCode { done = 0, input_error = 2, numerical_failure = 3, checkpointed =
 struct PrintOptions {
   std::string format = "text";
   bool quiet = false;
+  bool warnings = true;  // false: those of this model were printed before
 
   bool json() const { return format == "json"; }
 };

@@ -184,6 +184,7 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   StaticReport fixed;
   if (run.noise) {
     fixed.verdict = verdict_sentence(*run.noise, run.noise->grid.edges.front(), run.noise->grid.edges.back());
+    if (std::string const seam = seam_sentence(run); !seam.empty()) fixed.verdict += " " + seam;
     fixed.headline = headline(*run.noise, table);
   }
   fixed.picture = picture;

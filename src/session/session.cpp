@@ -29,6 +29,7 @@
 #include "session/interrupt.hpp"
 #include "session/light/cavity_waves.hpp"
 #include "session/light/ghost_noise.hpp"
+#include "session/light/seam.hpp"
 #include "trace/deterministic/edges.hpp"
 #include "trace/deterministic/halo.hpp"
 #include "trace/deterministic/wave_rims.hpp"
@@ -82,6 +83,7 @@ void resume_earlier(Model& model, TraceOptions const& options, std::string const
   if (!found) return;
   RunFile const& earlier = *found;
   if (earlier.about.waves) model.waves = earlier.about.waves;
+  model.seam = earlier.about.seam;
   require_this_program(earlier.about.provenance, run_file, "choose another file with -o, or trace again with --force");
   std::uint64_t& size = model.world.block_size;
   std::uint64_t const size_before = earlier.trace.coupling.block_size, histories = earlier.trace.total.histories;
@@ -273,6 +275,7 @@ TracedModel trace_model(Model& model, TraceOptions const& options, std::string c
   settings.ranks = ranks ? &*ranks : nullptr;
   TraceResult result = beside.completed(trace_to_rule(world, settings, *backend));
   model.world.block_size = world.block_size = result.coupling.block_size;
+  if (model.seam && model.seam->histories != histories_of_seam(result.coupling.histories)) model.seam.reset();
   for (std::string const& warning : result.warnings) print_warning(warning, options);
   return {world, std::move(result)};
 }
@@ -331,6 +334,7 @@ RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget
   content.beam_power = model.world.beam_power;
   if (model.arm) content.waves = model.waves;
   if (model.ring) content.ring = model.ring_waves;
+  content.seam = model.seam;
   content.projection = model.traced;
   content.provenance.version = build_info::version;
   content.provenance.commit = build_info::commit;

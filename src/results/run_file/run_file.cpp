@@ -204,6 +204,7 @@ void read_all(hdf5::Reader const& in, RunFile& run) {
   run.trace.warnings = in.strings("/warnings/trace");
   if (in.has("/wave")) run.about.waves = std::make_shared<wave::WaveRecord const>(read_wave(in));
   if (in.has("/wave_ring")) run.about.ring = std::make_shared<wave::RingRecord const>(read_ring(in));
+  if (in.has("/seam")) run.about.seam = std::make_shared<SeamCheck const>(read_seam(in));
   run.about.warnings = in.strings("/warnings/scene");
   if (in.has("/noise")) run.noise = read_noise(in);
   if (run.noise) find_bounds(*run.noise, run.trace.coupling);
@@ -392,6 +393,7 @@ void write_run(std::string const& file, RunContent const& run) {
     write_nodes(out, run.trace->tree);
     if (run.waves) write_wave(out, *run.waves);
     if (run.ring) write_ring(out, *run.ring);
+    if (run.seam) write_seam(out, *run.seam);
     if (run.noise) write_noise(out, *run.noise);
     write_warnings(out, run);
     write_timing(out, run);

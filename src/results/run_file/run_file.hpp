@@ -37,6 +37,8 @@ void write_wave(hdf5::Writer&, wave::WaveRecord const&);  // /wave
 wave::WaveRecord read_wave(hdf5::Reader const&);          // the file has the group
 void write_ring(hdf5::Writer&, wave::RingRecord const&);  // /wave_ring
 wave::RingRecord read_ring(hdf5::Reader const&);          // the file has the group
+void write_seam(hdf5::Writer&, SeamCheck const&);         // /seam
+SeamCheck read_seam(hdf5::Reader const&);                 // the file has the group
 
 void write_noise(hdf5::Writer&, NoiseBudget const&);  // /noise
 NoiseBudget read_noise(hdf5::Reader const&);

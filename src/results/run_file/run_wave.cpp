@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// /wave and /wave_ring: the solved cavity of the table `wave`.
+// /wave and /wave_ring: the solved cavity of the table `wave`; /seam: what the noise does at another crossover angle.
 #include <algorithm>
 #include <cmath>
 
@@ -464,6 +464,43 @@ RingRecord read_ring(hdf5::Reader const& in) {
   wave_mode_columns(ColumnReader(in, "/wave_ring/modes/", r.modes, RowCount::of_first_column));
   ring_surface_columns(ColumnReader(in, "/wave_ring/surfaces/", r.surfaces, RowCount::of_first_column));
   return r;
+}
+
+// The noise at two crossover angles.
+
+namespace {
+
+// number(name, member) writes or reads each.
+template <class Check, class Number>
+void seam_numbers(Check& c, Number const& number) {
+  number("frequency", c.frequency);
+  number("crossover", c.crossover);
+  number("other_crossover", c.other_crossover);
+  auto const light = [&](std::string const& name, auto& of) {
+    number(name + "_strain", of.strain);
+    number(name + "_strain_sigma", of.strain_sigma);
+    number(name + "_other", of.other);
+    number(name + "_other_sigma", of.other_sigma);
+    number(name + "_change", of.change);
+    number(name + "_change_sigma", of.change_sigma);
+  };
+  light("baffles", c.baffles);
+  light("total", c.total);
+}
+
+}  // namespace
+
+void write_seam(hdf5::Writer& out, SeamCheck const& c) {
+  out.group("/seam", "noise at two crossover angles, on which it must not depend (docs/theory/wave.md, eq. W.21)");
+  out.attribute("/seam", "histories", Counts{c.histories});
+  seam_numbers(c, [&](std::string const& name, double value) { out.attribute("/seam", name, value); });
+}
+
+SeamCheck read_seam(hdf5::Reader const& in) {
+  SeamCheck c;
+  c.histories = in.attribute_count("/seam", "histories");
+  seam_numbers(c, [&](std::string const& name, double& value) { value = in.attribute_number("/seam", name); });
+  return c;
 }
 
 }  // namespace straytrace::results

@@ -172,12 +172,28 @@ std::string path_json(PathTable const& table, RunContent const& run) {
   return dumped(j);
 }
 
+// Strain in 1/sqrt(Hz); null: not resolved.
+static Json seam_json(SeamCheck const& c) {
+  auto const with_sigma = [](double value, double sigma) -> Json {
+    if (std::isnan(value)) return nullptr;
+    return {{"value", value}, {"sigma", sigma}};
+  };
+  auto const light = [&](SeamCheck::Light const& l) -> Json {
+    return {{"strain", with_sigma(l.strain, l.strain_sigma)},
+            {"other", with_sigma(l.other, l.other_sigma)},
+            {"change", with_sigma(l.change, l.change_sigma)}};
+  };
+  return {{"frequency_hz", c.frequency}, {"crossover_rad", c.crossover}, {"other_crossover_rad", c.other_crossover},
+          {"histories", c.histories},    {"baffles", light(c.baffles)},  {"total", light(c.total)}};
+}
+
 std::string summary_json(RunContent const& run, PathTable const& table) {
   Json j;
   j["title"] = run.title;
   j["run"] = origin(run);
   j["complete"] = !run.trace->checkpointed();
   if (run.noise) j["verdict"] = verdict_sentence(*run.noise, table.low, table.high);
+  if (run.seam) j["seam"] = seam_json(*run.seam);
   j["bound"] = bound_name(table.has_upper_bounds(), table.incomplete());
   j["lower_bound"] = j["bound"] == "lower";
   j["total_strain"] = total_strain(table);

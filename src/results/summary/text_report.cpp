@@ -10,6 +10,7 @@
 #include "results/curves/band.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/text/columns.hpp"
+#include "wave/arm/wave_record.hpp"
 
 namespace straytrace::results {
 namespace {
@@ -271,6 +272,37 @@ std::string verdict_sentence(NoiseBudget const& b, double low_hz, double high_hz
   return text + (named < b.unresolved.size() ? "; and more in the path table." : ".");
 }
 
+namespace {
+
+constexpr double even = 0.03;  // relative change of the noise that counts as none
+
+std::string change_of(SeamCheck::Light const& light) {
+  if (std::isnan(light.change)) return "is not resolved";
+  return fmt::format("changes by {:+.2g} % ± {:.2g} %", 100 * light.change, 100 * light.change_sigma);
+}
+
+// With two standard errors.
+std::string judgement(SeamCheck::Light const& light) {
+  double const change = std::fabs(light.change), margin = 2 * light.change_sigma;
+  if (change + margin <= even) return "the result does not depend on the crossover angle within 3 %";
+  if (change - margin > even)
+    return "THE RESULT DEPENDS ON THE CROSSOVER ANGLE; 'straytrace wave SCENE --seam' compares three angles";
+  return "more histories or draws ('map_draws') would tell whether that is within 3 %";
+}
+
+}  // namespace
+
+std::string seam_sentence(RunContent const& run) {
+  if (!run.noise || !run.waves || run.waves->rims.empty()) return "";
+  if (!run.seam) return "Crossover angle: not checked; 'straytrace run' compares the noise at two angles.";
+  SeamCheck const& c = *run.seam;
+  return fmt::format(
+      "Crossover angle: at {:.4g} instead of {:.4g} urad, light from baffles {} at {:.4g} Hz, all stray light {}{}: "
+      "{}.",
+      1e6 * c.other_crossover, 1e6 * c.crossover, change_of(c.baffles), c.frequency, change_of(c.total),
+      run.motion_file.empty() ? "" : ", with the motion of the scene", judgement(c.total));
+}
+
 std::string text_report(RunContent const& run, PathTable const& table, std::size_t show,
                         std::vector<std::string> const& assumptions) {
   std::string const title = run.title.empty() ? "Stray light" : run.title;
@@ -281,6 +313,7 @@ std::string text_report(RunContent const& run, PathTable const& table, std::size
   } else {
     text += run.noise ? verdict_sentence(*run.noise, table.low, table.high) + "\n"
                       : std::string("Couplings only: the noise was not computed.\n");
+    if (std::string const seam = seam_sentence(run); !seam.empty()) text += "\n" + seam + "\n";
     text += strain_table(run, table);
     if (run.noise && run.noise->bands.made())
       text += section("Input and speckle") + band_text(*run.noise, table.frequencies);

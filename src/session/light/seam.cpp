@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 
 #include "base/errors.hpp"
 #include "base/math/samples.hpp"
@@ -48,8 +49,9 @@ void add_route(SeamCurve& curve, NoiseTrace const& route, CouplingClass const& c
     curve.variance += variance_of_sum(draws);
 }
 
-// Sum of the PSDs of the resolved routes of some kinds; errors of routes are independent. NaN where rays are among the
-// kinds and none of their routes is resolved.
+// Sum of the PSDs of the routes of some kinds, of unresolved ones the observed part with an error as large, as in
+// NoiseBudget::total; errors of routes are independent. NaN where rays are among the kinds and none of their routes is
+// resolved.
 SeamCurve curve_of(NoiseBudget const& budget, CouplingTable const& table, std::vector<ClassKind> const& kinds,
                    std::size_t bin, std::size_t heights) {
   SeamCurve curve;
@@ -58,10 +60,14 @@ SeamCurve curve_of(NoiseBudget const& budget, CouplingTable const& table, std::v
   for (std::size_t i = 0; i < table.classes.size(); ++i) {
     NoiseTrace const& route = budget.routes[i];
     CouplingClass const& c = table.classes[i];
-    if (!route.resolved || std::ranges::find(kinds, c.kind) == kinds.end()) continue;
-    psd += route.psd(bin);
-    add_route(curve, route, c, bin, heights);
-    traced = traced || c.kind == ClassKind::scattered;
+    double const part = route.psd(bin);
+    if (!(part >= 0) || std::ranges::find(kinds, c.kind) == kinds.end()) continue;
+    psd += part;
+    if (route.resolved)
+      add_route(curve, route, c, bin, heights);
+    else
+      curve.variance += part * part;
+    traced = traced || (route.resolved && c.kind == ClassKind::scattered);
   }
   double const asd = std::sqrt(psd),
                sigma = std::sqrt(curve.variance + variance_of_sum(curve.halo) + variance_of_sum(curve.edges));
@@ -122,6 +128,24 @@ void plan_anew(Model& model) {
   begin_rays_at_crossover(model.world);
 }
 
+// Noise at a crossover angle on a grid. Leaves the model at that angle.
+SeamPoint traced_at(Model& model, WaveSettings const& stated, double crossover, Grid const& grid, std::size_t bin,
+                    TraceOptions const& options) {
+  model.world.wave = stated;
+  model.world.wave.crossover = crossover;
+  model.world.wave.window = grid.window;
+  model.world.wave.points = std::uint32_t(grid.points);
+  plan_anew(model);
+  TracedModel const traced = trace_model(model, options, "");
+  return point_of(model.project(traced.result.coupling), traced.result.coupling, crossover, bin, stated.map_draws);
+}
+
+SeamCheck::Light light_of(Seam const& seam, SeamCurve SeamPoint::*curve) {
+  WithError const change = seam.change(curve);
+  SeamCurve const &here = seam.points[0].*curve, &there = seam.points[1].*curve;
+  return {here.strain.value, here.strain.sigma, there.strain.value, there.strain.sigma, change.value, change.sigma};
+}
+
 }  // namespace
 
 WithError Seam::change(SeamCurve SeamPoint::*curve) const {
@@ -157,15 +181,8 @@ Seam check_seam(Model& model, TraceOptions const& options) {
   seam.frequency = model.noise.grid.centre(bin);
   Grid const grid = common_grid(model.world, own);
   for (double const step : steps) {
-    model.world.wave = stated;
-    model.world.wave.crossover = step * own;
-    model.world.wave.window = grid.window;
-    model.world.wave.points = std::uint32_t(grid.points);
     try {
-      plan_anew(model);
-      TracedModel const traced = trace_model(model, options, "");
-      seam.points.push_back(
-          point_of(model.project(traced.result.coupling), traced.result.coupling, step * own, bin, stated.map_draws));
+      seam.points.push_back(traced_at(model, stated, step * own, grid, bin, options));
     } catch (InputError const& e) {
       if (step == 1 && !guard.stop()) throw;
       seam.warnings.push_back(fmt::format("crossover angle {:.4g} urad: {}", 1e6 * step * own, e.reason()));
@@ -179,6 +196,45 @@ Seam check_seam(Model& model, TraceOptions const& options) {
   model.world.wave = stated;
   plan_anew(model);
   return seam;
+}
+
+std::uint64_t histories_of_seam(std::uint64_t of_run) {
+  constexpr std::uint64_t fewest = 1 << 14;
+  return std::max(of_run / 4, std::min(of_run, fewest));
+}
+
+std::shared_ptr<SeamCheck const> check_seam(Model again, TraceResult const& run, TraceOptions const& options) {
+  if (!again.arm || again.arm->rims.empty() || !again.detector || again.motion.inputs.empty()) return {};
+  InterruptGuard const guard;
+  WaveSettings const stated = again.world.wave;
+  Grid const grid = again.arm->cavity.grid;
+  std::size_t const bin = bin_of_check(again.noise.grid);
+  Seam seam;
+  seam.crossover = crossover_angle(again.world, stated);
+  seam.points.push_back(point_of(again.project(run.coupling), run.coupling, seam.crossover, bin, stated.map_draws));
+  again.seed = run.coupling.seed;
+  again.histories = histories_of_seam(run.coupling.histories);
+  again.world.block_size = block_size_of(again.histories);
+  again.until = {};
+  again.waves.reset();
+  TraceOptions print = options;
+  print.warnings = false;
+  print.slice = print.slices = 1;
+  double const other = steps[0] * seam.crossover;
+  if (!options.quiet)
+    std::cerr << fmt::format("comparing with a crossover angle of {:.4g} urad, {:.3g} histories\n", 1e6 * other,
+                             double(again.histories));
+  try {
+    seam.points.push_back(traced_at(again, stated, other, grid, bin, print));
+  } catch (InputError const& e) {
+    if (!guard.stop())
+      print_warning(fmt::format("the crossover angle could not be checked: {}\n  {}", e.reason(), e.remedy()), options);
+    return {};
+  }
+  if (guard.stop()) return {};
+  return std::make_shared<SeamCheck const>(SeamCheck{again.noise.grid.centre(bin), seam.crossover, other,
+                                                     again.histories, light_of(seam, &SeamPoint::baffles),
+                                                     light_of(seam, &SeamPoint::total)});
 }
 
 constexpr char one_draw[] =

@@ -3,6 +3,8 @@
 // angles, on which it must not depend (docs/theory/wave.md, eq. W.21).
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -38,6 +40,12 @@ struct Seam {
 // below the smallest angle. Ctrl-C ends it with the angles done so far. Leaves the model at the crossover angle of its
 // scene.
 Seam check_seam(Model&, TraceOptions const&);
+
+// Of a run: its noise and that of fewer histories at 1/sqrt(2) times its crossover angle, on its grid and with its
+// heights. `again`: its model, read anew. Nothing for a model without waves beside its rays or without noise, and after
+// Ctrl-C; a warning where the other angle cannot be computed.
+std::shared_ptr<SeamCheck const> check_seam(Model again, TraceResult const&, TraceOptions const&);
+std::uint64_t histories_of_seam(std::uint64_t of_run);
 
 std::string seam_text(Seam const&);
 std::string seam_json(Seam const&);

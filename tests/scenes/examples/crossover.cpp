@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Noise does not depend on the angle at which rays begin and waves end (docs/theory/wave.md, eq. W.21): case V16.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 #include "scenes/benches.hpp"
 #include "support/recorded.hpp"
 #include "support/statistics.hpp"
+#include "wave/arm/wave_record.hpp"
 
 namespace straytrace::testing::crossover {
 namespace {
@@ -57,16 +59,71 @@ TEST(Crossover, NoiseDoesNotDependOnItV16) {
   EXPECT_GT(std::hypot(rays_from_above(), halo.value[1]) / both.value[1] - 1, 0.2);
 }
 
-// The scene with another crossover angle.
-CouplingTable traced_at(int crossover_urad) {
+// A run of the scene with another crossover angle; `grid`: keys of that table.
+RunFile run_at(double crossover_urad, std::string const& grid, std::uint64_t histories,
+               std::vector<std::string> const& more = {}) {
   Folder const folder;
   std::string text = text_of(crossover_arm);
   std::string const stated = "crossover: 200 urad";
-  text.replace(text.find(stated), stated.size(),
-               "crossover: " + std::to_string(crossover_urad) + " urad, grid: {window: 0.75 m}");
+  text.replace(text.find(stated), stated.size(), fmt::format("crossover: {} urad, grid: {{{}}}", crossover_urad, grid));
   write_text(folder / "arm.yaml", text);
-  expect_done({"run", folder / "arm.yaml", "-o", folder / "arm.h5", "--histories", "524288", "--quiet"});
-  return read_run(folder / "arm.h5").trace.coupling;
+  std::vector<std::string> command{"run",         folder / "arm.yaml",       "-o",     folder / "arm.h5",
+                                   "--histories", std::to_string(histories), "--quiet"};
+  command.insert(command.end(), more.begin(), more.end());
+  expect_done(command);
+  return read_run(folder / "arm.h5");
+}
+CouplingTable traced_at(int crossover_urad) {
+  return run_at(crossover_urad, "window: 0.75 m", 524288, {"--no-seam"}).trace.coupling;
+}
+
+// `run` compares two angles. The other one is that of a run of its own, to rounding.
+TEST(Crossover, RunsCompareTwoAngles) {
+  RunFile const here = run_at(200, "window: 0.75 m", 65536);
+  ASSERT_TRUE(here.about.seam);
+  SeamCheck const& seam = *here.about.seam;
+  EXPECT_EQ(seam.histories, 16384u);
+  EXPECT_NEAR(seam.other_crossover, 200e-6 / std::sqrt(2), 1e-12);
+  EXPECT_LT(std::fabs(seam.baffles.change), 5 * seam.baffles.change_sigma);
+  EXPECT_LT(std::fabs(seam.baffles.change), 0.03);
+  EXPECT_THAT(seam_sentence(here.content()), ::testing::HasSubstr("at 141.4 instead of 200 urad"));
+  RunFile const other =
+      run_at(1e6 * seam.other_crossover, fmt::format("points: {}, window: 0.75 m", here.about.waves->grid.points),
+             16384, {"--no-seam"});
+  ASSERT_TRUE(here.noise && other.noise);
+  std::size_t const bin = here.noise->grid.bin_of(seam.frequency);
+  EXPECT_NEAR(seam.total.strain, here.noise->total.asd[bin], 1e-3 * seam.total.strain);
+  EXPECT_NEAR(seam.total.other, other.noise->total.asd[bin], 1e-3 * seam.total.strain);
+  EXPECT_FALSE(other.about.seam);
+  EXPECT_THAT(seam_sentence(other.content()), ::testing::HasSubstr("not checked"));
+  // Changes that are made up, one after the other.
+  auto const said = [&](double change, double sigma) {
+    auto made_up = std::make_shared<SeamCheck>(seam);
+    made_up->total.change = change;
+    made_up->total.change_sigma = sigma;
+    RunContent content = here.content();
+    content.seam = made_up;
+    return seam_sentence(content);
+  };
+  EXPECT_THAT(said(-0.02, 0.004), ::testing::HasSubstr("changes by -2 % ± 0.4 %: the result does not depend"));
+  EXPECT_THAT(said(-0.04, 0.004), ::testing::HasSubstr("DEPENDS ON THE CROSSOVER ANGLE"));
+  EXPECT_THAT(said(0.02, 0.01), ::testing::HasSubstr("more histories"));
+  EXPECT_THAT(said(std::nan(""), std::nan("")), ::testing::HasSubstr("is not resolved"));
+}
+
+// Ctrl-C while the other angle is traced leaves the whole run, and the same command compares.
+TEST(Crossover, InterruptedComparisonLeavesTheRun) {
+  Folder const folder;
+  std::vector<std::string> const command{"run", crossover_arm, "-o", folder / "arm.h5", "--histories", "65536"};
+  Program running(command);
+  ASSERT_TRUE(running.says("comparing with a crossover angle")) << running.said();
+  running.interrupt();
+  EXPECT_EQ(running.wait().code, 85);
+  RunFile const first = read_run(folder / "arm.h5");
+  EXPECT_EQ(first.trace.total.histories, 65536u);
+  EXPECT_FALSE(first.about.seam);
+  expect_done(command);
+  EXPECT_TRUE(read_run(folder / "arm.h5").about.seam);
 }
 SampleMean rays_of(CouplingTable const& table, std::string const& route) {
   for (CouplingClass const& c : table.classes)

@@ -12,7 +12,7 @@ sys.dont_write_bytecode = True
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
-from straytrace.wave import wave_of, wave_ring_of  # noqa: E402
+from straytrace.wave import seam_of, wave_of, wave_ring_of  # noqa: E402
 
 
 def made_wave(file, fields=True):
@@ -162,6 +162,23 @@ class RingCavity(unittest.TestCase):
         np.testing.assert_array_equal(ring.levers("end"), (1 - 1j) * np.array([4, 5, 6, 40, 50, 60]))
         with self.assertRaisesRegex(KeyError, "it has baffle, end"):
             ring.levers("mirror")
+
+
+class Seam(unittest.TestCase):
+    """A made-up group /seam."""
+
+    def test_pairs_of_value_and_error(self):
+        with tempfile.TemporaryDirectory() as folder, h5py.File(pathlib.Path(folder) / "run.h5", "w") as file:
+            self.assertIsNone(seam_of(file))
+            of = file.create_group("seam").attrs
+            of.update(frequency=10.0, crossover=2e-4, other_crossover=1.4e-4, histories=1000)
+            for name, base in (("baffles", 1.0), ("total", 2.0)):
+                for i, key in enumerate(("strain", "other", "change")):
+                    of[f"{name}_{key}"], of[f"{name}_{key}_sigma"] = base + i, base / 10
+            seam = seam_of(file)
+        self.assertEqual((seam.histories, seam.other_crossover), (1000, 1.4e-4))
+        self.assertEqual(seam.baffles, {"strain": (1.0, 0.1), "other": (2.0, 0.1), "change": (3.0, 0.1)})
+        self.assertEqual(seam.total["change"], (4.0, 0.2))
 
 
 if __name__ == "__main__":
