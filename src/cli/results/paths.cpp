@@ -12,6 +12,7 @@
 #include "cli/data_options.hpp"
 #include "cli/options.hpp"
 #include "results/receivers/receivers.hpp"
+#include "results/route_table/port_census.hpp"
 #include "results/route_table/route_choice.hpp"
 #include "session/light/first_order.hpp"
 #include "session/open_run.hpp"
@@ -57,6 +58,14 @@ void print_ports(PathsOptions const& options, RunContent const& content, PathTab
   }
 }
 
+void print_port_census(PathsOptions const& options, RunContent const& content, PathTable const& table,
+                       std::size_t show) {
+  if (options.json())
+    std::cout << port_census_json(table, content);
+  else
+    std::cout << (options.csv ? port_census_csv(table, content) : port_census_text(table, show) + "\n");
+}
+
 // Of a run; `grid` is that of its noise.
 TableSettings table_settings(std::string const& band_text, FrequencyGrid const& grid) {
   TableSettings settings;
@@ -84,8 +93,9 @@ void refuse_options_of_first_order(PathsOptions const& options) {
 int paths(PathsOptions const& options) {
   refuse_two_formats(options.csv, options);
   refuse_options_of_first_order(options);
-  if (options.any() && (options.first_order || options.census || options.by == "receiver" || options.by == "source"))
-    throw InputError("--where, --without, --sort and --band apply to routes to ports",
+  if ((options.any() && (options.first_order || options.by == "receiver" || options.by == "source")) ||
+      (options.census && options.choice.any()))
+    throw InputError("--where, --without, --sort and --band apply to routes to ports, --band also to their census",
                      "remove --by, --census and --first-order, or these");
   if (options.first_order) return print_first_order(options);
   OpenRun const run(options.input);
@@ -94,7 +104,7 @@ int paths(PathsOptions const& options) {
   RunContent const content = file.content();
   std::size_t const show = options.show ? options.show : model.paths_shown;
   bool const without_ports = file.trace.coupling.ports.empty() && options.by.empty();
-  if (options.census || options.by == "receiver" || options.by == "source" || without_ports) {
+  if (options.by == "receiver" || options.by == "source" || without_ports) {
     if (options.any())
       throw InputError("this run has no ports, but --where, --without, --sort and --band apply to routes to ports",
                        "remove them");
@@ -105,8 +115,8 @@ int paths(PathsOptions const& options) {
   if (!options.band.empty() && !budget)
     throw InputError("--band: this run has no noise", "remove it, or compute the noise: straytrace noise");
   TableSettings const settings = budget ? table_settings(options.band, budget->grid) : TableSettings{};
-  print_ports(options, content, path_table(file.trace.coupling, budget, budget ? &model.motion : nullptr, settings),
-              show);
+  PathTable const table = path_table(file.trace.coupling, budget, budget ? &model.motion : nullptr, settings);
+  options.census ? print_port_census(options, content, table, show) : print_ports(options, content, table, show);
   return done;
 }
 
@@ -126,7 +136,9 @@ void add_paths(CLI::App& app, int& exit_code) {
   command->add_option("--without", o.choice.without, "sum the noise without routes that pass this object, * for any")
       ->allow_extra_args(false);
   command->add_option("--show", o.show, "rows")->check(whole_between(1, 1e6, "20"));
-  command->add_flag("--census", o.census, "objects met by the light of each receiver, by watts");
+  command->add_flag("--census", o.census,
+                    "objects met by the light that rejoins the mode, by noise; with --by receiver, or without ports, "
+                    "by the light of each receiver, by watts");
   command->add_flag("--first-order", o.first_order,
                     "illuminated objects, critical objects, and both; of a scene or a run");
   command
@@ -144,7 +156,8 @@ void add_paths(CLI::App& app, int& exit_code) {
       "  straytrace paths out/run.h5 --without ETM\n"
       "  straytrace paths out/run.h5 --by receiver\n"
       "  straytrace paths examples/virgo_arm.yaml --first-order\n"
-      "  straytrace paths out/run.h5 --census --csv > census.csv");
+      "  straytrace paths out/run.h5 --census --band \"10 Hz..100 Hz\"\n"
+      "  straytrace paths out/run.h5 --by receiver --census --csv > census.csv");
   command->callback([options, &exit_code] { exit_code = paths(*options); });
 }
 
