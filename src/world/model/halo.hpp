@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/math/constants.hpp"
+#include "base/math/first_where.hpp"
 #include "base/math/functions.hpp"
 #include "base/math/vec3.hpp"
 #include "base/memory/ids.hpp"
@@ -63,20 +64,14 @@ struct Halo {
   STRAY_HD bool on() const { return sources.size > 0; }
   // A point of the light of a source, drawn by power.
   STRAY_HD HaloPoint draw(HaloSource const& source, double choice, double u, double v) const {
-    std::uint32_t low = source.first_cell, high = source.first_cell + source.cells - 1;
-    while (low < high) {
-      std::uint32_t const mid = low + (high - low) / 2;
-      if (cells[mid].cumulative < choice)
-        low = mid + 1;
-      else
-        high = mid;
-    }
-    HaloCell const& cell = cells[low];
+    std::uint32_t const drawn = first_where(source.first_cell, source.first_cell + source.cells - 1,
+                                            [&](std::uint32_t i) { return !(cells[i].cumulative < choice); });
+    HaloCell const& cell = cells[drawn];
     std::uint32_t const sectors = sections[cell.section].sectors;
     double const inner = double(cell.inner) * double(cell.inner), outer = double(cell.outer) * double(cell.outer);
     SinCos const turn = sincos_turn((cell.place % sectors + v) / sectors);
     double const radius = std::sqrt(inner + u * (outer - inner));
-    return {line_at(source, sections[cell.section], radius * turn.cos, radius * turn.sin), low};
+    return {line_at(source, sections[cell.section], radius * turn.cos, radius * turn.sin), drawn};
   }
   STRAY_HD Ray line_at(HaloSource const& source, HaloSection const& section, double x, double y) const {
     Ray line{frame.point({x, y, source.forward ? section.from : section.to}), source.travel};
@@ -86,31 +81,20 @@ struct Halo {
   static constexpr std::uint32_t none = 0xffffffffu;
   // The cell of a source that holds a point of a surface, given in the frame.
   STRAY_HD std::uint32_t cell_at(HaloSource const& source, SurfaceId surface, Vec3 local) const {
-    std::uint32_t low = source.first, high = source.first + source.count;
-    while (high - low > 1) {
-      std::uint32_t const mid = low + (high - low) / 2;
-      (sections[mid].from <= local.z ? low : high) = mid;
-    }
     if (source.count == 0) return none;
-    HaloSection const& section = sections[low];
+    std::uint32_t const next = first_where(source.first + 1, source.first + source.count,
+                                           [&](std::uint32_t i) { return !(sections[i].from <= local.z); });
+    HaloSection const& section = sections[next - 1];
     if (!(section.from <= local.z && local.z < section.to)) return none;
     double const radius = std::sqrt(local.x * local.x + local.y * local.y), turn = turn_of(local.x, local.y);
     auto const ring = static_cast<std::uint32_t>(radius / section.step);
     auto sector = static_cast<std::uint32_t>(turn * section.sectors);
     if (sector >= section.sectors) sector = section.sectors - 1;
     std::uint32_t const place = ring * section.sectors + sector, end = section.first + section.count;
-    low = section.first;
-    high = end;
-    while (low < high) {
-      std::uint32_t const mid = low + (high - low) / 2;
-      if (cells[mid].place < place)
-        low = mid + 1;
-      else
-        high = mid;
-    }
-    for (; low < end && cells[low].place == place; ++low)
-      if (cells[low].surface == surface && double(cells[low].inner) <= radius && radius < double(cells[low].outer))
-        return low;
+    std::uint32_t at = first_where(section.first, end, [&](std::uint32_t i) { return !(cells[i].place < place); });
+    for (; at < end && cells[at].place == place; ++at)
+      if (cells[at].surface == surface && double(cells[at].inner) <= radius && radius < double(cells[at].outer))
+        return at;
     return none;
   }
 };

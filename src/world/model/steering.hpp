@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/math/first_where.hpp"
 #include "base/memory/ids.hpp"
 
 namespace straytrace::world {
@@ -55,12 +56,9 @@ struct Steering {
   STRAY_HD bool on() const { return strips.size > 0; }
   // Strip of a surface at the first sample coordinate u.
   STRAY_HD std::uint32_t strip_at(SurfaceId surface, double u) const {
-    std::uint32_t low = first_of_surface[surface.value], high = first_of_surface[surface.value + 1];
-    while (high - low > 1) {
-      std::uint32_t const mid = low + (high - low) / 2;
-      (strips[mid].u_low <= u ? low : high) = mid;
-    }
-    return low;
+    std::uint32_t const next = first_where(first_of_surface[surface.value] + 1, first_of_surface[surface.value + 1],
+                                           [&](std::uint32_t i) { return !(strips[i].u_low <= u); });
+    return next - 1;
   }
   // Maps u in (0, 1) uniformly to a point of the patch: its strip and first sample coordinate there.
   struct Place {
@@ -69,39 +67,24 @@ struct Steering {
   };
   STRAY_HD Place place(std::uint32_t patch, double u) const {
     Patch const& p = patches[patch];
-    std::uint32_t low = p.first, high = p.first + p.count;
     double const x = u * p.area;
-    while (high - low > 1) {
-      std::uint32_t const mid = low + (high - low) / 2;
-      (members[mid].before <= x ? low : high) = mid;
-    }
-    Strip const& s = strips[members[low].strip];
-    double const within = p.count == 1 ? u : std::fmin((x - members[low].before) / s.area, 1);
-    return {members[low].strip, s.u_low + within * (s.u_high - s.u_low)};
+    std::uint32_t const after =
+        first_where(p.first + 1, p.first + p.count, [&](std::uint32_t i) { return !(members[i].before <= x); });
+    Member const& m = members[after - 1];
+    Strip const& s = strips[m.strip];
+    double const within = p.count == 1 ? u : std::fmin((x - m.before) / s.area, 1);
+    return {m.strip, s.u_low + within * (s.u_high - s.u_low)};
   }
   // Density per area on the patch with which the targets of `side` are sampled, 1/m^2.
   STRAY_HD double density(PatchSide const& side, std::uint32_t patch) const {
-    std::uint32_t low = side.first, high = side.first + side.count;  // targets are sorted by patch
-    while (low < high) {
-      std::uint32_t const mid = low + (high - low) / 2;
-      if (targets[mid].patch < patch)
-        low = mid + 1;
-      else
-        high = mid;
-    }
-    return low < side.first + side.count && targets[low].patch == patch ? targets[low].share / patches[patch].area : 0;
+    std::uint32_t const end = side.first + side.count;  // targets are sorted by patch
+    std::uint32_t const at = first_where(side.first, end, [&](std::uint32_t i) { return !(targets[i].patch < patch); });
+    return at < end && targets[at].patch == patch ? targets[at].share / patches[patch].area : 0;
   }
   // The target whose interval of cumulative shares holds x in (0, 1).
   STRAY_HD std::uint32_t draw(PatchSide const& side, double x) const {
-    std::uint32_t low = side.first, high = side.first + side.count - 1;
-    while (low < high) {
-      std::uint32_t const mid = low + (high - low) / 2;
-      if (targets[mid].cumulative < x)
-        low = mid + 1;
-      else
-        high = mid;
-    }
-    return low;
+    return first_where(side.first, side.first + side.count - 1,
+                       [&](std::uint32_t i) { return !(targets[i].cumulative < x); });
   }
 };
 

@@ -5,6 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
+#include "base/math/first_where.hpp"
 #include "base/math/rng.hpp"
 #include "support/chi_square.hpp"
 
@@ -184,6 +188,19 @@ TEST(functions, turn_of_is_the_azimuth) {
   EXPECT_EQ(turn_of(-1, 0), 0.5);
   EXPECT_EQ(turn_of(0, -1), 0.75);
   EXPECT_EQ(turn_of(0, 0), 0);
+}
+
+// The same place as that of std::lower_bound, with equal values, in parts of a list, and where there is none.
+TEST(first_where, is_a_binary_search) {
+  std::vector<double> const values{-2, -1, -1, 0, 3, 3, 3, 8};
+  for (std::uint32_t low = 0; low <= values.size(); ++low)
+    for (std::uint32_t end = low; end <= values.size(); ++end)
+      for (double const x : {-3.0, -1.0, 0.0, 1.0, 3.0, 8.0, 9.0}) {
+        auto const first = values.begin() + low, last = values.begin() + end;
+        auto const found = first_where(low, end, [&](std::uint32_t i) { return values[i] >= x; });
+        EXPECT_EQ(found, low + std::uint32_t(std::lower_bound(first, last, x) - first)) << x;
+      }
+  EXPECT_EQ(first_where(3, 2, [](std::uint32_t) { return true; }), 3u);  // before the start
 }
 
 // Upper tails of chi-square against published tables (Abramowitz and Stegun, table 26.8), which the contracts rest on.
