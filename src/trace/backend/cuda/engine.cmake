@@ -13,7 +13,6 @@ if(NOT STRAYTRACE_NVCC)
                       "STRAYTRACE_NVCC to its path")
 endif()
 
-set(cuda_source ${CMAKE_SOURCE_DIR}/src/trace/backend/cuda/engine.cu)
 set(STRAYTRACE_NVCC_FLAGS -std=c++20 --expt-relaxed-constexpr --fmad=false -diag-suppress 20012 -O3
     -I ${CMAKE_SOURCE_DIR}/src -I ${RANDOM123_INCLUDE})
 set(cuda_targets)
@@ -22,19 +21,36 @@ foreach(architecture ${STRAYTRACE_CUDA_ARCHITECTURES})
 endforeach()
 list(GET STRAYTRACE_CUDA_ARCHITECTURES -1 last)
 list(APPEND cuda_targets -gencode arch=compute_${last},code=compute_${last})  # for later ones
-set(STRAYTRACE_CUDA_LIBRARY ${CMAKE_BINARY_DIR}/libstraytrace_cuda.so)
-add_custom_command(
-  OUTPUT ${STRAYTRACE_CUDA_LIBRARY}
-  COMMAND ${STRAYTRACE_NVCC} ${STRAYTRACE_NVCC_FLAGS} ${cuda_targets} --threads 0 -shared
-          -Xcompiler=-fPIC,-fvisibility=hidden,-ffp-contract=off -Xlinker=-z,defs -MD -MF cuda_engine.d
-          -o ${STRAYTRACE_CUDA_LIBRARY} ${cuda_source}
-  DEPENDS ${cuda_source}
-  DEPFILE ${CMAKE_BINARY_DIR}/cuda_engine.d
-  WORKING_DIRECTORY ${CMAKE_BINARY_DIR}
-  COMMENT "Building the engine for NVIDIA devices: a few minutes"
-  VERBATIM)
-add_custom_target(straytrace_cuda ALL DEPENDS ${STRAYTRACE_CUDA_LIBRARY})
-add_dependencies(wheel straytrace_cuda)
-if(SKBUILD)
-  install(PROGRAMS ${STRAYTRACE_CUDA_LIBRARY} DESTINATION straytrace/bin)
-endif()
+
+# A shared library beside the program, made by nvcc of SOURCE for all architectures, and a target of its name. FLAGS are
+# those of the compiler, LIBRARIES are linked and found where they are now.
+function(add_device_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "SOURCE;COMMENT" "FLAGS;LIBRARIES")
+  set(library ${CMAKE_BINARY_DIR}/lib${name}.so)
+  set(linker -z,defs)
+  foreach(linked ${arg_LIBRARIES})
+    get_filename_component(folder ${linked} DIRECTORY)
+    string(APPEND linker ",-rpath,${folder}")
+  endforeach()
+  add_custom_command(
+    OUTPUT ${library}
+    COMMAND ${STRAYTRACE_NVCC} ${arg_FLAGS} ${cuda_targets} --threads 0 -shared
+            -Xcompiler=-fPIC,-fvisibility=hidden,-ffp-contract=off -Xlinker=${linker} -MD -MF ${name}.d -o ${library}
+            ${arg_SOURCE} ${arg_LIBRARIES}
+    DEPENDS ${arg_SOURCE}
+    DEPFILE ${CMAKE_BINARY_DIR}/${name}.d
+    WORKING_DIRECTORY ${CMAKE_BINARY_DIR}
+    COMMENT ${arg_COMMENT}
+    VERBATIM)
+  add_custom_target(${name} ALL DEPENDS ${library})
+  add_dependencies(wheel ${name})
+  if(SKBUILD)
+    install(PROGRAMS ${library} DESTINATION straytrace/bin)
+  endif()
+endfunction()
+
+add_device_library(
+  straytrace_cuda
+  SOURCE ${CMAKE_SOURCE_DIR}/src/trace/backend/cuda/engine.cu
+  FLAGS ${STRAYTRACE_NVCC_FLAGS}
+  COMMENT "Building the engine for NVIDIA devices: a few minutes")

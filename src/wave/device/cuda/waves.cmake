@@ -16,22 +16,9 @@ if(NOT STRAYTRACE_CUFFT OR NOT STRAYTRACE_CUFFT_INCLUDE)
   return()
 endif()
 
-set(waves_source ${CMAKE_SOURCE_DIR}/src/wave/device/cuda/waves.cu)
-set(STRAYTRACE_CUFFT_LIBRARY ${CMAKE_BINARY_DIR}/libstraytrace_cufft.so)
-get_filename_component(cufft_folder ${STRAYTRACE_CUFFT} DIRECTORY)
-add_custom_command(
-  OUTPUT ${STRAYTRACE_CUFFT_LIBRARY}
-  COMMAND ${STRAYTRACE_NVCC} -std=c++20 -O3 -I ${CMAKE_SOURCE_DIR}/src -I ${STRAYTRACE_CUFFT_INCLUDE} ${cuda_targets}
-          --threads 0 -shared -Xcompiler=-fPIC,-fvisibility=hidden,-ffp-contract=off
-          -Xlinker=-z,defs,-rpath,${cufft_folder} -MD -MF cuda_waves.d -o ${STRAYTRACE_CUFFT_LIBRARY} ${waves_source}
-          ${STRAYTRACE_CUFFT}
-  DEPENDS ${waves_source}
-  DEPFILE ${CMAKE_BINARY_DIR}/cuda_waves.d
-  WORKING_DIRECTORY ${CMAKE_BINARY_DIR}
-  COMMENT "Building fields for NVIDIA devices"
-  VERBATIM)
-add_custom_target(straytrace_cufft ALL DEPENDS ${STRAYTRACE_CUFFT_LIBRARY})
-add_dependencies(wheel straytrace_cufft)
-if(SKBUILD)
-  install(PROGRAMS ${STRAYTRACE_CUFFT_LIBRARY} DESTINATION straytrace/bin)
-endif()
+add_device_library(
+  straytrace_cufft
+  SOURCE ${CMAKE_SOURCE_DIR}/src/wave/device/cuda/waves.cu
+  FLAGS -std=c++20 -O3 -I ${CMAKE_SOURCE_DIR}/src -I ${STRAYTRACE_CUFFT_INCLUDE}
+  LIBRARIES ${STRAYTRACE_CUFFT}
+  COMMENT "Building fields for NVIDIA devices")
