@@ -13,7 +13,7 @@ function addWave(w) {
   addWavePlanes(part, w, unit);
   addWaveLedger(part, w, watts);
   if (w.by_frequency) addBands(part, w.by_frequency);
-  if (w.rims.z.length > 0) {
+  if (w.edges.z.length > 0) {
     addBafflePower(part, w, watts);
     addLevers(part, w);
   }
@@ -95,12 +95,12 @@ function addBands(part, f) {
 }
 
 function addBafflePower(part, w, watts) {
-  const scale = watts ? w.power : 1, points = (name, y, colour) => ({name, kind: "points", colour, x: w.rims.z, y: y.map(v => scale * v)});
+  const scale = watts ? w.power : 1, points = (name, y, colour) => ({name, kind: "points", colour, x: w.edges.z, y: y.map(v => scale * v)});
   const box = el("div");
   part.append(el("h3", {}, "Light on baffles"), box);
   const [one, two] = w.mirrors;
   new Plot(box, {height: 360, x: {label: "distance from " + one + " [m]"}, y: {label: watts ? "power [W]" : "share of the power of the mode", log: true, decades: 12},
-                 series: [points("light towards " + two, w.rims.towards2, "#0072B2"), points("light towards " + one, w.rims.towards1, "#D55E00")]});
+                 series: [points("light towards " + two, w.edges.towards2, "#0072B2"), points("light towards " + one, w.edges.towards1, "#D55E00")]});
 }
 
 // The speckle of one draw against mean and spread over mirrors; curves end where a set of photodiodes does.
@@ -123,7 +123,7 @@ function addPhotodiodes(part, w, watts) {
 }
 
 function addLevers(part, w) {
-  const {z, across, low, high, along, speckle, speckle_along} = w.rims, box = el("div");
+  const {z, across, low, high, along, speckle, speckle_along} = w.edges, box = el("div");
   const points = (name, y, colour, more) => ({name, kind: "points", x: z, y, colour, ...more}), some = list => list.some(v => v !== null);
   const bands = some(low) ? [{name: "across, 5 to 95 % of the draws", kind: "band", colour: "#56B4E9", opacity: 0.5, x: z, low, high}] : [];
   part.append(el("h3", {}, "Edges that move"), box);
@@ -132,7 +132,7 @@ function addLevers(part, w) {
                                                         points("along the beam, in the field", along, "#009E73", {off: true})] : []),
                           {name: "across, expected over random mirrors (eq. W.29)", colour: "#D55E00", dash: "6 4", x: z, y: speckle},
                           {name: "along, expected over random mirrors", colour: "#CC79A7", dash: "6 4", x: z, y: speckle_along, off: true}]});
-  part.append(el("p", {class: "note"}, w.rims.solved + " of " + z.length + " edges are in the field: both mirrors see them within the crossover angle. For the " +
+  part.append(el("p", {class: "note"}, w.edges.solved + " of " + z.length + " edges are in the field: both mirrors see them within the crossover angle. For the " +
       "others the expectation stands. Rms over x and y, and over the draws where there are any."));
 }
 

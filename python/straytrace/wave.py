@@ -71,8 +71,8 @@ class Wave:
     heights: dict[str, Any]       # columns with one entry for each draw of the heights: rms, loss, at_mirrors, on_baffles,
                                   # residual, and the complex derivatives by the motion of each mirror (mirror1_displacement ...)
     modes: dict[str, Any]         # columns order, n, m, shared, p, l, shared_laguerre, loss, phase [turns], alike ...
-    rims: dict[str, Any]          # columns with one entry for each inner edge, in order of place
-    draw_offset: npt.NDArray[np.uint64]   # draws of rim i: from draw_offset[i] to draw_offset[i + 1]
+    edges: dict[str, Any]         # columns with one entry for each inner edge, in order of place
+    draw_offset: npt.NDArray[np.uint64]   # draws of edge i: from draw_offset[i] to draw_offset[i + 1]
     draws: dict[str, Any]         # columns; displacement [n, 3] 1/m and rotation [n, 3] 1/rad are complex
     irradiance: list[Irradiance]
     fields: list[npt.NDArray[np.complex64]] = field(default_factory=list)   # arriving at mirror 1 and 2, [y, x], 1/m
@@ -83,11 +83,11 @@ class Wave:
     device: str = "cpu"           # where the fields were computed
     by_frequency: dict[str, Any] | None = None    # of `wave --by-frequency`: columns from, to [1/m], scattered, loss; smooth, beyond
 
-    def levers(self, rim: int) -> ComplexArray:
+    def levers(self, edge: int) -> ComplexArray:
         """Derivatives of the stray field over the main field by the motion of an inner edge, [draw, 6]: x, y, z [1/m] and
         rotations about them [1/rad]. Each draw of the heights has a row for the edges as in the scene, then one for each draw of
-        the tolerances and of the roll of a mirror; `draws["heights"]` and `draws["tolerance"]` number them, as draw_offset says. No row: the grid does not hold the light that meets the edge, and the columns speckle_... of `rims` stand for it."""
-        part = slice(int(self.draw_offset[rim]), int(self.draw_offset[rim + 1]))
+        the tolerances and of the roll of a mirror; `draws["heights"]` and `draws["tolerance"]` number them, as draw_offset says. No row: the grid does not hold the light that meets the edge, and the columns speckle_... of `edges` stand for it."""
+        part = slice(int(self.draw_offset[edge]), int(self.draw_offset[edge + 1]))
         return np.hstack([self.draws["displacement"][part], self.draws["rotation"][part]])
 
     def light(self, plane: str, towards: str | None = None) -> list[Irradiance]:
@@ -100,10 +100,10 @@ class Wave:
         """Where the power lost in a round trip goes, as shares of the power of the mode. Their sum is `loss`."""
         one, two = self.mirrors["name"]
         lost = self.mirrors["lost"]
-        rims = self.rims
+        edges = self.edges
         return {f"past the rim of {one}, and scattered": float(lost[0]), f"past the rim of {two}, and scattered": float(lost[1]),
-                f"on baffles, towards {two}": float(np.sum(rims["towards_mirror2"])),
-                f"on baffles, towards {one}": float(np.sum(rims["towards_mirror1"])),
+                f"on baffles, towards {two}": float(np.sum(edges["towards_mirror2"])),
+                f"on baffles, towards {one}": float(np.sum(edges["towards_mirror1"])),
                 "at angles that reach no opening": self.beyond_band}
 
     def table(self) -> pandas.DataFrame:
@@ -113,18 +113,18 @@ class Wave:
 
         scale = self.power or 1.0
         across, along = [], []
-        for i in range(len(self.rims["name"])):
+        for i in range(len(self.edges["name"])):
             drawn, tolerance = self.levers(i), self.draws["tolerance"][int(self.draw_offset[i]):int(self.draw_offset[i + 1])]
             kept = drawn[tolerance > 0] if np.any(tolerance > 0) else drawn
             square = np.mean(np.abs(kept) ** 2, axis=0) if len(kept) else np.full(6, np.nan)
             across.append(np.sqrt((square[0] + square[1]) / 2))
             along.append(np.sqrt(square[2]))
         return pandas.DataFrame({
-            "z": self.rims["centre"][:, 2], "radius": self.rims["radius"], "angle1": self.rims["angle1"],
-            "angle2": self.rims["angle2"], "method": ["speckle" if np.isnan(a) else "wave" for a in across],
-            "power": scale * (self.rims["towards_mirror1"] + self.rims["towards_mirror2"]), "across": across, "along": along,
-            "speckle_across": np.sqrt(self.rims["speckle_across"]), "speckle_along": np.sqrt(self.rims["speckle_along"])},
-            index=pandas.Index(self.rims["name"], name="rim"))
+            "z": self.edges["centre"][:, 2], "radius": self.edges["radius"], "angle1": self.edges["angle1"],
+            "angle2": self.edges["angle2"], "method": ["speckle" if np.isnan(a) else "wave" for a in across],
+            "power": scale * (self.edges["towards_mirror1"] + self.edges["towards_mirror2"]), "across": across, "along": along,
+            "speckle_across": np.sqrt(self.edges["speckle_across"]), "speckle_along": np.sqrt(self.edges["speckle_along"])},
+            index=pandas.Index(self.edges["name"], name="edge"))
 
     def light_on_photodiodes(self) -> pandas.DataFrame:
         """One row per photodiode: its middle x, y [m] across the axis, area [m^2], and in W (or over the power of the mode where the
@@ -209,9 +209,9 @@ def _optional(file: Any, name: str) -> dict[str, Any] | None:
     return {**numbers, **_columns(file[name])}
 
 
-def _irradiances(group: Any, mirrors: dict[str, Any], rims: dict[str, Any], length: float) -> list[Irradiance]:
-    names = [mirrors["name"][0], *rims["name"], mirrors["name"][1]]
-    places = [0.0, *rims["centre"][:, 2].tolist(), length]
+def _irradiances(group: Any, mirrors: dict[str, Any], edges: dict[str, Any], length: float) -> list[Irradiance]:
+    names = [mirrors["name"][0], *edges["name"], mirrors["name"][1]]
+    places = [0.0, *edges["centre"][:, 2].tolist(), length]
     columns = {name: group[name][()] for name in ("plane", "towards_mirror1", "step", "rings", "sectors")}
     found, first = [], 0
     for plane, back, step, rings, sectors in zip(*columns.values()):
@@ -229,7 +229,7 @@ def wave_of(file: Any) -> Wave | None:
     group = file["wave"]
     number = {name: float(group.attrs[name]) for name in ("power", "wavelength", "length", "window", "crossover", "loss",
                                                           "loss_of_smooth_mirrors", "beyond_band")}
-    mirrors, rims = _columns(group["mirrors"]), _columns(group["rims"])
+    mirrors, edges = _columns(group["mirrors"]), _columns(group["edges"])
     return Wave(
         beam=_text(group.attrs["beam"]),
         points=int(group.attrs["points"]),
@@ -237,10 +237,10 @@ def wave_of(file: Any) -> Wave | None:
         mirrors=mirrors,
         heights=_columns(group["heights"]),
         modes=_columns(group["modes"]),
-        draw_offset=rims.pop("draw_offset"),
-        rims=rims,
+        draw_offset=edges.pop("draw_offset"),
+        edges=edges,
         draws=_columns(group["draws"]),
-        irradiance=_irradiances(group["irradiance"], mirrors, rims, number["length"]),
+        irradiance=_irradiances(group["irradiance"], mirrors, edges, number["length"]),
         fields=[group["fields"][name][()].view(np.complex64)[..., 0] for name in ("mirror1", "mirror2")] if "fields" in group else [],
         at=group["fields/at"][()] if "fields" in group else None,
         grid_check=_optional(group, "grid_check"),

@@ -55,7 +55,7 @@ RimLevers rim_levers(std::vector<RimPoint> const& rim, WaveAt const& from_mirror
   }
   for (int i = 0; i < 3; ++i)
     if (!std::isfinite(std::norm(levers.displacement[i])) || !std::isfinite(std::norm(levers.rotation[i])))
-      throw NumericalError("the levers of a rim are not finite: no mode has settled in the cavity");
+      throw NumericalError("the levers of an edge are not finite: no mode has settled in the cavity");
   return levers;
 }
 

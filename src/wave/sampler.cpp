@@ -72,7 +72,7 @@ int wrapped_index(int i, int size) { return (i % size + size) % size; }
 void Sampler::check(double x, double y) const {
   double const half = field_.grid.window / 2;
   if (!(std::fabs(x) <= half && std::fabs(y) <= half))
-    throw NumericalError("a point of a rim lies outside the window of the grid");
+    throw NumericalError("a point of an edge lies outside the window of the grid");
 }
 
 WaveValue Sampler::inside(double x, double y) const {

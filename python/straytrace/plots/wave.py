@@ -23,8 +23,8 @@ def planes_of(wave):
     held = np.flatnonzero(counts > 0) if np.any(counts > 0) else np.arange(len(counts))
     if len(held):
         middle = held[len(held) // 2]
-        place = wave.rims["centre"][middle, 2]
-        chosen += [light for light in wave.light(wave.rims["name"][middle]) if light.place == place]
+        place = wave.edges["centre"][middle, 2]
+        chosen += [light for light in wave.light(wave.edges["name"][middle]) if light.place == place]
     return chosen
 
 
@@ -32,7 +32,7 @@ def edge_of(wave, light):
     """Radius of the opening of a plane [m]."""
     if light.plane in wave.mirrors["name"] and light.place in (0, wave.length):
         return float(wave.mirrors["radius"][wave.mirrors["name"].index(light.plane)])
-    return float(wave.rims["radius"][np.argmin(np.abs(wave.rims["centre"][:, 2] - light.place))])
+    return float(wave.edges["radius"][np.argmin(np.abs(wave.edges["centre"][:, 2] - light.place))])
 
 
 def draw_plane(figure, axes, wave, light, power, unit):

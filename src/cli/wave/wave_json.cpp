@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
-
 #include "cli/wave/wave_output.hpp"
 
 namespace straytrace::cli {
@@ -9,7 +7,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json complex_json(std::complex<double> z) { return {z.real(), z.imag()}; }
-Json number_json(double x) { return std::isnan(x) ? Json() : Json(x); }
 Json share_json(double x) { return x > rounding_of_shares ? Json(x) : Json(); }  // null: not known, or rounding
 
 Json spread_json(Spread const& s) {
@@ -50,7 +47,7 @@ Json rim_json(ArmWaves const& waves, World const& world, std::size_t i) {
   RimResult const& found = waves.rims[i];
   RoundHole const& hole = waves.arm.cavity.baffles[i].rim;
   int const plane = int(i) + 1;
-  Json out{{"rim_of", world.name_of(rim.surface)},
+  Json out{{"name", world.name_of(rim.surface)},
            {"z_m", rim.centre.z},
            {"radius_m", rim.rim.radius},
            {"angle1_rad", rim.angle1},
@@ -166,7 +163,7 @@ nlohmann::ordered_json wave_json(ArmWaves const& waves, World const& world) {
            {"mirrors", mirrors},
            {"modes", modes},
            {"draws", draws},
-           {"rims", rims},
+           {"edges", rims},
            {"photodiodes", diodes_json(waves)}};
   if (waves.bands) out["by_frequency"] = bands_json(waves);
   return out;

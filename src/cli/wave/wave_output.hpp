@@ -26,6 +26,9 @@ inline char const* method_of(RimResult const& rim) { return rim.draws.empty() ? 
 Spread lever_spread(RimResult const&, bool along);
 
 // `show`: rows of the tables of rims.
+inline nlohmann::ordered_json number_json(double x) {
+  return std::isnan(x) ? nlohmann::ordered_json() : nlohmann::ordered_json(x);
+}
 std::string wave_text(ArmWaves const&, World const&, std::size_t show);
 nlohmann::ordered_json wave_json(ArmWaves const&, World const&);
 // `displacement_per_m` and `rotation_per_rad`, three complex numbers each.

@@ -240,7 +240,7 @@ PageJson wave_json(WaveRecord const& w, ScatteredLight const& scattered) {
           {"mirrors", {w.mirrors[0].name, w.mirrors[1].name}},
           {"planes", planes},
           {"ledger", wave_ledger_json(w)},
-          {"rims", rims_json(w)},
+          {"edges", rims_json(w)},
           {"photodiodes", diodes_json(w)},
           {"modes", modes}};
 }

@@ -154,7 +154,7 @@ void wave_rim_columns(Column&& column) {
 template <class Column>
 void wave_diode_columns(Column&& column) {
   column("name", "", &DiodeRecord::name);
-  column("rim", "row of /wave/rims; 2^32 - 1: at a mirror", &DiodeRecord::rim);
+  column("edge", "row of /wave/edges; 2^32 - 1: at a mirror", &DiodeRecord::rim);
   column("towards_mirror1", yes_or_no, &DiodeRecord::towards_mirror1);
   column("centre", {"m", "x and y across the axis"}, &DiodeRecord::centre);
   column("area", "m^2", &DiodeRecord::area);
@@ -166,7 +166,7 @@ void wave_diode_columns(Column&& column) {
 template <class Column>
 void wave_draw_columns(Column&& column) {
   column("heights", "row of /wave/heights", &RimDrawRecord::heights);
-  column("tolerance", {"1", "0: rims as in the scene; from 1: draw of the tolerances and of the roll of a mirror"},
+  column("tolerance", {"1", "0: edges as in the scene; from 1: draw of the tolerances and of the roll of a mirror"},
          &RimDrawRecord::tolerance);
   auto const levers = through(&RimDrawRecord::response, &RimResponse::levers);
   complex_columns<3>(column, "displacement", "1/m", through(levers, &RimLevers::displacement));
@@ -184,14 +184,14 @@ struct PlaneRow {
 
 template <class Column>
 void wave_plane_columns(Column&& column) {
-  column("plane", {"1", "0: mirror 1; rims in the order of /wave/rims; last: mirror 2"}, &PlaneRow::plane);
+  column("plane", {"1", "0: mirror 1; edges in the order of /wave/edges; last: mirror 2"}, &PlaneRow::plane);
   column("towards_mirror1", yes_or_no, &PlaneRow::towards_mirror1);
   column("step", {"m", "width of a ring"}, &PlaneRow::step);
   column("rings", "1", &PlaneRow::rings);
   column("sectors", "1", &PlaneRow::sectors);
 }
 
-constexpr char const *wave_draws = "/wave/draws/", *wave_draw_offset = "/wave/rims/draw_offset";
+constexpr char const *wave_draws = "/wave/draws/", *wave_draw_offset = "/wave/edges/draw_offset";
 
 void write_wave_irradiance(hdf5::Writer& out, PlaneIrradiance const& all) {
   out.group("/wave/irradiance",
@@ -314,40 +314,61 @@ HeightBands read_bands(hdf5::Reader const& in) {
   return f;
 }
 
-// Numbers of the whole cavity: number(name, member) writes or reads each.
+// Attributes that arms and rings have: number(name, member) writes or reads each number.
 template <class Record, class Number>
-void wave_numbers(Record& w, Number const& number) {
-  number("power", w.power);
-  number("wavelength", w.wavelength);
-  number("length", w.length);
-  number("window", w.grid.window);
-  number("crossover", w.crossover);
-  number("loss_of_smooth_mirrors", w.perfect_loss);
-  number("beyond_band", w.beyond_band);
+void cavity_numbers(Record& r, Number const& number) {
+  number("power", r.power);
+  number("wavelength", r.wavelength);
+  number("length", r.length);
+  number("window", r.grid.window);
+  number("crossover", r.crossover);
+  number("beyond_band", r.beyond_band);
+}
+
+void write_complex(hdf5::Writer& out, char const* group, std::string const& name, wave::Complex value) {
+  out.attribute(group, name + "_real", value.real());
+  out.attribute(group, name + "_imaginary", value.imag());
+}
+wave::Complex read_complex(hdf5::Reader const& in, char const* group, std::string const& name) {
+  return {in.attribute_number(group, name + "_real"), in.attribute_number(group, name + "_imaginary")};
+}
+
+template <class Record>
+void write_cavity(hdf5::Writer& out, char const* group, Record const& r) {
+  out.attribute(group, "beam", r.beam);
+  cavity_numbers(r, [&](char const* name, double value) { out.attribute(group, name, value); });
+  out.attribute(group, "points", Counts{std::uint64_t(r.grid.points)});
+  write_complex(out, group, "eigenvalue", r.eigenvalue);
+  out.attribute(group, "loss", r.loss());
+  out.strings(group + std::string("/warnings"), r.warnings);
+}
+
+template <class Record>
+void read_cavity(hdf5::Reader const& in, char const* group, Record& r) {
+  r.beam = in.attribute_text(group, "beam");
+  cavity_numbers(r, [&](char const* name, double& value) { value = in.attribute_number(group, name); });
+  r.grid.points = int(std::min<std::uint64_t>(in.attribute_count(group, "points"), 1u << 16));
+  r.eigenvalue = read_complex(in, group, "eigenvalue");
+  r.warnings = in.strings(group + std::string("/warnings"));
 }
 
 }  // namespace
 
 void write_wave(hdf5::Writer& out, wave::WaveRecord const& w) {
   out.group("/wave", "field of a cavity at small angles (docs/theory/wave.md)");
+  write_cavity(out, "/wave", w);
   out.attribute("/wave", "key", w.key);
-  out.attribute("/wave", "beam", w.beam);
   out.attribute("/wave", "device", w.device);
-  wave_numbers(w, [&](char const* name, double value) { out.attribute("/wave", name, value); });
-  out.attribute("/wave", "eigenvalue_real", w.eigenvalue.real());
-  out.attribute("/wave", "eigenvalue_imaginary", w.eigenvalue.imag());
-  out.attribute("/wave", "loss", w.loss());
-  out.attribute("/wave", "points", Counts{std::uint64_t(w.grid.points)});
-  out.strings("/wave/warnings", w.warnings);
+  out.attribute("/wave", "loss_of_smooth_mirrors", w.perfect_loss);
   out.group("/wave/mirrors", "mirror 1 and mirror 2");
   wave_mirror_columns(ColumnWriter(out, "/wave/mirrors/", std::vector(w.mirrors.begin(), w.mirrors.end())));
   out.group("/wave/heights", "draws of the heights of the mirrors");
   wave_height_columns(ColumnWriter(out, "/wave/heights/", w.heights));
   out.group("/wave/modes", "modes of the mirrors without baffles, next to Hermite-Gauss modes");
   wave_mode_columns(ColumnWriter(out, "/wave/modes/", w.modes));
-  out.group("/wave/rims", "inner edges of baffles in order of place");
-  wave_rim_columns(ColumnWriter(out, "/wave/rims/", w.rims));
-  out.group("/wave/draws", "derivatives of the stray field by the motion of each rim, in each draw (eq. W.14)");
+  out.group("/wave/edges", "inner edges of baffles in order of place");
+  wave_rim_columns(ColumnWriter(out, "/wave/edges/", w.rims));
+  out.group("/wave/draws", "derivatives of the stray field by the motion of each edge, in each draw (eq. W.14)");
   write_lists(out, wave_draw_offset, wave_draws, w.rims, &wave::RimRecord::draws,
               [](auto&& list) { wave_draw_columns(list); });
   if (!w.diodes.empty()) {
@@ -362,21 +383,17 @@ void write_wave(hdf5::Writer& out, wave::WaveRecord const& w) {
 
 wave::WaveRecord read_wave(hdf5::Reader const& in) {
   wave::WaveRecord w;
+  read_cavity(in, "/wave", w);
   w.key = in.attribute_text("/wave", "key");
-  w.beam = in.attribute_text("/wave", "beam");
   if (in.has_attribute("/wave", "device")) w.device = in.attribute_text("/wave", "device");
-  wave_numbers(w, [&](char const* name, double& value) { value = in.attribute_number("/wave", name); });
-  w.eigenvalue = {in.attribute_number("/wave", "eigenvalue_real"),
-                  in.attribute_number("/wave", "eigenvalue_imaginary")};
-  w.grid.points = int(std::min<std::uint64_t>(in.attribute_count("/wave", "points"), 1u << 16));
-  w.warnings = in.strings("/wave/warnings");
+  w.perfect_loss = in.attribute_number("/wave", "loss_of_smooth_mirrors");
   std::vector<wave::MirrorRecord> mirrors(w.mirrors.size());
   wave_mirror_columns(ColumnReader(in, "/wave/mirrors/", mirrors));
   std::ranges::move(mirrors, w.mirrors.begin());
   wave_height_columns(ColumnReader(in, "/wave/heights/", w.heights, RowCount::of_first_column));
   if (w.heights.empty()) damaged_run("'/wave/heights' is empty");
   wave_mode_columns(ColumnReader(in, "/wave/modes/", w.modes, RowCount::of_first_column));
-  wave_rim_columns(ColumnReader(in, "/wave/rims/", w.rims, RowCount::of_first_column));
+  wave_rim_columns(ColumnReader(in, "/wave/edges/", w.rims, RowCount::of_first_column));
   read_lists(in, wave_draw_offset, wave_draws, w.rims, &wave::RimRecord::draws,
              [](auto&& list) { wave_draw_columns(list); });
   for (wave::RimRecord const& rim : w.rims)
@@ -386,7 +403,7 @@ wave::WaveRecord read_wave(hdf5::Reader const& in) {
     wave_diode_columns(ColumnReader(in, photodiodes + std::string("/"), w.diodes, RowCount::of_first_column));
   for (DiodeRecord const& d : w.diodes)
     if (d.rim != DiodeRecord::none && d.rim >= w.rims.size())
-      damaged_run("'/wave/photodiodes/rim' names an edge that is not there");
+      damaged_run("'/wave/photodiodes/edge' names an edge that is not there");
   w.irradiance = read_wave_irradiance(in, w.rims.size() + 2);
   if (in.has(finer_grid)) w.grid_check = read_grid_check(in, w.rims.size());
   if (in.has(by_frequency)) w.bands = read_bands(in);
@@ -417,32 +434,14 @@ void ring_surface_columns(Column&& column) {
   complex_column(column, "widening", "1/m", &Surface::widening);
 }
 
-// number(name, member) writes or reads each.
-template <class Record, class Number>
-void ring_numbers(Record& r, Number const& number) {
-  number("power", r.power);
-  number("wavelength", r.wavelength);
-  number("length", r.length);
-  number("window", r.grid.window);
-  number("crossover", r.crossover);
-  number("residual", r.residual);
-  number("beyond_band", r.beyond_band);
-}
-
 }  // namespace
 
 void write_ring(hdf5::Writer& out, RingRecord const& r) {
   char const* const group = "/wave_ring";
   out.group(group, "field of a ring or folded cavity at small angles (docs/theory/wave.md)");
-  out.attribute(group, "beam", r.beam);
-  ring_numbers(r, [&](char const* name, double value) { out.attribute(group, name, value); });
-  out.attribute(group, "points", Counts{std::uint64_t(r.grid.points)});
-  out.attribute(group, "eigenvalue_real", r.eigenvalue.real());
-  out.attribute(group, "eigenvalue_imaginary", r.eigenvalue.imag());
-  out.attribute(group, "reverse_eigenvalue_real", r.reverse_eigenvalue.real());
-  out.attribute(group, "reverse_eigenvalue_imaginary", r.reverse_eigenvalue.imag());
-  out.attribute(group, "loss", r.loss());
-  out.strings("/wave_ring/warnings", r.warnings);
+  write_cavity(out, group, r);
+  out.attribute(group, "residual", r.residual);
+  write_complex(out, group, "reverse_eigenvalue", r.reverse_eigenvalue);
   out.group("/wave_ring/modes", "modes with all baffles, next to Hermite-Gauss modes");
   wave_mode_columns(ColumnWriter(out, "/wave_ring/modes/", r.modes));
   out.group("/wave_ring/surfaces", "derivatives of the stray field by the motion of each edge and mirror (eq. W.57)");
@@ -452,15 +451,9 @@ void write_ring(hdf5::Writer& out, RingRecord const& r) {
 RingRecord read_ring(hdf5::Reader const& in) {
   char const* const group = "/wave_ring";
   RingRecord r;
-  r.beam = in.attribute_text(group, "beam");
-  ring_numbers(r, [&](char const* name, double& value) { value = in.attribute_number(group, name); });
-  r.grid.points = int(std::min<std::uint64_t>(in.attribute_count(group, "points"), 1u << 16));
-  auto const complex = [&](std::string const& name) {
-    return wave::Complex{in.attribute_number(group, name + "_real"), in.attribute_number(group, name + "_imaginary")};
-  };
-  r.eigenvalue = complex("eigenvalue");
-  r.reverse_eigenvalue = complex("reverse_eigenvalue");
-  r.warnings = in.strings("/wave_ring/warnings");
+  read_cavity(in, group, r);
+  r.residual = in.attribute_number(group, "residual");
+  r.reverse_eigenvalue = read_complex(in, group, "reverse_eigenvalue");
   wave_mode_columns(ColumnReader(in, "/wave_ring/modes/", r.modes, RowCount::of_first_column));
   ring_surface_columns(ColumnReader(in, "/wave_ring/surfaces/", r.surfaces, RowCount::of_first_column));
   return r;

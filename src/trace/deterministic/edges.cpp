@@ -106,11 +106,11 @@ struct Group {
                                      "fields add with the phases of the drawn geometry",
                                      "fields add in phase, the worst case"};
     std::string text = fmt::format(
-        "upper bound: light scattered towards a rim taken as one smooth spherical wave (docs/theory/diffraction.md, "
-        "eq. 8.11); speckle, about {} around a rim, lowers the coupling by up to that factor",
+        "upper bound: light scattered towards an edge taken as one smooth spherical wave (docs/theory/diffraction.md, "
+        "eq. 8.11); speckle, about {} around an edge, lowers the coupling by up to that factor",
         std::fmax(patches, 1) < 1.5 ? "1 patch" : fmt::format("{:.0f} patches", patches));
     if (waves.size() > 1)
-      text += fmt::format("; {} rims, {}: coupling {:.3g} by powers, {:.3g} by the drawn phases, {:.3g} in phase",
+      text += fmt::format("; {} edges, {}: coupling {:.3g} by powers, {:.3g} by the drawn phases, {:.3g} in phase",
                           waves.size(), words[int(sum)], powers + teeth, std::norm(together.amplitude) + teeth,
                           sizes * sizes + teeth);
     if (teeth > 0) text += fmt::format("; {:.3g} of it from random teeth one by one", teeth);
@@ -152,7 +152,8 @@ void add_direction(World const& world, std::uint32_t source, std::uint32_t goal,
     else if (source < goal)
       result.warnings.push_back(fmt::format(
           "edges: {} '{}'",
-          seen > 0 ? "the mirrors scatter no light towards the rims of" : "no mirror pair sees a rim of", name));
+          seen > 0 ? "the mirrors scatter no light towards the inner edges of" : "no mirror pair sees an inner edge of",
+          name));
   }
 }
 

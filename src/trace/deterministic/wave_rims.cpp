@@ -164,13 +164,13 @@ std::string draws_text(World const& world, std::size_t draws) {
 }
 
 std::string statement(World const& world, ArmWaves const& waves, ClassKind kind, RimGroup const& group) {
-  std::string const rims = group.rims == 1 ? "1 rim" : fmt::format("{} rims", group.rims);
+  std::string const edges = group.rims == 1 ? "1 inner edge" : fmt::format("{} inner edges", group.rims);
   if (kind == ClassKind::speckle)
     return fmt::format(
         "{}, mean over random mirrors with their scatter and outlines (docs/theory/wave.md, eq. W.29): light at angles "
         "above {:.3g} urad, which the grid does not hold; at smaller angles from the other mirror, with the irradiance "
         "on the grid; powers added; first order in the motion",
-        rims, 1e6 * waves.arm.crossover);
+        edges, 1e6 * waves.arm.crossover);
   std::string drawn = group.map_draws > 1 ? fmt::format("mean over {} draws of the mirrors", group.map_draws)
                                           : std::string("one draw of the mirrors");
   if (group.draws > 0)
@@ -178,7 +178,7 @@ std::string statement(World const& world, ArmWaves const& waves, ClassKind kind,
   return fmt::format(
       "{} in the field of the cavity (docs/theory/wave.md, eq. W.14): {}; both directions; powers added; first order "
       "in the motion",
-      rims, drawn);
+      edges, drawn);
 }
 
 constexpr char of_mirrors[] =

@@ -143,7 +143,8 @@ void check_tolerance(WaveSettings const& settings, ArmCavity& arm) {
                             Severity::warning});
     return;
   }
-  for (auto const& [key, size] : {std::pair{"rim", settings.tolerance.rim}, {"centre", settings.tolerance.centre}})
+  for (auto const& [key, size] :
+       {std::pair{"radius", settings.tolerance.radius}, {"centre", settings.tolerance.centre}})
     if (size > 0.1 * smallest)
       arm.problems.push_back(
           {{"tolerance", key},

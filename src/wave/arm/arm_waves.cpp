@@ -47,7 +47,7 @@ std::vector<RimCurve> curves_of(ArmCavity const& arm, std::size_t number, WaveSe
   for (std::uint32_t draw = 0; draw < settings.draws; ++draw) {
     Rng random(settings.mirrors[0].seed, std::uint64_t(map_draw) * settings.draws + draw, std::uint32_t(number),
                Stream::static_phase);
-    double const wider = settings.tolerance.rim * normal(random);
+    double const wider = settings.tolerance.radius * normal(random);
     Vec3 const displacement{settings.tolerance.centre * normal(random), settings.tolerance.centre * normal(random),
                             settings.tolerance.place * normal(random)};
     curves.push_back(curve_of(arm, rim, displacement, wider));
@@ -108,7 +108,7 @@ class ArmEnsemble {
   // The mode, whose levers and losses are added to `waves`, and its light to the meter.
   WaveMode solve(ArmWaves& waves, IrradianceMeter& meter, std::uint32_t number, Field const& start) {
     WaveMode mode = solver_.mode(start);
-    progress_("rims");
+    progress_("edges");
     std::vector<std::vector<RimCurve>> curves;
     for (std::size_t j = 0; j < waves.arm.rims.size(); ++j)
       curves.push_back(waves.arm.rims[j].in_band ? curves_of(waves.arm, j, settings_, number)

@@ -121,7 +121,7 @@ ArmWaves waves_of(World const& world, WaveSettings const& settings, ArmCavity pl
                  record.bands,
                  {record.mirrors[0].light, record.mirrors[1].light}};
   if (waves.arm.rims.size() != record.rims.size())
-    throw NumericalError("the kept field of the cavity has other rims than the scene");
+    throw NumericalError("the kept field of the cavity has other inner edges than the scene");
   waves.arm.warnings = record.warnings;
   waves.device = record.device;
   PowerLedger& ledger = waves.ledger;

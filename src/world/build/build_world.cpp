@@ -151,11 +151,11 @@ void choose_rims(Node const& node, World const& world, Registry const& names, st
   bool const solid = std::ranges::any_of(all, [&](auto const& group) { return matches(pattern, group); });
   std::string const near = nearest_word(pattern, with_rims);
   node.problem(
-      solid ? fmt::format("'{}' has no inner rim", pattern) : fmt::format("'{}' is not an entry of 'scene'", pattern),
+      solid ? fmt::format("'{}' has no inner edge", pattern) : fmt::format("'{}' is not an entry of 'scene'", pattern),
       !near.empty() && !solid
           ? fmt::format("did you mean '{}'?", near)
-          : (with_rims.empty() ? std::string("rims are those of disks, caps and cones with an inner radius")
-                               : fmt::format("entries with inner rims: {}", fmt::join(with_rims, ", "))));
+          : (with_rims.empty() ? std::string("inner edges are those of disks, caps and cones with an inner radius")
+                               : fmt::format("entries with inner edges: {}", fmt::join(with_rims, ", "))));
 }
 
 namespace {
@@ -198,7 +198,7 @@ void read_edges(Scene const& scene, World& world, Registry const& names) {
   std::vector<std::string> const with_rims = groups_with_rims(world);
   std::vector<Node> const surfaces = table.list("surfaces");
   if (surfaces.empty())
-    table.problem("'edges' names no surfaces", "add 'surfaces: \"baffles*\"', entries of 'scene' with inner rims");
+    table.problem("'edges' names no surfaces", "add 'surfaces: \"baffles*\"', entries of 'scene' with inner edges");
   for (Node const& node : surfaces) choose_rims(node, world, names, with_rims, edges.groups);
   if (table.has("offset")) edges.offset = read_vector(table["offset"], dim::length);
   edges.tooth_height = table.number("tooth_height", dim::length, 0, 0, 1);

@@ -272,7 +272,7 @@ void read_input(Node const& table, WaveSettings& wave) {
 
 void read_tolerance(Node const& table, WaveSettings& wave) {
   if (Node const tolerance = table.table("tolerance")) {
-    wave.tolerance.rim = tolerance.number("rim", dim::length, 0, 0, 0.1);
+    wave.tolerance.radius = tolerance.number("radius", dim::length, 0, 0, 0.1);
     wave.tolerance.centre = tolerance.number("centre", dim::length, 0, 0, 0.1);
     wave.tolerance.place = tolerance.number("place", dim::length, 0, 0, 10);
     tolerance.refuse_unknown("'tolerance'");

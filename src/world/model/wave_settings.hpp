@@ -57,12 +57,12 @@ struct WaveSettings {
                                                         // those of the mode of the mirrors
     std::array<double, 2> tilt{}, shift{};              // of the direction of travel, rad; of the spot, m
   };
-  // Standard deviations of the rims, drawn for each baffle, m.
+  // Standard deviations of the inner edges, drawn for each baffle, m.
   struct Tolerance {
-    double rim = 0;     // of the radius
+    double radius = 0;
     double centre = 0;  // of each coordinate across the beam
     double place = 0;   // along the beam
-    bool any() const { return rim > 0 || centre > 0 || place > 0; }
+    bool any() const { return radius > 0 || centre > 0 || place > 0; }
   };
 
   // Photodiodes of one kind on a screen, about the centre of its opening.

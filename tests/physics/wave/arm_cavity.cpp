@@ -145,7 +145,7 @@ std::string disk(std::string const& name, std::string const& at, std::string con
 }
 
 TEST(ArmCavity, ChoosesTheAngle) {
-  EXPECT_LT(deviation(cavity_with("draws: 1, tolerance: {rim: 0 mm}").crossover, 20 * nd_yag / (pi * spot)), 1e-6);
+  EXPECT_LT(deviation(cavity_with("draws: 1, tolerance: {radius: 0 mm}").crossover, 20 * nd_yag / (pi * spot)), 1e-6);
   EXPECT_LT(deviation(cavity_with("crossover: 90 urad").crossover, 90e-6), 1e-12);
 }
 
@@ -234,9 +234,9 @@ TEST(ArmCavity, PerfectMirrorsThatScatterAreAWarning) {
 TEST(ArmCavity, WindowsAndTolerancesOutOfProportionAreErrors) {
   EXPECT_THAT(problem_with("crossover: 120 urad, grid: {points: 2048, window: 0.2 m}"),
               AllOf(HasSubstr("light would wrap around it"), HasSubstr("state 'window: ")));
-  EXPECT_THAT(problem_with("crossover: 120 urad, tolerance: {rim: 1 cm}"),
+  EXPECT_THAT(problem_with("crossover: 120 urad, tolerance: {radius: 1 cm}"),
               HasSubstr("a tolerance of 0.01 m is too large"));
-  EXPECT_EQ(problem_with("crossover: 120 urad, tolerance: {rim: 1 mm}"), "no error");
+  EXPECT_EQ(problem_with("crossover: 120 urad, tolerance: {radius: 1 mm}"), "no error");
 }
 
 TEST(ArmCavity, GridsTooCoarseAreExplained) {

@@ -146,7 +146,7 @@ TEST(ArmWaves, RimsBeyondTheAngleHaveTheirExpectation) {
 // The first levers are those of the rim as drawn; each draw of the tolerances has its own, in each draw of the heights
 // others, and each rim. The first draw of the heights is the only one without `map_draws`.
 TEST(ArmWaves, DrawsAreReproducible) {
-  std::string const tolerance = ", tolerance: {rim: 0.2 mm, centre: 0.5 mm, place: 1 m}, draws: 2";
+  std::string const tolerance = ", tolerance: {radius: 0.2 mm, centre: 0.5 mm, place: 1 m}, draws: 2";
   ArmWaves const drawn = solved(grid + tolerance + ", map_draws: 2"), again = solved(grid + tolerance),
                  nominal = solved(grid);
   ASSERT_EQ(drawn.draws.size(), 2u);

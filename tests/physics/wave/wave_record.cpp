@@ -31,7 +31,7 @@ struct Solved {
 };
 
 TEST(WaveRecord, GivesLeversAndLightAgain) {
-  Solved const solved(", tolerance: {rim: 1 mm}, draws: 2, map_draws: 2");
+  Solved const solved(", tolerance: {radius: 1 mm}, draws: 2, map_draws: 2");
   WaveRecord const record = record_of(solved.world, solved.waves, "key", 1e4);
   ArmWaves const back = waves_of(solved.world, solved.world.wave, planned_arm(solved.world, solved.world.wave), record);
   EXPECT_EQ(record.power, 1e4);

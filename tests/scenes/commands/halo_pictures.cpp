@@ -78,7 +78,7 @@ TEST_F(HaloPictures, PageHoldsTheWattsOfEachBaffle) {
     EXPECT_NEAR(watts / s["power"].get<double>(), 1, 1e-4);
     drawn[{s["towards"], int(std::lround(s["place"].get<double>()))}] += watts;
   }
-  for (Json const& rim : wave_["rims"])
+  for (Json const& rim : wave_["edges"])
     for (char const* const towards : {"I", "E"}) {
       double field = 0;
       for (Json const& share :
@@ -101,7 +101,7 @@ TEST_F(HaloPictures, RenderPaintsTheLitSides) {
   ASSERT_EQ(said["halo"].size(), 1u);
   EXPECT_EQ(said["halo"][0]["object"], "baffles");
   double on_baffles = 0;
-  for (Json const& rim : wave_["rims"])
+  for (Json const& rim : wave_["edges"])
     on_baffles +=
         1e4 * (rim["power_share_towards_mirror1"].get<double>() + rim["power_share_towards_mirror2"].get<double>());
   EXPECT_NEAR(said["halo"][0]["power_W"].get<double>() / on_baffles, 1, 0.1);

@@ -15,7 +15,7 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// The grid holds the light that meets one of the two rims.
+// The grid holds the light that meets one of the two edges.
 std::string scene_text(std::string const& grid = "{points: 256, window: 0.5 m}") {
   KilometreArm arm;
   arm.baffles =
@@ -101,8 +101,8 @@ TEST_F(WaveCommand, PrintsSpreadsAndErrors) {
   EXPECT_NE(one, two);
   EXPECT_NEAR(values["loss"].get<double>(), (one + two) / 2, 1e-15);
   EXPECT_EQ(values["loss_of_draws"]["percentile_95"], std::max(one, two));
-  EXPECT_EQ(values["rims"][1]["levers"].size(), 2u * (1 + 32));
-  EXPECT_EQ(values["rims"][1]["sector_shares_towards_mirror2"].size(), 32u);
+  EXPECT_EQ(values["edges"][1]["levers"].size(), 2u * (1 + 32));
+  EXPECT_EQ(values["edges"][1]["sector_shares_towards_mirror2"].size(), 32u);
   auto const& bands = values["by_frequency"];
   double sum = bands["smooth"].get<double>() + bands["beyond"].get<double>();
   for (auto const& band : bands["bands"]) sum += band["loss"].get<double>();
@@ -114,16 +114,16 @@ TEST_F(WaveCommand, JsonHasItsKeysAndBalance) {
   auto const all = answer({"wave", scene_, "--quiet"});
   for (char const* const key :
        {"beam", "length_m", "points", "window_m", "crossover_rad", "loss", "loss_of_smooth_mirrors", "residual",
-        "round_trips", "beyond_band", "mirrors", "modes", "rims"})
+        "round_trips", "beyond_band", "mirrors", "modes", "edges"})
     EXPECT_TRUE(all.contains(key)) << key;
   for (auto const& m : all["mirrors"]) EXPECT_EQ(m["rotation_per_rad"].size(), 3u);
-  ASSERT_EQ(all["rims"].size(), 2u);
+  ASSERT_EQ(all["edges"].size(), 2u);
   double lost = all["beyond_band"];
   for (auto const& m : all["mirrors"]) lost += m["power_share_lost"].get<double>();
-  for (auto const& r : all["rims"])
+  for (auto const& r : all["edges"])
     lost += r["power_share_towards_mirror1"].get<double>() + r["power_share_towards_mirror2"].get<double>();
   EXPECT_NEAR(lost / all["loss"].get<double>(), 1, 1e-4);
-  auto const &near = all["rims"][0], &mid = all["rims"][1];  // in order of place
+  auto const &near = all["edges"][0], &mid = all["edges"][1];  // in order of place
   EXPECT_EQ(near["method"], "speckle");
   EXPECT_EQ(near["levers"].size(), 0u);
   EXPECT_EQ(mid["method"], "wave");
@@ -135,8 +135,8 @@ TEST_F(WaveCommand, JsonHasItsKeysAndBalance) {
   Words other = drawn;
   other.insert(other.end(), {"--threads", "1"});
   EXPECT_EQ(straytrace(drawn).out, straytrace(other).out);
-  write_text(scene_, edited(scene_text(), "wave: {", "wave: {tolerance: {rim: 1 mm}, draws: 2, "));
-  EXPECT_EQ(answer({"wave", scene_, "--quiet"})["rims"][1]["levers"].size(), 3u);
+  write_text(scene_, edited(scene_text(), "wave: {", "wave: {tolerance: {radius: 1 mm}, draws: 2, "));
+  EXPECT_EQ(answer({"wave", scene_, "--quiet"})["edges"][1]["levers"].size(), 3u);
 }
 
 // At resonance the Airy function (eq. 6.4) with the loss of the round trip, for the mode itself as input.
@@ -381,7 +381,7 @@ TEST_F(WaveCommand, ShiftBeyondTheApertureIsToldAlone) {
 // All of them, each at the key that causes it, before any field; with its key right, no error is left.
 TEST_F(WaveCommand, CheckFindsErrorsAtTheirKeys) {
   std::string const more =
-      "wave: {\n  tolerance: {rim: 1 cm},\n"
+      "wave: {\n  tolerance: {radius: 1 cm},\n"
       "  maps: {I: {spectrum: none, defects: [{ripple: {amplitude: 1 nm peak, period: 8 mm}}]}}, ";
   std::string const wrong = edited(scene_text("{points: 64, window: 0.2 m}"), "wave: {", more);
   write_text(scene_, wrong);
@@ -440,7 +440,7 @@ TEST_F(WaveCommand, RunHasRowsOfTheirKinds) {
   EXPECT_THAT(run.out, HasSubstr("Kinds other than scattered are computed, not sampled"));
   EXPECT_THAT(run.out, ContainsRegex("E·S > baffle_mid·E > I·S +I +wave "));
   EXPECT_THAT(run.out, ContainsRegex("E·S > baffle_near·E > I·S +I +speckle "));
-  EXPECT_THAT(run.out, AllOf(HasSubstr("1 rim in the field of the cavity"), HasSubstr("mean over random mirrors")));
+  EXPECT_THAT(run.out, AllOf(HasSubstr("1 inner edge in the field of the cavity"), HasSubstr("mean over random mirrors")));
   EXPECT_THAT(run.out, AllOf(HasSubstr("h = "), Not(HasSubstr("at most ")), Not(HasSubstr("upper bound"))));
   EXPECT_THAT(text_of(folder_ / "out/h_asd.txt"), Not(HasSubstr("AT MOST")));
   EXPECT_THAT(text_of(folder_ / "out/paths.csv"), AllOf(HasSubstr(",itself,wave,"), HasSubstr(",itself,speckle,")));

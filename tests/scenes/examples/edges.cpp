@@ -20,7 +20,7 @@ TEST(EdgesCommand, RowsOfTheirOwnKind) {
   EXPECT_THAT(run.out, HasSubstr("ITM·S > baffles_in·E > ETM·S"));
   EXPECT_THAT(run.out, HasSubstr("upper bound: "));
   std::string const report = text_of(folder / "out/report.txt");
-  EXPECT_THAT(report, HasSubstr("3 rims, powers add, because"));
+  EXPECT_THAT(report, HasSubstr("3 edges, powers add, because"));
   EXPECT_THAT(report, HasSubstr("routes of kind edge, upper bounds"));
   std::string const csv = text_of(folder / "out/paths.csv");
   EXPECT_THAT(csv, HasSubstr(",sampled_on,kind,statement,h_10Hz_input_low,h_10Hz_input_high,"));

@@ -31,12 +31,12 @@ def made_wave(file, fields=True):
         group[f"heights/{mirror}_figure_real"] = size * np.ones((1, 3))
         group[f"heights/{mirror}_figure_imaginary"] = -size * np.ones((1, 3))
     group["modes/n"], group["modes/loss"] = [0, 1], [1e-7, 1e-6]
-    group["rims/name"] = texts(["baffle_a", "baffle_b"])
-    group["rims/centre"] = [[0, 0, 4000.0], [0, 0, 9000.0]]
+    group["edges/name"] = texts(["baffle_a", "baffle_b"])
+    group["edges/centre"] = [[0, 0, 4000.0], [0, 0, 9000.0]]
     for name in ("radius", "angle1", "angle2", "speckle_across", "speckle_along"):
-        group["rims/" + name] = [4.0, 16.0]
-    group["rims/towards_mirror2"], group["rims/towards_mirror1"] = [1e-9, 3e-9], [2e-9, 4e-9]
-    group["rims/draw_offset"] = np.array([0, 3, 3], dtype=np.uint64)
+        group["edges/" + name] = [4.0, 16.0]
+    group["edges/towards_mirror2"], group["edges/towards_mirror1"] = [1e-9, 3e-9], [2e-9, 4e-9]
+    group["edges/draw_offset"] = np.array([0, 3, 3], dtype=np.uint64)
     lever = np.array([[9, 9, 9], [3, 4, 1], [5, 0, 1]], dtype=float)
     for kind in ("displacement", "rotation"):
         group[f"draws/{kind}_real"], group[f"draws/{kind}_imaginary"] = 0.6 * lever, -0.8 * lever
@@ -50,7 +50,7 @@ def made_wave(file, fields=True):
     group["irradiance/mean_square"] = np.concatenate([((i + 1) * light.ravel()) ** 2 for i in range(6)])
     if fields:
         group.attrs["device"] = np.bytes_("some GPU")
-        group["photodiodes/name"], group["photodiodes/rim"] = texts(["d_1", "d_2"]), np.array([1, 2**32 - 1], dtype=np.uint32)
+        group["photodiodes/name"], group["photodiodes/edge"] = texts(["d_1", "d_2"]), np.array([1, 2**32 - 1], dtype=np.uint32)
         group["photodiodes/centre"], group["photodiodes/area"] = [[0.45, 0.0], [0.0, 0.46]], [1e-4, 1e-4]
         for name, values in {"power": [2e-9, np.nan], "mean": [1e-9, 3e-9], "spread": [1e-9, 2e-9]}.items():
             group["photodiodes/" + name] = values

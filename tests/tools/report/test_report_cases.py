@@ -140,7 +140,7 @@ def check_photodiodes(browser, folder):
     page = folder / "diodes.html"
     data = json.loads(DATA.search(page.read_text()).group(2))
     diodes = data["wave"]["photodiodes"]
-    check(len(diodes) == 56 and len(data["wave"]["rims"]["z"]) == 1, f"{len(diodes)} photodiodes, {len(data['wave']['rims']['z'])} edges")
+    check(len(diodes) == 56 and len(data["wave"]["edges"]["z"]) == 1, f"{len(diodes)} photodiodes, {len(data['wave']['edges']['z'])} edges")
     # Speckle: one draw is some spreads from the mean (eq. W.41, W.43).
     off = [(d["power"] - d["mean"]) / d["spread"] for d in diodes]
     check(0.3 < math.sqrt(sum(x * x for x in off) / len(off)) < 2, f"one draw is off by {off[:3]} spreads")

@@ -48,7 +48,7 @@ TEST(ReadEdges, ReadsTheKeys) {
 }
 
 TEST(ReadEdges, ErrorsAreExplained) {
-  EXPECT_THAT(complaint("edges: {surfaces: wall}\n"), HasSubstr("'wall' has no inner rim"));
+  EXPECT_THAT(complaint("edges: {surfaces: wall}\n"), HasSubstr("'wall' has no inner edge"));
   EXPECT_THAT(complaint("edges: {surfaces: wall}\n"), HasSubstr("ring_one, ring_two"));
   EXPECT_THAT(complaint("edges: {surfaces: ring_ome}\n"), HasSubstr("did you mean 'ring_one'?"));
   EXPECT_THAT(complaint("edges: {offset: [1 mm, 0 m, 0 m]}\n"), HasSubstr("'edges' names no surfaces"));

@@ -83,7 +83,7 @@ TEST(RingCavity, SaysWhatIsWrong) {
   EXPECT_THAT(said_of(ring("[A, B, B]")), HasSubstr("goes from 'B' to itself"));
   EXPECT_THAT(said_of(ring("[A]")), HasSubstr("two mirrors or more"));
   EXPECT_THAT(said_of(ring("[A, B, nowhere]")), HasSubstr("nowhere"));
-  EXPECT_THAT(said_of(ring("[A, B, C]") + "wave: {beam: b, tolerance: {rim: 1 mm}}\n"),
+  EXPECT_THAT(said_of(ring("[A, B, C]") + "wave: {beam: b, tolerance: {radius: 1 mm}}\n"),
               HasSubstr("'tolerance' works for two-mirror cavities only"));
   EXPECT_THAT(
       said_of(ring("[A, B, C]") + "wave: {beam: b, mirrors: {A: {tilt: [1 urad, 0 rad]}}, input: {radius: 3 mm},"

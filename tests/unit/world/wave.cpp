@@ -42,7 +42,7 @@ TEST(ReadWave, ReadsTheKeys) {
       "wave:\n  beam: arm\n  crossover: 100 urad\n  baffles: [\"ring*\", ring_two]\n"
       "  grid: {points: 1000, window: 2 m}\n"
       "  maps: {I: {file: maps/i.h5, remove: [tilt, curvature]}, E: {spectrum: material, seed: 7}}\n"
-      "  tolerance: {rim: 1 mm, centre: 2 mm, place: 5 mm}\n  draws: 5\n  map_draws: 3\n");
+      "  tolerance: {radius: 1 mm, centre: 2 mm, place: 5 mm}\n  draws: 5\n  map_draws: 3\n");
   WaveSettings const& wave = w.wave;
   EXPECT_TRUE(wave.present);
   EXPECT_EQ(wave.beam, 1u);
@@ -60,7 +60,7 @@ TEST(ReadWave, ReadsTheKeys) {
   EXPECT_EQ(wave.mirrors[1].file, "maps/i.h5");
   EXPECT_EQ(wave.mirrors[1].bytes, "heights");
   EXPECT_EQ(wave.mirrors[1].removed, (WaveSettings::Removed{false, true, true, false}));
-  EXPECT_EQ(wave.tolerance.rim, 1e-3);
+  EXPECT_EQ(wave.tolerance.radius, 1e-3);
   EXPECT_EQ(wave.tolerance.centre, 2e-3);
   EXPECT_EQ(wave.tolerance.place, 5e-3);
   EXPECT_EQ(wave.draws, 5u);
@@ -81,7 +81,7 @@ TEST(ReadWave, Defaults) {
     EXPECT_EQ(m.heights, WaveSettings::Heights::material);
     EXPECT_EQ(m.seed, 1u);
   }
-  std::string const ring = "wave: {beam: arm, baffles: ring_one, tolerance: {rim: ";
+  std::string const ring = "wave: {beam: arm, baffles: ring_one, tolerance: {radius: ";
   EXPECT_EQ(wave_world(ring + "1 mm}}\n").wave.draws, 32u);
   std::string const perfect = "maps: {I: {spectrum: none}, E: {spectrum: none}}";
   EXPECT_EQ(wave_world(ring + "1 mm}, " + perfect + "}\n").wave.draws, 32u);
@@ -118,7 +118,7 @@ TEST(ReadWave, AWrongBeamIsExplained) {
 
 TEST(ReadWave, WrongBafflesAreExplained) {
   EXPECT_THAT(wave_problem("wave: {beam: arm, baffles: wall}\n"),
-              AllOf(HasSubstr("'wall' has no inner rim"), HasSubstr("ring_one, ring_two")));
+              AllOf(HasSubstr("'wall' has no inner edge"), HasSubstr("ring_one, ring_two")));
   EXPECT_THAT(wave_problem("wave: {beam: arm, baffles: ring_ome}\n"), HasSubstr("did you mean 'ring_one'?"));
   std::string const edges = "edges: {surfaces: ring_one}\n";
   EXPECT_THAT(wave_problem(edges + "wave: {beam: arm, baffles: \"ring*\"}\n"),
@@ -142,10 +142,11 @@ TEST(ReadWave, WrongNumbersAreExplained) {
   EXPECT_THAT(wave_problem("wave: {beam: arm, crossover: 0}\n"), HasSubstr("'crossover' must be between"));
   EXPECT_THAT(wave_problem("wave: {beam: arm, crossovr: 1 mrad}\n"), HasSubstr("did you mean 'crossover'?"));
   std::string const ring = "wave: {beam: arm, baffles: ring_one, tolerance: ";
-  EXPECT_THAT(wave_problem(ring + "{rim: -1 mm}}\n"), HasSubstr("'rim' must be between 0 and"));
-  EXPECT_THAT(wave_problem(ring + "{rims: 1 mm}}\n"), HasSubstr("did you mean 'rim'?"));
-  EXPECT_THAT(wave_problem(ring + "{rim: 1 mm}, draws: 0}\n"), HasSubstr("'draws' must be between 1 and"));
-  EXPECT_THAT(wave_problem("wave: {beam: arm, tolerance: {rim: 1 mm}}\n"), HasSubstr("'tolerance' without 'baffles'"));
+  EXPECT_THAT(wave_problem(ring + "{radius: -1 mm}}\n"), HasSubstr("'radius' must be between 0 and"));
+  EXPECT_THAT(wave_problem(ring + "{radus: 1 mm}}\n"), HasSubstr("did you mean 'radius'?"));
+  EXPECT_THAT(wave_problem(ring + "{radius: 1 mm}, draws: 0}\n"), HasSubstr("'draws' must be between 1 and"));
+  EXPECT_THAT(wave_problem("wave: {beam: arm, tolerance: {radius: 1 mm}}\n"),
+              HasSubstr("'tolerance' without 'baffles'"));
   EXPECT_THAT(wave_problem("wave: {beam: arm, draws: 8, maps: {I: {spectrum: none}, E: {spectrum: none}}}\n"),
               HasSubstr("'draws' with mirrors of known heights and without 'tolerance'"));
   EXPECT_EQ(wave_problem("wave: {beam: arm, draws: 8}\n"), "no error");  // the roll of a mirror is drawn
