@@ -127,12 +127,10 @@ int print(std::string const& text, nlohmann::ordered_json json, std::optional<Dr
 }
 
 int ring(Model& model, WaveOptions const& options, Computing const& on, ArmOptions const& what) {
-  if (options.seam || options.grid_check || options.by_frequency || options.fields ||
-      (!options.plot.empty() && !options.detuning))
+  if (options.seam || options.by_frequency || options.fields || (!options.plot.empty() && !options.detuning))
     throw InputError(
-        "--seam, --grid-check, --by-frequency, --fields, and --plot without --detuning work for "
-        "two-mirror cavities only",
-        "leave them out; to check the grid, compare with twice the 'points' of 'grid'");
+        "--seam, --by-frequency, --fields, and --plot without --detuning work for two-mirror cavities only",
+        "leave them out");
   std::optional<DrivePlan> const wanted = checked(options, model);
   RingWaves const waves = solve_ring_waves(model, on, options, what);
   for (std::string const& warning : waves.ring.warnings) print_warning(warning, options);

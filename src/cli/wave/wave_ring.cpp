@@ -42,21 +42,27 @@ std::string stops_text(RingWaves const& waves, World const& world) {
       {"loss per round trip", "z/m", "incidence/deg", "radius/mm", "heights/nm rms", "scatters", "share", "W"},
       {true},
       {}};
-  auto const watts = [&](double share) { return power > 0 ? share_text(share, power) : "-"; };
+  RingGridCheck const* const check = waves.grid_check ? &*waves.grid_check : nullptr;
+  if (check) table.titles.push_back("finer grid");
+  auto const add = [&](std::vector<std::string> row, double share, double change) {
+    row.push_back(share_text(share));
+    row.push_back(power > 0 ? share_text(share, power) : "-");
+    if (check) row.push_back(share > rounding ? fmt::format("{:+.1e}", change) : "-");
+    table.rows.push_back(std::move(row));
+  };
   for (std::size_t i = 0; i < ring.stops.size(); ++i) {
     RingStop const& stop = ring.stops[i];
-    double const lost = waves.losses.taken[i];
-    table.rows.push_back({stop.mirror ? "past the rim of " + world.name_of(stop.surface) + ", and scattered"
-                                      : "on " + world.name_of(stop.surface),
-                          fmt::format("{:.6g}", place_of(ring, i)),
-                          stop.mirror ? fmt::format("{:.4g}", stop.incidence * 180 / pi) : "-",
-                          fmt::format("{:.4g} x {:.4g}", 1e3 * stop.arriving[0].radius, 1e3 * stop.arriving[1].radius),
-                          stop.mirror ? fmt::format("{:.3g}", 1e9 * stop.roughness) : "-",
-                          stop.mirror ? fmt::format("{:.3g}", stop.scattered) : "-", share_text(lost), watts(lost)});
+    add({stop.mirror ? "past the rim of " + world.name_of(stop.surface) + ", and scattered"
+                     : "on " + world.name_of(stop.surface),
+         fmt::format("{:.6g}", place_of(ring, i)), stop.mirror ? fmt::format("{:.4g}", stop.incidence * 180 / pi) : "-",
+         fmt::format("{:.4g} x {:.4g}", 1e3 * stop.arriving[0].radius, 1e3 * stop.arriving[1].radius),
+         stop.mirror ? fmt::format("{:.3g}", 1e9 * stop.roughness) : "-",
+         stop.mirror ? fmt::format("{:.3g}", stop.scattered) : "-"},
+        waves.losses.taken[i], check ? check->losses.taken[i] : 0);
   }
   double const beyond = waves.losses.beyond_band, loss = waves.mode.loss();
-  table.rows.push_back({"at angles that reach no opening", "", "", "", "", "", share_text(beyond), watts(beyond)});
-  table.rows.push_back({"all", "", "", "", "", "", share_text(loss), watts(loss)});
+  add({"at angles that reach no opening", "", "", "", "", ""}, beyond, check ? check->losses.beyond_band : 0);
+  add({"all", "", "", "", "", ""}, loss, check ? check->loss : 0);
   return "\nIn the order of the light: radius of the mode in the plane of incidence and across it, rms heights below "
          "and "
          "power scattered\n"
@@ -101,6 +107,29 @@ std::string levers_text(RingWaves const& waves, World const& world) {
          aligned(table);
 }
 
+std::string grid_text(RingWaves const& waves) {
+  if (!waves.grid_check)
+    return "\nThe grid was not checked; --grid-check solves again on a grid of 1.4 times the points.\n";
+  RingGridCheck const& g = *waves.grid_check;
+  std::string text =
+      fmt::format("\n{} points change the loss by {:+.2g} of itself", g.points, g.loss / waves.mode.loss());
+  if (!std::isnan(g.phase)) text += fmt::format(", phases of modes by up to {:.1g} turns", g.phase);
+  if (!std::isnan(g.edges)) text += fmt::format(", |A| of edges by up to {:.2g} of their rms", g.edges);
+  if (!std::isnan(g.mirrors)) text += fmt::format(", of mirrors by {:.2g}", g.mirrors);
+  return text + ".\n";
+}
+
+nlohmann::ordered_json grid_check_json(std::optional<RingGridCheck> const& check) {
+  if (!check) return {};
+  return {{"points", check->points},
+          {"loss", check->loss},
+          {"loss_by_stop", check->losses.taken},
+          {"beyond_band", check->losses.beyond_band},
+          {"phase_turns", number_json(check->phase)},
+          {"edges_relative", number_json(check->edges)},
+          {"mirrors_relative", number_json(check->mirrors)}};
+}
+
 nlohmann::ordered_json levers_json(RingWaves const& waves, World const& world) {
   nlohmann::ordered_json surfaces = nlohmann::ordered_json::array(), bodies = surfaces;
   std::vector<std::optional<RimLevers>> of_body(world.bodies().size());
@@ -141,7 +170,7 @@ std::string ring_text(RingWaves const& waves, World const& world) {
       world.wave.beam_name, ring.length(), grid.points, grid.points, grid.window,
       ring.scaled ? " at the start, which follows the beam" : "", 1e6 * grid.largest_angle(ring.trip.wavelength),
       1e6 * ring.crossover);
-  return text + stops_text(waves, world) + ring_modes_text(waves) + levers_text(waves, world);
+  return text + stops_text(waves, world) + ring_modes_text(waves) + levers_text(waves, world) + grid_text(waves);
 }
 
 nlohmann::ordered_json ring_json(RingWaves const& waves, World const& world) {
@@ -183,6 +212,7 @@ nlohmann::ordered_json ring_json(RingWaves const& waves, World const& world) {
           {"residual", waves.mode.residual},
           {"round_trips", waves.mode.round_trips},
           {"beyond_band", known(waves.losses.beyond_band)},
+          {"grid_check", grid_check_json(waves.grid_check)},
           {"stops", stops},
           {"modes", modes},
           {"levers", levers_json(waves, world)}};

@@ -64,16 +64,18 @@ double expected_squares(World const& world, ArmCavity const& arm, LightOfMirrors
 
 }  // namespace
 
+WaveSettings finer_settings(WaveSettings settings, double crossover, Grid const& grid) {
+  settings.crossover = crossover;
+  settings.window = grid.window;
+  settings.points = std::uint32_t(allowed_points(int(std::ceil(std::sqrt(2.0) * grid.points))));
+  if (settings.points == 0)
+    throw InputError(fmt::format("wave: a grid of {} points is too large to be checked with a finer one", grid.points),
+                     "leave out --grid-check, or choose a smaller 'crossover'");
+  return settings;
+}
+
 ArmCavity finer_arm(World const& world, WaveSettings const& settings, ArmCavity const& arm) {
-  WaveSettings finer = settings;
-  finer.crossover = arm.crossover;
-  finer.window = arm.cavity.grid.window;
-  finer.points = std::uint32_t(allowed_points(int(std::ceil(std::sqrt(2.0) * arm.cavity.grid.points))));
-  if (finer.points == 0)
-    throw InputError(
-        fmt::format("wave: a grid of {} points is too large to be checked with a finer one", arm.cavity.grid.points),
-        "leave out --grid-check, or choose a smaller 'crossover'");
-  return arm_cavity(world, finer);
+  return arm_cavity(world, finer_settings(settings, arm.crossover, arm.cavity.grid));
 }
 
 GridCheck grid_check(World const& world, ArmCavity const& finer, ArmWaves const& coarse, Computing const& on,

@@ -21,7 +21,9 @@ struct GridCheck {
   double expected = 0;  // relative, of the rms over all edges beyond the grid of the expected lever across; NaN: none
 };
 
-// The arm on the finer grid, with the same window, crossover angle and heights. InputError if it is too large.
+// Of the cavity on a grid of some 1.4 times the points, with the same window, crossover angle and heights. InputError
+// if it is too large.
+WaveSettings finer_settings(WaveSettings, double crossover, Grid const&);
 ArmCavity finer_arm(World const&, WaveSettings const&, ArmCavity const&);
 // Of the first draw of the heights.
 GridCheck grid_check(World const&, ArmCavity const& finer, ArmWaves const&, Computing const&,

@@ -9,6 +9,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/process/threads.hpp"
+#include "wave/arm/grid_check.hpp"
 #include "wave/ring/ring_heights.hpp"
 #include "world/model/world.hpp"
 
@@ -19,11 +20,8 @@ void report(ArmOptions const& options, std::string const& what) {
   if (options.progress) options.progress(what);
 }
 
-}  // namespace
-
-RingWaves solve_ring(World const& world, WaveSettings const& settings, RingCavity planned, ArmOptions const& options) {
-  throw_errors(planned.problems);
-  RingCavity ring = std::move(planned);
+RingWaves solve_planned(World const& world, WaveSettings const& settings, RingCavity ring, ArmOptions const& options) {
+  throw_errors(ring.problems);
   add_ring_heights(ring, world, settings);
   RoundTrip trip(ring.trip, {int(thread_count(unsigned(options.threads))), options.device});
   auto const pure = [&](int n, int m) { return trip.hermite_gauss(ring.start[0], ring.start[1], n, m); };
@@ -61,7 +59,53 @@ RingWaves solve_ring(World const& world, WaveSettings const& settings, RingCavit
   RingLevers levers = ring_levers(world, ring, trip, mode, solve);
   for (TripStop& stop : ring.trip.stops)
     if (stop.mirror) stop.mirror->height = {};  // the round trip has them
-  return {std::move(ring), std::move(trip), std::move(mode), std::move(modes), std::move(losses), std::move(levers)};
+  return {
+      std::move(ring), std::move(trip), std::move(mode), std::move(modes), std::move(losses), std::move(levers), {}};
+}
+
+// Of the displacements of all edges, or of all mirrors: the largest change over the rms.
+double largest_change(RingLevers const& coarse, RingLevers const& finer, bool mirrors) {
+  double largest = 0, squares = 0, count = 0;
+  for (std::size_t i = 0; i < coarse.surfaces.size(); ++i) {
+    if (coarse.surfaces[i].mirror != mirrors) continue;
+    double change = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Complex const before = coarse.surfaces[i].levers.displacement[axis];
+      change += std::norm(finer.surfaces[i].levers.displacement[axis] - before);
+      squares += std::norm(before);
+    }
+    largest = std::fmax(largest, std::sqrt(change));
+    ++count;
+  }
+  return squares > 0 ? largest / std::sqrt(squares / count) : not_a_number;
+}
+
+RingGridCheck difference(RingWaves const& finer, RingWaves const& coarse) {
+  RingGridCheck check;
+  check.points = finer.ring.trip.grid.points;
+  check.loss = finer.mode.loss() - coarse.mode.loss();
+  check.losses = finer.losses;
+  for (std::size_t i = 0; i < check.losses.taken.size(); ++i) check.losses.taken[i] -= coarse.losses.taken[i];
+  check.losses.beyond_band -= coarse.losses.beyond_band;
+  check.phase = coarse.modes.empty() ? not_a_number : 0;
+  for (std::size_t i = 0; i < std::min(finer.modes.size(), coarse.modes.size()); ++i)
+    check.phase = std::fmax(check.phase, std::fabs(std::remainder(finer.modes[i].phase - coarse.modes[i].phase, 1.0)));
+  check.edges = largest_change(coarse.levers, finer.levers, false);
+  check.mirrors = largest_change(coarse.levers, finer.levers, true);
+  return check;
+}
+
+}  // namespace
+
+RingWaves solve_ring(World const& world, WaveSettings const& settings, RingCavity planned, ArmOptions const& options) {
+  std::optional<WaveSettings> finer;  // first, since it may not exist
+  if (options.grid_check) finer = finer_settings(settings, planned.crossover, planned.trip.grid);
+  RingWaves waves = solve_planned(world, settings, std::move(planned), options);
+  if (!finer) return waves;
+  ArmOptions second = options;
+  second.progress = [&](std::string const& what) { report(options, "finer grid, " + what); };
+  waves.grid_check = difference(solve_planned(world, *finer, planned_ring(world, *finer), second), waves);
+  return waves;
 }
 
 namespace {

@@ -3,10 +3,22 @@
 // (docs/theory/wave.md).
 #pragma once
 
+#include <optional>
+
 #include "wave/arm/driven_arm.hpp"
 #include "wave/ring/ring_levers.hpp"
 
 namespace straytrace::wave {
+
+// Results on a grid of some 1.4 times the points, less those on the grid itself.
+struct RingGridCheck {
+  int points = 0;      // of the finer grid, along one side
+  double loss = 0;     // of power per round trip
+  TripLosses losses;   // the same, by stop
+  double phase = 0;    // largest change of the phase of a mode, turns; NaN: no modes
+  double edges = 0;    // largest change of |A_T| of an edge, over the rms of the edges (eq. W.56); NaN: no edges
+  double mirrors = 0;  // the same of mirrors (eq. W.57)
+};
 
 struct RingWaves {
   RingCavity ring;  // without the heights, which `trip` has
@@ -15,6 +27,7 @@ struct RingWaves {
   std::vector<ModeLine> modes;
   TripLosses losses;  // of the stops
   RingLevers levers;
+  std::optional<RingGridCheck> grid_check;  // where the options want it
 };
 // Throws InputError with all errors of the plan.
 RingWaves solve_ring(World const&, WaveSettings const&, RingCavity planned, ArmOptions const& = {});
