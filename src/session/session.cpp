@@ -178,6 +178,9 @@ void refuse_other_content(std::string const& run_file) {
 std::string identity_of(Model const& model) {
   return fmt::format("{} {} {} {}", model.hash(), model.seed, build_info::version, build_info::commit);
 }
+Ranks ranks_of(Transport& transport, Model const& model) {
+  return {transport, identity_of(model), nodes_image, nodes_of_image};
+}
 
 }  // namespace
 
@@ -271,7 +274,10 @@ TracedModel trace_model(Model& model, TraceOptions const& options, std::string c
     save(run_file, content_of(model, result, nullptr), options);
   };
   std::optional<Ranks> ranks;
-  if (transport) ranks.emplace(Ranks{*transport, identity_of(model), nodes_image, nodes_of_image});
+  if (transport) {
+    ranks.emplace(ranks_of(*transport, model));
+    if (starts_in_field(model)) ranks->data = wave_image(*model.waves);
+  }
   settings.ranks = ranks ? &*ranks : nullptr;
   TraceResult result = beside.completed(trace_to_rule(world, settings, *backend));
   model.world.block_size = world.block_size = result.coupling.block_size;
@@ -303,15 +309,19 @@ TraceResult nothing_traced(Model& model, unsigned threads, PrintOptions const& o
 
 void work_for_rank_0(Model& model, unsigned threads, Transport& transport) {
   InterruptGuard const guard;
-  PrintOptions silent;
-  silent.quiet = true;
-  light_halo(model, false, threads, silent);
+  Ranks const ranks = ranks_of(transport, model);
+  if (starts_in_field(model)) {
+    std::optional<std::string> const field = data_of_rank_0(ranks);
+    if (!field) return;
+    model.waves = std::make_shared<WaveRecord const>(wave_of_image(*field));
+  }
+  light_halo(model, true, threads, {});
   SteeredWorld const world = steer(model.world, threads);
   TraceSettings settings;
   settings.seed = model.seed;
   settings.threads = threads;
   settings.stop = &guard.stop();
-  work_for_rank_0(world, settings, *make_backend("cpu"), {transport, identity_of(model), nodes_image, nodes_of_image});
+  work_for_rank_0(world, settings, *make_backend("cpu"), ranks);
 }
 
 PathTable table_for(CouplingTable const& coupling, NoiseBudget const* budget, ProjectionModel const& model) {

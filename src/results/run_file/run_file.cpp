@@ -268,6 +268,14 @@ std::string nodes_image(SumTree const& tree) {
 
 SumTree nodes_of_image(std::string const& image) { return read_nodes(hdf5::Reader(hdf5::own_contents(image))); }
 
+std::string wave_image(wave::WaveRecord const& field) {
+  hdf5::Writer out;
+  write_wave(out, field);
+  return out.bytes();
+}
+
+wave::WaveRecord wave_of_image(std::string const& image) { return read_wave(hdf5::Reader(hdf5::own_contents(image))); }
+
 namespace {
 
 void write_about(hdf5::Writer& out, RunContent const& run) {

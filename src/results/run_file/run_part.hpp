@@ -23,8 +23,10 @@ struct PartHead {
 PartHead read_part_head(std::string const& run_file);
 SumTree read_part_sums(std::string const& run_file);
 
-// Sums as bytes: an HDF5 image with /nodes alone.
+// As bytes: an HDF5 image of sums with /nodes alone, or of the field of a cavity with /wave alone.
 std::string nodes_image(SumTree const&);
 SumTree nodes_of_image(std::string const&);
+std::string wave_image(wave::WaveRecord const&);
+wave::WaveRecord wave_of_image(std::string const&);
 
 }  // namespace straytrace::results

@@ -259,8 +259,10 @@ std::vector<std::string> wave_inputs(Model const& model) {
   return parts;
 }
 
+bool starts_in_field(Model const& model) { return model.arm && !model.arm->rims.empty(); }
+
 void light_halo(Model& model, bool as_traced, unsigned threads, PrintOptions const& print) {
-  if (!model.arm || model.arm->rims.empty()) return;
+  if (!starts_in_field(model)) return;
   WaveRecord const& field = waves_to_show(model, as_traced, threads, print);
   model.world.light_halo(halo_source(model.world, *model.arm, field.irradiance));
 }

@@ -51,6 +51,8 @@ void keep_waves(Model&, RingWaves const&);
 // The same for pictures of its light on baffles; `as_traced`: the field that the model has is taken without a look at
 // its key. InputError where the model has no such light.
 WaveRecord const& waves_to_show(Model&, bool as_traced, unsigned threads, PrintOptions const&);
+// Whether light below the crossover angle falls on baffles.
+bool starts_in_field(Model const&);
 // Gives the world the light below the crossover angle on its baffles, in which paths start and end: before steer().
 // Nothing without it.
 void light_halo(Model&, bool as_traced, unsigned threads, PrintOptions const&);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A message is a line of words, followed by sums. To rank 0: "hello", "here" (still running), "sums", "failed". From
-// rank 0: "do FIRST END", "halt" (end the blocks in progress), "home" (the job is over).
+// A message is a line of words, followed by sums. To rank 0: "ask" (for data), "hello" (ready for work), "here" (still
+// running), "sums", "failed". From rank 0: "data", "do FIRST END", "halt" (end the blocks in progress), "home" (the job
+// is over).
 #include "trace/run/ranks.hpp"
 
 #include <fmt/format.h>
@@ -50,10 +51,11 @@ void RankScheduler::take(Transport::Message const& message, BlockQueue& block_qu
   member.heard = now();
   if (word == "here") return;
   if (word == "failed") throw NumericalError(fmt::format("rank {} has failed: {}", message.from, rest));
-  if (word == "hello") {
+  if (word == "ask" || word == "hello") {
     if (rest != ranks_.identity)
       throw InputError(fmt::format("rank {} and rank 0 differ in model or version of straytrace", message.from),
                        "start all ranks with the same program and files, on a shared file system");
+    if (word == "ask") return ranks_.transport.send(message.from, "data\n" + ranks_.data);
     member.ready = true;
     return;
   }
@@ -138,6 +140,20 @@ class Listener final : public RemoteWorkers {
 };
 
 }  // namespace
+
+std::optional<std::string> data_of_rank_0(Ranks const& ranks) {
+  ranks.transport.send(0, "ask\n" + ranks.identity);
+  for (;;) {
+    auto const message = ranks.transport.receive();
+    if (!message) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      continue;
+    }
+    auto [word, rest] = order_in(message->bytes);
+    if (word == "home") return {};
+    if (word == "data") return std::move(rest);
+  }
+}
 
 void work_for_rank_0(SteeredWorld const& world, TraceSettings const& settings, Backend const& backend,
                      Ranks const& ranks) {

@@ -36,7 +36,8 @@ struct Ranks {
   std::string identity;  // model, seed and program, which decide the bits; equal on all ranks
   std::function<std::string(SumTree const&)> pack;
   std::function<SumTree(std::string const&)> unpack;
-  double patience = 60;  // s; a rank with work that is silent for longer is lost
+  double patience = 60;   // s; a rank with work that is silent for longer is lost
+  std::string data = {};  // that rank 0 has computed and gives to ranks that ask for it
 };
 
 void stop_workers(Transport&);  // from rank 0 to all others: the job is over
@@ -69,6 +70,8 @@ class RankScheduler final : public RemoteWorkers {
   std::vector<Member> members_;
 };
 
+// What rank 0 has as Ranks::data, once it traces; none: the job has ended before.
+std::optional<std::string> data_of_rank_0(Ranks const&);
 // The work of ranks from 1 on, until rank 0 stops them. `settings.threads`: of this rank.
 void work_for_rank_0(SteeredWorld const&, TraceSettings const&, Backend const&, Ranks const&);
 // Reports to rank 0 that this rank cannot work.

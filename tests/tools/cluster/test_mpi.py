@@ -10,14 +10,14 @@ import tempfile
 import time
 import unittest
 
-from cluster_support import BLOCK, PROGRAM, QUIET, SCENE, attributes, bits, blocks, trace
+from cluster_support import BLOCK, PROGRAM, QUIET, SCENE, SOURCE, ask, attributes, bits, blocks, trace
 
 MANY = str(100 * BLOCK)
 MPIRUN = ["mpirun", "--oversubscribe", "--allow-run-as-root"]
 
 
-def mpi(ranks, out, *words, **more):
-    return subprocess.Popen([*MPIRUN, "-n", str(ranks), str(PROGRAM), "trace", *SCENE, "-o", str(out), "--backend", "mpi",
+def mpi(ranks, out, *words, scene=SCENE, **more):
+    return subprocess.Popen([*MPIRUN, "-n", str(ranks), str(PROGRAM), "trace", *scene, "-o", str(out), "--backend", "mpi",
                              "--threads", "1", *map(str, words)], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                             env=dict(QUIET, OMPI_MCA_btl_vader_single_copy_mechanism="none"), **more)
 
@@ -71,6 +71,15 @@ class Mpi(unittest.TestCase):
             self.assertEqual(said.count("Where the light went"), 1)                     # rank 0 speaks
         trace(self.folder / "control.h5", "--histories", MANY, "--seed", 2)
         self.assertNotEqual(bits(self.folder / "control.h5"), bits(one))
+
+    def test_ranks_start_in_the_field_of_rank_0(self):
+        """Paths start and end in the field of a cavity, which rank 0 computes and sends."""
+        field, one, two = [SOURCE / "tests/scenes/crossover_arm.yaml"], self.folder / "one.h5", self.folder / "two.h5"
+        ask("trace", *field, "-o", one, "--quiet", "--histories", 20 * BLOCK)
+        child = mpi(2, two, "--histories", 20 * BLOCK, scene=field)
+        _, said = child.communicate(timeout=120)
+        self.assertEqual(child.returncode, 0, said)
+        self.assertEqual(bits(two), bits(one))
 
     def test_a_killed_rank(self):
         out, whole = self.folder / "killed.h5", self.folder / "whole.h5"

@@ -99,13 +99,15 @@ struct Job {
         mine.stop = &backends[std::size_t(rank)].stop;
         Ranks const ranks{transport, rank == stranger ? "another" : "same", packed, unpacked};
         try {
+          if (!asked.empty() && !(asked[std::size_t(rank)] = data_of_rank_0(ranks))) return;
           work_for_rank_0(SteeredWorld::as_given(world), mine, backends[std::size_t(rank)], ranks);
         } catch (std::exception const& e) {
           report_failure(transport, e.what());
         }
       });
     ByMail transport(mail, 0);
-    Ranks const ranks{transport, "same", packed, unpacked};
+    Ranks ranks{transport, "same", packed, unpacked};
+    ranks.data = data;
     settings.ranks = &ranks;
     settings.stop = &backends[0].stop;
     return run_trace(SteeredWorld::as_given(world), settings, backends[0]);
@@ -114,6 +116,8 @@ struct Job {
   std::vector<Counting> backends;
   World const world = two_plates();
   int stranger = 0;
+  std::string data;
+  std::vector<std::optional<std::string>> asked;  // by rank; empty: none asks
 };
 
 TEST(Ranks, AnyNumberOfThemIsOneRun) {
@@ -200,6 +204,23 @@ TEST(Ranks, InterruptedAndResumed) {
   TraceSettings on = settings_for(2);
   on.resume = part.tree;
   EXPECT_TRUE(same(Job(2).run(on).total, one.total));
+}
+
+// Each rank gets what rank 0 has, before its work, whose sums are the same; a rank with another model gets nothing.
+TEST(Ranks, DataOfRank0IsForAll) {
+  TraceResult const one = Job(1).run(settings_for(2));
+  Job job(3);
+  job.data = std::string("a\nb\0c", 5);
+  job.asked.resize(3);
+  EXPECT_TRUE(same(job.run(settings_for(1)).total, one.total));
+  EXPECT_EQ(job.asked[1], job.data);
+  EXPECT_EQ(job.asked[2], job.data);
+  Job mixed(2);
+  mixed.data = job.data;
+  mixed.asked.resize(2);
+  mixed.stranger = 1;
+  EXPECT_THROW(mixed.run(settings_for(1)), InputError);
+  EXPECT_FALSE(mixed.asked[1]);
 }
 
 TEST(Ranks, FailuresAndStrangersEndTheJob) {
