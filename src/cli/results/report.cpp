@@ -23,12 +23,10 @@
 namespace straytrace::cli {
 namespace {
 
-SteeredWorld steered_as_traced(RunFile const& file, Model& model) {
+SteeredWorld steered_as_traced(RunFile const& file, Model& model, PrintOptions const& print) {
   model.world.block_size = file.trace.coupling.block_size;
   model.waves = file.about.waves;
-  PrintOptions silent;
-  silent.quiet = true;
-  light_halo(model, true, 0, silent);
+  light_halo(model, true, 0, print);
   return steer(model.world);
 }
 
@@ -39,8 +37,8 @@ struct Opened {
   SteeredWorld world;
   RunContent content;
   PathTable table;
-  explicit Opened(std::string const& name)
-      : file(read_run_file(name)), model(model_of(file)), world(steered_as_traced(file, model)) {
+  Opened(std::string const& name, PrintOptions const& print)
+      : file(read_run_file(name)), model(model_of(file)), world(steered_as_traced(file, model, print)) {
     content = file.content();
     table = table_for(file.trace.coupling, content.noise, model);
   }
@@ -64,10 +62,9 @@ bool is_picture(std::string const& file) {
   return file.ends_with(".pdf") || file.ends_with(".png") || file.ends_with(".svg");
 }
 
-struct ReportOptions {
+struct ReportOptions : PrintOptions {
   ReportWanted wanted;
   std::string input, out, csv;
-  bool quiet = false;
 };
 
 int report(ReportOptions const& options) {
@@ -81,7 +78,7 @@ int report(ReportOptions const& options) {
     if (!options.quiet) std::cerr << fmt::format("picture: {}\n", options.out);
     return done;
   }
-  Opened const run(options.input);
+  Opened const run(options.input, options);
   if (wanted.pictures.empty()) wanted.pictures = read_pictures(run.model.scene.table("report"));
   if (!options.csv.empty()) write_curves(options.csv, run.content, run.table);
   Picture const svg = wanted.has("budget") ? budget_svg(options.input, message) : Picture{};
@@ -144,7 +141,7 @@ int view(ViewOptions const& options) {
   } else {
     if (!options.overrides.empty())
       throw InputError("the parameters of a run are fixed", "remove -p, or view the scene file");
-    Opened run(options.input);
+    Opened run(options.input, options);
     ViewOptions shown = options;
     shown.wanted.halo = options.wanted.halo || has_halo(run.model);
     if (shown.wanted.halo) waves_to_show(run.model, true, 0, options);
