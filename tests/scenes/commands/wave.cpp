@@ -189,7 +189,10 @@ TEST_F(WaveCommand, OutputsAreNoFilesOfTheScene) {
   EXPECT_THAT(error_text({"wave", scene_, "--quiet", "--detuning", "0", "--csv", folder_ / "map.csv"}),
               HasSubstr("map.csv' is also another file of this command"));
   EXPECT_EQ(text_of(folder_ / "map.csv"), map);
+  // As in every command, a table replaces a file of its name; only run files are kept from other models (--force).
+  write_text(folder_ / "new.csv", "old");
   EXPECT_EQ(straytrace({"wave", scene_, "--quiet", "--detuning", "0", "--csv", folder_ / "new.csv"}).code, 0);
+  EXPECT_THAT(text_of(folder_ / "new.csv"), HasSubstr("circulating"));
 }
 
 TEST_F(WaveCommand, SeamNeedsMotion) {
@@ -223,6 +226,51 @@ TEST_F(WaveCommand, FieldOfTheSameCavityIsNotSolvedAgain) {
   EXPECT_GT(std::abs(solved_or_known(model, 1, quiet).mode.eigenvalue), 0.9);
 }
 
+// Paths start and end in the field, so that its table is a part of the model; numbers of the noise are not.
+TEST_F(WaveCommand, AnotherTableIsAnotherModel) {
+  auto const map = [&](char const* height) {
+    std::string text = "x [mm], y [mm], height [nm]\n";
+    for (int i = 0; i < 81; ++i) text += fmt::format("{}, {}, {}\n", 20 * (i % 9 - 4), 20 * (i / 9 - 4), height);
+    write_text(folder_ / "map.csv", text);
+  };
+  auto const hash = [&](std::string const& text) {
+    write_text(scene_, text);
+    return read_model(scene_, {}).hash();
+  };
+  std::string const text = scene_text(), was = hash(text);
+  for (auto const& [from, to] : {std::pair{"120 urad", "121 urad"},
+                                 {"points: 256", "points: 288"},
+                                 {"window: 0.5 m", "window: 0.51 m"},
+                                 {"wave: {", "wave: {draws: 4, "},
+                                 {"wave: {", "wave: {map_draws: 2, "},
+                                 {"wave: {", "wave: {tolerance: {radius: 1 mm}, "},
+                                 {"wave: {", "wave: {maps: {I: {seed: 2}}, "},
+                                 {"baffles: \"baffle*\"", "baffles: baffle_mid"}})
+    EXPECT_NE(hash(edited(text, from, to)), was) << to;
+  EXPECT_EQ(hash(edited(text, "points_per_decade: 5", "points_per_decade: 6")), was);  // control
+  std::string const mapped = edited(text, "wave: {", "wave: {maps: {I: {file: map.csv}}, ");
+  map("1");
+  std::string const with_map = hash(mapped);
+  EXPECT_EQ(hash(mapped), with_map);
+  map("2");
+  EXPECT_NE(hash(mapped), with_map);
+}
+
+TEST_F(WaveCommand, RunOfAnotherTableIsNotResumed) {
+  std::string const run = folder_ / "run.h5";
+  auto const traced = [&](char const* crossover, char const* histories) {
+    write_text(scene_, edited(scene_text(), "120 urad", crossover));
+    return straytrace({"trace", scene_, "-o", run, "--histories", histories, "--quiet"});
+  };
+  ASSERT_EQ(traced("120 urad", "4000").code, 0);
+  std::string const bytes = text_of(run);
+  Finished const refused = traced("121 urad", "8000");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("run.h5' contains a run of another model or seed"));
+  EXPECT_EQ(text_of(run), bytes);
+  EXPECT_EQ(traced("120 urad", "8000").code, 0);  // control: the same table
+}
+
 TEST_F(WaveCommand, RunFileWithoutHistoriesIsResumed) {
   std::string const field = folder_ / "field.h5", whole = folder_ / "whole.h5";
   Finished const wave = straytrace({"wave", scene_, "-o", field, "--fields", "--quiet"});
@@ -239,6 +287,23 @@ TEST_F(WaveCommand, RunFileWithoutHistoriesIsResumed) {
   for (std::size_t i = 0; i < anew.trace.coupling.classes.size(); ++i)
     EXPECT_EQ(resumed.trace.coupling.classes[i].coupling.mean, anew.trace.coupling.classes[i].coupling.mean);
   EXPECT_THAT(error_text({"wave", scene_, "-o", field, "--quiet"}), HasSubstr("histories, which would be lost"));
+}
+
+// A run without the field, as other programs may write it.
+TEST_F(WaveCommand, ReportShowsTheProgressOfAMissingField) {
+  std::string const run = folder_ / "run.h5";
+  write_text(scene_, scene_text("{points: 1024, window: 0.5 m}"));
+  ASSERT_EQ(straytrace({"trace", scene_, "-o", run, "--histories", "4000", "--quiet"}).code, 0);
+  auto const said = [&] {
+    Finished const report = straytrace({"report", run, "-o", folder_ / "report.html", "--pictures", "convergence"});
+    EXPECT_EQ(report.code, 0);
+    return report.err;
+  };
+  EXPECT_THAT(said(), Not(HasSubstr("wave: ")));  // control: the run has it
+  RunFile file = read_run(run);
+  file.about.waves.reset();
+  write_run(run, file.content());
+  EXPECT_THAT(said(), HasSubstr("wave: "));
 }
 
 // The mode cleaner with smaller apertures, on a grid of fewer points.
@@ -280,7 +345,10 @@ TEST_F(WaveCommand, RingHasItsLossesAndPhases) {
   EXPECT_THAT(error_text({"wave", ring, "--quiet", "--seam"}), HasSubstr("work for two-mirror cavities only"));
   std::string const wrong = folder_ / "ring.yaml", narrow = folder_ / "narrow.yaml", field = folder_ / "ring.h5";
   write_text(narrow, narrow_ring());
-  ASSERT_EQ(straytrace({"wave", narrow, "-o", field, "--order", "0", "--quiet"}).code, 0);
+  Finished const solved = straytrace({"wave", narrow, "-o", field, "--order", "0", "--quiet", "--grid-check"});
+  ASSERT_EQ(solved.code, 0) << solved.err;
+  EXPECT_THAT(solved.out, ContainsRegex("[0-9]+ points change the loss by [+-][0-9.e-]+ of itself, phases of modes"));
+  EXPECT_THAT(solved.out, ContainsRegex("share +W +finer grid"));
   RunFile const kept = read_run(field);
   ASSERT_TRUE(kept.about.ring);
   EXPECT_EQ(kept.about.ring->surfaces.size(), 4u);
@@ -440,7 +508,8 @@ TEST_F(WaveCommand, RunHasRowsOfTheirKinds) {
   EXPECT_THAT(run.out, HasSubstr("Kinds other than scattered are computed, not sampled"));
   EXPECT_THAT(run.out, ContainsRegex("E·S > baffle_mid·E > I·S +I +wave "));
   EXPECT_THAT(run.out, ContainsRegex("E·S > baffle_near·E > I·S +I +speckle "));
-  EXPECT_THAT(run.out, AllOf(HasSubstr("1 inner edge in the field of the cavity"), HasSubstr("mean over random mirrors")));
+  EXPECT_THAT(run.out,
+              AllOf(HasSubstr("1 inner edge in the field of the cavity"), HasSubstr("mean over random mirrors")));
   EXPECT_THAT(run.out, AllOf(HasSubstr("h = "), Not(HasSubstr("at most ")), Not(HasSubstr("upper bound"))));
   EXPECT_THAT(text_of(folder_ / "out/h_asd.txt"), Not(HasSubstr("AT MOST")));
   EXPECT_THAT(text_of(folder_ / "out/paths.csv"), AllOf(HasSubstr(",itself,wave,"), HasSubstr(",itself,speckle,")));
