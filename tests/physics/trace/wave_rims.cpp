@@ -97,7 +97,7 @@ TEST(WaveRims, OneClassForEachGroupAndKind) {
     EXPECT_TRUE(c.coupling.trusted);
     EXPECT_EQ(c.coupling.std_error, 0);
     EXPECT_NEAR(weights(c) / c.coupling.mean, 1, 1e-12);
-    EXPECT_THAT(c.statement, HasSubstr("1 rim"));
+    EXPECT_THAT(c.statement, HasSubstr("1 inner edge"));
   }
   EXPECT_NE(classes[0].hash, classes[1].hash);
   EXPECT_NEAR(classes[0].coupling.mean / 25e-12, 1, 1e-12);  // |s|^2 of the light that the rim takes
@@ -130,7 +130,7 @@ TEST(WaveRims, RecordsHoldTheLevers) {
   EXPECT_NEAR(square(c, y) / std::norm(vertical), 1, 1e-12);
   EXPECT_NEAR(square(c, z) / std::norm(along), 1, 1e-12);
   EXPECT_GT(std::fabs(square(c, x) / std::norm(first + second) - 1), 0.1);  // negative control: fields added
-  EXPECT_THAT(c.statement, HasSubstr("2 rims"));
+  EXPECT_THAT(c.statement, HasSubstr("2 inner edges"));
   EXPECT_THAT(c.statement, HasSubstr("one draw of the mirrors"));
 }
 
