@@ -159,6 +159,7 @@ class WaveRing:
     surfaces: dict[str, Any]      # columns with one entry for each inner edge and mirror: name, body, mirror, reference [m], lost, and the
                                   # complex displacement [s, 3] 1/m, rotation [s, 3] 1/rad and widening [s] 1/m, along the axes of the scene
     warnings: list[str] = field(default_factory=list)
+    grid_check: dict[str, Any] | None = None      # of `wave --grid-check`: changes by a finer grid; lost as `surfaces`
 
     def levers(self, surface: str) -> ComplexArray:
         """Derivatives of the stray field over the main field by the motion of an inner edge or a mirror, [6]: x, y, z [1/m] and
@@ -266,6 +267,7 @@ def wave_ring_of(file: Any) -> WaveRing | None:
         modes=_columns(group["modes"]),
         surfaces=_columns(group["surfaces"]),
         warnings=[_text(w) for w in group["warnings"][()]],
+        grid_check=_optional(group, "grid_check"),
         **number)
 
 

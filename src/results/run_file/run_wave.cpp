@@ -434,6 +434,32 @@ void ring_surface_columns(Column&& column) {
   complex_column(column, "widening", "1/m", &Surface::widening);
 }
 
+constexpr char const *finer_ring = "/wave_ring/grid_check", *finer_losses = "/wave_ring/grid_check/lost";
+
+template <class Check, class Number>
+void ring_check_numbers(Check& g, Number const& number) {
+  number("loss", g.loss);
+  number("beyond_band", g.losses.beyond_band);
+  number("phase", g.phase);
+  number("edges", g.edges);
+  number("mirrors", g.mirrors);
+}
+
+void write_ring_check(hdf5::Writer& out, wave::RingGridCheck const& g) {
+  out.group(finer_ring, "changes by a finer grid");
+  out.attribute(finer_ring, "points", Counts{std::uint64_t(g.points)});
+  ring_check_numbers(g, [&](char const* name, double value) { out.attribute(finer_ring, name, value); });
+  out.array(finer_losses, g.losses.taken, "1");
+}
+
+wave::RingGridCheck read_ring_check(hdf5::Reader const& in, std::size_t surfaces) {
+  wave::RingGridCheck g;
+  g.points = int(std::min<std::uint64_t>(in.attribute_count(finer_ring, "points"), 1u << 16));
+  ring_check_numbers(g, [&](char const* name, double& value) { value = in.attribute_number(finer_ring, name); });
+  g.losses.taken = in.rows<double>(finer_losses, surfaces);
+  return g;
+}
+
 }  // namespace
 
 void write_ring(hdf5::Writer& out, RingRecord const& r) {
@@ -446,6 +472,7 @@ void write_ring(hdf5::Writer& out, RingRecord const& r) {
   wave_mode_columns(ColumnWriter(out, "/wave_ring/modes/", r.modes));
   out.group("/wave_ring/surfaces", "derivatives of the stray field by the motion of each edge and mirror (eq. W.57)");
   ring_surface_columns(ColumnWriter(out, "/wave_ring/surfaces/", r.surfaces));
+  if (r.grid_check) write_ring_check(out, *r.grid_check);
 }
 
 RingRecord read_ring(hdf5::Reader const& in) {
@@ -456,6 +483,7 @@ RingRecord read_ring(hdf5::Reader const& in) {
   r.reverse_eigenvalue = read_complex(in, group, "reverse_eigenvalue");
   wave_mode_columns(ColumnReader(in, "/wave_ring/modes/", r.modes, RowCount::of_first_column));
   ring_surface_columns(ColumnReader(in, "/wave_ring/surfaces/", r.surfaces, RowCount::of_first_column));
+  if (in.has(finer_ring)) r.grid_check = read_ring_check(in, r.surfaces.size());
   return r;
 }
 

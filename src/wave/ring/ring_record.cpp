@@ -4,6 +4,17 @@
 #include "world/model/world.hpp"
 
 namespace straytrace::wave {
+namespace {
+
+// Of all stops at a surface.
+double lost_at(SurfaceId surface, RingCavity const& ring, TripLosses const& losses) {
+  double sum = 0;
+  for (std::size_t i = 0; i < ring.stops.size(); ++i)
+    if (ring.stops[i].surface == surface) sum += losses.taken[i];
+  return sum;
+}
+
+}  // namespace
 
 RingRecord record_of(World const& world, RingWaves const& waves, double power) {
   RingCavity const& ring = waves.ring;
@@ -21,16 +32,14 @@ RingRecord record_of(World const& world, RingWaves const& waves, double power) {
   record.modes = waves.modes;
   for (SurfaceLevers const& s : waves.levers.surfaces) {
     BodyId const body = world.surfaces()[s.surface.value].body;
-    RingSurfaceRecord surface{world.name_of(s.surface),
-                              body.valid() ? world.bodies()[body.value].name : "",
-                              s.mirror,
-                              s.reference,
-                              0,
-                              s.levers,
-                              s.widening};
-    for (std::size_t i = 0; i < ring.stops.size(); ++i)
-      if (ring.stops[i].surface == s.surface) surface.lost += waves.losses.taken[i];
-    record.surfaces.push_back(std::move(surface));
+    record.surfaces.push_back({world.name_of(s.surface), body.valid() ? world.bodies()[body.value].name : "", s.mirror,
+                               s.reference, lost_at(s.surface, ring, waves.losses), s.levers, s.widening});
+  }
+  if (waves.grid_check) {
+    RingGridCheck& check = record.grid_check.emplace(*waves.grid_check);
+    check.losses.taken.clear();
+    for (SurfaceLevers const& s : waves.levers.surfaces)
+      check.losses.taken.push_back(lost_at(s.surface, ring, waves.grid_check->losses));
   }
   record.warnings = ring.warnings;
   return record;

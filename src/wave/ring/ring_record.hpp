@@ -2,6 +2,7 @@
 // A solved ring or folded cavity as a run file keeps it: plain numbers and names.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct RingRecord {
   double residual = 0, beyond_band = 0;          // eq. W.9; share of the power at angles that reach no opening
   std::vector<ModeLine> modes;
   std::vector<RingSurfaceRecord> surfaces;  // as the light meets them first
+  std::optional<RingGridCheck> grid_check;  // its losses as `surfaces`
   std::vector<std::string> warnings;
 
   double loss() const { return 1 - std::norm(eigenvalue); }  // of power per round trip

@@ -353,6 +353,8 @@ TEST_F(WaveCommand, RingHasItsLossesAndPhases) {
   ASSERT_TRUE(kept.about.ring);
   EXPECT_EQ(kept.about.ring->surfaces.size(), 4u);
   EXPECT_EQ(kept.about.ring->surfaces[0].body, "stack");
+  ASSERT_TRUE(kept.about.ring->grid_check);
+  EXPECT_EQ(kept.about.ring->grid_check->losses.taken.size(), 4u);
   write_text(wrong, edited(text_of(ring), "crossover: 1 mrad", "crossover: 1 mrad, grid: {points: 64}"));
   EXPECT_THAT(error_text({"check", wrong, "--quiet"}),
               AllOf(HasSubstr("ring.yaml:31:"), HasSubstr("does not carry a crossover angle")));

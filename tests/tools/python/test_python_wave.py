@@ -157,9 +157,13 @@ class RingCavity(unittest.TestCase):
             for kind, size in (("displacement", 1.0), ("rotation", 10.0)):
                 rows = size * np.array([[1.0, 2, 3], [4, 5, 6]])
                 group[f"surfaces/{kind}_real"], group[f"surfaces/{kind}_imaginary"] = rows, -rows
+            group.create_group("grid_check").attrs.update(points=np.array([6], dtype=np.uint64), loss=1e-12)
+            group["grid_check/lost"] = [1e-13, 2e-13]
             ring = wave_ring_of(file)
         self.assertEqual((ring.beam, ring.points, ring.reverse_eigenvalue), ("mode_cleaner", 4, 0.6 + 0.79j))
         np.testing.assert_array_equal(ring.levers("end"), (1 - 1j) * np.array([4, 5, 6, 40, 50, 60]))
+        self.assertEqual((ring.grid_check["points"], ring.grid_check["loss"]), (6, 1e-12))
+        np.testing.assert_array_equal(ring.grid_check["lost"], [1e-13, 2e-13])
         with self.assertRaisesRegex(KeyError, "it has baffle, end"):
             ring.levers("mirror")
 

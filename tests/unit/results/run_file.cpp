@@ -79,6 +79,13 @@ TEST_F(ReportRunFile, KeepsTheFieldOfARing) {
   EXPECT_NE(back.surfaces[1].levers.rotation[2], was.surfaces[0].levers.rotation[2]);
   ASSERT_EQ(back.modes.size(), 1u);
   EXPECT_EQ(back.modes[0].laguerre.two, -1);
+  ASSERT_TRUE(back.grid_check);
+  EXPECT_EQ(back.grid_check->points, 6);
+  EXPECT_EQ(back.grid_check->losses.taken, was.grid_check->losses.taken);
+  EXPECT_EQ(back.grid_check->losses.beyond_band, 4e-12);
+  EXPECT_EQ(back.grid_check->phase, 5e-6);
+  EXPECT_EQ(back.grid_check->edges, 0.01);
+  EXPECT_EQ(back.grid_check->mirrors, 0.02);
 }
 
 TEST_F(ReportRunFile, KeepsTheFieldOfACavity) {

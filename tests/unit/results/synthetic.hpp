@@ -302,6 +302,7 @@ inline wave::RingRecord ring_record() {
   r.modes = {{1, {1, 0, 0.5}, {0, -1, 0.6}, 0.9, 1e-6, 0.25, 1e-6, 2}};
   r.surfaces = {{"baffle", "pipe", false, {1, 2, 3}, 1e-8, rim_response(1e-7).levers, {3, -4}},
                 {"MC1", "", true, {4, 5, 6}, 2e-8, rim_response(2e-7).levers, {}}};
+  r.grid_check = wave::RingGridCheck{6, 1e-9, {{2e-10, -3e-10}, 4e-12}, 5e-6, 0.01, 0.02};
   r.warnings = {"wave: made up"};
   return r;
 }
