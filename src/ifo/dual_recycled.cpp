@@ -43,7 +43,8 @@ void DualRecycled::build() {
   NetworkPort beam{network_.add_laser("laser", p_.input_power), 0};
   for (Modulation const& m : modulations_) {
     ComponentId const eom =
-        network_.add_modulator("modulator " + std::to_string(&m - modulations_.data()), m.index, m.hz);
+        network_.add(Network::modulator("EOM" + std::to_string(&m - modulations_.data() + 1),
+                                        {.index = m.index, .hz = m.hz, .of = m.of}));
     network_.link(beam, {eom, 0}, 0);
     beam = {eom, 1};
   }
@@ -51,7 +52,7 @@ void DualRecycled::build() {
                     splitter = network_.add_splitter(
                         "BS",
                         {.transmission = p_.splitter_transmission * (1 - once), .loss = once, .incidence = pi / 4}),
-                    cavity = network_.add_isolator("signal cavity", kept, kept),
+                    cavity = network_.add_isolator("signal_cavity", kept, kept),
                     srm = network_.add_mirror("SRM", {.transmission = p_.signal_recycling_transmission}),
                     output = network_.add_isolator("output", 1 - p_.injection_loss, 1 - p_.readout_loss),
                     dark = network_.add_dump("dark");
@@ -68,7 +69,7 @@ void DualRecycled::build_arms(ComponentId splitter) {
   Suspension const suspension{.mass = p_.mirror_mass, .resonance = p_.pendulum_frequency};
   for (int const arm : {0, 1}) {
     double const sign = arm == 0 ? 0.5 : -0.5, loss = p_.round_trip_loss + sign * p_.loss_difference;
-    std::string const name = arm == 0 ? " x" : " y";
+    std::string const name = arm == 0 ? "x" : "y";
     ComponentId const itm = network_.add_mirror("ITM" + name, {.transmission = p_.input_transmission *
                                                                                (1 + sign * p_.transmission_difference),
                                                                .suspension = suspension}),
@@ -76,7 +77,7 @@ void DualRecycled::build_arms(ComponentId splitter) {
                                                                .loss = loss * (1 - p_.end_transmission),
                                                                .displacement = sign * p_.dark_fringe_offset,
                                                                .suspension = suspension}),
-                      bench = network_.add_dump("bench" + name);
+                      bench = network_.add_dump("bench_" + name);
     network_.link({splitter, arm == 0 ? 2u : 1u}, {itm, 0}, p_.short_arm + sign * p_.schnupp_asymmetry,
                   arm == 0 ? 0 : pi / 2);
     network_.link({itm, 1}, {etm, 0}, p_.arm_length, pi / 2);
@@ -110,8 +111,8 @@ Phasor DualRecycled::to_freedom(LinearResponse const& r, Freedom f) const {
   auto const of = [&](Length l) { return length[Eigen::Index(l)]; };
   auto const to = [&](char const* name) { return r.to_displacement(network_.find(name)); };
   Phasor sum = to("SRM") * of(Length::signal) - to("PRM") * of(Length::recycling);
-  sum += to("ITM x") * of(Length::short_x) + to("ETM x") * (of(Length::short_x) + of(Length::arm_x));
-  return sum + to("ITM y") * of(Length::short_y) + to("ETM y") * (of(Length::short_y) + of(Length::arm_y));
+  sum += to("ITMx") * of(Length::short_x) + to("ETMx") * (of(Length::short_x) + of(Length::arm_x));
+  return sum + to("ITMy") * of(Length::short_y) + to("ETMy") * (of(Length::short_y) + of(Length::arm_y));
 }
 
 Injection DualRecycled::injection(InjectionPoint injection_point) const {
@@ -123,11 +124,11 @@ Injection DualRecycled::injection(InjectionPoint injection_point) const {
   };
   // The light of a bench passes the end mirror twice, t against the i r of reflection: a bench at such a distance that
   // Re s comes back in phase with the light in the arm.
-  constexpr std::array<Way, entrance_names.size()> ways = {{{"ITM x", 1, true, true, 0},
-                                                            {"ETM x", 0, true, true, 0},
-                                                            {"ETM x", 1, false, true, pi / 2},
-                                                            {"ETM x", 1, false, true, pi / 2},
-                                                            {"ITM x", 0, false, false, 0},
+  constexpr std::array<Way, entrance_names.size()> ways = {{{"ITMx", 1, true, true, 0},
+                                                            {"ETMx", 0, true, true, 0},
+                                                            {"ETMx", 1, false, true, pi / 2},
+                                                            {"ETMx", 1, false, true, pi / 2},
+                                                            {"ITMx", 0, false, false, 0},
                                                             {"BS", 0, false, false, 0},
                                                             {"SRM", 0, false, false, 0},
                                                             {"SRM", 1, false, true, 0},
@@ -166,9 +167,9 @@ Phasor DualRecycled::stray_gain(double hz) const {
   auto const heavy = without_radiation_pressure();
   Injection const arm = injection(InjectionPoint::arm);
   Phasor gain = 0;
-  for (char const* end : {"ETM x", "ETM y"}) {
+  for (char const* end : {"ETMx", "ETMy"}) {
     LinearResponse const r = heavy->response(Readout::power(network_.number_of({network_.find(end), 0})), hz);
-    gain += (end[4] == 'x' ? 0.5 : -0.5) / arm_power() * r.to_amplitude(arm);
+    gain += (end[3] == 'x' ? 0.5 : -0.5) / arm_power() * r.to_amplitude(arm);
   }
   return gain;
 }
@@ -212,10 +213,10 @@ Readout length_of(Network const& n, Freedom f) {
   Eigen::Matrix<double, 1, 6> const of = freedoms_of_lengths().row(Eigen::Index(f));
   auto const part = [&](Length l) { return of[Eigen::Index(l)]; };
   double const x = part(Length::arm_x), y = part(Length::arm_y);
-  return Readout::motion({{n.find("ETM x"), x},
-                          {n.find("ITM x"), part(Length::short_x) - x},
-                          {n.find("ETM y"), y},
-                          {n.find("ITM y"), part(Length::short_y) - y},
+  return Readout::motion({{n.find("ETMx"), x},
+                          {n.find("ITMx"), part(Length::short_x) - x},
+                          {n.find("ETMy"), y},
+                          {n.find("ITMy"), part(Length::short_y) - y},
                           {n.find("PRM"), -part(Length::recycling)},
                           {n.find("SRM"), part(Length::signal)}});
 }

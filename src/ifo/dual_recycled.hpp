@@ -79,6 +79,7 @@ struct DualRecycledParameters {
 
 struct Modulation {
   double hz = 0, index = 0;  // rad
+  ModulatorParameters::Of of = ModulatorParameters::Of::all;
 };
 
 class DualRecycled {
@@ -92,7 +93,7 @@ class DualRecycled {
   SteadyField const& field() const { return *field_; }
   Readout const& readout() const { return readout_; }
   double power_at(char const* component, std::uint32_t port) const;  // W that enters there
-  double arm_power() const { return power_at("ETM x", 0); }
+  double arm_power() const { return power_at("ETMx", 0); }
 
   LinearResponse response(double hz) const { return {network_, *field_, readout_, hz}; }
   LinearResponse response(Readout const& r, double hz) const { return {network_, *field_, r, hz}; }

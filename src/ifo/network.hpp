@@ -8,9 +8,11 @@
 
 #include <complex>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "base/math/constants.hpp"
@@ -44,33 +46,44 @@ struct MirrorParameters {
   double incidence = 0;  // rad, of a splitter
   Suspension suspension{};
 };
+struct LaserParameters {
+  double power = 0, phase = 0;  // W, rad
+};
+struct IsolatorParameters {
+  double isolation = 0, transmission = 1;  // of power, from 1 to 0 (eq. 9.6) and from 0 to 1
+};
+struct LensParameters {
+  double focal_length = infinity;  // m; without effect on plane waves
+};
+struct DumpParameters {};
+struct ModulatorParameters {
+  enum class Kind : std::uint8_t { phase, amplitude };
+  // all: light of every frequency gets sidebands. carrier: only frequencies 0 and s hz up to the order get light from
+  // each other; light of any other is attenuated.
+  enum class Of : std::uint8_t { all, carrier };
+  double index = 0, hz = 0;
+  int order = 1;
+  Kind kind = Kind::phase;
+  Of of = Of::all;
+  double phase = 0;  // rad, of the drive: cos(2 pi hz t + phase)
+};
+enum class Polarisation : std::uint8_t { s, p };  // p: every reflection changes its sign (eq. N.10)
 
 class Network {
  public:
-  explicit Network(double wavelength) : wavelength_(wavelength) {}  // m, in vacuum
-
-  ComponentId add_mirror(std::string name, MirrorParameters const&);
-  ComponentId add_splitter(std::string name, MirrorParameters const&);
-  ComponentId add_laser(std::string name, double power, double phase = 0);  // W, rad
-  ComponentId add_dump(std::string name);
-  // Faraday isolator: power transmission from 1 to 0 (eq. 9.6) and from 0 to 1.
-  ComponentId add_isolator(std::string name, double isolation, double transmission = 1);
-  // Phase modulator: index in rad, frequency in Hz, bands +-1 ... +-order.
-  ComponentId add_modulator(std::string name, double index, double hz, int order = 1);
-  // Space between two free ports: optical length in m, a whole number of wavelengths, and a phase beyond it in rad.
-  void link(NetworkPort, NetworkPort, double length, double phase = 0);
-  void move(ComponentId, double displacement);      // m, sets MirrorParameters::displacement
-  ComponentId find(std::string const& name) const;  // throws std::out_of_range
-  std::string const& name(ComponentId id) const { return at(id).name; }
-
-  double wavelength() const { return wavelength_; }
-  double wavenumber() const { return 2 * pi / wavelength_; }
+  explicit Network(double wavelength, Polarisation polarisation = Polarisation::s)  // m, in vacuum
+      : wavelength_(wavelength), polarisation_(polarisation) {}
 
   // For the solvers. Ports are numbered through all components.
   struct Component {
+    enum class Kind : std::uint8_t { mirror, splitter, laser, dump, isolator, modulator, lens };
     std::string name;
+    Kind kind = Kind::dump;
+    std::variant<DumpParameters, MirrorParameters, LaserParameters, IsolatorParameters, ModulatorParameters,
+                 LensParameters>
+        stated{};
     std::uint32_t first_port = 0, ports = 0;
-    Eigen::MatrixXcd scattering;  // out = scattering x in, at rest
+    Eigen::MatrixXcd scattering;  // out = scattering x in, at rest, of s polarisation
     Eigen::MatrixXd path;         // how much longer each way becomes with the displacement: 2 cos, -2 cos or 0
     std::vector<double> push;     // by port: +-cos; force = sum of push (P_in + P_out)/c along the displacement
     double displacement = 0;      // m
@@ -78,27 +91,71 @@ class Network {
     Phasor emits = 0;           // sqrt(W), at the carrier
     double modulation = 0;      // Hz; 0: none
     std::vector<Phasor> bands;  // of a modulator: bands[s + order] of band s
+    bool carrier_alone = false;  // ModulatorParameters::Of::carrier
     bool moves() const { return suspension.mass < infinity; }
-    // The scattering matrix at the place of the component.
-    Eigen::MatrixXcd scattering_at_place(double wavenumber) const;
+    bool interface() const { return kind == Kind::mirror || kind == Kind::splitter; }
+    bool reflects(std::uint32_t out, std::uint32_t in) const;
+    std::string port_name(std::uint32_t number) const;  // "PRM.front", "BS.1", "laser"
   };
+  static Component mirror(std::string name, MirrorParameters const&);
+  static Component splitter(std::string name, MirrorParameters const&);
+  static Component laser(std::string name, LaserParameters const&);
+  static Component dump(std::string name);
+  static Component isolator(std::string name, IsolatorParameters const&);
+  // Of phase, exp(i index cos(2 pi hz t + phase)): bands 0, +-1 ... +-order. Of amplitude,
+  // 1 - index (1 - cos(2 pi hz t + phase))/2.
+  static Component modulator(std::string name, ModulatorParameters const&);
+  static Component lens(std::string name, LensParameters const&);
+
+  ComponentId add(Component);
+  // Another component with as many ports takes the place of one.
+  void replace(ComponentId, Component);
+  ComponentId add_mirror(std::string name, MirrorParameters const& p) { return add(mirror(std::move(name), p)); }
+  ComponentId add_splitter(std::string name, MirrorParameters const& p) { return add(splitter(std::move(name), p)); }
+  ComponentId add_laser(std::string name, double power, double phase = 0) {
+    return add(laser(std::move(name), {power, phase}));
+  }
+  ComponentId add_dump(std::string name) { return add(dump(std::move(name))); }
+  ComponentId add_isolator(std::string name, double isolation, double transmission = 1) {
+    return add(Network::isolator(std::move(name), {isolation, transmission}));
+  }
+  ComponentId add_modulator(std::string name, double index, double hz, int order = 1) {
+    return add(modulator(std::move(name), {.index = index, .hz = hz, .order = order}));
+  }
+  // Space between two free ports: optical length in m, a whole number of wavelengths, and a phase beyond it in rad.
+  void link(NetworkPort, NetworkPort, double length, double phase = 0);
+  void unlink(std::uint32_t port);                  // removes the space at this port, where there is one
+  void change(std::size_t space, double length, double phase);
+  void move(ComponentId, double displacement);      // m, sets MirrorParameters::displacement
+  ComponentId find(std::string const& name) const;  // throws std::out_of_range
+  std::optional<ComponentId> search(std::string const& name) const;
+  std::string const& name(ComponentId id) const { return at(id).name; }
+
+  double wavelength() const { return wavelength_; }
+  Polarisation polarisation() const { return polarisation_; }
+  double wavenumber() const { return 2 * pi / wavelength_; }
+  double wavenumber(double hz) const { return wavenumber() + 2 * pi * hz / speed_of_light; }  // hz from the laser
+
   struct Space {
     std::uint32_t from = 0, to = 0;
     double length = 0, phase = 0;
   };
   std::vector<Component> const& components() const { return components_; }
+  Component const& at(ComponentId id) const { return components_.at(id.value); }
   std::vector<Space> const& spaces() const { return spaces_; }
   std::uint32_t ports() const { return ports_; }
   std::uint32_t number_of(NetworkPort) const;
+  ComponentId owner_of(std::uint32_t port) const;
+  std::string port_name(std::uint32_t port) const;
+  std::string space_name(std::size_t space) const;  // "PRM.back>BS.1"
+  // The scattering matrix at the place of the component for light at `hz` from the laser (eq. N.1, N.10).
+  Eigen::MatrixXcd scattering(Component const&, double hz) const;
   // Carriers that the modulators make, Hz from the laser, ascending; 0 is always among them.
   std::vector<double> carriers() const;
 
  private:
-  Component const& at(ComponentId id) const { return components_.at(id.value); }
-  ComponentId add(Component);
-  ComponentId add_interface(std::string name, MirrorParameters const&, bool splitter);
-
   double wavelength_;
+  Polarisation polarisation_;
   std::uint32_t ports_ = 0;
   std::vector<Component> components_;
   std::vector<Space> spaces_;
@@ -147,13 +204,12 @@ struct Squeezer {
   QuadratureCovariance covariance(double hz) const;  // after loss and cavities; the angle fluctuates by phase_noise
 };
 
-// A read-out: linear in the sidebands that enter a port.
+// A read-out of the light that enters a port, or that leaves it.
 struct Readout {
-  // Power, W, of the light that enters this port.
-  static Readout power(std::uint32_t port) { return {port, Kind::power, 0, 0}; }
+  static Readout power(std::uint32_t port) { return {port, Kind::power, 0, 0}; }  // W
   // Beat with a strong local oscillator of phase `angle` (rad), sqrt(W): e^{-i angle} a + e^{i angle} b.
   static Readout homodyne(std::uint32_t port, double angle) { return {port, Kind::homodyne, angle, 0}; }
-  // Power demodulated at `hz` with cos(2 pi hz t + phase) and averaged, W (eq. 6.10).
+  // Power demodulated at `hz` with cos(2 pi hz t + phase) and averaged, W (eq. 6.10, N.2).
   static Readout demodulated(std::uint32_t port, double hz, double phase) {
     return {port, Kind::demodulated, phase, hz};
   }
@@ -161,11 +217,44 @@ struct Readout {
   static Readout motion(std::vector<std::pair<ComponentId, double>> of) {
     return {0, Kind::motion, 0, 0, std::move(of)};
   }
+  Readout of_leaving() const {
+    Readout r = *this;
+    r.leaving = true;
+    return r;
+  }
   enum class Kind : std::uint8_t { power, homodyne, demodulated, motion };
   std::uint32_t port = 0;
   Kind kind = Kind::power;
   double angle = 0, hz = 0;
   std::vector<std::pair<ComponentId, double>> moving{};
+  bool leaving = false;
+};
+
+// Steady value of a read-out: W, sqrt(W) of a homodyne one; 0 m of motion.
+double value_of(Readout const&, SteadyField const&);
+
+// Slope of the steady value of a power, demodulated or not, with respect to any number of the network, from one adjoint
+// solution (eq. N.3). Infinite or not a number where the slope does not exist: of a transmission 0.
+class AdjointSlope {
+ public:
+  AdjointSlope(Network const&, SteadyField const&, Readout const&);
+
+  double to_displacement(ComponentId) const;   // per m
+  double to_transmission(ComponentId) const;   // per 1, of a mirror or splitter; the loss stays, the reflectivity changes
+  double to_loss(ComponentId) const;           // per 1; the transmission stays
+  double to_power(ComponentId) const;          // per W of a laser
+  double to_length(std::size_t space) const;   // per m
+  double to_phase(std::size_t space) const;    // per rad
+
+ private:
+  double along_ways(ComponentId, Eigen::MatrixXd const& relative, Eigen::MatrixXd const& path) const;
+  double along_space(std::size_t space, bool of_length) const;
+  Phasor weighted(std::uint32_t port, std::size_t carrier) const;  // conjugate of lambda at what leaves
+
+  Network const& network_;
+  SteadyField const& field_;
+  Readout readout_;
+  Eigen::VectorXcd lambda_;  // of every leaving field
 };
 
 // Squeezed vacuum instead of the vacuum that leaves a dump (or laser) at this port of it, about carrier 0. Its first

@@ -43,7 +43,7 @@ TEST(DualRecycled, ArmPowersB6) {
     DualRecycledParameters const& p = d.parameters();
     double const closed = arm_power(arm_of(p), p.input_power, p.power_recycling_transmission, p.beam_splitter_loss);
     EXPECT_NEAR(d.arm_power() / closed, 1, 2e-3) << each.name;
-    EXPECT_NEAR(d.power_at("ETM y", 0) / d.arm_power(), 1, 1e-6) << each.name;
+    EXPECT_NEAR(d.power_at("ETMy", 0) / d.arm_power(), 1, 1e-6) << each.name;
   }
   EXPECT_NEAR(DualRecycled(preset("et-hf")).arm_power() / 3.0593e6, 1, 1e-3);
   EXPECT_NEAR(DualRecycled(preset("et-lf")).arm_power() / 18.188e3, 1, 1e-3);
@@ -73,13 +73,13 @@ TEST(DualRecycled, LosslessOnesConservePowerR2_03) {
     if (repeat % 2 == 1) modulators.push_back({10e6, 1e-7});  // bands beyond the first: 1e-15 of the power
     DualRecycled const d(p, modulators);
     double leaving = 0;
-    for (char const* end : {"dark", "bench x", "bench y"}) leaving += d.power_at(end, 0);
+    for (char const* end : {"dark", "bench_x", "bench_y"}) leaving += d.power_at(end, 0);
     leaving += d.power_at("laser", 0);
     EXPECT_NEAR(leaving, 1, 1e-12) << repeat;
     p.round_trip_loss = 1e-9;
     DualRecycled const control(p, modulators);
     double kept = control.power_at("laser", 0);
-    for (char const* end : {"dark", "bench x", "bench y"}) kept += control.power_at(end, 0);
+    for (char const* end : {"dark", "bench_x", "bench_y"}) kept += control.power_at(end, 0);
     EXPECT_GT(1 - kept, 1e-12) << "control: a part in 1e9 is lost";
   }
 }
@@ -279,8 +279,8 @@ TEST(DualRecycled, DemodulatedResponsesAreSlopes) {
           moved.move(id, moved.components()[id.value].displacement + x);
         };
         for (int y : {0, 1}) {
-          by(y ? "ITM y" : "ITM x", length[2 + y]);
-          by(y ? "ETM y" : "ETM x", length[2 + y] + length[y]);
+          by(y ? "ITMy" : "ITMx", length[2 + y]);
+          by(y ? "ETMy" : "ETMx", length[2 + y] + length[y]);
         }
         by("PRM", -length[4]);
         by("SRM", length[5]);

@@ -18,8 +18,8 @@ from records import Records
 TOLERANCES = {"carrier powers": 1e-6, "DARM": 1e-6, "laser amplitude": 1e-5, "laser phase": 1e-5}
 
 # Names of the same ports: mirrors front and back, splitters front in, front out of the reflection, back.
-PORTS = {"PRM": ("p1", "p2"), "SRM": ("p1", "p2"), "BS": ("p1", "p2", "p3", "p4"), "ITM x": ("p1", "p2"),
-         "ITM y": ("p1", "p2"), "ETM x": ("p1", "p2"), "ETM y": ("p1", "p2")}
+PORTS = {"PRM": ("p1", "p2"), "SRM": ("p1", "p2"), "BS": ("p1", "p2", "p3", "p4"), "ITMx": ("p1", "p2"),
+         "ITMy": ("p1", "p2"), "ETMx": ("p1", "p2"), "ETMy": ("p1", "p2")}
 
 
 def name_of(component):

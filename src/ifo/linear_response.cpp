@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "ifo/network.hpp"
+#include "ifo/network_ways.hpp"
+
+namespace straytrace::ifo {
+namespace {
+
+QuadratureCovariance rotation(double angle) {
+  QuadratureCovariance m;
+  m << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+  return m;
+}
+
+// An operation on both sidebands, the lower one conjugated, expressed for the quadratures.
+Eigen::Matrix2cd in_quadratures(Phasor upper, Phasor lower) {
+  Phasor const sum = (upper + lower) / 2.0, difference = i_unit * (upper - lower) / 2.0;
+  Eigen::Matrix2cd m;
+  m << sum, difference, -difference, sum;
+  return m;
+}
+
+// Reflected light, and the vacuum that enters through the end mirror and the losses.
+QuadratureCovariance after(FilterCavity const& c, double hz, QuadratureCovariance const& before) {
+  double const r1 = std::sqrt(1 - c.input_transmission), r2 = std::sqrt(1 - c.end_transmission),
+               round = r1 * r2 * std::sqrt(1 - c.loss);
+  struct Answer {
+    Phasor reflected, from_end, from_loss;
+  };
+  auto const answer = [&](double sideband) {
+    double const phase = 4 * pi * (sideband - c.detuning) * c.length / speed_of_light;
+    Phasor const turn = std::polar(1.0, phase), gain = 1.0 / (1.0 - round * turn), half = std::polar(1.0, phase / 2);
+    return Answer{r1 - r2 * c.input_transmission * turn * gain,
+                  std::sqrt(c.input_transmission * c.end_transmission) * half * gain,
+                  std::sqrt(c.input_transmission * c.loss) * half * gain};
+  };
+  Answer const u = answer(hz), l = answer(-hz);
+  Eigen::Matrix2cd const f = in_quadratures(u.reflected, std::conj(l.reflected)),
+                         e = in_quadratures(u.from_end, std::conj(l.from_end)),
+                         s = in_quadratures(u.from_loss, std::conj(l.from_loss)), turned = rotation(c.rotation);
+  return turned * (f * before * f.adjoint() + e * e.adjoint() + s * s.adjoint()) * turned.adjoint();
+}
+
+}  // namespace
+
+QuadratureCovariance squeezed_vacuum(double least, double most, double angle) {
+  Eigen::Vector2cd const powers(least, most);
+  return rotation(angle) * powers.asDiagonal() * rotation(angle).adjoint();
+}
+
+QuadratureCovariance Squeezer::covariance(double hz) const {
+  double const decibel = std::log(10) / 10, anti = std::isfinite(anti_decibels) ? anti_decibels : decibels,
+               least = std::exp(-decibel * decibels), most = std::exp(decibel * anti),
+               steady = std::pow(std::cos(phase_noise), 2);
+  QuadratureCovariance v =
+      steady * squeezed_vacuum(least, most, angle) + (1 - steady) * squeezed_vacuum(least, most, angle + pi / 2);
+  v = (1 - loss) * v + loss * QuadratureCovariance::Identity();
+  for (FilterCavity const& c : cavities) v = after(c, hz, v);
+  return v;
+}
+
+namespace {
+
+// Places of unknowns, and of the equations that define them: for both sidebands (0: upper; 1: the complex conjugate of
+// the lower) of every carrier what enters and what leaves each port; then the displacement of each component.
+struct Layout {
+  Eigen::Index ports, carriers;
+  explicit Layout(Network const& n, SteadyField const& f)
+      : ports(n.ports()), carriers(Eigen::Index(f.carriers().size())) {}
+  Eigen::Index field(bool leaves, int side, std::size_t carrier, std::uint32_t port) const {
+    return ((Eigen::Index(leaves) * 2 + side) * carriers + Eigen::Index(carrier)) * ports + port;
+  }
+  Eigen::Index displacement(std::size_t component) const { return 4 * carriers * ports + Eigen::Index(component); }
+};
+
+Phasor sided(int side, Phasor z) { return side == 0 ? z : std::conj(z); }
+
+// The equations, transposed: one solution gives the response to all causes.
+class System {
+ public:
+  System(Network const& network, SteadyField const& field, double hz)
+      : network_(network), field_(field), hz_(hz), at_(network, field) {
+    size_ = at_.displacement(network.components().size());
+    for (Eigen::Index i = 0; i < size_; ++i) entries_.emplace_back(i, i, 1.0);
+    for (std::size_t c = 0; c < network.components().size(); ++c) add_component(c);
+    for (Network::Space const& s : network.spaces()) {
+      add_space(s, s.from, s.to);
+      add_space(s, s.to, s.from);
+    }
+  }
+  Layout const& layout() const { return at_; }
+  Eigen::VectorXcd weights(Eigen::VectorXcd const& readout) const {
+    Sparse matrix(size_, size_);
+    matrix.setFromTriplets(entries_.begin(), entries_.end());
+    return solved(matrix, readout, "small signals");
+  }
+  Eigen::Index size() const { return size_; }
+
+ private:
+  void depends(Eigen::Index what, Eigen::Index on, Phasor factor) { entries_.emplace_back(on, what, -factor); }
+
+  // a leaves with S a; a displacement x adds i k_n g x/2 times the carrier that leaves, with the sign of the sideband.
+  void add_component(std::size_t number) {
+    Network::Component const& c = network_.components()[number];
+    for_each_way(c, scattering_by_carrier(network_, c, field_.carriers()), field_.carriers(),
+                 [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Phasor amplitude) {
+                   Phasor const carrier = amplitude * field_.in(c.first_port + in, n);
+                   double const k = network_.wavenumber(field_.carriers()[n]);
+                   for (int side : {0, 1}) {
+                     Eigen::Index const leaving = at_.field(true, side, m, c.first_port + out);
+                     depends(leaving, at_.field(false, side, n, c.first_port + in), sided(side, amplitude));
+                     if (c.path(out, in) != 0)
+                       depends(leaving, at_.displacement(number),
+                               sided(side, i_unit * k * c.path(out, in) / 2.0 * carrier));
+                   }
+                 });
+    if (c.suspension.mass < infinity) add_push(number, c);
+  }
+  // Force along the displacement: power that comes and goes at the front, less that at the back; P = |E|^2 changes by
+  // 2 (E* a + E b).
+  void add_push(std::size_t number, Network::Component const& c) {
+    Phasor const yields = c.suspension.compliance(hz_) * 2.0 / speed_of_light;
+    for (std::uint32_t p = 0; p < c.ports; ++p)
+      for (std::size_t n = 0; n < field_.carriers().size(); ++n)
+        for (bool const leaves : {false, true}) {
+          Phasor const e = leaves ? field_.out(c.first_port + p, n) : field_.in(c.first_port + p, n);
+          for (int side : {0, 1})
+            depends(at_.displacement(number), at_.field(leaves, side, n, c.first_port + p),
+                    yields * c.push[p] * sided(side, std::conj(e)));
+        }
+  }
+  void add_space(Network::Space const& s, std::uint32_t from, std::uint32_t to) {
+    for (std::size_t n = 0; n < field_.carriers().size(); ++n)
+      for (int side : {0, 1}) {
+        double const hz = field_.carriers()[n] + (side == 0 ? hz_ : -hz_);
+        depends(at_.field(false, side, n, to), at_.field(true, side, n, from),
+                sided(side, std::polar(1.0, phase_along(s, hz))));
+      }
+  }
+
+  Network const& network_;
+  SteadyField const& field_;
+  double hz_;
+  Layout at_;
+  Eigen::Index size_ = 0;
+  Entries entries_;
+};
+
+Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const& at, Eigen::Index size) {
+  Eigen::VectorXcd row = Eigen::VectorXcd::Zero(size);
+  auto const add = [&](int side, std::size_t n, Phasor factor) { row[at.field(r.leaving, side, n, r.port)] += factor; };
+  auto const light = [&](std::size_t n) { return r.leaving ? field.out(r.port, n) : field.in(r.port, n); };
+  if (r.kind == Readout::Kind::motion) {
+    for (auto const& [id, factor] : r.moving) row[at.displacement(id.value)] += factor;
+  } else if (r.kind == Readout::Kind::homodyne) {
+    std::size_t const n = field.carrier(0);
+    add(0, n, std::polar(1.0, -r.angle));
+    add(1, n, std::polar(1.0, r.angle));
+  } else if (r.kind == Readout::Kind::power) {
+    for (std::size_t n = 0; n < field.carriers().size(); ++n) {
+      add(0, n, 2.0 * std::conj(light(n)));
+      add(1, n, 2.0 * light(n));
+    }
+  } else {
+    // The beat of carriers m above n is 2 Re(E_m E_n* e^{-i w t}); times cos(w t + phase), averaged:
+    // Re(E_m E_n* e^{i phase}).
+    Phasor const turn = std::polar(1.0, r.angle);
+    for_each_beat(field.carriers(), r.hz, [&](std::size_t m, std::size_t n) {
+      Phasor const em = light(m), en = light(n);
+      add(0, m, std::conj(en) * turn);
+      add(1, n, em * turn);
+      add(0, n, std::conj(em) * std::conj(turn));
+      add(1, m, en * std::conj(turn));
+    });
+  }
+  return row;
+}
+
+}  // namespace
+
+LinearResponse::LinearResponse(Network const& network, SteadyField const& field, Readout const& readout, double hz)
+    : network_(network), field_(field) {
+  System const system(network, field, hz);
+  weight_ = system.weights(row_of(readout, field, system.layout(), system.size()));
+}
+
+Phasor LinearResponse::to_displacement(ComponentId id) const {
+  return weight_[Layout(network_, field_).displacement(id.value)];
+}
+
+Phasor LinearResponse::injected(Injection const& i, Phasor upper, Phasor lower) const {
+  Layout const at(network_, field_);
+  Phasor sum = 0;
+  for (std::size_t n = 0; n < field_.carriers().size(); ++n) {
+    Phasor const e = std::polar(1.0, i.turn) * (i.of_leaving ? field_.out(i.port, n) : field_.in(i.port, n));
+    sum += weight_[at.field(i.joins_leaving, 0, n, i.port)] * upper * e +
+           weight_[at.field(i.joins_leaving, 1, n, i.port)] * lower * std::conj(e);
+  }
+  return sum;
+}
+// s = i Re(e exp(-iwt)): sidebands i e/2 above and, conjugated, -i e/2 below.
+Phasor LinearResponse::to_phase(Injection const& i) const { return injected(i, 0.5 * i_unit, -0.5 * i_unit); }
+Phasor LinearResponse::to_amplitude(Injection const& i) const { return injected(i, 0.5, 0.5); }
+
+Phasor LinearResponse::of_leaving(std::uint32_t port, int side) const {
+  return weight_[Layout(network_, field_).field(true, side, field_.carrier(0), port)];
+}
+double LinearResponse::seen_quadrature(std::uint32_t port) const {
+  return -std::arg(of_leaving(port, 0) * std::conj(of_leaving(port, 1))) / 2;
+}
+
+double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const {
+  Layout const at(network_, field_);
+  std::vector<bool> open(network_.ports(), true);
+  for (Network::Space const& s : network_.spaces()) open[s.from] = open[s.to] = false;
+  double sum = 0;
+  for (int side : {0, 1})
+    for (std::size_t n = 0; n < field_.carriers().size(); ++n) {
+      for (std::uint32_t p = 0; p < network_.ports(); ++p)
+        if (open[p]) sum += std::norm(weight_[at.field(false, side, n, p)]);
+      for (Network::Component const& c : network_.components()) {  // losses add vacuum: 1 - S S*
+        if (!c.bands.empty()) continue;
+        Eigen::MatrixXcd const s = network_.scattering(c, field_.carriers()[n]);
+        Eigen::MatrixXcd const missing = Eigen::MatrixXcd::Identity(c.ports, c.ports) - s * s.adjoint();
+        Eigen::VectorXcd const y = weight_.segment(at.field(true, side, n, c.first_port), c.ports).conjugate();
+        sum += std::real(y.dot((side == 0 ? missing : missing.conjugate()) * y));
+      }
+    }
+  for (Squeezing const& s : squeezed) {
+    Phasor const upper = of_leaving(s.port, 0) * std::polar(1.0, s.angle),
+                 lower = of_leaving(s.port, 1) * std::polar(1.0, -s.angle);
+    Eigen::RowVector2cd const quadratures = Eigen::RowVector2cd(upper + lower, i_unit * (upper - lower)) / std::sqrt(2);
+    sum += std::real(Phasor(quadratures * s.covariance * quadratures.adjoint())) - quadratures.squaredNorm();
+  }
+  // Each sideband of the vacuum has half a quantum per Hz; a read-out D has the one-sided PSD |D|^2/2.
+  return hbar * network_.wavenumber() * speed_of_light / 4 * sum;
+}
+
+}  // namespace straytrace::ifo
