@@ -31,14 +31,6 @@ struct BudgetOptions : PrintOptions {
   std::string at = "10 Hz, 100 Hz, 1 kHz", band, margin, export_as;
 };
 
-constexpr double lowest_hz = 1e-6, highest_hz = 1e6;  // of --at and --band
-
-std::string trimmed(std::string text) {
-  text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
-  text.erase(text.find_last_not_of(" \t") + 1);
-  return text;
-}
-
 double parse_margin(std::string const& text) {
   if (text.empty()) return 0.1;
   std::size_t const slash = text.find('/');
@@ -47,35 +39,6 @@ double parse_margin(std::string const& text) {
   bool const good = top && bottom && top->rest.empty() && bottom->rest.empty();
   if (double const ratio = good ? top->value / bottom->value : 0; ratio > 0 && ratio < 1e6) return ratio;
   throw InputError(fmt::format("--margin: '{}' is not a positive ratio", text), "write --margin 1/10");
-}
-
-std::vector<double> parse_frequencies(std::string const& list, char const* option) {
-  std::vector<double> all;
-  for (std::size_t begin = 0; begin <= list.size();) {
-    std::size_t const comma = std::min(list.find(',', begin), list.size());
-    std::string const item = trimmed(list.substr(begin, comma - begin));
-    begin = comma + 1;
-    auto const number = leading_number(item);
-    auto const unit = number ? parse_unit(number->rest) : std::nullopt;
-    if (!unit || !(unit->dimension == dim::frequency))
-      throw InputError(
-          fmt::format("{}: '{}' is not a frequency", option, item),
-          fmt::format("write {} \"10.5 Hz, 1 kHz\": a unit for each, and decimal points, not commas", option));
-    if (double const hz = to_si(number->value, *unit); !(hz >= lowest_hz && hz <= highest_hz))
-      throw InputError(fmt::format("{}: '{}' is not between 1 uHz and 1 MHz", option, item),
-                       fmt::format("write {} \"10 Hz, 1 kHz\"", option));
-    all.push_back(to_si(number->value, *unit));
-  }
-  return all;
-}
-
-// The requested band; empty without one.
-std::vector<double> parse_band(std::string const& text) {
-  if (text.empty()) return {};
-  std::vector<double> ends = parse_frequencies(text, "--band");
-  if (ends.size() != 2 || !(ends[0] < ends[1]))
-    throw InputError(fmt::format("--band: '{}' is not a band", text), "write --band \"5 Hz, 5 kHz\"");
-  return ends;
 }
 
 // Runs whose strain was computed with another interferometer than the detector of the budget.

@@ -31,6 +31,7 @@ void add_trace(CLI::App&, int& exit_code);
 void add_importance(CLI::App&, int& exit_code);
 void add_apertures(CLI::App&, int& exit_code);
 void add_wave(CLI::App&, int& exit_code);
+void add_ifo(CLI::App&, int& exit_code);
 void add_ghosts(CLI::App&, int& exit_code);
 // Noise
 void add_noise(CLI::App&, int& exit_code);

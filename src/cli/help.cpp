@@ -18,7 +18,7 @@ struct Task {
 std::vector<Task> const& tasks() {
   static std::vector<Task> const all = {
       {"Model", {add_check, add_print, add_inspect, add_render, add_view}},
-      {"Light", {add_run, add_trace, add_importance, add_apertures, add_wave, add_ghosts}},
+      {"Light", {add_run, add_trace, add_importance, add_apertures, add_wave, add_ghosts, add_ifo}},
       {"Noise", {add_noise, add_budget, add_scan, add_project, add_fringes}},
       {"Data", {add_signal, add_couple, add_fit}},
       {"Results", {add_paths, add_maps, add_report, add_diff}},

@@ -15,6 +15,7 @@
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "base/text/bounded_regex.hpp"
+#include "base/units/quantity.hpp"
 #include "session/model.hpp"
 
 namespace straytrace::cli {
@@ -41,6 +42,46 @@ CLI::Validator whole_between(double low, double high, std::string const& example
                                high, example);
           },
           ""};
+}
+
+namespace {
+
+constexpr double lowest_hz = 1e-6, highest_hz = 1e6;  // of --at and --band
+
+std::string trimmed(std::string text) {
+  text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
+  text.erase(text.find_last_not_of(" \t") + 1);
+  return text;
+}
+
+}  // namespace
+
+std::vector<double> parse_frequencies(std::string const& list, char const* option) {
+  std::vector<double> all;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    std::size_t const comma = std::min(list.find(',', begin), list.size());
+    std::string const item = trimmed(list.substr(begin, comma - begin));
+    begin = comma + 1;
+    auto const number = leading_number(item);
+    auto const unit = number ? parse_unit(number->rest) : std::nullopt;
+    if (!unit || !(unit->dimension == dim::frequency))
+      throw InputError(
+          fmt::format("{}: '{}' is not a frequency", option, item),
+          fmt::format("write {} \"10.5 Hz, 1 kHz\": a unit for each, and decimal points, not commas", option));
+    if (double const hz = to_si(number->value, *unit); !(hz >= lowest_hz && hz <= highest_hz))
+      throw InputError(fmt::format("{}: '{}' is not between 1 uHz and 1 MHz", option, item),
+                       fmt::format("write {} \"10 Hz, 1 kHz\"", option));
+    all.push_back(to_si(number->value, *unit));
+  }
+  return all;
+}
+
+std::vector<double> parse_band(std::string const& text) {
+  if (text.empty()) return {};
+  std::vector<double> ends = parse_frequencies(text, "--band");
+  if (ends.size() != 2 || !(ends[0] < ends[1]))
+    throw InputError(fmt::format("--band: '{}' is not a band", text), "write --band \"5 Hz, 5 kHz\"");
+  return ends;
 }
 
 void add_format_option(CLI::App& command, PrintOptions& options) {

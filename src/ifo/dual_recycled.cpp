@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "ifo/cavity.hpp"
+#include "ifo/layout/read_network.hpp"
 
 namespace straytrace::ifo {
 namespace {
@@ -15,8 +16,9 @@ constexpr double probe_hz = 1e-3;  // far below any pole: the quasi-static respo
 
 }  // namespace
 
-DualRecycled::DualRecycled(DualRecycledParameters const& p, std::vector<Modulation> const& modulations)
-    : p_(p), modulations_(modulations), network_(p.wavelength) {
+DualRecycled::DualRecycled(DualRecycledParameters const& p, std::vector<Modulation> const& modulations,
+                           NetworkChanges changes)
+    : p_(p), modulations_(modulations), changes_(std::move(changes)), network_(p.wavelength) {
   if (p_.arm_power > 0) p_.input_power = 1;
   build();
   field_ = std::make_unique<SteadyField>(network_);
@@ -63,6 +65,8 @@ void DualRecycled::build() {
   network_.link({srm, 1}, {output, 0}, 0);
   network_.link({output, 1}, {dark, 0}, 0);
   build_arms(splitter);
+  apply(changes_, network_);
+  if (p_.mirror_mass == infinity) network_.hold();
 }
 
 void DualRecycled::build_arms(ComponentId splitter) {
@@ -90,7 +94,7 @@ DualRecycled::Quadratures DualRecycled::quadratures() const {
     DualRecycledParameters tuned = p_;
     tuned.mirror_mass = infinity;
     tuned.signal_recycling_tuning = tuned.dark_fringe_offset = 0;
-    return DualRecycled(tuned, modulations_).signal_;
+    return DualRecycled(tuned, modulations_, changes_).signal_;
   }
   std::uint32_t const dark = network_.number_of({network_.find("dark"), 0});
   Phasor seen[2];
@@ -105,14 +109,46 @@ double DualRecycled::power_at(char const* component, std::uint32_t port) const {
   return field_->power_in(network_.number_of({network_.find(component), port}));
 }
 
-// Lengths become displacements with the splitter at rest.
-Phasor DualRecycled::to_freedom(LinearResponse const& r, Freedom f) const {
+namespace {
+
+// Displacements of mirrors per m of a degree of freedom, with the splitter at rest.
+std::array<std::pair<char const*, double>, 6> moves_of(Freedom f) {
   Eigen::Matrix<double, 6, 1> const length = lengths_of_freedoms().col(Eigen::Index(f));
   auto const of = [&](Length l) { return length[Eigen::Index(l)]; };
-  auto const to = [&](char const* name) { return r.to_displacement(network_.find(name)); };
-  Phasor sum = to("SRM") * of(Length::signal) - to("PRM") * of(Length::recycling);
-  sum += to("ITMx") * of(Length::short_x) + to("ETMx") * (of(Length::short_x) + of(Length::arm_x));
-  return sum + to("ITMy") * of(Length::short_y) + to("ETMy") * (of(Length::short_y) + of(Length::arm_y));
+  return {{{"SRM", of(Length::signal)},
+           {"PRM", -of(Length::recycling)},
+           {"ITMx", of(Length::short_x)},
+           {"ETMx", of(Length::short_x) + of(Length::arm_x)},
+           {"ITMy", of(Length::short_y)},
+           {"ETMy", of(Length::short_y) + of(Length::arm_y)}}};
+}
+
+}  // namespace
+
+Phasor DualRecycled::to_freedom(LinearResponse const& r, Freedom f) const {
+  auto const moves = moves_of(f);
+  auto const to = [&](int i) { return r.to_displacement(network_.find(moves[i].first)) * moves[i].second; };
+  Phasor sum = to(0) + to(1);
+  sum += to(2) + to(3);
+  return sum + to(4) + to(5);
+}
+
+NetworkModel DualRecycled::model(std::string preset) const {
+  NetworkModel m{.preset = std::move(preset), .network = network_};
+  auto const at = [&](char const* component, std::uint32_t port) {
+    return network_.number_of({network_.find(component), port});
+  };
+  m.readouts = {{"AS", Readout::power(at("SRM", 1)).of_leaving()},
+                {"REFL", Readout::power(at("PRM", 0)).of_leaving()},
+                {"POP", Readout::power(at("BS", 0))}};
+  constexpr std::array<char const*, 5> names = {"DARM", "CARM", "MICH", "PRCL", "SRCL"};
+  for (std::size_t f = 0; f < names.size(); ++f) {
+    NamedFreedom freedom{names[f]};
+    for (auto const& [mirror, factor] : moves_of(Freedom(f)))
+      if (factor != 0) freedom.moves.emplace_back(network_.find(mirror), factor);
+    m.freedoms.push_back(std::move(freedom));
+  }
+  return m;
 }
 
 Injection DualRecycled::injection(InjectionPoint injection_point) const {
@@ -160,7 +196,7 @@ std::unique_ptr<DualRecycled> DualRecycled::without_radiation_pressure() const {
   DualRecycledParameters heavy = p_;
   heavy.mirror_mass = infinity;
   heavy.arm_power = 0;
-  return std::make_unique<DualRecycled>(heavy, modulations_);
+  return std::make_unique<DualRecycled>(heavy, modulations_, changes_);
 }
 
 Phasor DualRecycled::stray_gain(double hz) const {
@@ -380,6 +416,32 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
   }
 }
 
+NetworkChanges read_changes_of_preset(Node const& network, DualRecycled const& preset) {
+  for (char const* key : {"wavelength", "polarisation"})
+    if (network.has(key))
+      network[key].problem(fmt::format("'{}' is that of the preset", key), "remove it, or write 'preset: none'");
+  NetworkChanges changes = read_network_changes(network, preset.network());
+  for (Network::Component const& c : changes.components)
+    if (c.name == "laser")
+      network["components"][c.name].problem("the light of a preset is its 'input_power' or 'arm_power'",
+                                            "give the power there");
+  return changes;
+}
+
+// A preset with the changes of a scene, where light still reaches the arms.
+std::unique_ptr<DualRecycled> changed(Node const& network, P const& p, std::vector<Modulation> const& modulators,
+                                      NetworkChanges const& changes) {
+  try {
+    auto model = std::make_unique<DualRecycled>(p, modulators, changes);
+    if (model->arm_power() > 0) return model;
+    network.problem("no light reaches arm x of the preset", "lead the light from 'laser' to 'PRM.front' by 'spaces'");
+  } catch (NumericalError const&) {
+    network.problem("the network has no single answer: light is caught without loss",
+                    "give the mirrors of each resonator a transmission or a loss");
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
@@ -450,13 +512,14 @@ std::string RecycledInterferometer::description() const {
              name_, readout, p.wavelength * 1e9, p.arm_length, model_->arm_power(), p.input_power, p.mirror_mass,
              100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi, hz, gain,
              std::abs(model_->stray_gain(hz)), model_->pole()) +
-         describe(ports_, *this, band_);
+         (model_->changed() ? ", network changed by the scene" : "") + describe(ports_, *this, band_);
 }
 
 std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, DualRecycledPreset const& preset,
                                                              std::vector<TracedPort> const& ports, double wavelength,
                                                              Band const& band) {
   P p = preset.parameters;
+  if (std::isnan(wavelength)) wavelength = p.wavelength;
   for (Key<P> const& k : recycled_keys) p.*(k.member) = table.number(k.name, k.dimension, p.*(k.member), k.low, k.high);
   read_power(table, p);
   if (!std::isnan(preset.parameters.arm_length) && !(std::fabs(wavelength / p.wavelength - 1) <= 1e-3))
@@ -480,10 +543,21 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   warn_of_idle_servos(table, entries);
   if (!table.healthy()) return nullptr;
   auto model = std::make_unique<DualRecycled>(p, modulators);
+  std::optional<NetworkModel> asked;
+  if (Node const network = table.table("network")) {
+    NetworkChanges const changes = read_changes_of_preset(network, *model);
+    if (!changes.empty() && table.healthy()) model = changed(network, p, modulators, changes);
+    if (!table.healthy()) return nullptr;
+    asked = model->model(std::string(preset.name));
+    read_network_questions(network, *asked);
+    network.refuse_unknown("a network");
+    if (!table.healthy()) return nullptr;
+  }
   refuse_a_blind_readout(table, *model, band);
   warn_of_other_arms(table, ports, entries, model->arm_power(), p.arm_length);
   auto ifo =
-      std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), entries, servos, band);
+      std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), entries, servos, band,
+                                               std::move(asked));
   refuse_ports_without_response(table, *ifo, entries, band);
   return ifo;
 }

@@ -20,6 +20,7 @@
 
 #include "base/input/table.hpp"
 #include "ifo/interferometer.hpp"
+#include "ifo/layout/network_model.hpp"
 #include "ifo/network.hpp"
 #include "ifo/ports.hpp"
 
@@ -84,12 +85,14 @@ struct Modulation {
 
 class DualRecycled {
  public:
-  explicit DualRecycled(DualRecycledParameters const&, std::vector<Modulation> const& = {});
+  // `changes`: of a scene, to the network of these parameters. Without mirror_mass nothing moves.
+  explicit DualRecycled(DualRecycledParameters const&, std::vector<Modulation> const& = {}, NetworkChanges = {});
   DualRecycled(DualRecycled const&) = delete;
   DualRecycled& operator=(DualRecycled const&) = delete;
 
   DualRecycledParameters const& parameters() const { return p_; }
   Network const& network() const { return network_; }
+  bool changed() const { return !changes_.empty(); }
   SteadyField const& field() const { return *field_; }
   Readout const& readout() const { return readout_; }
   double power_at(char const* component, std::uint32_t port) const;  // W that enters there
@@ -98,6 +101,8 @@ class DualRecycled {
   LinearResponse response(double hz) const { return {network_, *field_, readout_, hz}; }
   LinearResponse response(Readout const& r, double hz) const { return {network_, *field_, r, hz}; }
   Phasor to_freedom(LinearResponse const&, Freedom) const;  // per m
+  // The network with read-outs at its ports and the degrees of freedom DARM to SRCL.
+  NetworkModel model(std::string preset) const;
   Injection injection(InjectionPoint) const;
   // The field s at this place that an injection of 1 represents: light that passed the end mirror twice has
   // s = T_E s_bench (eq. 9.3), and is injected behind that mirror.
@@ -125,6 +130,7 @@ class DualRecycled {
 
   DualRecycledParameters p_;
   std::vector<Modulation> modulations_;
+  NetworkChanges changes_;
   Network network_;
   std::unique_ptr<SteadyField> field_;
   Quadratures signal_;
@@ -166,9 +172,10 @@ class RecycledInterferometer final : public Interferometer {
     TransferFunction frequency, intensity;
   };
   RecycledInterferometer(std::string name, std::unique_ptr<DualRecycled> model, std::vector<PortEntry> ports,
-                         Servos servos, Band const& band = {})
+                         Servos servos, Band const& band = {}, std::optional<NetworkModel> asked = {})
       : name_(std::move(name)),
         model_(std::move(model)),
+        asked_(asked ? *std::move(asked) : model_->model(name_)),
         ports_(std::move(ports)),
         servos_(std::move(servos)),
         band_(band) {}
@@ -179,6 +186,7 @@ class RecycledInterferometer final : public Interferometer {
   DetectorNumbers numbers() const override;
   std::string description() const override;
   DualRecycled const& model() const { return *model_; }
+  NetworkModel const* network() const override { return &asked_; }
   // Strain per relative field in the larger of both quadratures, without attenuation by the port and servos.
   double largest_response(InjectionPoint, double hz) const;
 
@@ -191,6 +199,7 @@ class RecycledInterferometer final : public Interferometer {
 
   std::string name_;
   std::unique_ptr<DualRecycled> model_;
+  NetworkModel asked_;
   std::vector<PortEntry> ports_;
   Servos servos_;
   Band band_;  // for the description

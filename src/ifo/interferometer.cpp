@@ -3,11 +3,12 @@
 
 #include "ifo/dual_recycled.hpp"
 #include "ifo/fabry_perot_michelson.hpp"
+#include "ifo/layout/read_network.hpp"
 
 namespace straytrace::ifo {
 namespace {
 
-constexpr std::string_view closed_forms = "fabry-perot-michelson", own_numbers = "dual-recycled";
+constexpr std::string_view closed_forms = "fabry-perot-michelson", own_numbers = "dual-recycled", no_preset = "none";
 
 // Only numbers with a neutral value.
 DualRecycledPreset without_numbers() {
@@ -29,7 +30,16 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
   std::vector<DualRecycledPreset> const networks = network_presets();
   std::vector<std::string_view> names = {closed_forms};
   for (DualRecycledPreset const& p : networks) names.push_back(p.name);
+  names.push_back(no_preset);
   std::string const name = table.choice("preset", names);
+  if (name == no_preset) {
+    read_bare_network(table, wavelength);
+    if (!ports.empty())
+      table["preset"].problem("a network without a preset does not say where light of the ports enters",
+                              "start from a preset, or remove 'ports' from the scene");
+    table.refuse_unknown("interferometer 'none'");
+    return nullptr;
+  }
   auto const network = std::ranges::find_if(networks, [&](auto const& p) { return p.name == name; });
   bool const solves = network != networks.end();
   if (!solves && name != closed_forms) return nullptr;  // choice() reported it

@@ -213,6 +213,13 @@ void Network::move(ComponentId id, double displacement) {
   if (auto* p = std::get_if<MirrorParameters>(&c.stated)) p->displacement = displacement;
 }
 
+void Network::hold() {
+  for (Component& c : components_) {
+    c.suspension = {};
+    if (auto* p = std::get_if<MirrorParameters>(&c.stated)) p->suspension = {};
+  }
+}
+
 std::optional<ComponentId> Network::search(std::string const& name) const {
   for (std::size_t i = 0; i < components_.size(); ++i)
     if (components_[i].name == name) return ComponentId{std::uint32_t(i)};

@@ -127,6 +127,7 @@ class Network {
   void unlink(std::uint32_t port);                  // removes the space at this port, where there is one
   void change(std::size_t space, double length, double phase);
   void move(ComponentId, double displacement);      // m, sets MirrorParameters::displacement
+  void hold();                                      // nothing yields to forces
   ComponentId find(std::string const& name) const;  // throws std::out_of_range
   std::optional<ComponentId> search(std::string const& name) const;
   std::string const& name(ComponentId id) const { return at(id).name; }

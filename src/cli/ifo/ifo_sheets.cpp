@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/ifo/ifo_sheets.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+namespace straytrace::cli {
+namespace {
+
+constexpr double per_degree = 180 / pi;
+
+Sheet::Column angle(std::string const& key) { return {key, "rad", 6, per_degree, "deg"}; }
+
+Sheet readouts_sheet(OperatingPoint const& point) {
+  Sheet s{"readouts", "Read-outs.", {{"readout", ""}, {"beam", ""}, {"value", "W", 8}}, {}};
+  for (ReadoutValue const& r : point.readouts) s.rows.push_back({r.name, r.beam, r.value});
+  return s;
+}
+
+Sheet cavities_sheet(OperatingPoint const& point) {
+  Sheet s{"cavities",
+          "Resonators, with the carrier's phase after a round trip (0: resonant) and the power of all carriers over "
+          "that of the lasers (gain).",
+          {{"cavity", ""},
+           {"length", "m", 8},
+           {"free_spectral_range", "Hz", 8},
+           {"finesse", ""},
+           {"pole", "Hz"},
+           {"loss", ""},
+           angle("phase"),
+           {"power", "W", 8},
+           {"gain", ""}},
+          {}};
+  for (CavityPower const& c : point.cavities)
+    s.rows.push_back({c.cavity.name, c.cavity.length, c.cavity.free_spectral_range(), c.cavity.finesse(),
+                      c.cavity.pole(), 1 - c.cavity.round_trip * c.cavity.round_trip, c.cavity.phase, c.power, c.gain});
+  return s;
+}
+
+Sheet ports_sheet(OperatingPoint const& point) {
+  std::vector<std::string> carriers;
+  for (double const hz : point.carriers) carriers.push_back(fmt::format("{:.10g}", hz));
+  Sheet s{"ports",
+          fmt::format("Power of {} at the ports of the components; open: without a space.",
+                      carriers.size() == 1 ? std::string("the carrier")
+                                           : fmt::format("the carriers {} Hz", fmt::join(carriers, ", "))),
+          {{"port", ""}, {"enters", "W", 8}, {"leaves", "W", 8}, {"open", ""}},
+          {}};
+  for (PortPower const& p : point.ports) s.rows.push_back({p.port, p.in, p.out, std::string(p.open ? "open" : "")});
+  return s;
+}
+
+Sheet energy_sheet(OperatingPoint const& point) {
+  constexpr std::array<char const*, 4> names = {"emitted by", "leaves at", "absorbed in", "lost in"};
+  Sheet s{"energy",
+          fmt::format("Energy balance: what the lasers emit, less all else, is {:.1e} of it.",
+                      point.missing / point.emitted),
+          {{"light", ""}, {"where", ""}, {"power", "W", 8}, {"share", ""}},
+          {}};
+  for (EnergyRow const& row : point.energy)
+    s.rows.push_back({std::string(names[std::size_t(row.kind)]), row.name, row.power, row.power / point.emitted});
+  return s;
+}
+
+}  // namespace
+
+std::vector<Sheet> point_sheets(OperatingPoint const& point) {
+  std::vector<Sheet> all;
+  if (!point.readouts.empty()) all.push_back(readouts_sheet(point));
+  if (!point.cavities.empty()) all.push_back(cavities_sheet(point));
+  all.push_back(ports_sheet(point));
+  all.push_back(energy_sheet(point));
+  return all;
+}
+
+Sheet scan_sheet(NetworkModel const& model, NetworkScan const& scan) {
+  std::string const unit = scan.parameter.dimension == dim::plain ? "" : example_unit(scan.parameter.dimension);
+  bool const turns = scan.parameter.dimension == dim::angle;
+  Sheet s{"scan", fmt::format("Read-outs against '{}'.", scan.parameter.name), {}, {}};
+  s.columns.push_back(turns ? angle(scan.parameter.name) : Sheet::Column{scan.parameter.name, unit, 8});
+  for (NamedReadout const& r : model.readouts) s.columns.push_back({r.name, unit_of(r.readout), 8});
+  for (std::size_t i = 0; i < scan.at.size(); ++i) {
+    std::vector<Sheet::Cell> row{scan.at[i]};
+    for (auto const& values : scan.values) row.emplace_back(values[i]);
+    s.rows.push_back(std::move(row));
+  }
+  return s;
+}
+
+Sheet errors_sheet(std::vector<ErrorSignal> const& signals) {
+  Sheet s{"errors",
+          signals.empty()
+              ? "No read-out of power responds to a degree of freedom of the network."
+              : "Signals at the operating point: their value, slope, best phase of demodulation and slope there, the "
+                "span where the slope is within 10 %, and the way to the zero of the tangent.",
+          {{"readout", ""},
+           {"freedom", ""},
+           {"value", "W"},
+           {"slope", "W/m"},
+           angle("best_phase"),
+           {"best_slope", "W/m"},
+           {"linear_range", "m"},
+           {"offset", "m"}},
+          {}};
+  for (ErrorSignal const& e : signals)
+    s.rows.push_back({e.readout, e.freedom, e.value, e.slope, e.best_phase, e.best_slope, e.linear_range, e.offset()});
+  return s;
+}
+
+Sheet transfer_sheet(NetworkCause const& cause, NamedReadout const& effect, std::vector<double> const& hz,
+                     std::vector<Phasor> const& response) {
+  std::string const unit = fmt::format("{}/{}", unit_of(effect.readout), cause.unit());
+  Sheet s{"transfer",
+          fmt::format("Response of '{}' to '{}', for exp(+2 pi i f t).", effect.name, cause.name),
+          {{"frequency", "Hz"}, {"re", unit, 8}, {"im", unit, 8}, {"magnitude", unit, 8}, angle("phase")},
+          {}};
+  for (std::size_t i = 0; i < hz.size(); ++i)
+    s.rows.push_back({hz[i], response[i].real(), response[i].imag(), std::abs(response[i]), std::arg(response[i])});
+  return s;
+}
+
+Sheet sensing_sheet(SensingMatrix const& m) {
+  std::string const name = fmt::format("sensing_{:g}Hz", m.hz);
+  if (m.readouts.empty() || m.freedoms.empty())
+    return {name, "The network has no read-outs or no degrees of freedom.", {}, {}};
+  Sheet s{name,
+          fmt::format("Responses at {:g} Hz in W/m (sqrt(W)/m of a homodyne detector), for exp(+2 pi i f t); condition "
+                      "number with rows of equal size {:.4g}.",
+                      m.hz, m.condition),
+          {{"readout", ""}},
+          {}};
+  for (std::string const& f : m.freedoms) {
+    s.columns.push_back({f, "", 6});
+    s.columns.push_back({"arg_" + f, "rad", 4, per_degree, "deg"});
+  }
+  for (std::size_t i = 0; i < m.readouts.size(); ++i) {
+    std::vector<Sheet::Cell> row{m.readouts[i]};
+    for (std::size_t j = 0; j < m.freedoms.size(); ++j) {
+      Phasor const z = m.response(Eigen::Index(i), Eigen::Index(j));
+      row.emplace_back(std::abs(z));
+      row.emplace_back(std::arg(z));
+    }
+    s.rows.push_back(std::move(row));
+  }
+  return s;
+}
+
+}  // namespace straytrace::cli

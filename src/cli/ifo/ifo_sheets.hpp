@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Answers about a network as tables. Inside the module.
+#pragma once
+
+#include "cli/ifo/sheets.hpp"
+#include "ifo/layout/operating_point.hpp"
+#include "ifo/layout/parameters.hpp"
+#include "ifo/layout/signals.hpp"
+
+namespace straytrace::cli {
+
+std::vector<Sheet> point_sheets(OperatingPoint const&);
+Sheet scan_sheet(NetworkModel const&, NetworkScan const&);
+Sheet errors_sheet(std::vector<ErrorSignal> const&);
+Sheet transfer_sheet(NetworkCause const&, NamedReadout const& effect, std::vector<double> const& hz,
+                     std::vector<Phasor> const& response);
+Sheet sensing_sheet(SensingMatrix const&);
+
+}  // namespace straytrace::cli

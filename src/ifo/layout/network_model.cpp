@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ifo/layout/network_model.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace straytrace::ifo {
+namespace {
+
+template <class Named>
+Named const* found(std::vector<Named> const& all, std::string const& name) {
+  auto const hit = std::ranges::find(all, name, &Named::name);
+  return hit == all.end() ? nullptr : &*hit;
+}
+
+NetworkPort port_of(Network const& n, std::string const& name) {
+  auto const port = find_port(n, name);
+  if (!port) throw std::out_of_range("there is no port '" + name + "'");
+  ComponentId const id = n.owner_of(*port);
+  return {id, *port - n.at(id).first_port};
+}
+
+}  // namespace
+
+NamedReadout const* NetworkModel::readout(std::string const& name) const { return found(readouts, name); }
+NamedFreedom const* NetworkModel::freedom(std::string const& name) const { return found(freedoms, name); }
+
+std::vector<std::string> port_names(Network const& n) {
+  std::vector<std::string> names;
+  for (std::uint32_t p = 0; p < n.ports(); ++p) names.push_back(n.port_name(p));
+  return names;
+}
+
+std::optional<std::uint32_t> find_port(Network const& n, std::string const& name) {
+  auto const id = n.search(name.substr(0, name.find('.')));
+  if (!id) return {};
+  Network::Component const& c = n.at(*id);
+  for (std::uint32_t p = 0; p < c.ports; ++p)
+    if (c.port_name(p) == name) return c.first_port + p;
+  return {};
+}
+
+std::optional<NetworkBeam> find_beam(Network const& n, std::string const& name) {
+  std::size_t const dot = name.rfind('.');
+  if (dot == name.npos) return {};
+  std::string const way = name.substr(dot + 1);
+  auto const port = find_port(n, name.substr(0, dot));
+  if (!port || (way != "in" && way != "out")) return {};
+  return NetworkBeam{*port, way == "out"};
+}
+
+std::string beam_name(Network const& n, Readout const& r) { return n.port_name(r.port) + (r.leaving ? ".out" : ".in"); }
+
+void apply(NetworkChanges const& changes, Network& network) {
+  for (Network::Component const& c : changes.components) {
+    if (auto const id = network.search(c.name))
+      network.replace(*id, c);
+    else
+      network.add(c);
+  }
+  for (NetworkChanges::Space const& s : changes.spaces) {
+    NetworkPort const from = port_of(network, s.from), to = port_of(network, s.to);
+    for (NetworkPort const p : {from, to}) network.unlink(network.number_of(p));
+    network.link(from, to, s.length, s.phase);
+  }
+}
+
+}  // namespace straytrace::ifo

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A network with what is asked of it: read-outs and degrees of freedom by name.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ifo/network.hpp"
+
+namespace straytrace::ifo {
+
+struct NamedReadout {
+  std::string name;
+  Readout readout{};
+  bool is_power() const { return readout.kind == Readout::Kind::power; }
+  bool is_demodulated() const { return readout.kind == Readout::Kind::demodulated; }
+};
+
+// Displacements of mirrors and splitters, m per m of the degree of freedom.
+struct NamedFreedom {
+  std::string name;
+  std::vector<std::pair<ComponentId, double>> moves{};
+};
+
+struct NetworkModel {
+  std::string preset;  // "none": the network is of the scene alone
+  Network network{1064e-9};
+  std::vector<NamedReadout> readouts{};
+  std::vector<NamedFreedom> freedoms{};
+
+  NamedReadout const* readout(std::string const& name) const;
+  NamedFreedom const* freedom(std::string const& name) const;
+};
+
+// A beam at a port: what enters it or what leaves it.
+struct NetworkBeam {
+  std::uint32_t port = 0;
+  bool leaving = false;
+};
+std::vector<std::string> port_names(Network const&);
+std::optional<std::uint32_t> find_port(Network const&, std::string const& name);  // "PRM.front", "laser"
+std::optional<NetworkBeam> find_beam(Network const&, std::string const& name);    // "PRM.front.out", "laser.in"
+std::string beam_name(Network const&, Readout const&);
+
+// What a scene adds to a network or replaces in it. A space takes its ports from the spaces that were there.
+struct NetworkChanges {
+  struct Space {
+    std::string from, to;  // names of ports
+    double length = 0, phase = 0;
+  };
+  std::vector<Network::Component> components;
+  std::vector<Space> spaces;
+  bool empty() const { return components.empty() && spaces.empty(); }
+};
+void apply(NetworkChanges const&, Network&);
+
+// The network as a scene of its own, numbers with all digits.
+std::string network_text(NetworkModel const&);
+
+}  // namespace straytrace::ifo

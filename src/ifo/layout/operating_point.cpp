@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ifo/layout/operating_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ifo/network_ways.hpp"
+
+namespace straytrace::ifo {
+namespace {
+
+using Component = Network::Component;
+
+// W lost in a component by its stated losses; of a modulator: in bands beyond its order.
+double lost_in(Component const& c, SteadyField const& f) {
+  auto const entering = [&](std::uint32_t p) { return f.power_in(c.first_port + p); };
+  if (auto const* p = std::get_if<MirrorParameters>(&c.stated)) {
+    double sum = 0;
+    for (std::uint32_t i = 0; i < c.ports; ++i) sum += entering(i);
+    return p->loss * sum;
+  }
+  if (auto const* p = std::get_if<IsolatorParameters>(&c.stated))
+    return (1 - p->transmission) * entering(0) + (1 - p->isolation) * entering(1);
+  if (c.kind != Component::Kind::modulator) return 0;
+  return entering(0) + entering(1) - f.power_out(c.first_port) - f.power_out(c.first_port + 1);
+}
+
+void add_energy(Network const& n, SteadyField const& f, OperatingPoint& into) {
+  using Kind = EnergyRow::Kind;
+  auto const other = neighbours(n);
+  for (Component const& c : n.components())
+    if (c.emits != 0.0) into.energy.push_back({Kind::emitted, c.name, std::norm(c.emits)});
+  for (std::uint32_t p = 0; p < n.ports(); ++p)
+    if (other[p].first == n.ports() && n.at(n.owner_of(p)).ports > 1)
+      into.energy.push_back({Kind::leaving, n.port_name(p), f.power_out(p)});
+  for (Component const& c : n.components())
+    if (c.ports == 1) into.energy.push_back({Kind::absorbed, c.name, f.power_in(c.first_port)});
+  for (Component const& c : n.components())
+    if (double const w = lost_in(c, f); w != 0) into.energy.push_back({Kind::lost, c.name, w});
+  for (EnergyRow const& row : into.energy) {
+    if (row.kind == Kind::emitted) into.emitted += row.power;
+    into.missing += row.kind == Kind::emitted ? row.power : -row.power;
+  }
+}
+
+}  // namespace
+
+OperatingPoint operating_point(NetworkModel const& model) {
+  Network const& n = model.network;
+  SteadyField const f(n);
+  OperatingPoint point{.carriers = f.carriers()};
+  auto const other = neighbours(n);
+  for (std::uint32_t p = 0; p < n.ports(); ++p)
+    point.ports.push_back({n.port_name(p), f.power_in(p), f.power_out(p), other[p].first == n.ports()});
+  add_energy(n, f, point);
+  for (NetworkCavity& c : cavities_of(n)) {
+    double const power = f.power_out(c.beams.front());
+    point.cavities.push_back({std::move(c), power, power / point.emitted});
+  }
+  for (NamedReadout const& r : model.readouts)
+    point.readouts.push_back({r.name, beam_name(n, r.readout), value_of(r.readout, f)});
+  return point;
+}
+
+}  // namespace straytrace::ifo

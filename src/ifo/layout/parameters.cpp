@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ifo/layout/parameters.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string_view>
+
+namespace straytrace::ifo {
+namespace {
+
+using Component = Network::Component;
+
+// A number of a component: where it is stated, and how the component is made again.
+struct Member {
+  std::string_view name;
+  Dimension dimension;
+  double low, high;
+  double (*get)(Component const&, double wavelength);
+  void (*set)(Component&, double, double wavelength);
+};
+
+template <auto member>
+constexpr Member mirror_member(std::string_view name, Dimension dimension, double low, double high) {
+  return {name, dimension, low, high,
+          [](Component const& c, double) { return std::get<MirrorParameters>(c.stated).*member; },
+          [](Component& c, double to, double) { std::get<MirrorParameters>(c.stated).*member = to; }};
+}
+template <auto member>
+constexpr Member modulator_member(std::string_view name, Dimension dimension, double low, double high) {
+  return {name, dimension, low, high,
+          [](Component const& c, double) { return std::get<ModulatorParameters>(c.stated).*member; },
+          [](Component& c, double to, double) { std::get<ModulatorParameters>(c.stated).*member = to; }};
+}
+
+std::vector<Member> members_of(Component const& c) {
+  if (c.interface())
+    return {mirror_member<&MirrorParameters::transmission>("transmission", dim::plain, 0, 1),
+            mirror_member<&MirrorParameters::loss>("loss", dim::plain, 0, 1),
+            mirror_member<&MirrorParameters::displacement>("displacement", dim::length, -1e-3, 1e-3),
+            {"tuning", dim::angle, -1e6, 1e6,
+             [](Component const& m, double wavelength) {
+               return std::get<MirrorParameters>(m.stated).displacement * 2 * pi / wavelength;
+             },
+             [](Component& m, double to, double wavelength) {
+               std::get<MirrorParameters>(m.stated).displacement = to * wavelength / (2 * pi);
+             }}};
+  if (c.kind == Component::Kind::modulator)
+    return {modulator_member<&ModulatorParameters::index>("index", dim::plain, -10, 10),
+            modulator_member<&ModulatorParameters::hz>("frequency", dim::frequency, 1, 1e12)};
+  if (c.kind == Component::Kind::laser)
+    return {{"power", dim::power, 0, 1e30,
+             [](Component const& l, double) { return std::get<LaserParameters>(l.stated).power; },
+             [](Component& l, double to, double) { std::get<LaserParameters>(l.stated).power = to; }}};
+  return {};
+}
+
+Component made_again(Component const& c) {
+  using Kind = Component::Kind;
+  if (c.kind == Kind::mirror) return Network::mirror(c.name, std::get<MirrorParameters>(c.stated));
+  if (c.kind == Kind::splitter) return Network::splitter(c.name, std::get<MirrorParameters>(c.stated));
+  if (c.kind == Kind::modulator) return Network::modulator(c.name, std::get<ModulatorParameters>(c.stated));
+  return Network::laser(c.name, std::get<LaserParameters>(c.stated));
+}
+
+NetworkParameter of_component(Network const& n, ComponentId id, Member const& m) {
+  Component const& c = n.at(id);
+  double high = m.high;
+  if (c.interface() && (m.name == "transmission" || m.name == "loss")) {
+    auto const& p = std::get<MirrorParameters>(c.stated);
+    high = 1 - (m.name == "loss" ? p.transmission : p.loss);
+  }
+  double const before = c.modulation;
+  return {fmt::format("{}.{}", c.name, m.name), m.dimension, m.get(c, n.wavelength()), m.low, high,
+          [id, m, before](NetworkModel& model, double to) {
+            Component changed = model.network.at(id);
+            m.set(changed, to, model.network.wavelength());
+            model.network.replace(id, made_again(changed));
+            if (m.name != "frequency") return;
+            for (NamedReadout& r : model.readouts)  // demodulated at the frequency of the modulator
+              if (r.is_demodulated() && std::fabs(r.readout.hz - before) < 1e-3) r.readout.hz = to;
+          }};
+}
+
+std::optional<NetworkParameter> of_space(Network const& n, std::string const& name) {
+  for (std::size_t i = 0; i < n.spaces().size(); ++i)
+    for (std::uint32_t const port : {n.spaces()[i].from, n.spaces()[i].to})
+      for (bool const length : {true, false}) {
+        if (n.port_name(port) + (length ? ".length" : ".phase") != name) continue;
+        Network::Space const s = n.spaces()[i];
+        return NetworkParameter{name, length ? dim::length : dim::angle, length ? s.length : s.phase,
+                                length ? 0.0 : -1e6, length ? 1e12 : 1e6, [i, length](NetworkModel& m, double to) {
+                                  Network::Space const old = m.network.spaces()[i];
+                                  m.network.change(i, length ? to : old.length, length ? old.phase : to);
+                                }};
+      }
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> parameter_names(NetworkModel const& model) {
+  Network const& n = model.network;
+  std::vector<std::string> names;
+  for (Component const& c : n.components())
+    for (Member const& m : members_of(c)) names.push_back(fmt::format("{}.{}", c.name, m.name));
+  for (Network::Space const& s : n.spaces())
+    for (std::uint32_t const port : {s.from, s.to})
+      for (char const* what : {".length", ".phase"}) names.push_back(n.port_name(port) + what);
+  for (NamedFreedom const& f : model.freedoms) names.push_back(f.name);
+  return names;
+}
+
+std::optional<NetworkParameter> find_parameter(NetworkModel const& model, std::string const& name) {
+  Network const& n = model.network;
+  if (NamedFreedom const* f = model.freedom(name)) {
+    std::vector<double> rest;
+    for (auto const& [id, factor] : f->moves) rest.push_back(n.at(id).displacement);
+    return NetworkParameter{name, dim::length, 0, -1e-3, 1e-3, [moves = f->moves, rest](NetworkModel& m, double to) {
+                              for (std::size_t i = 0; i < moves.size(); ++i)
+                                m.network.move(moves[i].first, rest[i] + moves[i].second * to);
+                            }};
+  }
+  std::size_t const dot = name.rfind('.');
+  if (dot == name.npos) return {};
+  if (auto const id = n.search(name.substr(0, dot)))
+    for (Member const& m : members_of(n.at(*id)))
+      if (m.name == std::string_view(name).substr(dot + 1)) return of_component(n, *id, m);
+  return of_space(n, name);
+}
+
+NetworkScan scan_network(NetworkModel const& model, NetworkParameter const& parameter, double from, double to,
+                         std::size_t points) {
+  NetworkScan scan{parameter, {}, std::vector<std::vector<double>>(model.readouts.size())};
+  NetworkModel moved = model;
+  for (std::size_t i = 0; i < points; ++i) {
+    double const x = points > 1 ? from + (to - from) * double(i) / double(points - 1) : from;
+    parameter.set(moved, x);
+    SteadyField const field(moved.network);
+    scan.at.push_back(x);
+    for (std::size_t r = 0; r < moved.readouts.size(); ++r)
+      scan.values[r].push_back(value_of(moved.readouts[r].readout, field));
+  }
+  return scan;
+}
+
+}  // namespace straytrace::ifo

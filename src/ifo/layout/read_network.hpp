@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The table `network` of an interferometer (docs/reference/network.md).
+#pragma once
+
+#include <optional>
+
+#include "base/input/table.hpp"
+#include "ifo/layout/network_model.hpp"
+
+namespace straytrace::ifo {
+
+// Components and spaces of the table; `base`: the network that they change. Problems stay in the document.
+NetworkChanges read_network_changes(Node const& network, Network const& base);
+// Read-outs and degrees of freedom, of a network with its changes; those of the same name are replaced.
+void read_network_questions(Node const& network, NetworkModel& model);
+// A network without a preset. `wavelength`: of the beams of the scene, m; not a number: there are none.
+std::optional<NetworkModel> read_bare_network(Node const& interferometer, double wavelength);
+
+}  // namespace straytrace::ifo

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ifo/layout/signals.hpp"
+
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <cmath>
+
+namespace straytrace::ifo {
+namespace {
+
+constexpr double blind = 1e-9;     // of the largest slope that the power of a read-out allows
+constexpr double linear = 0.1;     // change of the slope at the ends of the linear range
+
+// Slope of a read-out along a degree of freedom, W/m, in a network with its light.
+double slope_along(Network const& n, SteadyField const& f, Readout const& r, NamedFreedom const& freedom) {
+  AdjointSlope const slope(n, f, r);
+  double sum = 0;
+  for (auto const& [id, factor] : freedom.moves) sum += factor * slope.to_displacement(id);
+  return sum;
+}
+
+// Distance, m, in direction `sign` to where the slope has changed by 10 %; not a number within half a wavelength.
+double linear_reach(NetworkModel const& model, Readout const& r, NamedFreedom const& freedom, double slope, int sign) {
+  auto const changed = [&](double x) {
+    Network n = model.network;
+    for (auto const& [id, factor] : freedom.moves) n.move(id, n.at(id).displacement + sign * factor * x);
+    return std::fabs(slope_along(n, SteadyField(n), r, freedom) / slope - 1) > linear;
+  };
+  double inside = 0, outside = 1e-15;
+  while (!changed(outside)) {
+    inside = outside;
+    outside *= 3;
+    if (outside > model.network.wavelength() / 2) return not_a_number;
+  }
+  for (int i = 0; i < 12; ++i) {
+    double const middle = (inside + outside) / 2;
+    (changed(middle) ? outside : inside) = middle;
+  }
+  return (inside + outside) / 2;
+}
+
+ErrorSignal signal_of(NetworkModel const& model, SteadyField const& f, NamedReadout const& r,
+                      NamedFreedom const& freedom) {
+  ErrorSignal s{.readout = r.name, .freedom = freedom.name, .value = value_of(r.readout, f)};
+  s.slope = slope_along(model.network, f, r.readout, freedom);
+  if (!r.is_demodulated()) return s;
+  double slopes[2];
+  for (int q : {0, 1}) {
+    Readout turned = r.readout;
+    turned.angle = q * pi / 2;
+    slopes[q] = slope_along(model.network, f, turned, freedom);
+  }
+  s.best_phase = std::atan2(slopes[1], slopes[0]);
+  s.best_slope = std::hypot(slopes[0], slopes[1]);
+  return s;
+}
+
+}  // namespace
+
+std::vector<ErrorSignal> error_signals(NetworkModel const& model) {
+  SteadyField const f(model.network);
+  std::vector<ErrorSignal> all;
+  for (NamedReadout const& r : model.readouts) {
+    if (!r.is_power() && !r.is_demodulated()) continue;
+    Readout whole = Readout::power(r.readout.port);
+    whole.leaving = r.readout.leaving;
+    double const least = blind * value_of(whole, f) * model.network.wavenumber();
+    for (NamedFreedom const& freedom : model.freedoms) {
+      ErrorSignal s = signal_of(model, f, r, freedom);
+      if (!(std::fabs(s.slope) > least)) continue;
+      s.linear_range = linear_reach(model, r.readout, freedom, s.slope, 1) +
+                       linear_reach(model, r.readout, freedom, s.slope, -1);
+      all.push_back(std::move(s));
+    }
+  }
+  return all;
+}
+
+char const* NetworkCause::unit() const {
+  constexpr char const* units[] = {"m", "N", "1", "rad", "Hz"};
+  return units[std::size_t(kind)];
+}
+
+std::vector<std::string> cause_names(NetworkModel const& model) {
+  std::vector<std::string> names;
+  for (NamedFreedom const& f : model.freedoms) names.push_back(f.name);
+  for (Network::Component const& c : model.network.components()) {
+    if (c.interface()) names.insert(names.end(), {c.name, c.name + ".force"});
+    if (c.kind == Network::Component::Kind::laser)
+      names.insert(names.end(), {c.name + ".amplitude", c.name + ".phase", c.name + ".frequency"});
+  }
+  return names;
+}
+
+std::optional<NetworkCause> find_cause(NetworkModel const& model, std::string const& name) {
+  using Kind = NetworkCause::Kind;
+  if (NamedFreedom const* f = model.freedom(name)) return NetworkCause{name, Kind::displacement, f->moves};
+  std::vector<std::string> const all = cause_names(model);
+  if (std::ranges::find(all, name) == all.end()) return {};
+  std::size_t const dot = std::min(name.find('.'), name.size());
+  std::string const what = name.substr(dot);
+  Kind const kind = what.empty()           ? Kind::displacement
+                    : what == ".force"     ? Kind::force
+                    : what == ".amplitude" ? Kind::amplitude
+                    : what == ".phase"     ? Kind::phase
+                                           : Kind::frequency;
+  return NetworkCause{name, kind, {{model.network.find(name.substr(0, dot)), 1.0}}};
+}
+
+std::vector<std::string> effect_names(NetworkModel const& model) {
+  std::vector<std::string> names;
+  for (NamedReadout const& r : model.readouts) names.push_back(r.name);
+  for (Network::Component const& c : model.network.components())
+    if (c.interface()) names.push_back(c.name);
+  return names;
+}
+
+std::optional<NamedReadout> find_effect(NetworkModel const& model, std::string const& name) {
+  if (NamedReadout const* r = model.readout(name)) return *r;
+  auto const id = model.network.search(name);
+  if (!id || !model.network.at(*id).interface()) return {};
+  return NamedReadout{name, Readout::motion({{*id, 1.0}})};
+}
+
+char const* unit_of(Readout const& r) {
+  return r.kind == Readout::Kind::motion ? "m" : r.kind == Readout::Kind::homodyne ? "sqrt(W)" : "W";
+}
+
+namespace {
+
+Phasor response_to(LinearResponse const& r, Network const& n, NetworkCause const& cause, double hz) {
+  using Kind = NetworkCause::Kind;
+  Phasor sum = 0;
+  for (auto const& [id, factor] : cause.moves) {
+    Injection const of_laser{n.at(id).first_port, true, true, 0};
+    switch (cause.kind) {
+      case Kind::displacement: sum += factor * r.to_displacement(id); break;
+      case Kind::force: sum += factor * r.to_displacement(id) * n.at(id).suspension.compliance(hz); break;
+      case Kind::amplitude: sum += r.to_amplitude(of_laser); break;
+      case Kind::phase: sum += r.to_phase(of_laser); break;
+      // exp(-i phi(t)) with phi = 2 pi times the integral of the frequency: a phase of df/(i f).
+      case Kind::frequency: sum += r.to_phase(of_laser) / Phasor(0, hz); break;
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::vector<Phasor> transfer_function(NetworkModel const& model, NetworkCause const& cause, NamedReadout const& effect,
+                                      std::vector<double> const& hz) {
+  SteadyField const field(model.network);
+  std::vector<Phasor> all;
+  for (double const f : hz) {
+    LinearResponse const r(model.network, field, effect.readout, f);
+    all.push_back(std::conj(response_to(r, model.network, cause, f)));
+  }
+  return all;
+}
+
+SensingMatrix sensing_matrix(NetworkModel const& model, double hz) {
+  SteadyField const field(model.network);
+  SensingMatrix m{.hz = hz};
+  m.response.resize(Eigen::Index(model.readouts.size()), Eigen::Index(model.freedoms.size()));
+  for (NamedFreedom const& f : model.freedoms) m.freedoms.push_back(f.name);
+  for (std::size_t i = 0; i < model.readouts.size(); ++i) {
+    m.readouts.push_back(model.readouts[i].name);
+    LinearResponse const r(model.network, field, model.readouts[i].readout, hz);
+    for (std::size_t j = 0; j < model.freedoms.size(); ++j)
+      m.response(Eigen::Index(i), Eigen::Index(j)) = std::conj(
+          response_to(r, model.network, {"", NetworkCause::Kind::displacement, model.freedoms[j].moves}, hz));
+  }
+  Eigen::MatrixXcd scaled = m.response;
+  for (Eigen::Index i = 0; i < scaled.rows(); ++i)
+    if (double const most = scaled.row(i).cwiseAbs().maxCoeff(); most > 0) scaled.row(i) /= most;
+  Eigen::VectorXd const s = Eigen::JacobiSVD<Eigen::MatrixXcd>(scaled).singularValues();
+  m.condition = s.size() > 0 && s.minCoeff() > 0 ? s.maxCoeff() / s.minCoeff() : infinity;
+  return m;
+}
+
+}  // namespace straytrace::ifo

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Signals of a network: error signals at the operating point, and responses at a Fourier frequency.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ifo/layout/network_model.hpp"
+
+namespace straytrace::ifo {
+
+// A read-out of power, demodulated or not, against a degree of freedom.
+struct ErrorSignal {
+  std::string readout, freedom;
+  double value = 0;                    // W
+  double slope = 0;                    // W/m, eq. N.3
+  double best_phase = not_a_number;    // rad, eq. N.2; of a demodulated one
+  double best_slope = not_a_number;    // W/m there
+  double linear_range = not_a_number;  // m: span about the operating point where the slope is within 10 %
+  double offset() const { return -value / slope; }  // m from here to the zero of the tangent
+};
+// Without those whose slope is rounding.
+std::vector<ErrorSignal> error_signals(NetworkModel const&);
+
+// What acts on a network: "DARM" or "ETM" (displacement, m), "ETM.force" (N), "laser.amplitude" (relative),
+// "laser.phase" (rad), "laser.frequency" (Hz).
+struct NetworkCause {
+  enum class Kind : std::uint8_t { displacement, force, amplitude, phase, frequency };
+  std::string name;
+  Kind kind = Kind::displacement;
+  std::vector<std::pair<ComponentId, double>> moves{};  // or one laser
+  char const* unit() const;
+};
+std::vector<std::string> cause_names(NetworkModel const&);
+std::optional<NetworkCause> find_cause(NetworkModel const&, std::string const& name);
+// A read-out, or a mirror whose displacement is asked for.
+std::vector<std::string> effect_names(NetworkModel const&);
+std::optional<NamedReadout> find_effect(NetworkModel const&, std::string const& name);
+char const* unit_of(Readout const&);
+
+// Complex responses of an effect to a cause for motion proportional to exp(+2 pi i f t), by frequency.
+std::vector<Phasor> transfer_function(NetworkModel const&, NetworkCause const&, NamedReadout const& effect,
+                                      std::vector<double> const& hz);
+
+// Read-outs (rows) by degrees of freedom (columns) at one frequency, per m, for exp(+2 pi i f t).
+struct SensingMatrix {
+  double hz = 0;
+  std::vector<std::string> readouts{}, freedoms{};
+  Eigen::MatrixXcd response{};
+  double condition = 0;  // with each row divided by its largest; infinite without an inverse
+};
+SensingMatrix sensing_matrix(NetworkModel const&, double hz);
+
+}  // namespace straytrace::ifo

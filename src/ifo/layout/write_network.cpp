@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A network in the language of scenes.
+#include <fmt/format.h>
+
+#include "ifo/layout/network_model.hpp"
+
+namespace straytrace::ifo {
+namespace {
+
+using Component = Network::Component;
+
+std::string mass_text(Suspension const& s) {
+  if (!(s.mass < infinity)) return "";
+  return fmt::format(", mass: {} kg", s.mass) +
+         (s.resonance > 0 ? fmt::format(", pendulum_frequency: {} Hz", s.resonance) : "");
+}
+
+std::string mirror_text(MirrorParameters const& p, bool splitter) {
+  std::string text = fmt::format("transmission: {}, loss: {}", p.transmission, p.loss);
+  if (p.displacement != 0) text += fmt::format(", displacement: {} m", p.displacement);
+  if (splitter) text += fmt::format(", incidence: {} rad", p.incidence);
+  return text + mass_text(p.suspension);
+}
+
+std::string modulator_text(ModulatorParameters const& p) {
+  bool const amplitude = p.kind == ModulatorParameters::Kind::amplitude;
+  std::string text = fmt::format("frequency: {} Hz, index: {}, order: {}, of: {}", p.hz, p.index, p.order,
+                                 p.of == ModulatorParameters::Of::carrier ? "carrier" : "all");
+  if (amplitude) text += ", kind: amplitude";
+  return text + (p.phase != 0 ? fmt::format(", phase: {} rad", p.phase) : "");
+}
+
+std::string component_text(Component const& c) {
+  using Kind = Component::Kind;
+  switch (c.kind) {
+    case Kind::mirror: return fmt::format("mirror: {{{}}}", mirror_text(std::get<MirrorParameters>(c.stated), false));
+    case Kind::splitter: return fmt::format("splitter: {{{}}}", mirror_text(std::get<MirrorParameters>(c.stated), true));
+    case Kind::laser: {
+      auto const& p = std::get<LaserParameters>(c.stated);
+      return fmt::format("laser: {{power: {} W{}}}", p.power, p.phase != 0 ? fmt::format(", phase: {} rad", p.phase) : "");
+    }
+    case Kind::isolator: {
+      auto const& p = std::get<IsolatorParameters>(c.stated);
+      return fmt::format("isolator: {{isolation: {}, transmission: {}}}", p.isolation, p.transmission);
+    }
+    case Kind::modulator: return fmt::format("modulator: {{{}}}", modulator_text(std::get<ModulatorParameters>(c.stated)));
+    case Kind::lens: return fmt::format("lens: {{focal_length: {} m}}", std::get<LensParameters>(c.stated).focal_length);
+    case Kind::dump: return "dump: {}";
+  }
+  return "";
+}
+
+std::string readout_text(Network const& n, NamedReadout const& r) {
+  std::string const at = beam_name(n, r.readout);
+  if (r.is_power()) return fmt::format("power: {}", at);
+  if (r.is_demodulated())
+    return fmt::format("demodulate: {{at: {}, frequency: {} Hz, phase: {} rad}}", at, r.readout.hz, r.readout.angle);
+  return fmt::format("homodyne: {{at: {}, angle: {} rad}}", at, r.readout.angle);
+}
+
+}  // namespace
+
+std::string network_text(NetworkModel const& model) {
+  Network const& n = model.network;
+  std::string text = fmt::format("straytrace: 1\ninterferometer:\n  preset: none\n  network:\n    wavelength: {} m\n",
+                                 n.wavelength());
+  if (n.polarisation() == Polarisation::p) text += "    polarisation: p\n";
+  text += "    components:\n";
+  for (Component const& c : n.components()) text += fmt::format("      {}: {{{}}}\n", c.name, component_text(c));
+  if (!n.spaces().empty()) text += "    spaces:\n";
+  for (Network::Space const& s : n.spaces())
+    text += fmt::format("      - {{from: {}, to: {}, length: {} m{}}}\n", n.port_name(s.from), n.port_name(s.to), s.length,
+                        s.phase != 0 ? fmt::format(", phase: {} rad", s.phase) : "");
+  if (!model.readouts.empty()) text += "    readouts:\n";
+  for (NamedReadout const& r : model.readouts) text += fmt::format("      {}: {{{}}}\n", r.name, readout_text(n, r));
+  if (!model.freedoms.empty()) text += "    freedoms:\n";
+  for (NamedFreedom const& f : model.freedoms) {
+    std::string moves;
+    for (auto const& [id, factor] : f.moves)
+      moves += fmt::format("{}{}: {}", moves.empty() ? "" : ", ", n.name(id), factor);
+    text += fmt::format("      {}: {{{}}}\n", f.name, moves);
+  }
+  return text;
+}
+
+}  // namespace straytrace::ifo

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/light/optical_network.hpp"
+
+#include <optional>
+
+#include "base/errors.hpp"
+#include "ifo/layout/read_network.hpp"
+#include "session/diagnostics.hpp"
+#include "session/model.hpp"
+
+namespace straytrace::session {
+namespace {
+
+// Nothing with a problem in the scene.
+std::optional<NetworkModel> network_of(Node const& table, double wavelength, Interferometer const* detector) {
+  if (detector && detector->network()) return *detector->network();
+  if (detector) {
+    table["preset"].problem("closed forms have no network of components",
+                            "write 'preset: dual-recycled' with numbers of your own, or 'preset: none'");
+    return {};
+  }
+  std::optional<NetworkModel> model = read_bare_network(table, wavelength);
+  table.refuse_unknown("interferometer 'none'");
+  return model;
+}
+
+NetworkModel of_table(Scene const& scene, SceneOptions const& options) {
+  Node const table = scene.table("interferometer");
+  std::optional<NetworkModel> model;
+  if (!table) {
+    scene.root().lack("interferometer", "the scene has no 'interferometer'",
+                      "add 'interferometer: {preset: adv}', or 'preset: none' with a 'network'");
+    scene.root().refuse_misspelt("a model");
+  } else if (table["preset"].text() == "none") {
+    table.has("preset");
+    model = network_of(table, not_a_number, nullptr);
+  } else if (auto const detector = make_interferometer(table, {}, not_a_number)) {
+    model = network_of(table, not_a_number, detector.get());
+  }
+  scene.throw_if_problems();
+  print_warnings(scene, options);
+  return *model;
+}
+
+}  // namespace
+
+NetworkModel read_network_model(SceneOptions const& options) {
+  Scene const scene = read_scene(options.input, options.overrides);
+  if (!scene.root().has("beams")) return of_table(scene, options);
+  Model const whole = read_model(options.input, options.overrides);
+  Node const table = whole.scene.table("interferometer");
+  std::optional<NetworkModel> model;
+  if (table)
+    model = network_of(table, whole.world.wavelength, whole.detector.get());
+  else
+    whole.scene.root().problem("the scene has no 'interferometer'", "add 'interferometer: {preset: adv}'");
+  whole.scene.throw_if_problems();
+  print_warnings(whole.scene, options);
+  return *model;
+}
+
+}  // namespace straytrace::session
