@@ -21,8 +21,8 @@ Sheet readouts_sheet(OperatingPoint const& point) {
 
 Sheet cavities_sheet(OperatingPoint const& point) {
   Sheet s{"cavities",
-          "Resonators, with the carrier's phase after a round trip (0: resonant) and the power of all carriers over "
-          "that of the lasers (gain).",
+          "Resonators: phase of the carrier after a round trip (0: resonant); gain: power of all carriers over that of\n"
+          "the lasers.",
           {{"cavity", ""},
            {"length", "m", 8},
            {"free_spectral_range", "Hz", 8},
@@ -93,8 +93,8 @@ Sheet errors_sheet(std::vector<ErrorSignal> const& signals) {
   Sheet s{"errors",
           signals.empty()
               ? "No read-out of power responds to a degree of freedom of the network."
-              : "Signals at the operating point: their value, slope, best phase of demodulation and slope there, the "
-                "span where the slope is within 10 %, and the way to the zero of the tangent.",
+              : "Signals at the operating point. best_phase: of demodulation, with the slope there; linear_range: span where the\n"
+                "slope is within 10 %; offset: way to the zero of the tangent.",
           {{"readout", ""},
            {"freedom", ""},
            {"value", "W"},
@@ -126,8 +126,8 @@ Sheet sensing_sheet(SensingMatrix const& m) {
   if (m.readouts.empty() || m.freedoms.empty())
     return {name, "The network has no read-outs or no degrees of freedom.", {}, {}};
   Sheet s{name,
-          fmt::format("Responses at {:g} Hz in W/m (sqrt(W)/m of a homodyne detector), for exp(+2 pi i f t); condition "
-                      "number with rows of equal size {:.4g}.",
+          fmt::format("Responses at {:g} Hz in W/m (sqrt(W)/m of a homodyne detector), for exp(+2 pi i f t).\n"
+                      "Condition number with rows of equal size: {:.4g}.",
                       m.hz, m.condition),
           {{"readout", ""}},
           {}};

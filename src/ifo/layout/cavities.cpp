@@ -64,26 +64,34 @@ class Search {
     }
   }
 
+  // A name that begins at a mirror, where there is one.
+  std::vector<Beam> from_a_mirror() const {
+    std::vector<Beam> way = way_;
+    auto const mirror = std::ranges::find_if(
+        way, [&](Beam const& b) { return network_.at(network_.owner_of(b.port)).kind == Kind::mirror; });
+    if (mirror != way.end()) std::rotate(way.begin(), mirror, way.end());
+    return way;
+  }
+
   void add(Phasor round_trip) {
     NetworkCavity cavity{.round_trip = std::abs(round_trip), .phase = std::arg(round_trip)};
     std::multiset<std::size_t> spaces;
-    for (Beam const& b : way_) {
+    std::vector<std::string> named;
+    for (Beam const& b : from_a_mirror()) {
       std::size_t const space = other_[b.port].second;
       spaces.insert(space);
       cavity.beams.push_back(b.port);
       cavity.length += network_.spaces()[space].length;
       std::string const& name = network_.name(network_.owner_of(b.port));
-      if (std::ranges::find(named_, name) == named_.end()) named_.push_back(name);
+      if (std::ranges::find(named, name) == named.end()) named.push_back(name);
     }
-    for (std::string const& name : named_) cavity.name += (cavity.name.empty() ? "" : "-") + name;
-    named_.clear();
+    for (std::string const& name : named) cavity.name += (cavity.name.empty() ? "" : "-") + name;
     if (cavity.finesse() >= 1 && seen_.insert(spaces).second) found_.push_back(std::move(cavity));
   }
 
   Network const& network_;
   std::vector<std::pair<std::uint32_t, std::size_t>> other_;
   std::vector<Beam> way_;
-  std::vector<std::string> named_;
   std::set<std::multiset<std::size_t>> seen_;
   std::vector<NetworkCavity> found_;
   std::size_t steps_ = 0;

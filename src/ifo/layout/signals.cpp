@@ -9,8 +9,10 @@
 namespace straytrace::ifo {
 namespace {
 
-constexpr double blind = 1e-9;     // of the largest slope that the power of a read-out allows
-constexpr double linear = 0.1;     // change of the slope at the ends of the linear range
+// Below this a slope is rounding: of the largest slope of a read-out, or of its power times the wave number and the
+// largest gain of power in the network.
+constexpr double blind = 1e-8;
+constexpr double linear = 0.1;   // change of the slope at the ends of the linear range
 
 // Slope of a read-out along a degree of freedom, W/m, in a network with its light.
 double slope_along(Network const& n, SteadyField const& f, Readout const& r, NamedFreedom const& freedom) {
@@ -56,18 +58,33 @@ ErrorSignal signal_of(NetworkModel const& model, SteadyField const& f, NamedRead
   return s;
 }
 
+// Largest power at a port over that of the lasers, at least 1.
+double largest_gain(Network const& n, SteadyField const& f) {
+  double emitted = 0, most = 0;
+  for (Network::Component const& c : n.components()) emitted += std::norm(c.emits);
+  for (std::uint32_t p = 0; p < n.ports(); ++p) most = std::fmax(most, f.power_out(p));
+  return std::fmax(1, most / emitted);
+}
+
 }  // namespace
 
 std::vector<ErrorSignal> error_signals(NetworkModel const& model) {
   SteadyField const f(model.network);
+  double const gain = largest_gain(model.network, f);
   std::vector<ErrorSignal> all;
   for (NamedReadout const& r : model.readouts) {
     if (!r.is_power() && !r.is_demodulated()) continue;
     Readout whole = Readout::power(r.readout.port);
     whole.leaving = r.readout.leaving;
-    double const least = blind * value_of(whole, f) * model.network.wavenumber();
+    std::vector<ErrorSignal> of_readout;
+    double least = blind * value_of(whole, f) * model.network.wavenumber() * gain;
     for (NamedFreedom const& freedom : model.freedoms) {
-      ErrorSignal s = signal_of(model, f, r, freedom);
+      of_readout.push_back(signal_of(model, f, r, freedom));
+      least = std::fmax(least, blind * std::fabs(of_readout.back().slope));
+    }
+    for (std::size_t i = 0; i < of_readout.size(); ++i) {
+      ErrorSignal& s = of_readout[i];
+      NamedFreedom const& freedom = model.freedoms[i];
       if (!(std::fabs(s.slope) > least)) continue;
       s.linear_range = linear_reach(model, r.readout, freedom, s.slope, 1) +
                        linear_reach(model, r.readout, freedom, s.slope, -1);
