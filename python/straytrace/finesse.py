@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Responses of ports to stray light from a FINESSE 3 model (the extra straytrace[finesse]).
+"""FINESSE 3 models (the extra straytrace[finesse]): responses of ports to stray light, and models as networks of scenes.
 
 A stray field at a port is the main light there times s (docs/theory/interferometer.md): its real part is an amplitude,
 its imaginary part a phase modulation. Both sidebands of s are injected at the node where the light enters, and the
@@ -8,18 +8,25 @@ readout responds in W. Divided by its response to DARM, this is the input of `re
 
     found = straytrace.finesse.response(kat, inject="ETMx.p2.i", relative_to="ETMx.p2.o", frequencies=f)
     model.interferometer.responses = {"SNEB": found.save("responses", "SNEB")}
+
+`python3 -m straytrace.finesse MODEL.kat -o network.yaml` writes the network of a model as a scene for `straytrace ifo`, after
+the powers at all ports have been compared. `--export SCENE -o MODEL.kat` writes a model of the network of a scene.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import pathlib
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from .errors import InputError, NumericalError
 
 ComplexArray = npt.NDArray[np.complex128]
 DARM: Mapping[str, float] = {"ETMx.mech.z": -0.5, "ETMy.mech.z": 0.5}    # one metre of difference of the arms
@@ -92,3 +99,38 @@ def response(model: Any, *, inject: str, frequencies: npt.ArrayLike, relative_to
     amplitude, phase = _sidebands(model, inject, fields, relative_to or inject, f, readout)
     moved = model.run(FrequencyResponse(f, list(darm), [readout])).out[:, 0]
     return Response(f, phase, amplitude, np.asarray(moved) @ np.array(list(darm.values()), complex))
+
+
+def _converted(options: argparse.Namespace) -> str:
+    from . import finesse_network as networks
+
+    if options.export:
+        return networks.model_of_scene(options.input)
+    try:
+        import finesse
+    except ImportError:
+        raise InputError("reading a model needs FINESSE 3, which is not here: pip install finesse") from None
+    model = finesse.Model()
+    model.parse(pathlib.Path(options.input).read_text(encoding="utf-8"))
+    text, warnings = networks.network_of_model(model)
+    for warning in warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+    return text
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="straytrace.finesse", description="Writes the network of a FINESSE model as a scene, or back.")
+    parser.add_argument("input", metavar="MODEL.kat or SCENE.yaml")
+    parser.add_argument("--export", action="store_true", help="from a scene to a FINESSE model")
+    parser.add_argument("-o", "--out", required=True, help="the file to write")
+    options = parser.parse_args(arguments)
+    try:
+        pathlib.Path(options.out).write_text(_converted(options), encoding="utf-8")
+    except (InputError, NumericalError, OSError) as error:
+        print(error if str(error).startswith("error") else f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

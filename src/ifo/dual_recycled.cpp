@@ -431,14 +431,9 @@ NetworkChanges read_changes_of_preset(Node const& network, DualRecycled const& p
 // A preset with the changes of a scene, where light still reaches the arms.
 std::unique_ptr<DualRecycled> changed(Node const& network, P const& p, std::vector<Modulation> const& modulators,
                                       NetworkChanges const& changes) {
-  try {
-    auto model = std::make_unique<DualRecycled>(p, modulators, changes);
-    if (model->arm_power() > 0) return model;
-    network.problem("no light reaches arm x of the preset", "lead the light from 'laser' to 'PRM.front' by 'spaces'");
-  } catch (NumericalError const&) {
-    network.problem("the network has no single answer: light is caught without loss",
-                    "give the mirrors of each resonator a transmission or a loss");
-  }
+  auto model = std::make_unique<DualRecycled>(p, modulators, changes);
+  if (model->arm_power() > 0) return model;
+  network.problem("no light reaches arm x of the preset", "lead the light from 'laser' to 'PRM.front' by 'spaces'");
   return nullptr;
 }
 

@@ -108,9 +108,9 @@ Network::Component interface_of(std::string name, MirrorParameters const& p, boo
 std::vector<Phasor> phase_bands(ModulatorParameters const& p) {
   std::vector<Phasor> bands;
   for (int s = -p.order; s <= p.order; ++s) {
-    double const sign = s < 0 && s % 2 != 0 ? -1 : 1;
+    double const sign = (s < 0) != (p.index < 0) && s % 2 != 0 ? -1 : 1;  // J_s of -s and of -index
     Phasor const turn = p.phase == 0 ? 1.0 : std::polar(1.0, -s * p.phase);
-    bands.push_back(std::pow(i_unit, s) * sign * std::cyl_bessel_j(std::abs(s), p.index) * turn);
+    bands.push_back(std::pow(i_unit, s) * sign * std::cyl_bessel_j(std::abs(s), std::fabs(p.index)) * turn);
   }
   return bands;
 }

@@ -155,8 +155,8 @@ Phasor response_to(LinearResponse const& r, Network const& n, NetworkCause const
       case Kind::displacement: sum += factor * r.to_displacement(id); break;
       case Kind::force: sum += factor * r.to_displacement(id) * n.at(id).suspension.compliance(hz); break;
       case Kind::amplitude: sum += r.to_amplitude(of_laser); break;
-      case Kind::phase: sum += r.to_phase(of_laser); break;
-      // exp(-i phi(t)) with phi = 2 pi times the integral of the frequency: a phase of df/(i f).
+      // Light exp(-i(wt + phi)), with phi = 2 pi times the integral of the frequency: s = -i phi.
+      case Kind::phase: sum -= r.to_phase(of_laser); break;
       case Kind::frequency: sum += r.to_phase(of_laser) / Phasor(0, hz); break;
     }
   }
