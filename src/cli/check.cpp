@@ -14,6 +14,7 @@
 #include "scene/diagnostics.hpp"
 #include "session/light/cavity_waves.hpp"
 #include "session/light/lit_table.hpp"
+#include "session/light/optical_network.hpp"
 #include "session/model.hpp"
 #include "session/open_run.hpp"
 
@@ -43,6 +44,21 @@ int check_motion(Scene const& scene, CheckOptions const& options) {
   return done;
 }
 
+int check_network(Scene const& scene, CheckOptions const& options) {
+  NetworkModel const model = read_lone_network(scene);
+  std::string const warnings = scene.warnings();
+  if (!options.quiet || options.strict) std::cerr << (options.json() ? warnings_as_json(scene) : warnings);
+  if (options.strict && !warnings.empty()) return input_error;
+  if (options.resolved) return print_resolved(scene, options);
+  std::size_t const components = model.network.components().size(), readouts = model.readouts.size();
+  if (options.json())
+    std::cout << nlohmann::ordered_json{{"ok", true}, {"components", components}, {"readouts", readouts}}.dump() << '\n';
+  else
+    std::cout << fmt::format("{}: network of {} with {}, for: straytrace ifo {}\nno errors\n", options.input,
+                             counted(components, "component"), counted(readouts, "read-out"), options.input);
+  return done;
+}
+
 // Format 1 is the first; read_scene() has rejected any other.
 int migrate(CheckOptions const& options) {
   read_scene(options.input, options.overrides).throw_if_problems();
@@ -53,6 +69,8 @@ int migrate(CheckOptions const& options) {
 int check(CheckOptions const& options) {
   if (Scene const scene = read_scene(options.input, options.overrides); only_motion(scene))
     return check_motion(scene, options);
+  else if (only_network(scene))
+    return check_network(scene, options);
   Model const model = read_model(options.input, options.overrides);
   if (!options.quiet || options.strict) std::cerr << (options.json() ? model.warnings_json : model.warnings);
   if (options.strict && !model.warnings.empty()) return input_error;

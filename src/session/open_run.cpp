@@ -9,6 +9,7 @@
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
+#include "session/light/optical_network.hpp"
 #include "session/model.hpp"
 
 namespace straytrace::session {
@@ -152,6 +153,9 @@ bool only_motion(Scene const& scene) {
 Scene read_by_all(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts) {
   if (Scene scene = read_scene(file, overrides, texts); only_motion(scene)) {
     read_motion_file(scene);
+    return scene;
+  } else if (only_network(scene)) {
+    read_lone_network(scene);
     return scene;
   }
   return std::move(read_model(file, overrides, texts).scene);

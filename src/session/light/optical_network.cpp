@@ -24,7 +24,14 @@ std::optional<NetworkModel> network_of(Node const& table, double wavelength, Int
   return model;
 }
 
-NetworkModel of_table(Scene const& scene, SceneOptions const& options) {
+}  // namespace
+
+bool only_network(Scene const& scene) {
+  Node const root = scene.root();
+  return root.has("interferometer") && !root.has("scene") && !root.has("beams") && !root.has("bodies");
+}
+
+NetworkModel read_lone_network(Scene const& scene) {
   Node const table = scene.table("interferometer");
   std::optional<NetworkModel> model;
   if (!table) {
@@ -38,15 +45,16 @@ NetworkModel of_table(Scene const& scene, SceneOptions const& options) {
     model = network_of(table, not_a_number, detector.get());
   }
   scene.throw_if_problems();
-  print_warnings(scene, options);
   return *model;
 }
 
-}  // namespace
-
 NetworkModel read_network_model(SceneOptions const& options) {
   Scene const scene = read_scene(options.input, options.overrides);
-  if (!scene.root().has("beams")) return of_table(scene, options);
+  if (!scene.root().has("beams")) {
+    NetworkModel model = read_lone_network(scene);
+    print_warnings(scene, options);
+    return model;
+  }
   Model const whole = read_model(options.input, options.overrides);
   Node const table = whole.scene.table("interferometer");
   std::optional<NetworkModel> model;

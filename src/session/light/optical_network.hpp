@@ -3,11 +3,16 @@
 #pragma once
 
 #include "ifo/layout/network_model.hpp"
+#include "scene/scene.hpp"
 #include "session/options.hpp"
 
 namespace straytrace::session {
 
-// Throws one InputError with all problems; prints warnings.
+// An interferometer with nothing to trace.
+bool only_network(Scene const&);
+// Of such a scene. Throws one InputError with all problems.
+NetworkModel read_lone_network(Scene const&);
+// Of any scene; prints its warnings.
 NetworkModel read_network_model(SceneOptions const&);
 
 }  // namespace straytrace::session

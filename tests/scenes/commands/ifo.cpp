@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace ifo from the command line: the examples, all forms of output, wrong input.
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <sstream>
+
+#include "scenes/program.hpp"
+
+namespace straytrace::testing::app_ifo {
+namespace {
+
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string const cavity = source_folder + "/examples/ifo_cavity.yaml", dual = source_folder + "/examples/ifo_dual.yaml";
+
+json answer(Words words) {
+  words.insert(words.begin(), "ifo");
+  words.insert(words.end(), {"--format", "json"});
+  Finished const done = straytrace(words);
+  EXPECT_EQ(done.code, 0) << done.err;
+  return json::parse(done.out, nullptr, false);
+}
+
+TEST(IfoCommand, PointIsTheDefault) {
+  Finished const text = straytrace({"ifo", cavity});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, AllOf(HasSubstr("ITM-ETM"), HasSubstr("137.45277"), HasSubstr("Energy balance")));
+  json const found = answer({cavity});
+  EXPECT_NEAR(found["readouts"][1]["value"].get<double>() / 0.4501857917, 1, 1e-9);  // case T1
+  EXPECT_NEAR(found["cavities"][0]["finesse"].get<double>() / 259.519, 1, 1e-5);
+  EXPECT_EQ(found["units"]["cavities"]["pole"], "Hz");
+  Finished const csv = straytrace({"ifo", cavity, "--csv"});
+  EXPECT_THAT(csv.out, HasSubstr("# energy\nlight,where,power [W],share\nemitted by,laser,1,1\n"));
+}
+
+// Case T2: the slope of the error signal in its best phase.
+TEST(IfoCommand, ErrorsScansAndResponses) {
+  json const errors = answer({cavity, "--show", "errors"})["errors"];
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_NEAR(errors[0]["slope"].get<double>() / 1.62210783e8, 1, 1e-7);
+  json const scan = answer({cavity, "--show", "scan", "LENGTH", "-0.2nm", "0.2 nm", "--points", "3"})["scan"];
+  EXPECT_NEAR(std::fabs(scan[2]["PDH"].get<double>()) / 0.03125225501, 1, 1e-6);
+  EXPECT_NEAR(scan[0]["LENGTH"].get<double>(), -0.2e-9, 1e-24);
+  json const transfer =
+      answer({cavity, "--show", "transfer", "LENGTH", "PDH", "--band", "100 Hz, 1 kHz", "--points", "2"})["transfer"];
+  EXPECT_NEAR(transfer[0]["magnitude"].get<double>() / std::hypot(7.8016817e7, 8.1050170e7), 1, 1e-6);
+  EXPECT_LT(transfer[0]["im"].get<double>() * transfer[0]["re"].get<double>(), 0) << "exp(+iwt): it lags";
+  json const sensing = answer({dual, "--show", "sensing", "--at", "10 Hz"})["sensing_10Hz"];
+  EXPECT_NEAR(sensing[3]["DARM"].get<double>() / std::hypot(3.2658980e9, 1.5161194e10), 1, 1e-4);  // case T15, 42 kg
+}
+
+TEST(IfoCommand, PrintedNetworkIsAScene) {
+  Folder const folder;
+  Finished const printed = straytrace({"ifo", dual, "--show", "network"});
+  write_text(folder / "net.yaml", printed.out);
+  EXPECT_EQ(straytrace({"ifo", folder / "net.yaml", "--show", "network"}).out, printed.out);
+  json const original = answer({dual})["ports"], again = answer({folder / "net.yaml"})["ports"];
+  EXPECT_EQ(original, again);
+  EXPECT_THAT(straytrace({"check", folder / "net.yaml"}).out, HasSubstr("network of 17 components"));
+}
+
+TEST(IfoCommand, PictureOfAScan) {
+  Folder const folder;
+  Finished const done = straytrace({"ifo", cavity, "--show", "scan", "LENGTH", "-5nm", "5nm", "--plot", folder / "a.png"},
+                                   {.picture = true});
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(text_of(folder / "a.png").substr(1, 3), "PNG");
+}
+
+TEST(IfoCommand, WrongInput) {
+  struct Row {
+    Words words;
+    char const *reason, *remedy;
+  };
+  Folder const folder;
+  write_text(folder / "closed.yaml",
+             "straytrace: 1\ninterferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, "
+             "input_transmission: 1.4 %, arm_power: 1 kW}\n");
+  write_text(folder / "none.yaml", "straytrace: 1\nnoise: {band: [5 Hz, 10 Hz]}\n");
+  for (Row const& row : std::vector<Row>{
+           {{cavity, "--show", "scan", "LENGTH"}, "--show scan takes 3 words, got 1", "--show scan PARAMETER FROM TO"},
+           {{cavity, "--show", "scn"}, "--show cannot be 'scn'", "did you mean 'scan'?"},
+           {{cavity, "--show", "scan", "ETM.tunings", "0", "1deg"}, "no parameter 'ETM.tunings'", "'ETM.tuning'"},
+           {{cavity, "--show", "scan", "ETM.tuning", "1 m", "2 m"}, "'1 m' is not a value of 'ETM.tuning'", "0.1 deg"},
+           {{cavity, "--show", "scan", "ETM.transmission", "0", "120 %"}, "'120 %' is outside the range", "between 0 and 1"},
+           {{cavity, "--show", "transfer", "X", "PDH"}, "no cause 'X'", "LENGTH, "},
+           {{cavity, "--show", "transfer", "LENGTH", "PDI"}, "no read-out or mirror 'PDI'", "did you mean 'PDH'?"},
+           {{cavity, "--plot", folder / "a.png"}, "--plot draws a scan or a response", "--show scan"},
+           {{cavity, "--show", "network", "--csv"}, "--show network prints a scene", "remove --csv"},
+           {{folder / "closed.yaml"}, "closed forms have no network", "'preset: none'"},
+           {{folder / "none.yaml"}, "no 'interferometer'", "preset: adv"}}) {
+    Words words = row.words;
+    words.insert(words.begin(), "ifo");
+    Finished const done = straytrace(words);
+    EXPECT_EQ(done.code, 2) << row.reason;
+    EXPECT_THAT(done.err, AllOf(HasSubstr(row.reason), HasSubstr(row.remedy)));
+  }
+}
+
+}  // namespace
+}  // namespace straytrace::testing::app_ifo
