@@ -52,7 +52,8 @@ int check_network(Scene const& scene, CheckOptions const& options) {
   if (options.resolved) return print_resolved(scene, options);
   std::size_t const components = model.network.components().size(), readouts = model.readouts.size();
   if (options.json())
-    std::cout << nlohmann::ordered_json{{"ok", true}, {"components", components}, {"readouts", readouts}}.dump() << '\n';
+    std::cout << nlohmann::ordered_json{{"ok", true}, {"components", components}, {"readouts", readouts}}.dump()
+              << '\n';
   else
     std::cout << fmt::format("{}: network of {} with {}, for: straytrace ifo {}\nno errors\n", options.input,
                              counted(components, "component"), counted(readouts, "read-out"), options.input);

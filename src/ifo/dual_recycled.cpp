@@ -44,9 +44,8 @@ void DualRecycled::build() {
   double const once = 1 - std::sqrt(1 - p_.beam_splitter_loss), kept = std::sqrt(1 - p_.signal_cavity_loss);
   NetworkPort beam{network_.add_laser("laser", p_.input_power), 0};
   for (Modulation const& m : modulations_) {
-    ComponentId const eom =
-        network_.add(Network::modulator("EOM" + std::to_string(&m - modulations_.data() + 1),
-                                        {.index = m.index, .hz = m.hz, .of = m.of}));
+    ComponentId const eom = network_.add(Network::modulator("EOM" + std::to_string(&m - modulations_.data() + 1),
+                                                            {.index = m.index, .hz = m.hz, .of = m.of}));
     network_.link(beam, {eom, 0}, 0);
     beam = {eom, 1};
   }
@@ -550,9 +549,8 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   }
   refuse_a_blind_readout(table, *model, band);
   warn_of_other_arms(table, ports, entries, model->arm_power(), p.arm_length);
-  auto ifo =
-      std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), entries, servos, band,
-                                               std::move(asked));
+  auto ifo = std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), entries, servos, band,
+                                                      std::move(asked));
   refuse_ports_without_response(table, *ifo, entries, band);
   return ifo;
 }

@@ -20,8 +20,8 @@
 
 #include "base/input/table.hpp"
 #include "ifo/interferometer.hpp"
-#include "ifo/layout/network_model.hpp"
 #include "ifo/network.hpp"
+#include "ifo/network_model.hpp"
 #include "ifo/ports.hpp"
 
 namespace straytrace::ifo {

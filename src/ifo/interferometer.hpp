@@ -15,7 +15,7 @@
 #include "spectra/spectrum.hpp"
 
 namespace straytrace::ifo {
-struct NetworkModel;  // ifo/layout/network_model.hpp
+struct NetworkModel;  // ifo/network_model.hpp
 
 // Where stray light joins the light of an interferometer again (docs/theory/interferometer.md).
 
@@ -73,12 +73,12 @@ class Interferometer {
   virtual double copies(PortId) const = 0;
   virtual DetectorNumbers numbers() const { return {}; }
   virtual NetworkModel const* network() const { return nullptr; }  // none: closed forms
-  virtual std::string description() const = 0;  // one line for reports: formulas and numbers used
+  virtual std::string description() const = 0;                     // one line for reports: formulas and numbers used
 };
 
-// Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m, not a number: that of the preset. Where the table gives no
-// power, the arms have that of the beams whose ports join there. Files of responses must cover the band. Nothing without a
-// preset: such a network does not say where stray light enters.
+// Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m, not a number: that of the preset.
+// Where the table gives no power, the arms have that of the beams whose ports join there. Files of responses must cover
+// the band. Nothing without a preset: such a network does not say where stray light enters.
 std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<TracedPort> const& ports,
                                                     double wavelength, Band const& = {});
 

@@ -34,11 +34,15 @@ bool Network::Component::reflects(std::uint32_t out, std::uint32_t in) const {
 
 std::string Network::Component::port_name(std::uint32_t number) const {
   switch (kind) {
-    case Kind::mirror: return name + (number == 0 ? ".front" : ".back");
-    case Kind::splitter: return name + "." + std::to_string(number + 1);
+    case Kind::mirror:
+      return name + (number == 0 ? ".front" : ".back");
+    case Kind::splitter:
+      return name + "." + std::to_string(number + 1);
     case Kind::laser:
-    case Kind::dump: return name;
-    default: return name + (number == 0 ? ".in" : ".out");
+    case Kind::dump:
+      return name;
+    default:
+      return name + (number == 0 ? ".in" : ".out");
   }
 }
 

@@ -88,9 +88,9 @@ class Network {
     std::vector<double> push;     // by port: +-cos; force = sum of push (P_in + P_out)/c along the displacement
     double displacement = 0;      // m
     Suspension suspension;
-    Phasor emits = 0;           // sqrt(W), at the carrier
-    double modulation = 0;      // Hz; 0: none
-    std::vector<Phasor> bands;  // of a modulator: bands[s + order] of band s
+    Phasor emits = 0;            // sqrt(W), at the carrier
+    double modulation = 0;       // Hz; 0: none
+    std::vector<Phasor> bands;   // of a modulator: bands[s + order] of band s
     bool carrier_alone = false;  // ModulatorParameters::Of::carrier
     bool moves() const { return suspension.mass < infinity; }
     bool interface() const { return kind == Kind::mirror || kind == Kind::splitter; }
@@ -124,7 +124,7 @@ class Network {
   }
   // Space between two free ports: optical length in m, a whole number of wavelengths, and a phase beyond it in rad.
   void link(NetworkPort, NetworkPort, double length, double phase = 0);
-  void unlink(std::uint32_t port);                  // removes the space at this port, where there is one
+  void unlink(std::uint32_t port);  // removes the space at this port, where there is one
   void change(std::size_t space, double length, double phase);
   void move(ComponentId, double displacement);      // m, sets MirrorParameters::displacement
   void hold();                                      // nothing yields to forces
@@ -240,12 +240,13 @@ class AdjointSlope {
  public:
   AdjointSlope(Network const&, SteadyField const&, Readout const&);
 
-  double to_displacement(ComponentId) const;   // per m
-  double to_transmission(ComponentId) const;   // per 1, of a mirror or splitter; the loss stays, the reflectivity changes
-  double to_loss(ComponentId) const;           // per 1; the transmission stays
-  double to_power(ComponentId) const;          // per W of a laser
-  double to_length(std::size_t space) const;   // per m
-  double to_phase(std::size_t space) const;    // per rad
+  double to_displacement(ComponentId) const;  // per m
+  double to_transmission(
+      ComponentId) const;              // per 1, of a mirror or splitter; the loss stays, the reflectivity changes
+  double to_loss(ComponentId) const;   // per 1; the transmission stays
+  double to_power(ComponentId) const;  // per W of a laser
+  double to_length(std::size_t space) const;  // per m
+  double to_phase(std::size_t space) const;   // per rad
 
  private:
   double along_ways(ComponentId, Eigen::MatrixXd const& relative, Eigen::MatrixXd const& path) const;

@@ -128,8 +128,7 @@ AdjointSlope::AdjointSlope(Network const& network, SteadyField const& field, Rea
     if (readout.leaving)
       right[n * ports + readout.port] = g[n];
     else if (from < network.ports())
-      right[n * ports + from] =
-          g[n] * std::polar(1.0, -phase_along(network.spaces()[space], carriers[std::size_t(n)]));
+      right[n * ports + from] = g[n] * std::polar(1.0, -phase_along(network.spaces()[space], carriers[std::size_t(n)]));
   lambda_ = solved(steady_matrix(network, carriers).adjoint(), right, "the slope of a read-out");
 }
 
@@ -198,8 +197,7 @@ double AdjointSlope::along_space(std::size_t number, bool of_length) const {
     Network::Component const& c = network_.at(network_.owner_of(port));
     for_each_way(c, scattering_by_carrier(network_, c, carriers), carriers,
                  [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Phasor amplitude) {
-                   if (c.first_port + in == port)
-                     sum += weighted(c.first_port + out, m) * amplitude * turned(port, n);
+                   if (c.first_port + in == port) sum += weighted(c.first_port + out, m) * amplitude * turned(port, n);
                  });
     if (readout_.leaving || readout_.port != port) continue;
     Eigen::VectorXcd const g = gradient(readout_, field_);

@@ -80,10 +80,12 @@ double value_of_parameter(NetworkParameter const& p, std::string const& text) {
 
 NetworkScan scanned(NetworkModel const& model, IfoOptions const& options) {
   if (model.readouts.empty())
-    throw InputError("the network has no read-outs to scan", "add for example 'readouts: {out: {power: ETM.back.out}}'");
+    throw InputError("the network has no read-outs to scan",
+                     "add for example 'readouts: {out: {power: ETM.back.out}}'");
   auto const parameter = find_parameter(model, options.show[1]);
   if (!parameter) throw unknown("parameter", options.show[1], parameter_names(model));
-  double const from = value_of_parameter(*parameter, options.show[2]), to = value_of_parameter(*parameter, options.show[3]);
+  double const from = value_of_parameter(*parameter, options.show[2]),
+               to = value_of_parameter(*parameter, options.show[3]);
   return scan_network(model, *parameter, from, to, options.points);
 }
 
@@ -156,13 +158,14 @@ int ifo(IfoOptions const& options) {
 void add_ifo(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<IfoOptions>();
   IfoOptions& o = *options;
-  auto* const command =
-      app.add_subcommand("ifo", "Solve the network of an interferometer: powers, resonators, error signals, responses.");
+  auto* const command = app.add_subcommand(
+      "ifo", "Solve the network of an interferometer: powers, resonators, error signals, responses.");
   add_scene_options(*command, o);
   command
-      ->add_option("--show", o.show,
-                   "point (default), scan PARAMETER FROM TO, errors, transfer FROM TO, sensing, or network: the scene of "
-                   "the network")
+      ->add_option(
+          "--show", o.show,
+          "point (default), scan PARAMETER FROM TO, errors, transfer FROM TO, sensing, or network: the scene of "
+          "the network")
       ->expected(1, 4)
       ->allow_extra_args(false);
   command->add_option("--points", o.points, "of a scan or a response; default 201")

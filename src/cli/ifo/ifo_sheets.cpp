@@ -14,25 +14,29 @@ constexpr double per_degree = 180 / pi;
 Sheet::Column angle(std::string const& key) { return {key, "rad", 6, per_degree, "deg"}; }
 
 Sheet readouts_sheet(OperatingPoint const& point) {
-  Sheet s{"readouts", "Read-outs.", {{"readout", ""}, {"beam", ""}, {"value", "W", 8}}, {}};
+  Sheet s{"readouts",
+          "Read-outs; -: rounding, below 1e-12 of the power of the beam.",
+          {{"readout", ""}, {"beam", ""}, {"value", "W", 8}},
+          {}};
   for (ReadoutValue const& r : point.readouts) s.rows.push_back({r.name, r.beam, r.value});
   return s;
 }
 
 Sheet cavities_sheet(OperatingPoint const& point) {
-  Sheet s{"cavities",
-          "Resonators: phase of the carrier after a round trip (0: resonant); gain: power of all carriers over that of\n"
-          "the lasers.",
-          {{"cavity", ""},
-           {"length", "m", 8},
-           {"free_spectral_range", "Hz", 8},
-           {"finesse", ""},
-           {"pole", "Hz"},
-           {"loss", ""},
-           angle("phase"),
-           {"power", "W", 8},
-           {"gain", ""}},
-          {}};
+  Sheet s{
+      "cavities",
+      "Resonators: phase of the carrier after a round trip (0: resonant); gain: power of all carriers over that of\n"
+      "the lasers.",
+      {{"cavity", ""},
+       {"length", "m", 8},
+       {"free_spectral_range", "Hz", 8},
+       {"finesse", ""},
+       {"pole", "Hz"},
+       {"loss", ""},
+       angle("phase"),
+       {"power", "W", 8},
+       {"gain", ""}},
+      {}};
   for (CavityPower const& c : point.cavities)
     s.rows.push_back({c.cavity.name, c.cavity.length, c.cavity.free_spectral_range(), c.cavity.finesse(),
                       c.cavity.pole(), 1 - c.cavity.round_trip * c.cavity.round_trip, c.cavity.phase, c.power, c.gain});
@@ -91,10 +95,10 @@ Sheet scan_sheet(NetworkModel const& model, NetworkScan const& scan) {
 
 Sheet errors_sheet(std::vector<ErrorSignal> const& signals) {
   Sheet s{"errors",
-          signals.empty()
-              ? "No read-out of power responds to a degree of freedom of the network."
-              : "Signals at the operating point. best_phase: of demodulation, with the slope there; linear_range: span where the\n"
-                "slope is within 10 %; offset: way to the zero of the tangent.",
+          signals.empty() ? "No read-out of power responds to a degree of freedom of the network."
+                          : "Signals at the operating point. best_phase: of demodulation, with the slope there; "
+                            "linear_range: span where the\n"
+                            "slope is within 10 %; offset: way to the zero of the tangent; -: rounding.",
           {{"readout", ""},
            {"freedom", ""},
            {"value", "W"},
@@ -125,12 +129,13 @@ Sheet sensing_sheet(SensingMatrix const& m) {
   std::string const name = fmt::format("sensing_{:g}Hz", m.hz);
   if (m.readouts.empty() || m.freedoms.empty())
     return {name, "The network has no read-outs or no degrees of freedom.", {}, {}};
-  Sheet s{name,
-          fmt::format("Responses at {:g} Hz in W/m (sqrt(W)/m of a homodyne detector), for exp(+2 pi i f t).\n"
-                      "Condition number with rows of equal size: {:.4g}.",
-                      m.hz, m.condition),
-          {{"readout", ""}},
-          {}};
+  Sheet s{
+      name,
+      fmt::format("Responses at {:g} Hz in W/m (sqrt(W)/m of a homodyne detector), for exp(+2 pi i f t); -: rounding.\n"
+                  "Condition number with rows of equal size: {:.4g}.",
+                  m.hz, m.condition),
+      {{"readout", ""}},
+      {}};
   for (std::string const& f : m.freedoms) {
     s.columns.push_back({f, "", 6});
     s.columns.push_back({"arg_" + f, "rad", 4, per_degree, "deg"});

@@ -74,7 +74,8 @@ class Search {
   }
 
   void add(Phasor round_trip) {
-    NetworkCavity cavity{.round_trip = std::abs(round_trip), .phase = std::arg(round_trip)};
+    double const phase = std::arg(round_trip);
+    NetworkCavity cavity{.round_trip = std::abs(round_trip), .phase = std::fabs(phase) > 1e-12 ? phase : 0};
     std::multiset<std::size_t> spaces;
     std::vector<std::string> named;
     for (Beam const& b : from_a_mirror()) {

@@ -58,7 +58,7 @@ OperatingPoint operating_point(NetworkModel const& model) {
     point.cavities.push_back({std::move(c), power, power / point.emitted});
   }
   for (NamedReadout const& r : model.readouts)
-    point.readouts.push_back({r.name, beam_name(n, r.readout), value_of(r.readout, f)});
+    point.readouts.push_back({r.name, beam_name(n, r.readout), resolved_value(r.readout, f)});
   return point;
 }
 

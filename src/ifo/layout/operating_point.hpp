@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ifo/layout/cavities.hpp"
-#include "ifo/layout/network_model.hpp"
+#include "ifo/network_model.hpp"
 
 namespace straytrace::ifo {
 
@@ -28,7 +28,7 @@ struct EnergyRow {
 };
 struct ReadoutValue {
   std::string name, beam;
-  double value = 0;  // W; sqrt(W) of a homodyne detector
+  double value = 0;  // W; sqrt(W) of a homodyne detector; not a number: rounding
 };
 struct OperatingPoint {
   std::vector<double> carriers;  // Hz from the laser

@@ -22,13 +22,19 @@ struct Member {
 
 template <auto member>
 constexpr Member mirror_member(std::string_view name, Dimension dimension, double low, double high) {
-  return {name, dimension, low, high,
+  return {name,
+          dimension,
+          low,
+          high,
           [](Component const& c, double) { return std::get<MirrorParameters>(c.stated).*member; },
           [](Component& c, double to, double) { std::get<MirrorParameters>(c.stated).*member = to; }};
 }
 template <auto member>
 constexpr Member modulator_member(std::string_view name, Dimension dimension, double low, double high) {
-  return {name, dimension, low, high,
+  return {name,
+          dimension,
+          low,
+          high,
           [](Component const& c, double) { return std::get<ModulatorParameters>(c.stated).*member; },
           [](Component& c, double to, double) { std::get<ModulatorParameters>(c.stated).*member = to; }};
 }
@@ -71,7 +77,11 @@ NetworkParameter of_component(Network const& n, ComponentId id, Member const& m)
     high = 1 - (m.name == "loss" ? p.transmission : p.loss);
   }
   double const before = c.modulation;
-  return {fmt::format("{}.{}", c.name, m.name), m.dimension, m.get(c, n.wavelength()), m.low, high,
+  return {fmt::format("{}.{}", c.name, m.name),
+          m.dimension,
+          m.get(c, n.wavelength()),
+          m.low,
+          high,
           [id, m, before](NetworkModel& model, double to) {
             Component changed = model.network.at(id);
             m.set(changed, to, model.network.wavelength());
@@ -88,8 +98,12 @@ std::optional<NetworkParameter> of_space(Network const& n, std::string const& na
       for (bool const length : {true, false}) {
         if (n.port_name(port) + (length ? ".length" : ".phase") != name) continue;
         Network::Space const s = n.spaces()[i];
-        return NetworkParameter{name, length ? dim::length : dim::angle, length ? s.length : s.phase,
-                                length ? 0.0 : -1e6, length ? 1e12 : 1e6, [i, length](NetworkModel& m, double to) {
+        return NetworkParameter{name,
+                                length ? dim::length : dim::angle,
+                                length ? s.length : s.phase,
+                                length ? 0.0 : -1e6,
+                                length ? 1e12 : 1e6,
+                                [i, length](NetworkModel& m, double to) {
                                   Network::Space const old = m.network.spaces()[i];
                                   m.network.change(i, length ? to : old.length, length ? old.phase : to);
                                 }};

@@ -9,15 +9,15 @@
 #include <vector>
 
 #include "base/units/quantity.hpp"
-#include "ifo/layout/network_model.hpp"
+#include "ifo/network_model.hpp"
 
 namespace straytrace::ifo {
 
 struct NetworkParameter {
   std::string name;
   Dimension dimension;
-  double value = 0;            // SI, as the network stands
-  double low = 0, high = 0;    // allowed
+  double value = 0;          // SI, as the network stands
+  double low = 0, high = 0;  // allowed
   std::function<void(NetworkModel&, double)> set;
 };
 std::vector<std::string> parameter_names(NetworkModel const&);

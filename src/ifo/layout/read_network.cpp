@@ -8,7 +8,6 @@
 #include <cmath>
 #include <map>
 
-
 namespace straytrace::ifo {
 namespace {
 
@@ -61,9 +60,12 @@ ModulatorParameters read_modulator(Node const& t) {
 
 Component read_kind(std::string const& name, Node const& t, Kind kind, double wavelength) {
   switch (kind) {
-    case Kind::mirror: return Network::mirror(name, read_mirror(t, wavelength, false));
-    case Kind::splitter: return Network::splitter(name, read_mirror(t, wavelength, true));
-    case Kind::modulator: return Network::modulator(name, read_modulator(t));
+    case Kind::mirror:
+      return Network::mirror(name, read_mirror(t, wavelength, false));
+    case Kind::splitter:
+      return Network::splitter(name, read_mirror(t, wavelength, true));
+    case Kind::modulator:
+      return Network::modulator(name, read_modulator(t));
     case Kind::laser: {
       LaserParameters const p{t.number("power", dim::power, required, 0, 1e30),
                               t.number("phase", dim::angle, 0, -1e3, 1e3)};
@@ -81,7 +83,9 @@ Component read_kind(std::string const& name, Node const& t, Kind kind, double wa
       t.refuse_unknown("a lens of a network");
       return Network::lens(name, p);
     }
-    case Kind::dump: t.refuse_unknown("a dump of a network"); return Network::dump(name);
+    case Kind::dump:
+      t.refuse_unknown("a dump of a network");
+      return Network::dump(name);
   }
   return {};
 }
@@ -159,8 +163,8 @@ void read_spaces(Node const& table, Network const& network, NetworkChanges& into
       auto const [at, first] = used.emplace(port, into.spaces.size());
       if (first || !fits) continue;
       node[key].problem(fmt::format("two spaces are at '{}'", network.port_name(port)),
-                        fmt::format("the other leads from '{}' to '{}': remove one of them", into.spaces[at->second].from,
-                                    into.spaces[at->second].to));
+                        fmt::format("the other leads from '{}' to '{}': remove one of them",
+                                    into.spaces[at->second].from, into.spaces[at->second].to));
       fits = false;
     }
     if (fits) into.spaces.push_back(s);
@@ -188,8 +192,9 @@ std::optional<NetworkBeam> read_beam(Node const& node, Network const& network) {
     for (std::string const& p : port_names(network))
       for (char const* way : {".in", ".out"}) all.push_back(p + way);
     node.problem(fmt::format("the network has no beam '{}'", name),
-                 did_you_mean(name, all, "name a port and the way of its light: PRM.front.out leaves, PRM.front.in "
-                                         "enters"));
+                 did_you_mean(name, all,
+                              "name a port and the way of its light: PRM.front.out leaves, PRM.front.in "
+                              "enters"));
   }
   return beam;
 }
@@ -273,7 +278,8 @@ class QuestionReader {
     std::erase_if(model_.readouts, [&](NamedReadout const& r) { return r.name == name; });
     NamedReadout readout{name};
     if (node.has("power")) {
-      if (auto const beam = read_beam(node["power"], model_.network)) readout.readout = at(Readout::power(beam->port), *beam);
+      if (auto const beam = read_beam(node["power"], model_.network))
+        readout.readout = at(Readout::power(beam->port), *beam);
     } else if (Node const t = node.table("demodulate")) {
       readout.readout = read_demodulation(t, name);
     } else if (Node const h = node.table("homodyne")) {
@@ -387,7 +393,8 @@ std::optional<NetworkModel> read_bare_network(Node const& interferometer, double
   Node const table = interferometer.table("network");
   if (!table) {
     if (!interferometer.has("network"))
-      interferometer.lack("network", "'preset: none' needs a 'network'", "add 'network: {components: ..., spaces: ...}'");
+      interferometer.lack("network", "'preset: none' needs a 'network'",
+                          "add 'network: {components: ..., spaces: ...}'");
     return {};
   }
   constexpr std::array<std::string_view, 2> polarisations = {"s", "p"};

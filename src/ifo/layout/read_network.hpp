@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/input/table.hpp"
-#include "ifo/layout/network_model.hpp"
+#include "ifo/network_model.hpp"
 
 namespace straytrace::ifo {
 

@@ -12,7 +12,7 @@ namespace {
 // Below this a slope is rounding: of the largest slope of a read-out, or of its power times the wave number and the
 // largest gain of power in the network.
 constexpr double blind = 1e-8;
-constexpr double linear = 0.1;   // change of the slope at the ends of the linear range
+constexpr double linear = 0.1;  // change of the slope at the ends of the linear range
 
 // Slope of a read-out along a degree of freedom, W/m, in a network with its light.
 double slope_along(Network const& n, SteadyField const& f, Readout const& r, NamedFreedom const& freedom) {
@@ -44,7 +44,7 @@ double linear_reach(NetworkModel const& model, Readout const& r, NamedFreedom co
 
 ErrorSignal signal_of(NetworkModel const& model, SteadyField const& f, NamedReadout const& r,
                       NamedFreedom const& freedom) {
-  ErrorSignal s{.readout = r.name, .freedom = freedom.name, .value = value_of(r.readout, f)};
+  ErrorSignal s{.readout = r.name, .freedom = freedom.name, .value = resolved_value(r.readout, f)};
   s.slope = slope_along(model.network, f, r.readout, freedom);
   if (!r.is_demodulated()) return s;
   double slopes[2];
@@ -74,10 +74,8 @@ std::vector<ErrorSignal> error_signals(NetworkModel const& model) {
   std::vector<ErrorSignal> all;
   for (NamedReadout const& r : model.readouts) {
     if (!r.is_power() && !r.is_demodulated()) continue;
-    Readout whole = Readout::power(r.readout.port);
-    whole.leaving = r.readout.leaving;
     std::vector<ErrorSignal> of_readout;
-    double least = blind * value_of(whole, f) * model.network.wavenumber() * gain;
+    double least = blind * power_of_beam(r.readout, f) * model.network.wavenumber() * gain;
     for (NamedFreedom const& freedom : model.freedoms) {
       of_readout.push_back(signal_of(model, f, r, freedom));
       least = std::fmax(least, blind * std::fabs(of_readout.back().slope));
@@ -86,8 +84,8 @@ std::vector<ErrorSignal> error_signals(NetworkModel const& model) {
       ErrorSignal& s = of_readout[i];
       NamedFreedom const& freedom = model.freedoms[i];
       if (!(std::fabs(s.slope) > least)) continue;
-      s.linear_range = linear_reach(model, r.readout, freedom, s.slope, 1) +
-                       linear_reach(model, r.readout, freedom, s.slope, -1);
+      s.linear_range =
+          linear_reach(model, r.readout, freedom, s.slope, 1) + linear_reach(model, r.readout, freedom, s.slope, -1);
       all.push_back(std::move(s));
     }
   }
@@ -152,12 +150,22 @@ Phasor response_to(LinearResponse const& r, Network const& n, NetworkCause const
   for (auto const& [id, factor] : cause.moves) {
     Injection const of_laser{n.at(id).first_port, true, true, 0};
     switch (cause.kind) {
-      case Kind::displacement: sum += factor * r.to_displacement(id); break;
-      case Kind::force: sum += factor * r.to_displacement(id) * n.at(id).suspension.compliance(hz); break;
-      case Kind::amplitude: sum += r.to_amplitude(of_laser); break;
+      case Kind::displacement:
+        sum += factor * r.to_displacement(id);
+        break;
+      case Kind::force:
+        sum += factor * r.to_displacement(id) * n.at(id).suspension.compliance(hz);
+        break;
+      case Kind::amplitude:
+        sum += r.to_amplitude(of_laser);
+        break;
       // Light exp(-i(wt + phi)), with phi = 2 pi times the integral of the frequency: s = -i phi.
-      case Kind::phase: sum -= r.to_phase(of_laser); break;
-      case Kind::frequency: sum += r.to_phase(of_laser) / Phasor(0, hz); break;
+      case Kind::phase:
+        sum -= r.to_phase(of_laser);
+        break;
+      case Kind::frequency:
+        sum += r.to_phase(of_laser) / Phasor(0, hz);
+        break;
     }
   }
   return sum;
@@ -176,6 +184,23 @@ std::vector<Phasor> transfer_function(NetworkModel const& model, NetworkCause co
   return all;
 }
 
+namespace {
+
+// Without the elements that are rounding.
+void resolve(SensingMatrix& m, NetworkModel const& model, SteadyField const& f) {
+  double const gain = largest_gain(model.network, f);
+  for (Eigen::Index i = 0; i < m.response.rows(); ++i) {
+    NamedReadout const& r = model.readouts[std::size_t(i)];
+    bool const power = r.is_power() || r.is_demodulated();
+    double const scale = power ? power_of_beam(r.readout, f) * model.network.wavenumber() * gain : 0,
+                 least = blind * std::fmax(scale, m.response.row(i).cwiseAbs().maxCoeff());
+    for (Eigen::Index j = 0; j < m.response.cols(); ++j)
+      if (!(std::abs(m.response(i, j)) > least)) m.response(i, j) = not_a_number;
+  }
+}
+
+}  // namespace
+
 SensingMatrix sensing_matrix(NetworkModel const& model, double hz) {
   SteadyField const field(model.network);
   SensingMatrix m{.hz = hz};
@@ -185,14 +210,15 @@ SensingMatrix sensing_matrix(NetworkModel const& model, double hz) {
     m.readouts.push_back(model.readouts[i].name);
     LinearResponse const r(model.network, field, model.readouts[i].readout, hz);
     for (std::size_t j = 0; j < model.freedoms.size(); ++j)
-      m.response(Eigen::Index(i), Eigen::Index(j)) = std::conj(
-          response_to(r, model.network, {"", NetworkCause::Kind::displacement, model.freedoms[j].moves}, hz));
+      m.response(Eigen::Index(i), Eigen::Index(j)) =
+          std::conj(response_to(r, model.network, {"", NetworkCause::Kind::displacement, model.freedoms[j].moves}, hz));
   }
   Eigen::MatrixXcd scaled = m.response;
   for (Eigen::Index i = 0; i < scaled.rows(); ++i)
     if (double const most = scaled.row(i).cwiseAbs().maxCoeff(); most > 0) scaled.row(i) /= most;
   Eigen::VectorXd const s = Eigen::JacobiSVD<Eigen::MatrixXcd>(scaled).singularValues();
   m.condition = s.size() > 0 && s.minCoeff() > 0 ? s.maxCoeff() / s.minCoeff() : infinity;
+  if (m.response.size() > 0) resolve(m, model, field);
   return m;
 }
 

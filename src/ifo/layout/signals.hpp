@@ -8,18 +8,18 @@
 #include <string>
 #include <vector>
 
-#include "ifo/layout/network_model.hpp"
+#include "ifo/network_model.hpp"
 
 namespace straytrace::ifo {
 
 // A read-out of power, demodulated or not, against a degree of freedom.
 struct ErrorSignal {
   std::string readout, freedom;
-  double value = 0;                    // W
-  double slope = 0;                    // W/m, eq. N.3
-  double best_phase = not_a_number;    // rad, eq. N.2; of a demodulated one
-  double best_slope = not_a_number;    // W/m there
-  double linear_range = not_a_number;  // m: span about the operating point where the slope is within 10 %
+  double value = 0;                                 // W; not a number: rounding
+  double slope = 0;                                 // W/m, eq. N.3
+  double best_phase = not_a_number;                 // rad, eq. N.2; of a demodulated one
+  double best_slope = not_a_number;                 // W/m there
+  double linear_range = not_a_number;               // m: span about the operating point where the slope is within 10 %
   double offset() const { return -value / slope; }  // m from here to the zero of the tangent
 };
 // Without those whose slope is rounding.
@@ -36,7 +36,7 @@ struct NetworkCause {
 };
 std::vector<std::string> cause_names(NetworkModel const&);
 std::optional<NetworkCause> find_cause(NetworkModel const&, std::string const& name);
-// A read-out, or a mirror whose displacement is asked for.
+// A read-out, or a mirror whose displacement is requested.
 std::vector<std::string> effect_names(NetworkModel const&);
 std::optional<NamedReadout> find_effect(NetworkModel const&, std::string const& name);
 char const* unit_of(Readout const&);
@@ -45,7 +45,8 @@ char const* unit_of(Readout const&);
 std::vector<Phasor> transfer_function(NetworkModel const&, NetworkCause const&, NamedReadout const& effect,
                                       std::vector<double> const& hz);
 
-// Read-outs (rows) by degrees of freedom (columns) at one frequency, per m, for exp(+2 pi i f t).
+// Read-outs (rows) by degrees of freedom (columns) at one frequency, per m, for exp(+2 pi i f t); not a number:
+// rounding.
 struct SensingMatrix {
   double hz = 0;
   std::vector<std::string> readouts{}, freedoms{};

@@ -2,7 +2,7 @@
 // A network in the language of scenes.
 #include <fmt/format.h>
 
-#include "ifo/layout/network_model.hpp"
+#include "ifo/network_model.hpp"
 
 namespace straytrace::ifo {
 namespace {
@@ -33,19 +33,25 @@ std::string modulator_text(ModulatorParameters const& p) {
 std::string component_text(Component const& c) {
   using Kind = Component::Kind;
   switch (c.kind) {
-    case Kind::mirror: return fmt::format("mirror: {{{}}}", mirror_text(std::get<MirrorParameters>(c.stated), false));
-    case Kind::splitter: return fmt::format("splitter: {{{}}}", mirror_text(std::get<MirrorParameters>(c.stated), true));
+    case Kind::mirror:
+      return fmt::format("mirror: {{{}}}", mirror_text(std::get<MirrorParameters>(c.stated), false));
+    case Kind::splitter:
+      return fmt::format("splitter: {{{}}}", mirror_text(std::get<MirrorParameters>(c.stated), true));
     case Kind::laser: {
       auto const& p = std::get<LaserParameters>(c.stated);
-      return fmt::format("laser: {{power: {} W{}}}", p.power, p.phase != 0 ? fmt::format(", phase: {} rad", p.phase) : "");
+      return fmt::format("laser: {{power: {} W{}}}", p.power,
+                         p.phase != 0 ? fmt::format(", phase: {} rad", p.phase) : "");
     }
     case Kind::isolator: {
       auto const& p = std::get<IsolatorParameters>(c.stated);
       return fmt::format("isolator: {{isolation: {}, transmission: {}}}", p.isolation, p.transmission);
     }
-    case Kind::modulator: return fmt::format("modulator: {{{}}}", modulator_text(std::get<ModulatorParameters>(c.stated)));
-    case Kind::lens: return fmt::format("lens: {{focal_length: {} m}}", std::get<LensParameters>(c.stated).focal_length);
-    case Kind::dump: return "dump: {}";
+    case Kind::modulator:
+      return fmt::format("modulator: {{{}}}", modulator_text(std::get<ModulatorParameters>(c.stated)));
+    case Kind::lens:
+      return fmt::format("lens: {{focal_length: {} m}}", std::get<LensParameters>(c.stated).focal_length);
+    case Kind::dump:
+      return "dump: {}";
   }
   return "";
 }
@@ -62,15 +68,15 @@ std::string readout_text(Network const& n, NamedReadout const& r) {
 
 std::string network_text(NetworkModel const& model) {
   Network const& n = model.network;
-  std::string text = fmt::format("straytrace: 1\ninterferometer:\n  preset: none\n  network:\n    wavelength: {} m\n",
-                                 n.wavelength());
+  std::string text =
+      fmt::format("straytrace: 1\ninterferometer:\n  preset: none\n  network:\n    wavelength: {} m\n", n.wavelength());
   if (n.polarisation() == Polarisation::p) text += "    polarisation: p\n";
   text += "    components:\n";
   for (Component const& c : n.components()) text += fmt::format("      {}: {{{}}}\n", c.name, component_text(c));
   if (!n.spaces().empty()) text += "    spaces:\n";
   for (Network::Space const& s : n.spaces())
-    text += fmt::format("      - {{from: {}, to: {}, length: {} m{}}}\n", n.port_name(s.from), n.port_name(s.to), s.length,
-                        s.phase != 0 ? fmt::format(", phase: {} rad", s.phase) : "");
+    text += fmt::format("      - {{from: {}, to: {}, length: {} m{}}}\n", n.port_name(s.from), n.port_name(s.to),
+                        s.length, s.phase != 0 ? fmt::format(", phase: {} rad", s.phase) : "");
   if (!model.readouts.empty()) text += "    readouts:\n";
   for (NamedReadout const& r : model.readouts) text += fmt::format("      {}: {{{}}}\n", r.name, readout_text(n, r));
   if (!model.freedoms.empty()) text += "    freedoms:\n";

@@ -2,7 +2,7 @@
 // The network of a scene: of its interferometer alone where it has no beams, else of the whole model.
 #pragma once
 
-#include "ifo/layout/network_model.hpp"
+#include "ifo/network_model.hpp"
 #include "scene/scene.hpp"
 #include "session/options.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Answers about networks: resonators, energy, error signals, responses, against closed forms (docs/theory/interferometer.md).
+// Answers about networks: resonators, energy, error signals, responses, against closed forms
+// (docs/theory/interferometer.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -115,10 +116,9 @@ TEST(NetworkSignals, Transfers) {
   NetworkModel spring{.preset = "none", .network = Network(light_wavelength)};
   Network& n = spring.network;
   ComponentId const laser = n.add_laser("laser", 1e4), itm = n.add_mirror("ITM", {.transmission = 0.014}),
-                    etm = n.add_mirror("ETM", {.transmission = 1e-6,
-                                               .loss = 75e-6,
-                                               .displacement = 0.3e-9,
-                                               .suspension = {.mass = 42}});
+                    etm = n.add_mirror(
+                        "ETM",
+                        {.transmission = 1e-6, .loss = 75e-6, .displacement = 0.3e-9, .suspension = {.mass = 42}});
   n.link({laser, 0}, {itm, 0}, 0, -pi / 4);
   n.link({itm, 1}, {etm, 0}, 3000, -pi / 2);
   std::vector<Phasor> const yields =

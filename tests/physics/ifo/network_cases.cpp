@@ -89,7 +89,8 @@ TEST(NetworkCases, AdjointSlopesAreDerivatives) {
       Parameter{"first length", 1e-6, [](auto const& s) { return s.to_length(1); }, space(1, 1, 0)}};
   std::uint32_t const returned = at.network.number_of({at.network.find("EOM"), 1});
   for (Readout const& r : {at.power(), at.demodulated(0.4), Readout::demodulated(returned, fast_hz, 0.4)}) {
-    AdjointSlope const slope(at.network, field, r), turned(at.network, field, Readout{r.port, r.kind, 1.9, r.hz, {}, r.leaving});
+    AdjointSlope const slope(at.network, field, r),
+        turned(at.network, field, Readout{r.port, r.kind, 1.9, r.hz, {}, r.leaving});
     for (Parameter const& p : parameters) {
       auto const changed = [&](double by) {
         Network n = at.network;
@@ -110,8 +111,8 @@ TEST(NetworkCases, ModulatedMichelsonT3) {
   struct Row {
     double degrees, power, in_phase, in_quadrature;
   };
-  for (Row const& row : {Row{5, 7.848924050e-3, 7.459959347e-4, -2.169797922e-3},
-                         {20, 0.1157481733, 2.761427924e-3, -8.031866220e-3}}) {
+  for (Row const& row :
+       {Row{5, 7.848924050e-3, 7.459959347e-4, -2.169797922e-3}, {20, 0.1157481733, 2.761427924e-3, -8.031866220e-3}}) {
     ModulatedMichelson const m(row.degrees * pi / 180), flat(row.degrees * pi / 180, true);
     SteadyField const f(m.network), g(flat.network);
     EXPECT_LT(relative(value_of(m.power(), f), row.power), 1e-9);
@@ -299,8 +300,7 @@ TEST(NetworkCases, SensingT15) {
                          {reflected, fast_hz, Freedom::mich, 1.0274293e7, 2.6355733e7},
                          {reflected, fast_hz, Freedom::srcl, 6.1869871e7, 2.7952007e7}}) {
     Freedom const strong = row.port == dark ? Freedom::darm : Freedom::carm;
-    double const largest =
-        std::hypot(t.to(strong, row.port, row.hz, 0), t.to(strong, row.port, row.hz, pi / 2));
+    double const largest = std::hypot(t.to(strong, row.port, row.hz, 0), t.to(strong, row.port, row.hz, pi / 2));
     EXPECT_NEAR(t.to(row.freedom, row.port, row.hz, 0), row.in_phase, 6e-8 * largest) << int(row.freedom);
     EXPECT_NEAR(t.to(row.freedom, row.port, row.hz, pi / 2), row.in_quadrature, 6e-8 * largest) << int(row.freedom);
   }
@@ -333,7 +333,8 @@ TEST(NetworkCases, OpticalSpringT18) {
     Network network{light_wavelength};
     ComponentId end;
     explicit Spring(double longer) {
-      ComponentId const laser = network.add_laser("laser", 1e4), itm = network.add_mirror("ITM", {.transmission = 0.014});
+      ComponentId const laser = network.add_laser("laser", 1e4),
+                        itm = network.add_mirror("ITM", {.transmission = 0.014});
       end = network.add_mirror(
           "ETM", {.transmission = 1e-6, .loss = 75e-6, .displacement = longer, .suspension = {.mass = 42}});
       network.link({laser, 0}, {itm, 0}, 0, -pi / 4);

@@ -31,9 +31,7 @@ struct ModulatedCavity {
   }
   std::uint32_t inside() const { return network.number_of({input, 1}); }
   std::uint32_t outside() const { return network.number_of({input, 0}); }
-  Readout error_signal(double phase) const {
-    return Readout::demodulated(outside(), slow_hz, phase).of_leaving();
-  }
+  Readout error_signal(double phase) const { return Readout::demodulated(outside(), slow_hz, phase).of_leaving(); }
 };
 
 // 1 W, modulated, through a splitter of 52 %; `tuning` of arm x in rad as another program counts it: -x k. With

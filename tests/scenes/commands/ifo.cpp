@@ -14,7 +14,8 @@ using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-std::string const cavity = source_folder + "/examples/ifo_cavity.yaml", dual = source_folder + "/examples/ifo_dual.yaml";
+std::string const cavity = source_folder + "/examples/ifo_cavity.yaml",
+                  dual = source_folder + "/examples/ifo_dual.yaml";
 
 json answer(Words words) {
   words.insert(words.begin(), "ifo");
@@ -64,8 +65,8 @@ TEST(IfoCommand, PrintedNetworkIsAScene) {
 
 TEST(IfoCommand, PictureOfAScan) {
   Folder const folder;
-  Finished const done = straytrace({"ifo", cavity, "--show", "scan", "LENGTH", "-5nm", "5nm", "--plot", folder / "a.png"},
-                                   {.picture = true});
+  Finished const done = straytrace(
+      {"ifo", cavity, "--show", "scan", "LENGTH", "-5nm", "5nm", "--plot", folder / "a.png"}, {.picture = true});
   EXPECT_EQ(done.code, 0) << done.err;
   EXPECT_EQ(text_of(folder / "a.png").substr(1, 3), "PNG");
 }
@@ -85,7 +86,9 @@ TEST(IfoCommand, WrongInput) {
            {{cavity, "--show", "scn"}, "--show cannot be 'scn'", "did you mean 'scan'?"},
            {{cavity, "--show", "scan", "ETM.tunings", "0", "1deg"}, "no parameter 'ETM.tunings'", "'ETM.tuning'"},
            {{cavity, "--show", "scan", "ETM.tuning", "1 m", "2 m"}, "'1 m' is not a value of 'ETM.tuning'", "0.1 deg"},
-           {{cavity, "--show", "scan", "ETM.transmission", "0", "120 %"}, "'120 %' is outside the range", "between 0 and 1"},
+           {{cavity, "--show", "scan", "ETM.transmission", "0", "120 %"},
+            "'120 %' is outside the range",
+            "between 0 and 1"},
            {{cavity, "--show", "transfer", "X", "PDH"}, "no cause 'X'", "LENGTH, "},
            {{cavity, "--show", "transfer", "LENGTH", "PDI"}, "no read-out or mirror 'PDI'", "did you mean 'PDH'?"},
            {{cavity, "--plot", folder / "a.png"}, "--plot draws a scan or a response", "--show scan"},

@@ -5,6 +5,7 @@
 #include "results/results.hpp"
 #include "scenes/answers.hpp"
 #include "session/light/cavity_waves.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::testing::app_wave {
 namespace {

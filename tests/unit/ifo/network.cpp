@@ -99,41 +99,43 @@ TEST(NetworkTable, ProblemsHaveRemedies) {
   };
   std::string const more = "      - {from: ETM.back, to: ITM.front, length: 1 m}\n",
                     second = "      - {from: ETM.back, to: ETM.back, length: 1 m}\n";
-  for (Row const& row : std::vector<Row>{
-           {components + spaces + more + questions, "two spaces are at 'ITM.front'", "the other leads from 'EOM.out'"},
-           {components + spaces + second, "a space leads from a port to itself", "name another port"},
-           {components + "    spaces: [{from: laser, to: ITM.top, length: 0 m}]\n", "no port 'ITM.top'",
-            "its ports: ITM.front, ITM.back"},
-           {components + "    spaces: [{from: lazer, to: ITM.front, length: 0 m}]\n", "no port 'lazer'",
-            "did you mean 'laser'?"},
-           {components + "    spaces: [{from: laser, to: ITM.front}]\n", "'length'", "length: "},
-           {components + spaces + "    readouts: {a: {power: ITM.front}}\n", "no beam 'ITM.front'", "did you mean"},
-           {components + spaces + "    readouts: {a: {}}\n", "has 0 kinds", "power, demodulate, homodyne"},
-           {components + spaces +
-                "    readouts: {a: {demodulate: {at: ITM.front.out, frequency: 7 MHz, phase: 0 deg}}}\n",
-            "no modulator makes such sidebands", "name a modulator"},
-           {components + spaces +
-                "    readouts: {a: {demodulate: {at: ITM.front.out, frequency: EOM, phase: best(X)}}}\n",
-            "no degree of freedom 'X'", "add it to 'freedoms'"},
-           {components + spaces +
-                "    readouts: {a: {demodulate: {at: EOM.out.out, frequency: EOM, phase: best(L)}}}\n"
-                "    freedoms: {L: {ETM: 1}}\n",
-            "'L' has no effect on this signal", "demodulate another beam"},
-           {components + spaces + "    freedoms: {L: {EOM: 1}}\n", "no mirror or splitter 'EOM'", "did you mean 'ETM'?"},
-           {"    components: {laser: {laser: {power: 1 W}}, a: {mirror: {transmission: 60 %, loss: 50 %}}}\n",
-            "more than all light", "at most 1 together"},
-           {"    components: {laser: {laser: {power: 1 W}}, a: {mirror: {transmission: 1}, dump: {}}}\n",
-            "component 'a' has 2 kinds", "one of: mirror, splitter"},
-           {"    components: {laser: {laser: {power: 1 W}}, a.b: {dump: {}}}\n", "'a.b' is not a name", "letters"},
-           {"    components: {laser: {laser: {power: 1 W}}, a: {modulator: {frequency: 1 MHz, index: 1, order: 2, kind: "
-            "amplitude}}}\n",
-            "first order only", "remove 'order'"},
-           {"    components: {laser: {laser: {power: 0 W}}}\n", "no laser of the network emits light", "power: 1 W"},
-           {components + spaces + "    readouts: {a: {homodyne: {at: ITM.front.out, angle: 0 rad, local: ITM.back.in}, b: 1}}\n",
-            "unknown key 'b'", ""},
-           {"    components: {laser: {laser: {power: 1 W}}, a: {dump: {}}}\n"
-            "    readouts: {r: {homodyne: {at: a.in, angle: 0 rad, local: a.in}}}\n",
-            "no carrier light is there", "name a beam with light"}}) {
+  for (
+      Row const& row : std::vector<Row>{
+          {components + spaces + more + questions, "two spaces are at 'ITM.front'", "the other leads from 'EOM.out'"},
+          {components + spaces + second, "a space leads from a port to itself", "name another port"},
+          {components + "    spaces: [{from: laser, to: ITM.top, length: 0 m}]\n", "no port 'ITM.top'",
+           "its ports: ITM.front, ITM.back"},
+          {components + "    spaces: [{from: lazer, to: ITM.front, length: 0 m}]\n", "no port 'lazer'",
+           "did you mean 'laser'?"},
+          {components + "    spaces: [{from: laser, to: ITM.front}]\n", "'length'", "length: "},
+          {components + spaces + "    readouts: {a: {power: ITM.front}}\n", "no beam 'ITM.front'", "did you mean"},
+          {components + spaces + "    readouts: {a: {}}\n", "has 0 kinds", "power, demodulate, homodyne"},
+          {components + spaces +
+               "    readouts: {a: {demodulate: {at: ITM.front.out, frequency: 7 MHz, phase: 0 deg}}}\n",
+           "no modulator makes such sidebands", "name a modulator"},
+          {components + spaces +
+               "    readouts: {a: {demodulate: {at: ITM.front.out, frequency: EOM, phase: best(X)}}}\n",
+           "no degree of freedom 'X'", "add it to 'freedoms'"},
+          {components + spaces +
+               "    readouts: {a: {demodulate: {at: EOM.out.out, frequency: EOM, phase: best(L)}}}\n"
+               "    freedoms: {L: {ETM: 1}}\n",
+           "'L' has no effect on this signal", "demodulate another beam"},
+          {components + spaces + "    freedoms: {L: {EOM: 1}}\n", "no mirror or splitter 'EOM'", "did you mean 'ETM'?"},
+          {"    components: {laser: {laser: {power: 1 W}}, a: {mirror: {transmission: 60 %, loss: 50 %}}}\n",
+           "more than all light", "at most 1 together"},
+          {"    components: {laser: {laser: {power: 1 W}}, a: {mirror: {transmission: 1}, dump: {}}}\n",
+           "component 'a' has 2 kinds", "one of: mirror, splitter"},
+          {"    components: {laser: {laser: {power: 1 W}}, a.b: {dump: {}}}\n", "'a.b' is not a name", "letters"},
+          {"    components: {laser: {laser: {power: 1 W}}, a: {modulator: {frequency: 1 MHz, index: 1, order: 2, kind: "
+           "amplitude}}}\n",
+           "first order only", "remove 'order'"},
+          {"    components: {laser: {laser: {power: 0 W}}}\n", "no laser of the network emits light", "power: 1 W"},
+          {components + spaces +
+               "    readouts: {a: {homodyne: {at: ITM.front.out, angle: 0 rad, local: ITM.back.in}, b: 1}}\n",
+           "unknown key 'b'", ""},
+          {"    components: {laser: {laser: {power: 1 W}}, a: {dump: {}}}\n"
+           "    readouts: {r: {homodyne: {at: a.in, angle: 0 rad, local: a.in}}}\n",
+           "no carrier light is there", "name a beam with light"}}) {
     Bare const b = bare(row.network);
     EXPECT_FALSE(b.model) << row.reason;
     EXPECT_THAT(b.problems, AllOf(HasSubstr("scene.yaml:"), HasSubstr(row.reason), HasSubstr(row.remedy)));
@@ -149,7 +151,8 @@ TEST(NetworkTable, AllProblemsAtOnce) {
 
 TEST(NetworkTable, WavelengthOfTheBeams) {
   EXPECT_EQ(bare(cavity, 1550e-9).model->network.wavelength(), 1550e-9);
-  EXPECT_THAT(bare("    wavelength: 1064 nm\n" + cavity, 1550e-9).problems, HasSubstr("the beams of the scene have 1550 nm"));
+  EXPECT_THAT(bare("    wavelength: 1064 nm\n" + cavity, 1550e-9).problems,
+              HasSubstr("the beams of the scene have 1550 nm"));
 }
 
 std::string const with_modulator = R"(preset: adv, network: {

@@ -43,6 +43,9 @@ std::vector<std::string> port_names(Network const&);
 std::optional<std::uint32_t> find_port(Network const&, std::string const& name);  // "PRM.front", "laser"
 std::optional<NetworkBeam> find_beam(Network const&, std::string const& name);    // "PRM.front.out", "laser.in"
 std::string beam_name(Network const&, Readout const&);
+// Steady value of a read-out; not a number where it is rounding, below 1e-12 of the power of its beam.
+double resolved_value(Readout const&, SteadyField const&);
+double power_of_beam(Readout const&, SteadyField const&);  // W
 
 // What a scene adds to a network or replaces in it. A space takes its ports from the spaces that were there.
 struct NetworkChanges {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ifo/layout/network_model.hpp"
+#include "ifo/network_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace straytrace::ifo {
@@ -50,6 +51,16 @@ std::optional<NetworkBeam> find_beam(Network const& n, std::string const& name) 
 }
 
 std::string beam_name(Network const& n, Readout const& r) { return n.port_name(r.port) + (r.leaving ? ".out" : ".in"); }
+
+double power_of_beam(Readout const& r, SteadyField const& f) {
+  return r.leaving ? f.power_out(r.port) : f.power_in(r.port);
+}
+
+double resolved_value(Readout const& r, SteadyField const& f) {
+  double const value = value_of(r, f), power = power_of_beam(r, f),
+               scale = r.kind == Readout::Kind::homodyne ? std::sqrt(power) : power;
+  return std::fabs(value) > 1e-12 * scale ? value : not_a_number;
+}
 
 void apply(NetworkChanges const& changes, Network& network) {
   for (Network::Component const& c : changes.components) {
