@@ -21,14 +21,18 @@ inline double scaled_bessel(int n, double x) {
   return sum / std::sqrt(2 * pi * x);
 }
 
-// exp(-x) I_n(x) for n = 0 to `most`, 30 at most, at any x >= 0.
+// exp(-x) I_n(x) for n = 0 to `most` at any x >= 0, to 1e-9. The ratios of neighbours follow from those of higher orders
+// by the stable, downward recurrence; the highest lies between the bounds of Amos, (n + 1)/x^2 of itself apart.
 inline std::vector<double> scaled_bessels(int most, double x) {
-  std::vector<double> values;
-  for (int n = 0; n <= most; ++n)
-    // Upward recurrence loses digits only where I_n is far below I_0.
-    values.push_back(n < 2    ? scaled_bessel(n, x)
-                     : x < 50 ? std::exp(-x) * std::cyl_bessel_i(double(n), x)
-                              : values[std::size_t(n) - 2] - 2 * (n - 1) / x * values[std::size_t(n) - 1]);
+  std::vector<double> values(std::size_t(most) + 1);
+  int n = most + 20 + int(std::fmin(std::ceil(std::sqrt(40 * x)), 1000.0));
+  double ratio = x / (n - 0.5 + std::hypot(n, x));  // I_n over I_(n-1)
+  while (--n > 0) {
+    ratio = x / (2 * n + x * ratio);
+    if (n <= most) values[std::size_t(n)] = ratio;
+  }
+  values[0] = scaled_bessel(0, x);
+  for (std::size_t i = 1; i < values.size(); ++i) values[i] *= values[i - 1];
   return values;
 }
 

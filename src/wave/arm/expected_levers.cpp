@@ -16,13 +16,15 @@ bool held(ArmCavity const& arm, ArmRim const& rim, std::size_t mirror) {
   return !rim.in_band && clear_of_mode(arm, rim) && (mirror == 0 ? rim.angle1 : rim.angle2) <= arm.crossover;
 }
 
-double mean_irradiance_on(ArmRim const& rim, Field const& field) {
-  constexpr int points = 256;  // on a ring of some hundred patches of speckle
-  Sampler const at(field);
-  double sum = 0;
-  for (RimPoint const& p : round_rim(rim.rim.radius, rim.centre, points))
-    sum += std::norm(at.at(p.place.x, p.place.y).value);
-  return sum / points;
+// Light from a mirror, whose points lie within R of the axis of a ring of radius a, has harmonics up to kaR/l on it, and
+// an Airy tail beyond.
+int harmonics_on(ArmCavity const& arm, ArmRim const& rim, std::size_t mirror) {
+  WaveCavity const& cavity = arm.cavity;
+  RoundHole const& hole = (mirror == 0 ? cavity.mirror1 : cavity.mirror2).outline;
+  double const distance = mirror == 0 ? rim.centre.z : cavity.length - rim.centre.z;
+  double const farthest = hole.radius + std::hypot(hole.x - rim.centre.x, hole.y - rim.centre.y);
+  double const x = 2 * pi / cavity.wavelength * rim.rim.radius * farthest / distance;
+  return int(std::ceil(x + 4 * std::cbrt(x))) + 8;
 }
 
 // By light of a mirror on its way to a rim.
@@ -32,11 +34,6 @@ std::vector<PassedEdge> edges_before(ArmCavity const& arm, std::size_t rim, std:
   for (ArmRim const& r : arm.rims)
     if (distance(r) < distance(arm.rims[rim])) edges.push_back({distance(r), r.rim.radius});
   return edges;
-}
-
-void scale(RingField& field, double factor) {
-  for (auto* const values : {&field.value, &field.slope})
-    for (Complex& f : *values) f *= factor;
 }
 
 }  // namespace
@@ -55,7 +52,10 @@ void LightMeter::operator()(Arrival const& arrival) {
     return;
   }
   std::size_t const rim = std::size_t(arrival.plane - 1), from = arrival.travel == Travel::towards_mirror2 ? 0 : 1;
-  if (held(arm_, arm_.rims[rim], from)) light_.at_rims[rim][from] = mean_irradiance_on(arm_.rims[rim], arrival.field);
+  ArmRim const& lit = arm_.rims[rim];
+  if (held(arm_, lit, from))
+    light_.at_rims[rim][from] =
+        field_on_ring(Sampler(arrival.field), lit.centre, lit.rim.radius, harmonics_on(arm_, lit, from));
 }
 
 ExpectedLevers::ExpectedLevers(World const& world, ArmCavity const& arm) : arm_(arm) {
@@ -68,19 +68,17 @@ SpeckledRim ExpectedLevers::lit(std::size_t number, LightOfMirrors const& light)
   s.spot1 = arm_.mirrors[0].spot;
   s.spot2 = arm_.mirrors[1].spot;
   for (std::size_t const i : {0, 1}) {
+    RingField& wave = i == 0 ? s.edge1 : s.edge2;
+    double& brdf = i == 0 ? s.brdf1 : s.brdf2;
+    if (held(arm_, rim, i)) {
+      wave = light.at_rims[number][i];
+      continue;
+    }
     double const distance = i == 0 ? s.distance1 : s.distance2;
     std::vector<PassedEdge> const edges = edges_before(arm_, number, i);
-    RingField edge = diffracted(light.outlines[i], arm_.mirrors[i].radius, s.wavelength, s.radius, distance, edges);
-    double brdf = brdf_[i](i == 0 ? rim.angle1 : rim.angle2);
-    if (held(arm_, rim, i)) {
-      double const all = light.at_rims[number][i], of_edge = edge.irradiance();
-      if (of_edge > all) scale(edge, std::sqrt(all / of_edge));
-      brdf = distance * distance * std::fmax(all - of_edge, 0);
-    } else if (clear_of_mode(arm_, rim)) {
-      brdf *= share_passed(edges, s.wavelength, arm_.mirrors[i].spot, s.radius, distance);
-    }
-    (i == 0 ? s.edge1 : s.edge2) = std::move(edge);
-    (i == 0 ? s.brdf1 : s.brdf2) = brdf;
+    wave = diffracted(light.outlines[i], arm_.mirrors[i].radius, s.wavelength, s.radius, distance, edges);
+    brdf = brdf_[i](i == 0 ? rim.angle1 : rim.angle2);
+    if (clear_of_mode(arm_, rim)) brdf *= share_passed(edges, s.wavelength, arm_.mirrors[i].spot, s.radius, distance);
   }
   return s;
 }

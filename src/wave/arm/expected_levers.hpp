@@ -14,8 +14,8 @@ namespace straytrace::wave {
 
 // Of one draw of the heights, what the grid holds of the light of mirrors 1 and 2 that meets edges beyond it.
 struct LightOfMirrors {
-  std::array<RingField, 2> outlines;           // leaving them on their outlines
-  std::vector<std::array<double, 2>> at_rims;  // as arm.rims: mean of |psi|^2 on the rim, 1/m^2; 0: not held
+  std::array<RingField, 2> outlines;              // leaving them on their outlines
+  std::vector<std::array<RingField, 2>> at_rims;  // as arm.rims: on the rim (eq. W.63); empty: not held
 };
 
 // Collects it from the arrivals of one round trip.
@@ -35,7 +35,7 @@ class ExpectedLevers {
  public:
   ExpectedLevers(World const&, ArmCavity const&);
   // Where the grid holds the light of one of the mirrors at the edge, and nothing of the mode itself is in it, with its
-  // irradiance there: it contains the waves of other baffles and their shadows.
+  // field there: it contains the waves of outlines and baffles and their shadows.
   SpeckleMeans operator()(std::size_t rim, LightOfMirrors const&) const;
   // The mean over draws of the heights.
   SpeckleMeans operator()(std::size_t rim, std::vector<LightOfMirrors> const&) const;

@@ -106,10 +106,45 @@ double RingField::irradiance() const {
   return sum;
 }
 
+namespace {
+
+// From more than 2 `most` values at equal steps of the azimuth.
+RingField harmonics(std::vector<Complex> const& values, std::vector<Complex> const& slopes, int most) {
+  std::size_t const count = values.size();
+  std::vector<Complex> turns;
+  for (std::size_t i = 0; i < count; ++i) turns.push_back(turned(-double(i) / double(count)) / double(count));
+  RingField field;
+  for (int m = -most; m <= most; ++m) {
+    Complex value = 0, slope = 0;
+    std::size_t const step = std::size_t(m + int(count)) % count;
+    for (std::size_t i = 0, turn = 0; i < count; ++i, turn = (turn + step) % count) {
+      value += turns[turn] * values[i];
+      slope += turns[turn] * slopes[i];
+    }
+    field.value.push_back(value);
+    field.slope.push_back(slope);
+  }
+  return field;
+}
+
+}  // namespace
+
+RingField field_on_ring(Sampler const& field, Vec3 centre, double radius, int most) {
+  int const count = 2 * most + 2;
+  std::vector<Complex> values, slopes;
+  for (int i = 0; i < count; ++i) {
+    SinCos const turn = sincos_turn(double(i) / count);
+    WaveValue const psi = field.at(centre.x + radius * turn.cos, centre.y + radius * turn.sin);
+    values.push_back(psi.value);
+    slopes.push_back(turn.cos * psi.dx + turn.sin * psi.dy);
+  }
+  return harmonics(values, slopes, most);
+}
+
 RingField leaving_outline(Sampler const& arriving, WaveMirror const& mirror, double wavelength, int count) {
   RoundHole const& hole = mirror.outline;
   double const k = 2 * pi / wavelength;
-  RingField field{std::vector<Complex>(2 * most_harmonic + 1), std::vector<Complex>(2 * most_harmonic + 1)};
+  std::vector<Complex> values, slopes;
   for (int i = 0; i < count; ++i) {
     SinCos const turn = sincos_turn(double(i) / count);
     double const x = hole.x + hole.radius * turn.cos, y = hole.y + hole.radius * turn.sin;
@@ -118,15 +153,10 @@ RingField leaving_outline(Sampler const& arriving, WaveMirror const& mirror, dou
                  tilt_y = 2 * (y * mirror.curvature - mirror.tilt_y);  // of the way that the mirror adds
     double const way = (x * x + y * y) * mirror.curvature - 2 * (mirror.tilt_x * x + mirror.tilt_y * y);
     Complex const reflected = turned(-way / wavelength), bent{0, -k * (turn.cos * tilt_x + turn.sin * tilt_y)};
-    Complex const value = psi.value * reflected,
-                  slope = (turn.cos * psi.dx + turn.sin * psi.dy) * reflected + bent * value;
-    for (int m = -most_harmonic; m <= most_harmonic; ++m) {
-      Complex const weight = turned(-double(m) * i / count) / double(count);
-      field.value[std::size_t(m + most_harmonic)] += weight * value;
-      field.slope[std::size_t(m + most_harmonic)] += weight * slope;
-    }
+    values.push_back(psi.value * reflected);
+    slopes.push_back((turn.cos * psi.dx + turn.sin * psi.dy) * reflected + bent * values.back());
   }
-  return field;
+  return harmonics(values, slopes, most_harmonic);
 }
 
 // The field behind a straight edge over that without it, by auxiliary functions of Fresnel's integrals to 2e-3

@@ -20,6 +20,8 @@ struct RingField {
   double irradiance() const;  // mean around the circle
 };
 
+// eq. W.63: of a field on a circle about `centre`, for harmonics up to `most`, beyond which it has none.
+RingField field_on_ring(Sampler const&, Vec3 centre, double radius, int most);
 // What leaves a mirror on its outline, without its heights: of the field that arrives there. `count` points resolve it.
 RingField leaving_outline(Sampler const& arriving, WaveMirror const&, double wavelength, int count);
 
@@ -46,7 +48,7 @@ struct SpeckledRim {
   double distance1 = 0, distance2 = 0;  // to the mirrors, m
   double spot1 = 0, spot2 = 0;          // 1/e^2 radii on the mirrors, m
   double brdf1 = 0, brdf2 = 0;          // 1/sr, at the angle of the rim
-  RingField edge1{}, edge2{};           // waves from the outlines, at the rim
+  RingField edge1{}, edge2{};           // waves at the rim: of the outlines, or all light that the grid holds
   double kappa() const;                 // 1; its root is the number of patches of speckle, up to sqrt(2 pi)
 };
 struct SpeckleMeans {
