@@ -19,7 +19,7 @@
 namespace straytrace::wave {
 namespace {
 
-constexpr int most_for_edges = 2048;      // that light between clipping edges alone makes the program choose
+constexpr int most_for_edges = 2048;      // that light at edges alone makes the program choose
 constexpr double largest_tilt = 0.1;      // rad: the opening across the beam is half a per cent narrower
 constexpr int fewest_pitches = 8;         // of a radius of an opening
 constexpr double largest_shift = 0.2;     // of a speckled rim, over its radius
@@ -219,11 +219,27 @@ double angle_between_edges(ArmCavity const& arm) {
   return angle;
 }
 
-// For that light; a grid with fewer is wrong by some parts in a thousand of the loss.
-int points_for_edges(ArmCavity const& arm) {
-  double const angle = angle_between_edges(arm);
+// rad; the largest angle between the outline of a mirror and an edge that the grid lights with it (eq. W.64). 0: no such
+// edges, or light of the mode itself meets them.
+double angle_from_outlines(ArmCavity const& arm) {
+  double angle = 0;
+  for (ArmRim const& rim : arm.rims) {
+    if (!clear_of_mode(arm, rim)) continue;
+    double const opening = rim.rim.radius + std::hypot(rim.centre.x, rim.centre.y);
+    if (rim.angle1 <= arm.crossover) angle = std::fmax(angle, (arm.mirrors[0].radius + opening) / rim.centre.z);
+    if (rim.angle2 <= arm.crossover)
+      angle = std::fmax(angle, (arm.mirrors[1].radius + opening) / (arm.cavity.length - rim.centre.z));
+  }
+  return angle;
+}
+
+// For light at this angle.
+int points_for(ArmCavity const& arm, double angle) {
   return int(std::fmin(std::ceil(2 * arm.cavity.grid.window * angle / (0.6 * arm.cavity.wavelength)), 1e9));
 }
+
+// A grid with fewer is wrong by some parts in a thousand of the loss.
+int points_for_edges(ArmCavity const& arm) { return points_for(arm, angle_between_edges(arm)); }
 
 void check_edges_in_grid(ArmCavity& arm) {
   int const needed = points_for_edges(arm);
@@ -377,7 +393,8 @@ void choose_grid(ArmCavity& arm, WaveSettings const& settings) {
   grid.window = settings.window > 0 ? settings.window : window_for(arm, 5);
   grid.points = int(settings.points);
   if (settings.points > 0) return;
-  int const needed = std::max(needed_points(arm, grid.window), std::min(points_for_edges(arm), most_for_edges));
+  int const of_edges = std::max(points_for_edges(arm), points_for(arm, angle_from_outlines(arm)));
+  int const needed = std::max(needed_points(arm, grid.window), std::min(of_edges, most_for_edges));
   grid.points = 64;
   while (grid.points < needed && grid.points < most_points) grid.points *= 2;
 }

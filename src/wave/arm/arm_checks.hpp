@@ -16,7 +16,8 @@ void check_alignment(World const&, ArmCavity&);
 // An input beam that falls beside the first mirror.
 void check_input(World const&, WaveSettings const&, ArmCavity&);
 // Those of the table; otherwise a window as wide as the legs need, and the power of two that carries the crossover
-// angle and light between the edges of neighbouring baffles that clip the mode.
+// angle, light from the outlines of mirrors to edges (eq. W.64), and light between the edges of neighbouring baffles
+// that clip the mode.
 void choose_grid(ArmCavity&, WaveSettings const&);
 // Points, window and memory of the grid.
 void check_grid(World const&, WaveSettings const&, ArmCavity&);

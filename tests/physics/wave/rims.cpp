@@ -17,6 +17,7 @@
 #include "support/recorded.hpp"
 #include "support/statistics.hpp"
 #include "wave/arm/speckled_rim.hpp"
+#include "wave/sampler.hpp"
 
 namespace straytrace::wave_rims {
 namespace {
@@ -415,6 +416,79 @@ TEST(SpeckledRim, LightPassesOtherEdges) {
   // A wide spot averages the pattern to its irradiance far from the shadow.
   EXPECT_LT(deviation(wave::share_passed({{d, 0.28}}, nd_yag, 0.1, a, l), 1), 0.05);
   EXPECT_LT(deviation(wave::share_passed({{d, 0.2}}, nd_yag, 1e-6, a, l), 0.25), 1e-4);
+}
+
+// A field of plane waves on a grid that they repeat on.
+struct PlaneWaves {
+  static constexpr wave::Grid grid{64, 0.64};
+  wave::Field field{grid};
+
+  // exp(2 pi i (n x + m y)/W) times `strength`
+  void add(int n, int m, Complex strength) {
+    for (int row = 0; row < grid.points; ++row)
+      for (int column = 0; column < grid.points; ++column)
+        field(row, column) += strength * wave::turned((n * grid.at(column) + m * grid.at(row)) / grid.window);
+  }
+};
+
+// Eq. W.63 by the expansion of Jacobi and Anger: a plane wave along x has the harmonics i^m J_m(qa) about any centre,
+// up to the phase there, and the derivatives i^m q J_m'(qa). The control is the wave along y.
+TEST(SpeckledRim, PlaneWaveByHarmonics) {
+  constexpr int n = 9, most = 24;
+  double const a = 0.1, q = 2 * pi * n / PlaneWaves::grid.window;
+  Vec3 const centre{0.013, -0.02, 0};
+  PlaneWaves along, across;
+  along.add(n, 0, 1);
+  across.add(0, n, 1);
+  wave::RingField const ring = wave::field_on_ring(wave::Sampler(along.field), centre, a, most),
+                        turned = wave::field_on_ring(wave::Sampler(across.field), centre, a, most);
+  EXPECT_LT(deviation(ring.irradiance(), 1), 1e-9);
+  double difference = 0;
+  for (int m = -most; m <= most; ++m) {
+    auto const bessel = [&](int order) {
+      return (order < 0 && order % 2 ? -1 : 1) * std::cyl_bessel_j(double(std::abs(order)), q * a);
+    };
+    Complex const phase = std::polar(1.0, q * centre.x) * std::pow(Complex{0, 1}, m);
+    EXPECT_LT(std::abs(ring.at(m) - phase * bessel(m)), 1e-8) << m;
+    EXPECT_LT(std::abs(ring.slope_at(m) - phase * q * 0.5 * (bessel(m - 1) - bessel(m + 1))), 1e-6 * q) << m;
+    difference = std::fmax(difference, std::abs(turned.at(m) - phase * bessel(m)));
+  }
+  EXPECT_GT(difference, 0.1);
+}
+
+// eq. W.29 of two lights that a grid holds is the mean of eq. W.14 over the turns of one of them. The control has all
+// light in the harmonic 0.
+TEST(SpeckledRim, KnownLightsAgainstTheMeanOverRolls) {
+  constexpr int most = 44, rolls = 2 * most + 2, waves = 12;
+  double const a = 0.1, l1 = 400, l2 = 600;
+  PlaneWaves first, second;
+  Rng random(3, 0, 0, Stream::source);
+  for (int i = 0; i < waves; ++i)
+    for (PlaneWaves* const light : {&first, &second}) {
+      int const n = int(21 * random.uniform()) - 10, m = int(21 * random.uniform()) - 10;
+      light->add(n, m, std::polar(random.uniform(), 2 * pi * random.uniform()));
+    }
+  wave::Sampler const one(first.field), two(second.field);
+  SpeckledRim rim{nd_yag, a, l1, l2, 0.02, 0.02, 0, 0};
+  rim.edge1 = wave::field_on_ring(one, {}, a, most);
+  rim.edge2 = wave::field_on_ring(two, {}, a, most);
+  wave::SpeckleMeans const expected = speckle_means(rim);
+  double transverse = 0, longitudinal = 0;
+  for (int roll = 0; roll < rolls; ++roll) {
+    double const c = std::cos(2 * pi * roll / rolls), s = std::sin(2 * pi * roll / rolls);
+    WaveAt const turned = [&](Vec3 const& p) {
+      WaveValue const v = two.at(c * p.x + s * p.y, c * p.y - s * p.x);
+      return WaveValue{v.value, c * v.dx - s * v.dy, s * v.dx + c * v.dy};
+    };
+    RimLevers const levers = rim_levers(
+        wave::round_rim(a, {}, 256), [&](Vec3 const& p) { return one.at(p.x, p.y); }, turned, nd_yag, 1, {});
+    transverse += (std::norm(levers.displacement[0]) + std::norm(levers.displacement[1])) / (2 * rolls);
+    longitudinal += std::norm(levers.displacement[2]) / rolls;
+  }
+  EXPECT_LT(deviation(expected.transverse, transverse), 1e-6);
+  EXPECT_LT(deviation(expected.longitudinal, longitudinal), 1e-6);
+  rim.edge2 = {{std::sqrt(rim.edge2.irradiance())}, {0}};
+  EXPECT_GT(deviation(speckle_means(rim).transverse, transverse), 0.1);
 }
 
 }  // namespace

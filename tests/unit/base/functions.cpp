@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
+#include "base/math/bessel.hpp"
 #include "base/math/first_where.hpp"
 #include "base/math/rng.hpp"
 #include "support/chi_square.hpp"
@@ -209,6 +211,25 @@ TEST(statistics, chi_square_tail) {
   EXPECT_NEAR(testing::chi_square_tail(18.30703805, 10), 0.05, 1e-9);
   EXPECT_NEAR(testing::chi_square_tail(149.4492528, 100) / 0.001, 1, 1e-6);
   EXPECT_NEAR(testing::chi_square_tail(30, 2) / std::exp(-15), 1, 1e-12);
+}
+
+// exp(-x) I_n(x) by the series of exp(x) = I_0 + 2 (I_1 + I_2 + ...) and by the standard library, which overflows
+// beyond x = 700. The control is the upward recurrence, which is not stable.
+TEST(functions, scaled_bessel_functions_of_all_orders) {
+  for (double const x : {0.0, 0.5, 20.0, 60.0, 600.0, 1.1e4, 4e5}) {
+    int const most = 40 + int(10 * std::sqrt(x));
+    std::vector<double> const values = scaled_bessels(most, x);
+    double sum = values[0];
+    for (int n = 1; n <= most; ++n) sum += 2 * values[std::size_t(n)];
+    EXPECT_NEAR(sum, 1, 1e-9) << x;
+    for (int n = 0; x < 700 && n <= 100 && n <= most; n += 20) {
+      double const exact = std::exp(-x) * std::cyl_bessel_i(double(n), x);
+      EXPECT_NEAR(values[std::size_t(n)], exact, 1e-9 * exact) << n << ' ' << x;
+    }
+  }
+  double below = scaled_bessel(0, 60), here = scaled_bessel(1, 60);
+  for (int n = 1; n < 60; ++n) below = std::exchange(here, below - 2 * n / 60. * here);
+  EXPECT_GT(std::fabs(here / scaled_bessels(60, 60)[60] - 1), 0.1);
 }
 
 }  // namespace
