@@ -21,8 +21,8 @@ inline double scaled_bessel(int n, double x) {
   return sum / std::sqrt(2 * pi * x);
 }
 
-// exp(-x) I_n(x) for n = 0 to `most` at any x >= 0, to 1e-9. The ratios of neighbours follow from those of higher orders
-// by the stable, downward recurrence; the highest lies between the bounds of Amos, (n + 1)/x^2 of itself apart.
+// exp(-x) I_n(x) for n = 0 to `most` at any x >= 0, to 1e-9. The ratios of neighbours follow from those of higher
+// orders by the stable, downward recurrence; the highest lies between the bounds of Amos, (n + 1)/x^2 of itself apart.
 inline std::vector<double> scaled_bessels(int most, double x) {
   std::vector<double> values(std::size_t(most) + 1);
   int n = most + 20 + int(std::fmin(std::ceil(std::sqrt(40 * x)), 1000.0));

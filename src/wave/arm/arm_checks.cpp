@@ -219,8 +219,8 @@ double angle_between_edges(ArmCavity const& arm) {
   return angle;
 }
 
-// rad; the largest angle between the outline of a mirror and an edge that the grid lights with it (eq. W.64). 0: no such
-// edges, or light of the mode itself meets them.
+// rad; the largest angle between the outline of a mirror and an edge that the grid lights with it (eq. W.64). 0: no
+// such edges, or light of the mode itself meets them.
 double angle_from_outlines(ArmCavity const& arm) {
   double angle = 0;
   for (ArmRim const& rim : arm.rims) {

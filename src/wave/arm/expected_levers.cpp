@@ -16,8 +16,8 @@ bool held(ArmCavity const& arm, ArmRim const& rim, std::size_t mirror) {
   return !rim.in_band && clear_of_mode(arm, rim) && (mirror == 0 ? rim.angle1 : rim.angle2) <= arm.crossover;
 }
 
-// Light from a mirror, whose points lie within R of the axis of a ring of radius a, has harmonics up to kaR/l on it, and
-// an Airy tail beyond.
+// Light from a mirror, whose points lie within R of the axis of a ring of radius a, has harmonics up to kaR/l on it,
+// and an Airy tail beyond.
 int harmonics_on(ArmCavity const& arm, ArmRim const& rim, std::size_t mirror) {
   WaveCavity const& cavity = arm.cavity;
   RoundHole const& hole = (mirror == 0 ? cavity.mirror1 : cavity.mirror2).outline;

@@ -183,7 +183,8 @@ TEST(ArmCavity, ChoosesTheGridOfEdgesThatLightEachOther) {
   EXPECT_TRUE(problems_of(cavity_with("crossover: 120 urad, grid: {points: 800, window: 0.47 m}"), "grid").empty());
   KilometreArm wide = kilometre_arm("crossover: 250 urad, " + std::string(perfect));
   for (std::size_t at; (at = wide.baffles.find("45 mm")) != std::string::npos;) wide.baffles.replace(at, 5, "74 mm");
-  // eq. W.64: from the outline of a mirror of 75 mm to the edge 400 m away; 270 urad are the crossover angle and the slope.
+  // eq. W.64: from the outline of a mirror of 75 mm to the edge 400 m away; 270 urad are the crossover angle and the
+  // slope.
   double const from_outline = (0.075 + 0.074) / 400;
   Grid const grid = cavity_of(wide).cavity.grid;
   EXPECT_GE(0.6 * grid.largest_angle(nd_yag), from_outline);

@@ -148,8 +148,8 @@ TEST(ArmWaves, RimsBeyondTheAngleHaveTheirExpectation) {
   expect_speckle(wide, 0.07, true);
 }
 
-// A kilometre near the concentric limit: what its small mirrors clip of the mode, their outlines send across the axis to
-// edges next to the other mirror.
+// A kilometre near the concentric limit: what its small mirrors clip of the mode, their outlines send across the axis
+// to edges next to the other mirror.
 World dense_arm(int points) {
   KilometreArm scene = kilometre_arm(fmt::format("crossover: 120 urad, grid: {{points: {}, window: 0.42 m}}", points));
   scene.baffles.clear();

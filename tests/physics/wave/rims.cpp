@@ -480,8 +480,8 @@ TEST(SpeckledRim, KnownLightsAgainstTheMeanOverRolls) {
       WaveValue const v = two.at(c * p.x + s * p.y, c * p.y - s * p.x);
       return WaveValue{v.value, c * v.dx - s * v.dy, s * v.dx + c * v.dy};
     };
-    RimLevers const levers = rim_levers(
-        wave::round_rim(a, {}, 256), [&](Vec3 const& p) { return one.at(p.x, p.y); }, turned, nd_yag, 1, {});
+    RimLevers const levers =
+        rim_levers(wave::round_rim(a, {}, 256), [&](Vec3 const& p) { return one.at(p.x, p.y); }, turned, nd_yag, 1, {});
     transverse += (std::norm(levers.displacement[0]) + std::norm(levers.displacement[1])) / (2 * rolls);
     longitudinal += std::norm(levers.displacement[2]) / rolls;
   }
