@@ -168,7 +168,7 @@ std::string statement(World const& world, ArmWaves const& waves, ClassKind kind,
   if (kind == ClassKind::speckle)
     return fmt::format(
         "{}, mean over random mirrors with their scatter and outlines (docs/theory/wave.md, eq. W.29): light at angles "
-        "above {:.3g} urad, which the grid does not hold; at smaller angles from the other mirror, with the irradiance "
+        "above {:.3g} urad, which the grid does not hold; at smaller angles from the other mirror, with the field "
         "on the grid; powers added; first order in the motion",
         edges, 1e6 * waves.arm.crossover);
   std::string drawn = group.map_draws > 1 ? fmt::format("mean over {} draws of the mirrors", group.map_draws)
