@@ -188,6 +188,7 @@ namespace {
 
 // Without the elements that are rounding.
 void resolve(SensingMatrix& m, NetworkModel const& model, SteadyField const& f) {
+  if (m.response.size() == 0) return;
   double const gain = largest_gain(model.network, f);
   for (Eigen::Index i = 0; i < m.response.rows(); ++i) {
     NamedReadout const& r = model.readouts[std::size_t(i)];
@@ -197,6 +198,21 @@ void resolve(SensingMatrix& m, NetworkModel const& model, SteadyField const& f) 
     for (Eigen::Index j = 0; j < m.response.cols(); ++j)
       if (!(std::abs(m.response(i, j)) > least)) m.response(i, j) = not_a_number;
   }
+}
+
+// Of the rows that have elements above rounding.
+double condition_of(Eigen::MatrixXcd const& response) {
+  Eigen::MatrixXcd scaled(response.rows(), response.cols());
+  Eigen::Index rows = 0;
+  for (Eigen::Index i = 0; i < response.rows(); ++i) {
+    Eigen::RowVectorXcd const row =
+        response.row(i).unaryExpr([](Phasor z) { return std::isnan(std::abs(z)) ? Phasor(0) : z; });
+    double const most = row.size() > 0 ? row.cwiseAbs().maxCoeff() : 0;
+    if (most > 0) scaled.row(rows++) = row / most;
+  }
+  if (rows == 0) return infinity;
+  Eigen::VectorXd const s = Eigen::JacobiSVD<Eigen::MatrixXcd>(scaled.topRows(rows)).singularValues();
+  return s.minCoeff() > 0 ? s.maxCoeff() / s.minCoeff() : infinity;
 }
 
 }  // namespace
@@ -213,12 +229,8 @@ SensingMatrix sensing_matrix(NetworkModel const& model, double hz) {
       m.response(Eigen::Index(i), Eigen::Index(j)) =
           std::conj(response_to(r, model.network, {"", NetworkCause::Kind::displacement, model.freedoms[j].moves}, hz));
   }
-  Eigen::MatrixXcd scaled = m.response;
-  for (Eigen::Index i = 0; i < scaled.rows(); ++i)
-    if (double const most = scaled.row(i).cwiseAbs().maxCoeff(); most > 0) scaled.row(i) /= most;
-  Eigen::VectorXd const s = Eigen::JacobiSVD<Eigen::MatrixXcd>(scaled).singularValues();
-  m.condition = s.size() > 0 && s.minCoeff() > 0 ? s.maxCoeff() / s.minCoeff() : infinity;
-  if (m.response.size() > 0) resolve(m, model, field);
+  resolve(m, model, field);
+  m.condition = condition_of(m.response);
   return m;
 }
 

@@ -51,7 +51,7 @@ struct SensingMatrix {
   double hz = 0;
   std::vector<std::string> readouts{}, freedoms{};
   Eigen::MatrixXcd response{};
-  double condition = 0;  // with each row divided by its largest; infinite without an inverse
+  double condition = 0;  // of rows divided by their largest, without those of rounding; infinite without an inverse
 };
 SensingMatrix sensing_matrix(NetworkModel const&, double hz);
 
