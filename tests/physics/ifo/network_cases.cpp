@@ -11,6 +11,7 @@
 #include "ifo/dual_recycled.hpp"
 #include "ifo/network.hpp"
 #include "physics/ifo/network_support.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::ifo_network_cases {
 namespace {
@@ -23,10 +24,10 @@ TEST(NetworkCases, ModulatedCavityT1) {
     SteadyField const f(c.network);
     return std::array{f.power_out(c.inside()), f.power_out(c.outside())};
   };
-  EXPECT_LT(relative(powers(0, 1)[0], 137.4527719), 1e-9);
-  EXPECT_LT(relative(powers(0, 1)[1], 0.4501857917), 1e-9);
-  EXPECT_LT(relative(powers(1e-9, 1)[0], 70.42165462), 1e-9);
-  EXPECT_LT(relative(powers(1e-9, 1)[1], 0.7183102608), 1e-9);
+  EXPECT_LT(deviation(powers(0, 1)[0], 137.4527719), 1e-9);
+  EXPECT_LT(deviation(powers(0, 1)[1], 0.4501857917), 1e-9);
+  EXPECT_LT(deviation(powers(1e-9, 1)[0], 70.42165462), 1e-9);
+  EXPECT_LT(deviation(powers(1e-9, 1)[1], 0.7183102608), 1e-9);
   EXPECT_GT(relative(powers(0, 2)[1], 0.4501857917), 1e-8) << "control: second-order bands";
 }
 
@@ -34,12 +35,12 @@ TEST(NetworkCases, ModulatedCavityT1) {
 TEST(NetworkCases, ErrorSignalAndItsSlopeT2) {
   ModulatedCavity const moved(0.2e-9), locked(0);
   SteadyField const off(moved.network), on(locked.network);
-  EXPECT_LT(relative(value_of(moved.error_signal(0), off), -0.03125225501), 1e-7);
+  EXPECT_LT(deviation(value_of(moved.error_signal(0), off), -0.03125225501), 1e-7);
   EXPECT_NEAR(value_of(moved.error_signal(pi / 2), off), 2.343934e-6, 1e-12);
   AdjointSlope const in_phase(locked.network, on, locked.error_signal(0)),
       in_quadrature(locked.network, on, locked.error_signal(pi / 2));
-  EXPECT_LT(relative(in_phase.to_displacement(locked.end), -1.62210783e8), 1e-7);
-  EXPECT_LT(relative(in_quadrature.to_displacement(locked.end), 1.2165863e4), 1e-7);
+  EXPECT_LT(deviation(in_phase.to_displacement(locked.end), -1.62210783e8), 1e-7);
+  EXPECT_LT(deviation(in_quadrature.to_displacement(locked.end), 1.2165863e4), 1e-7);
   auto const response = [&](double hz) {
     return LinearResponse(locked.network, on, locked.error_signal(0), hz).to_displacement(locked.end);
   };
@@ -115,9 +116,9 @@ TEST(NetworkCases, ModulatedMichelsonT3) {
        {Row{5, 7.848924050e-3, 7.459959347e-4, -2.169797922e-3}, {20, 0.1157481733, 2.761427924e-3, -8.031866220e-3}}) {
     ModulatedMichelson const m(row.degrees * pi / 180), flat(row.degrees * pi / 180, true);
     SteadyField const f(m.network), g(flat.network);
-    EXPECT_LT(relative(value_of(m.power(), f), row.power), 1e-9);
-    EXPECT_LT(relative(value_of(m.demodulated(0), f), row.in_phase), 1e-9);
-    EXPECT_LT(relative(value_of(m.demodulated(pi / 2), f), row.in_quadrature), 1e-9);
+    EXPECT_LT(deviation(value_of(m.power(), f), row.power), 1e-9);
+    EXPECT_LT(deviation(value_of(m.demodulated(0), f), row.in_phase), 1e-9);
+    EXPECT_LT(deviation(value_of(m.demodulated(pi / 2), f), row.in_quadrature), 1e-9);
     // T4: with one wave number for all carriers, as a phase of the space has, 2e-6 are lost.
     EXPECT_NEAR(relative(value_of(flat.demodulated(0), g), row.in_phase), 2.0e-6, 5e-8) << "control: k_0 for k_n";
   }
@@ -137,7 +138,7 @@ TEST(NetworkCases, IncidenceOfSplittersT3) {
     return value_of(m.power(), SteadyField(m.network));
   };
   double const by_mirrors = dark(pi / 4, -d * cosine, d * cosine, 0);
-  EXPECT_LT(relative(dark(pi / 4, 0, 0, d), by_mirrors), 1e-6);
+  EXPECT_LT(deviation(dark(pi / 4, 0, 0, d), by_mirrors), 1e-6);
   EXPECT_GT(relative(dark(0, 0, 0, d), by_mirrors), 1e-2) << "control: normal incidence";
 }
 
@@ -147,8 +148,8 @@ TEST(NetworkCases, ResponseOfMichelsonT5) {
   auto const response = [&](Readout const& r) {
     return std::abs(LinearResponse(m.network, f, r, 100).to_displacement(m.x));
   };
-  EXPECT_LT(relative(response(m.power()), 1011538.469), 1e-7);
-  EXPECT_LT(relative(response(m.demodulated(0)), 49967.30495), 1e-7);
+  EXPECT_LT(deviation(response(m.power()), 1011538.469), 1e-7);
+  EXPECT_LT(deviation(response(m.demodulated(0)), 49967.30495), 1e-7);
   EXPECT_GT(relative(response(m.demodulated(pi / 2)), 49967.30495), 1) << "control: the other quadrature";
 }
 
@@ -159,12 +160,12 @@ TEST(NetworkCases, RingT6) {
     return std::array{f.power_out(r.network.number_of({r.second, 1})), f.power_out(r.reflected()),
                       f.power_out(r.transmitted())};
   };
-  EXPECT_LT(relative(powers(0, false)[0], 382.7944283), 1e-8);
+  EXPECT_LT(deviation(powers(0, false)[0], 382.7944283), 1e-8);
   EXPECT_NEAR(powers(0, false)[1], 4.2205e-4, 5e-9);
-  EXPECT_LT(relative(powers(0, false)[2], 0.9593845320), 1e-8);
-  EXPECT_LT(relative(powers(1e-10, false)[0], 315.4286273), 1e-8);
-  EXPECT_LT(relative(powers(1e-10, false)[1], 0.1763320562), 1e-8);
-  EXPECT_LT(relative(powers(1e-10, false)[2], 0.7905479379), 1e-8);
+  EXPECT_LT(deviation(powers(0, false)[2], 0.9593845320), 1e-8);
+  EXPECT_LT(deviation(powers(1e-10, false)[0], 315.4286273), 1e-8);
+  EXPECT_LT(deviation(powers(1e-10, false)[1], 0.1763320562), 1e-8);
+  EXPECT_LT(deviation(powers(1e-10, false)[2], 0.7905479379), 1e-8);
   EXPECT_GT(relative(powers(1e-10, true)[0], 315.4286273), 2e-7) << "control: normal incidence on the third mirror";
 }
 
@@ -175,7 +176,7 @@ TEST(NetworkCases, PolarisationOfRings) {
     return SteadyField(r.network).power_out(r.inside());
   };
   double const half = light_wavelength / 4;
-  EXPECT_LT(relative(inside(Polarisation::p, half), inside(Polarisation::s, 0)), 1e-4);
+  EXPECT_LT(deviation(inside(Polarisation::p, half), inside(Polarisation::s, 0)), 1e-4);
   EXPECT_LT(inside(Polarisation::p, 0), 1e-2);
   EXPECT_LT(inside(Polarisation::s, half), 1e-2) << "control: s light";
   ModulatedMichelson m(0.1);
@@ -189,7 +190,7 @@ TEST(NetworkCases, PolarisationOfRings) {
     };
     p.link(end(s.from), end(s.to), s.length, s.phase);
   }
-  EXPECT_LT(relative(value_of(m.power(), SteadyField(p)), value_of(m.power(), SteadyField(m.network))), 1e-12)
+  EXPECT_LT(deviation(value_of(m.power(), SteadyField(p)), value_of(m.power(), SteadyField(m.network))), 1e-12)
       << "two reflections on either way";
 }
 
@@ -219,8 +220,8 @@ TEST(NetworkCases, CoupledCavitiesT13) {
   std::array const expected_on = {380.7589845, 106823.0917, 1.518246519},
                    expected_off = {377.6475364, 105949.8714, 1.587580211};
   for (int i = 0; i < 3; ++i) {
-    EXPECT_LT(relative(on[i], expected_on[i]), 1e-9) << i;
-    EXPECT_LT(relative(off[i], expected_off[i]), 1e-9) << i;
+    EXPECT_LT(deviation(on[i], expected_on[i]), 1e-9) << i;
+    EXPECT_LT(deviation(off[i], expected_off[i]), 1e-9) << i;
   }
   EXPECT_GT(relative(Coupled(0, 74e-6).powers()[1], expected_on[1]), 1e-4) << "control: 1 ppm of loss";
   Coupled const c(0);
@@ -234,7 +235,7 @@ TEST(NetworkCases, CoupledCavitiesT13) {
     double const middle = std::sqrt(below * above);
     (answer(middle) > answer(1e-3) / std::sqrt(2) ? below : above) = middle;
   }
-  EXPECT_LT(relative(below, 1.0346), 1e-4);
+  EXPECT_LT(deviation(below, 1.0346), 1e-4);
 }
 
 // Advanced Virgo with two modulators, unequal arms, heavy mirrors and no offset. A mirror a quarter of a wavelength off
@@ -278,7 +279,7 @@ TEST(NetworkCases, TwoModulatorsT14) {
   };
   std::array const found = powers(ModulatorParameters::Of::carrier), all = powers(ModulatorParameters::Of::all),
                    expected = {657782.3265, 4800.808598, 0.1676620636, 19.87435737};
-  for (int i = 0; i < 4; ++i) EXPECT_LT(relative(found[i], expected[i]), 1e-8) << i;
+  for (int i = 0; i < 4; ++i) EXPECT_LT(deviation(found[i], expected[i]), 1e-8) << i;
   EXPECT_NEAR(all[2], 0.16771, 5e-6) << "control: sidebands of sidebands";
   EXPECT_NEAR(all[3], 19.8774, 5e-5) << "control: sidebands of sidebands";
 }
@@ -314,16 +315,16 @@ TEST(NetworkCases, AdvancedVirgoT16T17) {
   DualRecycled const d(p);
   Network const& n = d.network();
   auto const port = [&](char const* c, std::uint32_t number) { return n.number_of({n.find(c), number}); };
-  EXPECT_LT(relative(d.field().power_in(port("ETMx", 0)), 667600.7838), 1e-9);
-  EXPECT_LT(relative(d.field().power_in(port("BS", 0)), 4759.182457), 1e-9);
-  EXPECT_LT(relative(d.field().power_out(port("SRM", 1)), 0.01177073116), 1e-9);
-  EXPECT_LT(relative(d.field().power_out(port("PRM", 0)), 18.97366541), 1e-9);
+  EXPECT_LT(deviation(d.field().power_in(port("ETMx", 0)), 667600.7838), 1e-9);
+  EXPECT_LT(deviation(d.field().power_in(port("BS", 0)), 4759.182457), 1e-9);
+  EXPECT_LT(deviation(d.field().power_out(port("SRM", 1)), 0.01177073116), 1e-9);
+  EXPECT_LT(deviation(d.field().power_out(port("PRM", 0)), 18.97366541), 1e-9);
   auto const darm = [&](DualRecycled const& of, double hz) {
     return std::abs(of.to_freedom(of.response(Readout::power(port("SRM", 1)).of_leaving(), hz), Freedom::darm));
   };
-  EXPECT_LT(relative(darm(d, 10), 5.88463731e9), 1e-8);
-  EXPECT_LT(relative(darm(d, 100), 5.85689370e9), 1e-8);
-  EXPECT_LT(relative(darm(d, 1000), 4.18955604e9), 1e-8);
+  EXPECT_LT(deviation(darm(d, 10), 5.88463731e9), 1e-8);
+  EXPECT_LT(deviation(darm(d, 100), 5.85689370e9), 1e-8);
+  EXPECT_LT(deviation(darm(d, 1000), 4.18955604e9), 1e-8);
   p.mirror_mass = infinity;
   EXPECT_GT(relative(darm(DualRecycled(p), 10), 5.88463731e9), 5e-5) << "control: no radiation pressure";
 }
@@ -347,7 +348,7 @@ TEST(NetworkCases, OpticalSpringT18) {
     }
   };
   Spring const s(0.3e-9);
-  EXPECT_LT(relative(SteadyField(s.network).power_in(s.network.number_of({s.end, 0})), 2245647.353), 1e-9);
+  EXPECT_LT(deviation(SteadyField(s.network).power_in(s.network.number_of({s.end, 0})), 2245647.353), 1e-9);
   EXPECT_LT(relative(s.per_force(1), Phasor(5.00691e-8, -1.42196e-9)), 2e-6);  // digits of the reference
   EXPECT_LT(relative(s.per_force(10), Phasor(4.9180343e-8, -1.4450089e-8)), 1e-6);
   EXPECT_GT(relative(Spring(-0.3e-9).per_force(1), Phasor(5.00691e-8, -1.42196e-9)), 1) << "control: sign of detuning";

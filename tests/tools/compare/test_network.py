@@ -14,6 +14,7 @@ import sys
 import tempfile
 
 from environment import require_finesse
+from records import Records
 
 POWERS, SIGNALS = 1e-10, 1e-6
 FREQUENCIES = (3.0, 90.0, 2700.0)    # Hz
@@ -227,10 +228,10 @@ def worst_response(scene, model, power):
 
 class Checks:
     def __init__(self):
-        self.failures = 0
+        self.failures, self.records = 0, Records("tools.network", PROGRAM)
 
     def __call__(self, name, what, worst, allowed):
-        good = worst <= allowed
+        good = self.records.below(f"{what}: relative difference", worst, allowed)
         self.failures += not good
         print(f"{'ok  ' if good else 'FAIL'} {name}: {what}: differs by {worst:.1e}, allowed {allowed:.0e}")
 
@@ -293,6 +294,8 @@ def main():
             compare(f"random network {seed}", random_model(seed), folder, check)
         controls(folder, check)
         command(folder, check)
+    if not check.failures:
+        check.records.write()
     sys.exit(check.failures > 0)
 
 
