@@ -206,11 +206,9 @@ double read_demodulation_frequency(Node const& table, Network const& network) {
     table.lack("frequency", "'frequency' of the demodulation is missing", "name a modulator, or write 6.27 MHz");
     return not_a_number;
   }
-  double hz = not_a_number;
   if (auto const id = network.search(node.text()); id && network.at(*id).kind == Kind::modulator)
-    hz = network.at(*id).modulation;
-  else
-    hz = node.as_number(dim::frequency, 1, 1e12);
+    return network.at(*id).modulation;
+  double const hz = node.as_number(dim::frequency, 1, 1e12);
   if (std::isnan(hz)) return hz;
   std::vector<double> const carriers = network.carriers();
   bool const beats = std::ranges::any_of(carriers, [&](double a) {
@@ -370,6 +368,24 @@ double read_wavelength(Node const& network, double of_beams) {
   return std::isnan(stated) ? 1064e-9 : stated;
 }
 
+// At most so many carriers that they can be solved for. With more, the modulators are left out: their carriers alone
+// could fill the memory.
+void limit_carriers(Node const& table, Network const& network, NetworkChanges& changes) {
+  double count = 1;
+  for (Component const& c : network.components()) {
+    if (c.kind != Kind::modulator) continue;
+    double const bands = double(c.bands.size());
+    count = c.carrier_alone ? count + bands - 1 : count * bands;
+  }
+  constexpr double countable = 1e5;
+  if (count < countable) count = double(network.carriers().size());
+  if (!(count > most_carriers)) return;
+  table["components"].problem(fmt::format("the modulators make {:g} carriers", count),
+                              "reduce 'order', or write 'of: carrier'");
+  for (Component& c : changes.components)
+    if (c.kind == Kind::modulator) c = Network::modulator(c.name, {.index = 0, .hz = 1, .order = 0});
+}
+
 }  // namespace
 
 NetworkChanges read_network_changes(Node const& network, Network const& base) {
@@ -381,9 +397,7 @@ NetworkChanges read_network_changes(Node const& network, Network const& base) {
   changed = base;
   apply(changes, changed);
   warn_of_loose_ends(network, base, changed);
-  if (std::size_t const n = changed.carriers().size(); n > most_carriers)
-    network["components"].problem(fmt::format("the modulators make {} carriers", n),
-                                  "reduce 'order', or write 'of: carrier'");
+  limit_carriers(network, changed, changes);
   return changes;
 }
 

@@ -143,6 +143,20 @@ TEST(NetworkTable, ProblemsHaveRemedies) {
   EXPECT_THAT(bare(cavity).problems, IsEmpty()) << "control: nothing is wrong";
 }
 
+// Twelve modulators of order 20 would make 41^12 carriers.
+TEST(NetworkTable, CarriersAreLimited) {
+  auto const with = [](int modulators, char const* of) {
+    std::string text = "    components:\n      laser: {laser: {power: 1 W}}\n";
+    for (int i = 0; i < modulators; ++i)
+      text += "      E" + std::to_string(i) + ": {modulator: {frequency: " + std::to_string(1 + 0.01 * i) +
+              " MHz, index: 0.1, order: 20, of: " + of + "}}\n";
+    return bare(text + "    readouts: {a: {demodulate: {at: E0.in.in, frequency: E0, phase: 0 deg}}}\n").problems;
+  };
+  EXPECT_THAT(with(2, "all"), HasSubstr("make 1681 carriers"));
+  EXPECT_THAT(with(12, "all"), AllOf(HasSubstr("reduce 'order', or write 'of: carrier'"), HasSubstr("1 error.")));
+  EXPECT_THAT(with(8, "carrier"), IsEmpty()) << "control: 321 carriers";
+}
+
 TEST(NetworkTable, AllProblemsAtOnce) {
   Bare const b = bare(components + "    spaces:\n      - {from: lazer, to: ITM.top, length: 1 s}\n    extra: 1\n");
   EXPECT_THAT(b.problems, AllOf(HasSubstr("no port 'lazer'"), HasSubstr("no port 'ITM.top'"), HasSubstr("is a length"),
