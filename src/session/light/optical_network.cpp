@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
+#include "base/input/document.hpp"
 #include "ifo/layout/read_network.hpp"
 #include "session/diagnostics.hpp"
 #include "session/model.hpp"
@@ -27,8 +28,9 @@ std::optional<NetworkModel> network_of(Node const& table, double wavelength, Int
 }  // namespace
 
 bool only_network(Scene const& scene) {
-  Node const root = scene.root();
-  return root.has("interferometer") && !root.has("scene") && !root.has("beams") && !root.has("bodies");
+  Node const root = scene.root(), table = root["interferometer"];
+  bool const network = table.kind() == Node::Kind::table && table.data()->find("network") != nullptr;
+  return network && !root.has("scene") && !root.has("beams") && !root.has("bodies");
 }
 
 NetworkModel read_lone_network(Scene const& scene) {

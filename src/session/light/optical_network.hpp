@@ -8,7 +8,7 @@
 
 namespace straytrace::session {
 
-// An interferometer with nothing to trace.
+// An interferometer with a network and nothing to trace.
 bool only_network(Scene const&);
 // Of such a scene. Throws one InputError with all problems.
 NetworkModel read_lone_network(Scene const&);
