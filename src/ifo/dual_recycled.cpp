@@ -513,6 +513,7 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
                                                              std::vector<TracedPort> const& ports, double wavelength,
                                                              Band const& band) {
   P p = preset.parameters;
+  table.has("network");  // known, though only read where the preset can be solved
   if (std::isnan(wavelength)) wavelength = p.wavelength;
   for (Key<P> const& k : recycled_keys) p.*(k.member) = table.number(k.name, k.dimension, p.*(k.member), k.low, k.high);
   read_power(table, p);

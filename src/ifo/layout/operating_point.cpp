@@ -31,7 +31,7 @@ void add_energy(Network const& n, SteadyField const& f, OperatingPoint& into) {
   for (Component const& c : n.components())
     if (c.emits != 0.0) into.energy.push_back({Kind::emitted, c.name, std::norm(c.emits)});
   for (std::uint32_t p = 0; p < n.ports(); ++p)
-    if (other[p].first == n.ports() && n.at(n.owner_of(p)).ports > 1)
+    if (Component const& c = n.at(n.owner_of(p)); other[p].first == n.ports() && (c.ports > 1 || c.emits != 0.0))
       into.energy.push_back({Kind::leaving, n.port_name(p), f.power_out(p)});
   for (Component const& c : n.components())
     if (c.ports == 1) into.energy.push_back({Kind::absorbed, c.name, f.power_in(c.first_port)});

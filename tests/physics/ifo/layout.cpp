@@ -70,6 +70,15 @@ TEST(NetworkEnergy, BalanceCloses) {
   }
 }
 
+TEST(NetworkEnergy, LightOfALaserWithoutASpaceLeaves) {
+  NetworkModel m{.preset = "none", .network = Network(light_wavelength)};
+  m.network.add_laser("laser", 3);
+  OperatingPoint const p = operating_point(m);
+  ASSERT_EQ(p.energy.size(), 3u);
+  EXPECT_EQ(p.energy[1].kind, EnergyRow::Kind::leaving);
+  EXPECT_NEAR(p.missing, 0, 1e-12);
+}
+
 // Case T2 by names, and the linear range: the slope of a Lorentzian's dispersion x/(1 + x^2) is (1 - x^2)/(1 + x^2)^2.
 TEST(NetworkSignals, ErrorSignalOfACavity) {
   NetworkModel const m = modelled(ModulatedCavity(0));

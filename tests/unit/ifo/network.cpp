@@ -199,6 +199,11 @@ TEST(NetworkOfPreset, ReplacedMirrorChangesTheStrain) {
   EXPECT_GT(std::fabs(stated / plain - 1), 1e-3) << "control: the mirror matters";
 }
 
+TEST(NetworkOfPreset, OtherProblemsDoNotMakeItsKeyUnknown) {
+  EXPECT_THAT(detector("preset: adv, arm_length: 3 kg, network: {components: {}}").problems,
+              AllOf(HasSubstr("is a length"), HasSubstr("1 error.")));
+}
+
 TEST(NetworkOfPreset, Problems) {
   auto const said = [](std::string const& network) {
     Detector const d = detector("preset: adv, network: {" + network + "}", {}, 1064e-9, {});
