@@ -8,6 +8,7 @@
 
 #include <H5Cpp.h>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <functional>
 #include <set>
@@ -59,6 +60,8 @@ TEST_F(ReportRunFile, ComesBackBitByBit) {
   EXPECT_EQ(back.about.warnings, was.warnings);
   EXPECT_EQ(back.trace.warnings, trace.warnings);
   EXPECT_EQ(back.trace.seconds, 12.5);
+  ASSERT_TRUE(back.about.seam);
+  EXPECT_EQ(std::memcmp(back.about.seam.get(), was.seam.get(), sizeof(SeamCheck)), 0);  // numbers without gaps
 }
 
 TEST_F(ReportRunFile, KeepsTheFieldOfARing) {

@@ -324,6 +324,8 @@ inline RunContent content(TraceResult const& trace, NoiseBudget const* noise) {
   c.projection = projection_inputs(trace.coupling);
   c.waves = std::make_shared<wave::WaveRecord const>(wave_record());
   c.ring = std::make_shared<wave::RingRecord const>(ring_record());
+  c.seam = std::make_shared<SeamCheck const>(SeamCheck{
+      10.5, 2e-4, 1.4e-4, 4096, {1e-24, 2e-26, 3e-24, 4e-26, -0.01, 0.02}, {5e-24, 6e-26, 7e-24, 8e-26, 0.03, 0.04}});
   c.trace = &trace;
   c.noise = noise;
   return c;
