@@ -59,7 +59,7 @@ int run(RunOptions const& options) {
   std::optional<FolderLock> const lock = alone ? std::nullopt : std::optional<FolderLock>(std::in_place, options.out);
   std::string const run_file = alone ? options.out : options.out + "/run.h5";
   auto const [world, traced] = trace_model(model, options, run_file);  // world -> coupling table
-  if (!model.seam && !options.no_seam && !traced.checkpointed())
+  if (!model.seam && !options.no_seam && !traced.checkpointed() && has_seam(model))
     model.seam = check_seam(earlier.read(options.overrides), traced, options);
   std::optional<NoiseBudget> budget;  // the rest is fast
   if (model.detector) budget = model.project_with_bands(traced.coupling);
@@ -87,7 +87,7 @@ int run(RunOptions const& options) {
                 << (alone ? fmt::format("run file: {}\n", run_file)
                           : results_line(options.out, content, "report.html", undrawn.empty()));
   }
-  bool const stopped = traced.checkpointed() || (guard.stop() && content.waves && !content.seam && !options.no_seam);
+  bool const stopped = traced.checkpointed() || (guard.stop() && has_seam(model) && !content.seam && !options.no_seam);
   if (stopped && !options.quiet) std::cerr << how_to_go_on;
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
   return stopped ? checkpointed : done;

@@ -20,7 +20,8 @@ struct NetworkCavity {
   double pole() const;                 // Hz, eq. 6.5: half width at half power
 };
 
-// Those with a finesse of at least 1, shortest ways first. Either direction of a ring counts once.
+// Those of at most 24 spaces with a finesse of at least 1, shortest ways first. Either direction of a ring counts once.
+// The search ends after 200000 steps: in a network of very many loops there may be more.
 std::vector<NetworkCavity> cavities_of(Network const&);
 
 }  // namespace straytrace::ifo

@@ -20,30 +20,22 @@ struct Member {
   void (*set)(Component&, double, double wavelength);
 };
 
-template <auto member>
-constexpr Member mirror_member(std::string_view name, Dimension dimension, double low, double high) {
+// A number that is stated as a member of `Parameters`.
+template <class Parameters, double Parameters::*member>
+constexpr Member stated(std::string_view name, Dimension dimension, double low, double high) {
   return {name,
           dimension,
           low,
           high,
-          [](Component const& c, double) { return std::get<MirrorParameters>(c.stated).*member; },
-          [](Component& c, double to, double) { std::get<MirrorParameters>(c.stated).*member = to; }};
-}
-template <auto member>
-constexpr Member modulator_member(std::string_view name, Dimension dimension, double low, double high) {
-  return {name,
-          dimension,
-          low,
-          high,
-          [](Component const& c, double) { return std::get<ModulatorParameters>(c.stated).*member; },
-          [](Component& c, double to, double) { std::get<ModulatorParameters>(c.stated).*member = to; }};
+          [](Component const& c, double) { return std::get<Parameters>(c.stated).*member; },
+          [](Component& c, double to, double) { std::get<Parameters>(c.stated).*member = to; }};
 }
 
 std::vector<Member> members_of(Component const& c) {
   if (c.interface())
-    return {mirror_member<&MirrorParameters::transmission>("transmission", dim::plain, 0, 1),
-            mirror_member<&MirrorParameters::loss>("loss", dim::plain, 0, 1),
-            mirror_member<&MirrorParameters::displacement>("displacement", dim::length, -1e-3, 1e-3),
+    return {stated<MirrorParameters, &MirrorParameters::transmission>("transmission", dim::plain, 0, 1),
+            stated<MirrorParameters, &MirrorParameters::loss>("loss", dim::plain, 0, 1),
+            stated<MirrorParameters, &MirrorParameters::displacement>("displacement", dim::length, -1e-3, 1e-3),
             {"tuning", dim::angle, -1e6, 1e6,
              [](Component const& m, double wavelength) {
                return std::get<MirrorParameters>(m.stated).displacement * 2 * pi / wavelength;
@@ -52,12 +44,10 @@ std::vector<Member> members_of(Component const& c) {
                std::get<MirrorParameters>(m.stated).displacement = to * wavelength / (2 * pi);
              }}};
   if (c.kind == Component::Kind::modulator)
-    return {modulator_member<&ModulatorParameters::index>("index", dim::plain, -10, 10),
-            modulator_member<&ModulatorParameters::hz>("frequency", dim::frequency, 1, 1e12)};
+    return {stated<ModulatorParameters, &ModulatorParameters::index>("index", dim::plain, -10, 10),
+            stated<ModulatorParameters, &ModulatorParameters::hz>("frequency", dim::frequency, 1, 1e12)};
   if (c.kind == Component::Kind::laser)
-    return {{"power", dim::power, 0, 1e30,
-             [](Component const& l, double) { return std::get<LaserParameters>(l.stated).power; },
-             [](Component& l, double to, double) { std::get<LaserParameters>(l.stated).power = to; }}};
+    return {stated<LaserParameters, &LaserParameters::power>("power", dim::power, 0, 1e30)};
   return {};
 }
 

@@ -269,16 +269,6 @@ std::string object_routes(MetRow const& r) {
   return text;
 }
 
-// The first of them, for people.
-std::string short_object_routes(MetRow const& r) {
-  constexpr std::size_t most = 8;
-  std::size_t const count = r.row.routes.size();
-  std::string text;
-  for (std::size_t k = 0; k < std::min(count, most); ++k)
-    text += fmt::format("{}#{}", k > 0 ? " " : "", r.row.routes[k]);
-  return count > most ? text + fmt::format(" and {} more", count - most) : text;
-}
-
 Json object_power(MetRow const& r) {
   return {{"value", r.receiver.power.trusted ? Json(r.row.power.value) : Json(nullptr)},
           {"sigma", json_number(r.row.power.sigma)},
@@ -305,7 +295,8 @@ std::vector<TableColumn<MetRow>> object_columns(double beam_power) {
     .value = [](MetRow const& r) { return 100 * r.power().value / r.receiver.power.mean; },
     .text = {40, "share/%"}, .csv = {40}, .as_text = object_share});
   all.push_back({.key = "routes", .kind = ColumnKind::text, .help = "ranks of its routes", .value = object_routes,
-    .text = {50, "by path"}, .csv = {50}, .json = {30}, .left = true, .as_text = short_object_routes,
+    .text = {50, "by path"}, .csv = {50}, .json = {30}, .left = true,
+    .as_text = [](MetRow const& r) { return first_ranks(r.row.routes); },
     .as_json = [](MetRow const& r) { return Json(r.row.routes); }});
   return all;
 }

@@ -49,16 +49,6 @@ struct ObjectLine {
   MetObject const& met;
 };
 
-// The first of them, for people.
-std::string short_routes(ObjectLine const& r) {
-  constexpr std::size_t most = 8;
-  std::size_t const count = r.met.routes.size();
-  std::string text;
-  for (std::size_t k = 0; k < std::min(count, most); ++k)
-    text += fmt::format("{}#{}", k > 0 ? " " : "", r.met.routes[k]);
-  return count > most ? text + fmt::format(" and {} more", count - most) : text;
-}
-
 Json strain_of(ObjectLine const& r) {
   Json all = Json::array();
   for (std::size_t k = 0; k < r.met.strain.size(); ++k) {
@@ -93,7 +83,8 @@ std::vector<TableColumn<ObjectLine>> columns_of(PathTable const& table) {
     .value = [](ObjectLine const& r) { return r.met.coupling; }, .text = {40}, .csv = {40}, .json = {40}});
   all.push_back({.key = "routes", .kind = ColumnKind::text, .help = "ranks of its routes",
     .value = [](ObjectLine const& r) { return fmt::format("{}", fmt::join(r.met.routes, " ")); },
-    .text = {50, "by path"}, .csv = {50}, .json = {50}, .left = true, .as_text = short_routes,
+    .text = {50, "by path"}, .csv = {50}, .json = {50}, .left = true,
+    .as_text = [](ObjectLine const& r) { return first_ranks(r.met.routes); },
     .as_json = [](ObjectLine const& r) { return Json(r.met.routes); }});
   return all;
 }

@@ -140,6 +140,14 @@ WithError ReplicaSum::share_of(ReplicaSum const& total) const {
   return {s, std::sqrt(std::fmax(variance, 0)) / total.value_};
 }
 
+std::string first_ranks(std::vector<std::size_t> const& ranks) {
+  constexpr std::size_t most = 8;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(ranks.size(), most); ++k)
+    text += fmt::format("{}#{}", k > 0 ? " " : "", ranks[k]);
+  return ranks.size() > most ? text + fmt::format(" and {} more", ranks.size() - most) : text;
+}
+
 // Figures of merit.
 
 namespace {

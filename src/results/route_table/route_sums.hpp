@@ -65,6 +65,9 @@ class ReplicaSum {
   double independent_ = 0;  // variance of the terms without pattern
 };
 
+// "#1 #3 #4": the first of the ranks of some routes, for people, and how many more there are.
+std::string first_ranks(std::vector<std::size_t> const&);
+
 // Figures of merit: efficiency of a run, 1/(relative error^2 x seconds of tracing). They depend on machine and load:
 // printed and stored in /timing, but not part of a result (docs/theory/errors.md).
 

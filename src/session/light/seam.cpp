@@ -13,6 +13,7 @@
 #include "results/text/columns.hpp"
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
+#include "session/light/cavity_waves.hpp"
 #include "wave/arm/arm_cavity.hpp"
 #include "wave/arm/arm_checks.hpp"
 
@@ -198,13 +199,15 @@ Seam check_seam(Model& model, TraceOptions const& options) {
   return seam;
 }
 
+bool has_seam(Model const& model) { return starts_in_field(model) && model.detector && !model.motion.inputs.empty(); }
+
 std::uint64_t histories_of_seam(std::uint64_t of_run) {
   constexpr std::uint64_t fewest = 1 << 14;
   return std::max(of_run / 4, std::min(of_run, fewest));
 }
 
 std::shared_ptr<SeamCheck const> check_seam(Model again, TraceResult const& run, TraceOptions const& options) {
-  if (!again.arm || again.arm->rims.empty() || !again.detector || again.motion.inputs.empty()) return {};
+  if (!has_seam(again)) return {};
   InterruptGuard const guard;
   WaveSettings const stated = again.world.wave;
   Grid const grid = again.arm->cavity.grid;

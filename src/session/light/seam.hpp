@@ -41,9 +41,11 @@ struct Seam {
 // scene.
 Seam check_seam(Model&, TraceOptions const&);
 
+// Whether a model has waves beside its rays, and noise.
+bool has_seam(Model const&);
 // Of a run: its noise and that of fewer histories at 1/sqrt(2) times its crossover angle, on its grid and with its
-// heights. `again`: its model, read anew. Nothing for a model without waves beside its rays or without noise, and after
-// Ctrl-C; a warning where the other angle cannot be computed.
+// heights. `again`: its model, read anew. Nothing without has_seam() and after Ctrl-C; a
+// warning where the other angle cannot be computed.
 std::shared_ptr<SeamCheck const> check_seam(Model again, TraceResult const&, TraceOptions const&);
 std::uint64_t histories_of_seam(std::uint64_t of_run);
 
