@@ -183,19 +183,29 @@ double DualRecycled::reference(InjectionPoint e) const {
   return std::sqrt((i.of_leaving ? field_->power_out(i.port) : field_->power_in(i.port)) / arm_power());
 }
 
-bool DualRecycled::sees_darm(double hz) const {
+// A response is compared with that in the other quadrature and, of a power, with what all its light could give.
+bool DualRecycled::sees(Readout const& r, Freedom f, double hz) const {
+  constexpr double blind = 1e-9, dark = 1e-24;
+  double most = 0;
+  for (std::uint32_t port = 0; port < network_.ports(); ++port) most = std::fmax(most, field_->power_out(port));
+  if (r.kind != Readout::Kind::homodyne && !(power_of_beam(r, *field_) > dark * most)) return false;
   auto const size = [&](double turn) {
-    Readout const r = Readout::homodyne(readout_.port, readout_.angle + turn);
-    return std::abs(to_freedom(response(r, hz), Freedom::darm));
+    Readout turned = r;
+    turned.angle += turn;
+    return std::abs(to_freedom(response(turned, hz), f));
   };
-  return size(0) > 1e-9 * size(pi / 2);
+  bool const power = r.kind == Readout::Kind::power;
+  double const whole = r.kind == Readout::Kind::homodyne ? 0 : power_of_beam(r, *field_) * network_.wavenumber();
+  return size(0) > blind * std::fmax(whole, power ? 0 : size(pi / 2));
 }
 
 std::unique_ptr<DualRecycled> DualRecycled::without_radiation_pressure() const {
   DualRecycledParameters heavy = p_;
   heavy.mirror_mass = infinity;
   heavy.arm_power = 0;
-  return std::make_unique<DualRecycled>(heavy, modulations_, changes_);
+  auto d = std::make_unique<DualRecycled>(heavy, modulations_, changes_);
+  d->read(readout_);
+  return d;
 }
 
 Phasor DualRecycled::stray_gain(double hz) const {
@@ -237,52 +247,6 @@ double DualRecycled::quantum_noise(double hz) const {
     vacuum.angle = r.seen_quadrature(vacuum.port);
   }
   return std::sqrt(r.quantum_noise({&vacuum, 1})) / (std::abs(to_freedom(r, Freedom::darm)) * p_.arm_length);
-}
-
-namespace {
-
-constexpr std::array<Freedom, 4> locked = {Freedom::carm, Freedom::mich, Freedom::prcl, Freedom::srcl};
-
-// The length itself as a read-out, with the splitter at rest.
-Readout length_of(Network const& n, Freedom f) {
-  Eigen::Matrix<double, 1, 6> const of = freedoms_of_lengths().row(Eigen::Index(f));
-  auto const part = [&](Length l) { return of[Eigen::Index(l)]; };
-  double const x = part(Length::arm_x), y = part(Length::arm_y);
-  return Readout::motion({{n.find("ETMx"), x},
-                          {n.find("ITMx"), part(Length::short_x) - x},
-                          {n.find("ETMy"), y},
-                          {n.find("ITMy"), part(Length::short_y) - y},
-                          {n.find("PRM"), -part(Length::recycling)},
-                          {n.find("SRM"), part(Length::signal)}});
-}
-
-}  // namespace
-
-HeldResponse::HeldResponse(DualRecycled const& d, double hz) : d_(d), read_(d.response(hz)) {
-  Eigen::Matrix<Phasor, loops, loops> moves;
-  Eigen::Matrix<Phasor, 1, loops> seen;
-  for (int i = 0; i < loops; ++i) {
-    lengths_.push_back(d.response(length_of(d.network(), locked[std::size_t(i)]), hz));
-    seen[i] = d.to_freedom(read_, locked[std::size_t(i)]);
-    for (int j = 0; j < loops; ++j) moves(i, j) = d.to_freedom(lengths_.back(), locked[std::size_t(j)]);
-  }
-  per_length_ = seen * moves.inverse();
-}
-
-template <class Cause>
-Phasor HeldResponse::held(Cause const& cause) const {
-  Phasor sum = cause(read_);
-  for (int i = 0; i < loops; ++i) sum -= per_length_[i] * cause(lengths_[std::size_t(i)]);
-  return sum;
-}
-Phasor HeldResponse::to_freedom(Freedom f) const {
-  return held([&](LinearResponse const& r) { return d_.to_freedom(r, f); });
-}
-Phasor HeldResponse::to_phase(Injection const& i) const {
-  return held([&](LinearResponse const& r) { return r.to_phase(i); });
-}
-Phasor HeldResponse::to_amplitude(Injection const& i) const {
-  return held([&](LinearResponse const& r) { return r.to_amplitude(i); });
 }
 
 namespace {
@@ -352,11 +316,17 @@ std::array<double, 3> probes(Band const& band) { return {band.low, std::sqrt(ban
 
 // A read-out without response to DARM cannot be calibrated.
 void refuse_a_blind_readout(Node const& table, DualRecycled const& model, Band const& band) {
+  if (table.has("readout")) {
+    if (!std::ranges::all_of(probes(band), [&](double hz) { return model.sees(model.readout(), Freedom::darm, hz); }))
+      table["readout"].problem(fmt::format("'{}' does not respond to DARM", table["readout"].text()),
+                               "name another read-out, or write 'phase: best(DARM)' in it");
+    return;
+  }
   if (model.parameters().dark_fringe_offset != 0 && !(model.reference(InjectionPoint::as_port) > rounding))
     return table["dark_fringe_offset"].problem("with this offset no carrier light leaves the dark port",
                                                "write 'dark_fringe_offset: 4 pm'; 0 m for a homodyne detector");
   for (double const hz : probes(band))
-    if (!model.sees_darm(hz))
+    if (!model.sees(model.readout(), Freedom::darm, hz))
       return (table.has("homodyne_angle") ? table["homodyne_angle"] : table)
           .problem("the homodyne detector reads the quadrature without DARM",
                    "write 'homodyne_angle: 90 deg', or give a 'dark_fringe_offset'");
@@ -415,6 +385,25 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
   }
 }
 
+// The read-out of DARM that the scene names, and its name.
+std::string read_by(Node const& table, NetworkModel const& asked, DualRecycled& model) {
+  if (!table.has("readout")) return {};
+  std::string const name = table.word("readout");
+  for (char const* key : {"homodyne_angle", "readout_loss"})
+    if (table.has(key))
+      table[key].problem(fmt::format("'readout' names the read-out, where '{}' has no effect", key),
+                         "remove one of them");
+  if (NamedReadout const* r = asked.readout(name)) {
+    model.read(r->readout);
+  } else if (!name.empty()) {
+    std::vector<std::string> names;
+    for (NamedReadout const& other : asked.readouts) names.push_back(other.name);
+    table["readout"].problem(fmt::format("the network has no read-out '{}'", name),
+                             did_you_mean(name, names, "add it to 'readouts' of the 'network'"));
+  }
+  return name;
+}
+
 NetworkChanges read_changes_of_preset(Node const& network, DualRecycled const& preset) {
   for (char const* key : {"wavelength", "polarisation"})
     if (network.has(key))
@@ -439,7 +428,7 @@ std::unique_ptr<DualRecycled> changed(Node const& network, P const& p, std::vect
 }  // namespace
 
 RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
-  HeldResponse const r(*model_, hz);
+  ControlledResponse const r(*model_, hz, loops_);
   std::complex<double> const darm = r.to_freedom(Freedom::darm) * model_->parameters().arm_length;
   if (!(std::abs(darm) > 0)) throw NumericalError("the read-out of the interferometer has no response to DARM");
   Answer a;
@@ -475,6 +464,37 @@ double RecycledInterferometer::largest_response(InjectionPoint e, double hz) con
   return std::fmax(std::abs(a.phase[std::size_t(e)]), std::abs(a.amplitude[std::size_t(e)]));
 }
 
+LoopTable RecycledInterferometer::loop_table(double hz, Band const& band) const {
+  constexpr double dark = 1e-12;  // of a field: no light
+  ControlledResponse const r(*model_, hz, loops_);
+  LoopTable table{.hz = hz, .loops = loop_rows(*model_, r, loops_, hz, band)};
+  for (LoopRow const& row : table.loops)
+    if (row.sensor != "held") table.lengths.push_back(row.length);
+  std::vector<std::pair<std::string, InjectionPoint>> entrances;
+  for (PortEntry const& e : ports_) entrances.emplace_back(e.name, e.injection_point);
+  if (ports_.empty())
+    for (std::size_t e = 0; e < entrance_names.size(); ++e)
+      entrances.emplace_back(entrance_names[e], InjectionPoint(e));
+  Phasor const darm = r.to_freedom(Freedom::darm) * model_->parameters().arm_length;
+  for (auto const& [name, at] : entrances) {
+    if (!(model_->reference(at) > dark)) continue;
+    Injection const i = model_->injection(at);
+    Phasor const per_field = darm * model_->share_outside(at);
+    for (bool const phase : {true, false}) {
+      auto const parts = r.parts([&](LinearResponse const& x) { return phase ? x.to_phase(i) : x.to_amplitude(i); });
+      StrayByLoop s{.entrance = name, .phase = phase, .held = std::conj(parts.held / per_field)};
+      s.total = s.held;
+      for (std::size_t l = 0; l < loops_.size(); ++l) {
+        if (loops_[l].kind == ControlLoop::Kind::held) continue;
+        s.by_length.push_back(std::conj(parts.by_length[l] / per_field));
+        s.total += s.by_length.back();
+      }
+      table.stray.push_back(std::move(s));
+    }
+  }
+  return table;
+}
+
 DetectorNumbers RecycledInterferometer::numbers() const {
   P const& p = model_->parameters();
   ArmCavity const arm{p.arm_length, p.input_transmission, p.end_transmission, p.round_trip_loss};
@@ -494,17 +514,18 @@ std::string RecycledInterferometer::description() const {
                gain = std::abs(answer(hz).amplitude[std::size_t(InjectionPoint::arm)]) * inertia /
                       (8 * model_->arm_power());
   std::string const readout =
-      p.dark_fringe_offset != 0
+      !readout_.empty() ? fmt::format("'{}'", readout_)
+      : p.dark_fringe_offset != 0
           ? fmt::format("power of the carrier with {:g} pm of DARM offset", p.dark_fringe_offset * 1e12)
           : fmt::format("homodyne at {:g} deg", p.homodyne_angle * 180 / pi);
   return fmt::format(
              "dual-recycled Fabry-Perot Michelson '{}', plane waves with radiation pressure, free of closed forms; "
-             "read-out: {}, calibrated as DARM, h = (dLx - dLy)/L, CARM, MICH, PRCL and SRCL held; lambda "
+             "read-out: {}, calibrated as DARM, h = (dLx - dLy)/L, {}; lambda "
              "{:g} nm, L {:g} m, P {:.5g} W per arm from "
              "{:.4g} W, M {:g} kg, signal recycling {:g} % tuned to {:g} deg, at {:g} Hz Gamma of "
              "eq. 9.2 {:.4g} and gain of a field in the arm without radiation pressure {:.4g}, f_p {:.4g} Hz",
-             name_, readout, p.wavelength * 1e9, p.arm_length, model_->arm_power(), p.input_power, p.mirror_mass,
-             100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi, hz, gain,
+             name_, readout, describe(loops_), p.wavelength * 1e9, p.arm_length, model_->arm_power(), p.input_power,
+             p.mirror_mass, 100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi, hz, gain,
              std::abs(model_->stray_gain(hz)), model_->pole()) +
          (model_->changed() ? ", network changed by the scene" : "") + describe(ports_, *this, band_);
 }
@@ -548,10 +569,14 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
     network.refuse_unknown("a network");
     if (!table.healthy()) return nullptr;
   }
+  if (!asked) asked = model->model(std::string(preset.name));
+  std::string const readout = read_by(table, *asked, *model);
   refuse_a_blind_readout(table, *model, band);
+  ControlLoops const loops = read_control_loops(table, *asked, band);
+  if (table.healthy()) check_control_loops(table, *model, loops, band);
   warn_of_other_arms(table, ports, entries, model->arm_power(), p.arm_length);
   auto ifo = std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), entries, servos, band,
-                                                      std::move(asked));
+                                                      std::move(asked), loops, readout);
   refuse_ports_without_response(table, *ifo, entries, band);
   return ifo;
 }

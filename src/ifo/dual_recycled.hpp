@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "base/input/table.hpp"
+#include "ifo/control_loops.hpp"
 #include "ifo/interferometer.hpp"
 #include "ifo/network.hpp"
 #include "ifo/network_model.hpp"
@@ -109,8 +110,10 @@ class DualRecycled {
   double share_outside(InjectionPoint) const;
   // Reference field of a stray field at this place, over that in arm x. Without light there: rounding.
   double reference(InjectionPoint) const;
-  // Whether DARM appears in the read-out; otherwise its response there is rounding.
-  bool sees_darm(double hz) const;
+  // Another read-out of DARM than that of the parameters.
+  void read(Readout const& r) { readout_ = r; }
+  // Whether this degree of freedom appears in a read-out; otherwise its response there is rounding.
+  bool sees(Readout const&, Freedom, double hz) const;
   // Power fluctuation in the arms by stray light s in an arm, (dPx - dPy)/P, over 2 Re s; eq. 8.6, without radiation
   // pressure.
   Phasor stray_gain(double hz) const;
@@ -137,26 +140,6 @@ class DualRecycled {
   Readout readout_;
 };
 
-// The read-out of DARM with CARM, MICH, PRCL and SRCL held, as their loops do: common
-// radiation pressure on both arms would otherwise dominate the read-out below 10 Hz, through the dark-fringe offset.
-class HeldResponse {
- public:
-  HeldResponse(DualRecycled const&, double hz);
-  Phasor to_freedom(Freedom) const;
-  Phasor to_phase(Injection const&) const;
-  Phasor to_amplitude(Injection const&) const;
-
- private:
-  static constexpr int loops = 4;
-  template <class Cause>
-  Phasor held(Cause const&) const;  // cause(response): output of any read-out
-
-  DualRecycled const& d_;
-  LinearResponse read_;
-  std::vector<LinearResponse> lengths_;         // the lengths themselves
-  Eigen::Matrix<Phasor, 1, loops> per_length_;  // read-out per m of each length
-};
-
 // Names of presets and their numbers (docs/theory/sensitivity.md; the reference page has a source for each).
 struct DualRecycledPreset {
   std::string_view name, detector;
@@ -172,13 +155,16 @@ class RecycledInterferometer final : public Interferometer {
     TransferFunction frequency, intensity;
   };
   RecycledInterferometer(std::string name, std::unique_ptr<DualRecycled> model, std::vector<PortEntry> ports,
-                         Servos servos, Band const& band = {}, std::optional<NetworkModel> asked = {})
+                         Servos servos, Band const& band = {}, std::optional<NetworkModel> asked = {},
+                         ControlLoops loops = {}, std::string readout = {})
       : name_(std::move(name)),
         model_(std::move(model)),
         asked_(asked ? *std::move(asked) : model_->model(name_)),
         ports_(std::move(ports)),
         servos_(std::move(servos)),
-        band_(band) {}
+        band_(band),
+        loops_(std::move(loops)),
+        readout_(std::move(readout)) {}
 
   std::complex<double> strain_per_phase(PortId, double hz) const override;
   std::complex<double> strain_per_amplitude(PortId, double hz) const override;
@@ -186,7 +172,11 @@ class RecycledInterferometer final : public Interferometer {
   DetectorNumbers numbers() const override;
   std::string description() const override;
   DualRecycled const& model() const { return *model_; }
+  ControlLoops const& loops() const { return loops_; }
   NetworkModel const* network() const override { return &asked_; }
+  RecycledInterferometer const* recycled() const override { return this; }
+  // At the entrances of the ports, or at all that have light without ports.
+  LoopTable loop_table(double hz, Band const&) const;
   // Strain per relative field in the larger of both quadratures, without attenuation by the port and servos.
   double largest_response(InjectionPoint, double hz) const;
 
@@ -203,6 +193,8 @@ class RecycledInterferometer final : public Interferometer {
   std::vector<PortEntry> ports_;
   Servos servos_;
   Band band_;  // for the description
+  ControlLoops loops_;
+  std::string readout_;  // of DARM, by name; empty: that of the parameters
   mutable std::mutex mutex_;
   mutable std::map<double, Answer> answers_;  // by frequency: one solution serves every port
 };

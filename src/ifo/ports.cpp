@@ -127,6 +127,8 @@ class MeasuredResponses final : public Interferometer {
                                     : found->second(found->second.amplitude, hz);
   }
   double copies(PortId port) const override { return rest_->copies(port); }
+  NetworkModel const* network() const override { return rest_->network(); }
+  RecycledInterferometer const* recycled() const override { return rest_->recycled(); }
   DetectorNumbers numbers() const override { return rest_->numbers(); }
   std::string description() const override { return rest_->description() + note_; }
 

@@ -15,6 +15,7 @@
 #include "cli/commands.hpp"
 #include "cli/ifo/ifo_sheets.hpp"
 #include "cli/options.hpp"
+#include "ifo/dual_recycled.hpp"
 #include "results/curves/curve_file.hpp"
 #include "results/text/picture.hpp"
 #include "session/light/optical_network.hpp"
@@ -34,12 +35,13 @@ struct Request {
   char const* what;
   std::vector<char const*> words;
 };
-std::array<Request, 6> const& requests() {
-  static std::array<Request, 6> const all = {{{"point", {}},
+std::array<Request, 7> const& requests() {
+  static std::array<Request, 7> const all = {{{"point", {}},
                                               {"scan", {"PARAMETER", "FROM", "TO"}},
                                               {"errors", {}},
                                               {"transfer", {"FROM", "TO"}},
                                               {"sensing", {}},
+                                              {"loops", {}},
                                               {"network", {}}}};
   return all;
 }
@@ -106,8 +108,23 @@ Sheet transferred(NetworkModel const& model, IfoOptions const& options) {
   return transfer_sheet(*cause, *effect, hz, transfer_function(model, *cause, *effect, hz));
 }
 
-std::vector<Sheet> sheets_of(NetworkModel const& model, IfoOptions const& options) {
+std::vector<Sheet> loops_of(Interferometer const* detector, IfoOptions const& options) {
+  RecycledInterferometer const* const recycled = detector ? detector->recycled() : nullptr;
+  if (!recycled)
+    throw InputError("only a dual-recycled detector has loops", "write --show loops with a scene of such a preset");
+  std::vector<double> const ends = parse_band(options.band);
+  std::vector<Sheet> all;
+  for (double const hz : parse_frequencies(options.at, "--at")) {
+    std::vector<Sheet> const sheets = loop_sheets(recycled->loop_table(hz, {ends[0], ends[1]}));
+    all.insert(all.end(), sheets.begin(), sheets.end());
+  }
+  return all;
+}
+
+std::vector<Sheet> sheets_of(OpticalNetwork const& network, IfoOptions const& options) {
+  NetworkModel const& model = network.model;
   std::string const& what = options.show.front();
+  if (what == "loops") return loops_of(network.detector.get(), options);
   if (what == "scan") return {scan_sheet(model, scanned(model, options))};
   if (what == "errors") return {errors_sheet(error_signals(model))};
   if (what == "transfer") return {transferred(model, options)};
@@ -139,12 +156,12 @@ void draw(std::vector<Sheet> const& sheets, IfoOptions const& options) {
 
 int ifo(IfoOptions const& options) {
   check(options);
-  NetworkModel const model = read_network_model(options);
+  OpticalNetwork const network = read_optical_network(options);
   if (options.show.front() == "network") {
-    std::cout << network_text(model);
+    std::cout << network_text(network.model);
     return done;
   }
-  std::vector<Sheet> const sheets = sheets_of(model, options);
+  std::vector<Sheet> const sheets = sheets_of(network, options);
   if (!options.plot.empty()) draw(sheets, options);
   if (options.json())
     std::cout << json_of(sheets).dump() << '\n';
@@ -164,14 +181,14 @@ void add_ifo(CLI::App& app, int& exit_code) {
   command
       ->add_option(
           "--show", o.show,
-          "point (default), scan PARAMETER FROM TO, errors, transfer FROM TO, sensing, or network: the scene of "
+          "point (default), scan PARAMETER FROM TO, errors, transfer FROM TO, sensing, loops, or network: the scene of "
           "the network")
       ->expected(1, 4)
       ->allow_extra_args(false);
   command->add_option("--points", o.points, "of a scan or a response; default 201")
       ->check(whole_between(2, 100000, "201"));
-  command->add_option("--band", o.band, "of a response; default \"1 Hz, 10 kHz\"");
-  command->add_option("--at", o.at, "frequencies of the sensing matrix; default \"10 Hz\"");
+  command->add_option("--band", o.band, "of a response or the margins of loops; default \"1 Hz, 10 kHz\"");
+  command->add_option("--at", o.at, "frequencies of the sensing matrix or the loops; default \"10 Hz\"");
   command->add_flag("--csv", o.csv, "all digits, SI");
   mark_output(*command, *command->add_option("--plot", o.plot, "picture of a scan or a response (PNG)"));
   command->footer(

@@ -152,4 +152,47 @@ Sheet sensing_sheet(SensingMatrix const& m) {
   return s;
 }
 
+std::vector<Sheet> loop_sheets(LoopTable const& t) {
+  Sheet loops{
+      fmt::format("loops_{:g}Hz", t.hz),
+      fmt::format("Loops at {:g} Hz, for exp(+2 pi i f t). plant: sensor per m, without loops; gain: open loop G; "
+                  "least: smallest |1 + G| of\nthe band, encircled: G goes around -1; noise_to_strain: strain "
+                  "per unit of noise of the sensor.",
+                  t.hz),
+      {{"length", ""},
+       {"sensor", ""},
+       {"plant", "W/m"},
+       {"gain", ""},
+       angle("arg_gain"),
+       {"suppression", ""},
+       {"unity_gain", "Hz"},
+       angle("phase_margin"),
+       {"least", ""},
+       {"least_at", "Hz"},
+       {"encircled", ""},
+       {"noise_to_strain", "1/W"}},
+      {}};
+  for (LoopRow const& r : t.loops) {
+    LoopMargins const& m = r.margins;
+    bool const closed = !std::isnan(std::abs(r.open_loop));
+    loops.rows.push_back({r.length, r.sensor, std::abs(r.plant), std::abs(r.open_loop), std::arg(r.open_loop),
+                          std::abs(r.suppressed), m.unity_gain, m.phase_margin, closed ? m.least : not_a_number,
+                          m.least_at, std::string(m.encircles ? "yes" : ""), std::abs(r.noise_to_strain)});
+  }
+  Sheet stray{fmt::format("stray_{:g}Hz", t.hz),
+              "Strain per relative stray field (magnitudes): with all lengths held, by the motion of each length, and "
+              "their complex sum.",
+              {{"entrance", ""}, {"quadrature", ""}, {"held", ""}},
+              {}};
+  for (std::string const& length : t.lengths) stray.columns.push_back({"by_" + length, ""});
+  stray.columns.push_back({"total", ""});
+  for (StrayByLoop const& s : t.stray) {
+    std::vector<Sheet::Cell> row{s.entrance, std::string(s.phase ? "phase" : "amplitude"), std::abs(s.held)};
+    for (Phasor const z : s.by_length) row.emplace_back(std::abs(z));
+    row.emplace_back(std::abs(s.total));
+    stray.rows.push_back(std::move(row));
+  }
+  return {loops, stray};
+}
+
 }  // namespace straytrace::cli

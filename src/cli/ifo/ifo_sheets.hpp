@@ -3,6 +3,7 @@
 #pragma once
 
 #include "cli/ifo/sheets.hpp"
+#include "ifo/control_loops.hpp"
 #include "ifo/layout/operating_point.hpp"
 #include "ifo/layout/parameters.hpp"
 #include "ifo/layout/signals.hpp"
@@ -15,5 +16,6 @@ Sheet errors_sheet(std::vector<ErrorSignal> const&);
 Sheet transfer_sheet(NetworkCause const&, NamedReadout const& effect, std::vector<double> const& hz,
                      std::vector<Phasor> const& response);
 Sheet sensing_sheet(SensingMatrix const&);
+std::vector<Sheet> loop_sheets(LoopTable const&);
 
 }  // namespace straytrace::cli

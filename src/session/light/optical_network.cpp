@@ -33,9 +33,12 @@ bool only_network(Scene const& scene) {
   return network && !root.has("scene") && !root.has("beams") && !root.has("bodies");
 }
 
-NetworkModel read_lone_network(Scene const& scene) {
+namespace {
+
+OpticalNetwork read_lone(Scene const& scene) {
   Node const table = scene.table("interferometer");
   std::optional<NetworkModel> model;
+  std::unique_ptr<Interferometer> detector;
   if (!table) {
     scene.root().lack("interferometer", "the scene has no 'interferometer'",
                       "add 'interferometer: {preset: adv}', or 'preset: none' with a 'network'");
@@ -43,21 +46,25 @@ NetworkModel read_lone_network(Scene const& scene) {
   } else if (table["preset"].text() == "none") {
     table.has("preset");
     model = network_of(table, not_a_number, nullptr);
-  } else if (auto const detector = make_interferometer(table, {}, not_a_number)) {
+  } else if ((detector = make_interferometer(table, {}, not_a_number))) {
     model = network_of(table, not_a_number, detector.get());
   }
   scene.throw_if_problems();
-  return *model;
+  return {*std::move(model), std::move(detector)};
 }
 
-NetworkModel read_network_model(SceneOptions const& options) {
+}  // namespace
+
+NetworkModel read_lone_network(Scene const& scene) { return read_lone(scene).model; }
+
+OpticalNetwork read_optical_network(SceneOptions const& options) {
   Scene const scene = read_scene(options.input, options.overrides);
   if (!scene.root().has("beams")) {
-    NetworkModel model = read_lone_network(scene);
+    OpticalNetwork network = read_lone(scene);
     print_warnings(scene, options);
-    return model;
+    return network;
   }
-  Model const whole = read_model(options.input, options.overrides);
+  Model whole = read_model(options.input, options.overrides);
   Node const table = whole.scene.table("interferometer");
   std::optional<NetworkModel> model;
   if (table)
@@ -66,7 +73,7 @@ NetworkModel read_network_model(SceneOptions const& options) {
     whole.scene.root().problem("the scene has no 'interferometer'", "add 'interferometer: {preset: adv}'");
   whole.scene.throw_if_problems();
   print_warnings(whole.scene, options);
-  return *model;
+  return {*std::move(model), std::move(whole.detector)};
 }
 
 }  // namespace straytrace::session

@@ -2,6 +2,9 @@
 // The network of a scene: of its interferometer alone where it has no beams, else of the whole model.
 #pragma once
 
+#include <memory>
+
+#include "ifo/interferometer.hpp"
 #include "ifo/network_model.hpp"
 #include "scene/scene.hpp"
 #include "session/options.hpp"
@@ -12,7 +15,11 @@ namespace straytrace::session {
 bool only_network(Scene const&);
 // Of such a scene. Throws one InputError with all problems.
 NetworkModel read_lone_network(Scene const&);
-// Of any scene; prints its warnings.
-NetworkModel read_network_model(SceneOptions const&);
+// Of any scene; prints its warnings. Without a preset there is no detector.
+struct OpticalNetwork {
+  NetworkModel model;
+  std::unique_ptr<Interferometer> detector;
+};
+OpticalNetwork read_optical_network(SceneOptions const&);
 
 }  // namespace straytrace::session

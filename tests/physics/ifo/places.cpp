@@ -53,7 +53,7 @@ TEST(Places, PhaseInTheShortArmOfAdvancedVirgo) {
   dark.dark_fringe_offset = 0;
   heavy.mirror_mass = infinity;
   auto const phase = [](DualRecycled const& d, double hz) {
-    HeldResponse const r(d, hz);
+    ControlledResponse const r(d, hz);
     return r.to_phase(d.injection(InjectionPoint::short_arm)) / r.to_freedom(Freedom::darm) / d.parameters().arm_length;
   };
   DualRecycled const offset(adv), without(dark), held(heavy);
@@ -90,7 +90,7 @@ TEST(Places, OffsetTurnsPhaseInTheShortArmIntoPower) {
   p.beam_splitter_loss = 0;
   double const hz = 0.5;
   DualRecycled const d(p);
-  HeldResponse const r(d, hz);
+  ControlledResponse const r(d, hz);
   Injection const i = d.injection(InjectionPoint::short_arm);
   Phasor const darm = r.to_freedom(Freedom::darm) * p.arm_length;
   // Eq. 8.6 for one arm: 4 dP/(c M w^2) of its length.

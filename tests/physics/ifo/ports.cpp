@@ -105,7 +105,7 @@ TEST(Ports, RadiationPressureOfPresetsWithLoopsHeld) {
     DualRecycledParameters const& p = d.parameters();
     DifferentialMode const mode = differential_mode(arm_of(p), p.signal_recycling_transmission);
     auto const ratio = [&](double hz) {
-      HeldResponse const r(d, hz);
+      ControlledResponse const r(d, hz);
       Phasor const closed = strain_per_amplitude_in_arm(hz, d.arm_power(), p.mirror_mass, p.arm_length, mode);
       return std::abs(r.to_amplitude(d.injection(InjectionPoint::arm)) / r.to_freedom(Freedom::darm) / closed) /
              p.arm_length;
@@ -119,7 +119,7 @@ TEST(Ports, RadiationPressureOfPresetsWithLoopsHeld) {
     }
   }
   DualRecycled const adv(dual_recycled_presets()[0].parameters);
-  HeldResponse const held(adv, 1);
+  ControlledResponse const held(adv, 1);
   Injection const arm = adv.injection(InjectionPoint::arm);
   EXPECT_GT(strain(adv, arm, 1).both() * 2999.8, 10 * std::abs(held.to_amplitude(arm) / held.to_freedom(Freedom::darm)))
       << "control: nothing held";

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Control loops whose sensors receive stray light: docs/theory/interferometer.md, eq. N.4 and N.5.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "physics/ifo/network_support.hpp"
+#include "physics/ifo/support.hpp"
+
+namespace straytrace::ifo_control {
+namespace {
+
+using Kind = ControlLoop::Kind;
+constexpr std::size_t carm = 0, mich = 1, prcl = 2, srcl = 3;
+constexpr double sensor_hz = 6270777;
+
+TransferFunction constant(double g) { return {{}, {}, g}; }
+
+// Advanced Virgo with a modulator, and a pick-off 2 m behind the power-recycling mirror: light on its way to the
+// splitter is returned by a mirror 0.5 m away, which moves.
+struct Recycling {
+  static constexpr double reflectivity = 1e-9;  // at 1e-7 the static field changes the response by 2e-4
+  explicit Recycling(double phase = 0) : detector(parameters(), {{sensor_hz, 0.1}}, with_pick_off(phase)) {
+    detector.read(Readout::power(port("SRM", 1)).of_leaving());
+  }
+  DualRecycled detector;
+  NamedReadout sensor{"POP_I", Readout::demodulated(port("BS", 0), sensor_hz, 0)};
+
+  static DualRecycledParameters parameters() { return dual_recycled_presets()[0].parameters; }
+  static NetworkChanges with_pick_off(double phase) {
+    return {{Network::splitter("plate", {.transmission = 1 - reflectivity, .incidence = pi / 4}),
+             Network::mirror("mirror", {.transmission = 0})},
+            {{"PRM.back", "plate.1", 2}, {"plate.3", "BS.1", 3.95}, {"plate.2", "mirror.front", 0.5, phase}}};
+  }
+  std::uint32_t port(char const* component, std::uint32_t number) const {
+    return detector.network().number_of({detector.network().find(component), number});
+  }
+  // Motion of the mirror, per unit of the field that it turns.
+  Phasor stray(LinearResponse const& r) const {
+    return r.to_displacement(detector.network().find("mirror")) / (2 * detector.network().wavenumber() * reflectivity);
+  }
+  ControlLoops loops(double gain, Kind others = Kind::free) const {
+    ControlLoops all;
+    for (ControlLoop& loop : all) loop.kind = others;
+    all[prcl] = {.kind = Kind::closed, .sensor = sensor, .open_loop = constant(gain)};
+    return all;
+  }
+  double darm(ControlLoops const& loops) const {  // m per unit field
+    ControlledResponse const r(detector, 10, loops);
+    return std::abs(r.to([&](LinearResponse const& x) { return stray(x); }) / r.to_freedom(Freedom::darm));
+  }
+};
+
+TEST(ControlLoops, StrayLightIsWrittenOnTheLengthT25) {
+  Recycling const t, eighth(pi / 4);  // positions lambda/8 apart: the rms over the static phase
+  auto const rms = [&](ControlLoops const& loops) {
+    return std::hypot(t.darm(loops), eighth.darm(loops)) / std::sqrt(2);
+  };
+  EXPECT_NEAR(rms(t.loops(0)) / 4.6929e-10, 1, 5e-4);
+  EXPECT_NEAR(rms(t.loops(9)) / 4.4012e-10, 1, 5e-4);
+  EXPECT_LT(rms({}), 0.1 * rms(t.loops(9))) << "control: held lengths";
+}
+
+// One loop P, all others free: x_P = -G T_P s/(R_PP (1 + G)).
+TEST(ControlLoops, OneLoopN5) {
+  Recycling const t;
+  Phasor const g{3, -2};
+  ControlLoops loops = t.loops(0);
+  for (double const hz : {3.0, 30.0, 300.0}) {
+    loops[prcl].open_loop = TransferFunction("g", {1, 1000}, {g, g});
+    LinearResponse const dark = t.detector.response(hz), sensor = t.detector.response(t.sensor.readout, hz);
+    auto const closed = [&](auto const& cause, Phasor gain) {
+      Phasor const length = -gain / (1.0 + gain) * cause(sensor) / t.detector.to_freedom(sensor, Freedom::prcl);
+      return cause(dark) + t.detector.to_freedom(dark, Freedom::prcl) * length;
+    };
+    auto const phase = [&](LinearResponse const& r) { return t.stray(r); };
+    ControlledResponse const solved(t.detector, hz, loops);
+    EXPECT_LT(std::abs(solved.to(phase) / closed(phase, g) - 1.0), 1e-9) << hz;
+    EXPECT_GT(std::abs(solved.to(phase) / closed(phase, -g) - 1.0), 0.1) << "control: the sign of the loop";
+    Phasor const noise =
+        -g / (1.0 + g) * t.detector.to_freedom(dark, Freedom::prcl) / t.detector.to_freedom(sensor, Freedom::prcl);
+    EXPECT_LT(std::abs(solved.to_sensor_noise(prcl) / noise - 1.0), 1e-9) << hz;
+  }
+}
+
+// All loops at once against the matrix of eq. N.4, with sensors that are no combination of each other.
+TEST(ControlLoops, FourLoopsN4) {
+  Recycling const t;
+  double const hz = 20;
+  auto const demodulated = [&](char const* c, std::uint32_t n, double phase) {
+    return NamedReadout{"", Readout::demodulated(t.port(c, n), sensor_hz, phase)};
+  };
+  ControlLoops loops;
+  loops[carm] = {Kind::closed, {"", demodulated("PRM", 0, 0).readout.of_leaving()}, constant(1e4)};
+  loops[mich] = {Kind::closed, demodulated("BS", 0, pi / 2), constant(5)};
+  loops[prcl] = {Kind::closed, t.sensor, constant(20)};
+  loops[srcl] = {Kind::closed, {"", demodulated("SRM", 1, 0.3).readout.of_leaving()}, constant(2)};
+  auto const stray = [&](LinearResponse const& r) { return t.stray(r); };
+  constexpr std::array<Freedom, 4> freedoms = {Freedom::carm, Freedom::mich, Freedom::prcl, Freedom::srcl};
+  Eigen::Matrix4cd response;
+  Eigen::Vector4cd sensed;
+  for (int i = 0; i < 4; ++i) {
+    LinearResponse const r = t.detector.response(loops[std::size_t(i)].sensor.readout, hz);
+    sensed[i] = stray(r);
+    for (int j = 0; j < 4; ++j) response(i, j) = t.detector.to_freedom(r, freedoms[std::size_t(j)]);
+  }
+  Eigen::Matrix4cd control = Eigen::Matrix4cd::Zero();
+  for (int i = 0; i < 4; ++i) control(i, i) = loops[std::size_t(i)].open_loop(hz) / response(i, i);
+  Eigen::Vector4cd const x = -(Eigen::Matrix4cd::Identity() + control * response).inverse() * control * sensed;
+  LinearResponse const dark = t.detector.response(hz);
+  Phasor expected = stray(dark), diagonal = expected;
+  for (int i = 0; i < 4; ++i) {
+    Phasor const seen = t.detector.to_freedom(dark, freedoms[std::size_t(i)]);
+    expected += seen * x[i];
+    diagonal -= seen * control(i, i) * sensed[i] / (1.0 + control(i, i) * response(i, i));
+  }
+  ControlledResponse const solved(t.detector, hz, loops);
+  EXPECT_LT(std::abs(solved.to(stray) / expected - 1.0), 1e-9);
+  EXPECT_GT(std::abs(solved.to(stray) / diagonal - 1.0), 1e-3) << "control: loops that do not act on each other";
+  ControlledResponse::Parts const parts = solved.parts(stray);
+  Phasor sum = parts.held;
+  for (Phasor const p : parts.by_length) sum += p;
+  EXPECT_LT(std::abs(sum / expected - 1.0), 1e-9);
+  EXPECT_LT(std::abs(parts.held / ControlledResponse(t.detector, hz).to(stray) - 1.0), 1e-9);
+}
+
+// Without loops the response is that of the light alone; with infinite gain the sensor hears nothing of the stray
+// light; a feed-forward of the whole control signal leaves what the light alone does.
+TEST(ControlLoops, LimitsOfGainAndFeedforward) {
+  Recycling const t;
+  double const hz = 10;
+  auto const stray = [&](LinearResponse const& r) { return t.stray(r); };
+  LinearResponse const dark = t.detector.response(hz), sensor = t.detector.response(t.sensor.readout, hz);
+  Phasor const alone = stray(dark), written = stray(sensor) / t.detector.to_freedom(sensor, Freedom::prcl),
+               seen = t.detector.to_freedom(dark, Freedom::prcl);
+  auto const with = [&](ControlLoops const& loops) { return ControlledResponse(t.detector, hz, loops).to(stray); };
+  EXPECT_LT(std::abs(with(t.loops(0)) / alone - 1.0), 1e-9);
+  EXPECT_LT(std::abs(with(t.loops(1e9)) / (alone - seen * written) - 1.0), 1e-6);
+  ControlLoops subtracted = t.loops(9);
+  subtracted[prcl].feedforward = constant(1);
+  EXPECT_LT(std::abs(with(subtracted) / alone - 1.0), 1e-9);
+  subtracted[prcl].feedforward = constant(0.5);
+  EXPECT_LT(std::abs(with(subtracted) / (0.5 * (alone + with(t.loops(9)))) - 1.0), 1e-9);
+  EXPECT_GT(std::abs(with(t.loops(9)) / alone - 1.0), 0.02) << "control: no feed-forward";
+}
+
+// G = g/(1 - i f/p)^n: unity gain and phase margin in closed form; with three poles the gain goes around -1 above 8.
+TEST(ControlLoops, Margins) {
+  LoopMargins const one = loop_margins({{}, {1}, 100}, {0.01, 1e4});
+  EXPECT_NEAR(one.unity_gain / std::sqrt(1e4 - 1), 1, 1e-6);
+  EXPECT_NEAR(one.phase_margin, pi - std::atan(std::sqrt(1e4 - 1)), 1e-6);
+  EXPECT_FALSE(one.encircles);
+  EXPECT_FALSE(loop_margins({{}, {1, 1, 1}, 7}, {0.001, 1e4}).encircles);
+  LoopMargins const three = loop_margins({{}, {1, 1, 1}, 9}, {0.001, 1e4});
+  EXPECT_TRUE(three.encircles);
+  EXPECT_LT(three.phase_margin, 0);
+  EXPECT_FALSE(loop_margins({{1}, {0, 0}, 100}, {0.001, 1e4}).encircles) << "two integrators";
+  EXPECT_NEAR(loop_margins({{}, {}, -0.9}, {1, 100}).least, 0.1, 1e-12);
+}
+
+}  // namespace
+}  // namespace straytrace::ifo_control
