@@ -26,6 +26,10 @@ NetworkPort port_of(Network const& n, std::string const& name) {
 NamedReadout const* NetworkModel::readout(std::string const& name) const { return found(readouts, name); }
 NamedFreedom const* NetworkModel::freedom(std::string const& name) const { return found(freedoms, name); }
 
+double NamedNoise::asd(double hz) const {
+  return curve.hz.empty() ? level * std::pow(hz / at, exponent) : curve.at(hz);
+}
+
 std::vector<std::string> port_names(Network const& n) {
   std::vector<std::string> names;
   for (std::uint32_t p = 0; p < n.ports(); ++p) names.push_back(n.port_name(p));

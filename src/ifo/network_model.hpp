@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/units/quantity.hpp"
 #include "ifo/network.hpp"
+#include "spectra/curve.hpp"
 
 namespace straytrace::ifo {
 
@@ -24,11 +26,32 @@ struct NamedFreedom {
   std::vector<std::pair<ComponentId, double>> moves{};
 };
 
+// What acts on a network: "DARM" or "ETM" (displacement, m), "ETM.force" (N), "laser.amplitude" (relative),
+// "laser.phase" (rad), "laser.frequency" (Hz).
+struct NetworkCause {
+  enum class Kind : std::uint8_t { displacement, force, amplitude, phase, frequency };
+  std::string name;
+  Kind kind = Kind::displacement;
+  std::vector<std::pair<ComponentId, double>> moves{};  // or one laser
+  char const* unit() const;
+  Dimension density() const;         // of an ASD
+  std::string density_unit() const;  // "Hz/sqrt(Hz)"
+};
+// One-sided noise of a cause, in its unit per sqrt(Hz): a power law, or a curve.
+struct NamedNoise {
+  NetworkCause cause;
+  double level = 0, at = 100, exponent = 0;  // asd = level (f/at)^exponent; Hz
+  spectra::Curve curve{};                    // instead, where it has samples; NaN outside them
+  std::string file{};
+  double asd(double hz) const;
+};
+
 struct NetworkModel {
   std::string preset;  // "none": the network is of the scene alone
   Network network{1064e-9};
   std::vector<NamedReadout> readouts{};
   std::vector<NamedFreedom> freedoms{};
+  std::vector<NamedNoise> noises{};
 
   NamedReadout const* readout(std::string const& name) const;
   NamedFreedom const* freedom(std::string const& name) const;

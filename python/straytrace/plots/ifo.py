@@ -1,22 +1,26 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws a scan or a response of a network: python3 -m straytrace.plots.ifo ifo.json -o ifo.png"""
+"""Draws a scan, a response, a noise or error signals of a network: python3 -m straytrace.plots.ifo ifo.json -o ifo.png"""
 
 import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from .style import LIGHT, ROUTE_COLOURS, draw_file
 
 
+LEGEND_HEIGHT = 0.4  # inches, below the panels
+
+
 def draw_scan(rows, units):
-    """One panel per read-out over the scanned parameter."""
+    """One panel per read-out over the scanned parameter; what is rounding, null, is drawn as 0."""
     x, *readouts = rows[0]
     turns = units.get(x) == "rad"
     at = np.array([row[x] for row in rows]) * (180 / np.pi if turns else 1)
     figure, panels = plt.subplots(len(readouts), 1, sharex=True, squeeze=False, dpi=100, figsize=(9, 1.5 + 2.2 * len(readouts)))
     for i, (readout, axes) in enumerate(zip(readouts, panels[:, 0])):
-        axes.plot(at, [row[readout] for row in rows], color=ROUTE_COLOURS[i % len(ROUTE_COLOURS)], lw=1.5)
+        axes.plot(at, [row[readout] or 0 for row in rows], color=ROUTE_COLOURS[i % len(ROUTE_COLOURS)], lw=1.5)
         axes.set_ylabel(f"{readout} [{units[readout]}]")
     unit = "deg" if turns else units.get(x, "")
     panels[-1, 0].set_xlabel(f"{x} [{unit}]" if unit else x)
@@ -34,18 +38,95 @@ def draw_transfer(rows, units, words):
     return figure, panels
 
 
+def panels_in_rows(count, most=3, width=4.5, height=4.2, **keys):
+    """Axes for `count` panels, at most `most` side by side; unused ones are removed."""
+    columns = min(count, most)
+    rows = -(-count // columns)
+    figure, panels = plt.subplots(rows, columns, squeeze=False, dpi=100, figsize=(0.5 + width * columns, height * rows), **keys)
+    for unused in panels.flat[count:]:
+        unused.remove()
+    return figure, list(panels.flat[:count])
+
+
+def draw_map(rows, units):
+    """One panel per read-out over two scanned parameters."""
+    a, b, *readouts = rows[0]
+    axes_values = [sorted({row[key] for row in rows}) for key in (a, b)]
+    shape = len(axes_values[1]), len(axes_values[0])
+    scales = [180 / np.pi if units.get(key) == "rad" else 1 for key in (a, b)]
+    named = [f"{key} [{'deg' if units.get(key) == 'rad' else units[key]}]" if units.get(key) else key for key in (a, b)]
+    figure, panels = panels_in_rows(len(readouts))
+    place = {key: {value: i for i, value in enumerate(values)} for key, values in zip((a, b), axes_values)}
+    for readout, axes in zip(readouts, panels):
+        grid = np.full(shape, np.nan)
+        for row in rows:
+            grid[place[b][row[b]], place[a][row[a]]] = row[readout] or 0
+        signed = np.nanmin(grid) < 0
+        most = np.nanmax(np.abs(grid))
+        drawn = axes.pcolormesh(np.array(axes_values[0]) * scales[0], np.array(axes_values[1]) * scales[1], grid, shading="nearest",
+                                cmap="RdBu_r" if signed else "viridis", vmin=-most if signed else None, vmax=most if signed else None)
+        figure.colorbar(drawn, ax=axes, label=f"{readout} [{units[readout]}]")
+        axes.set_xlabel(named[0])
+        axes.set_ylabel(named[1])
+    return figure, []
+
+
+def draw_noise(rows, units, words):
+    figure, axes = plt.subplots(figsize=(9, 6), dpi=100)
+    hz = [row["frequency"] for row in rows]
+    for i, name in enumerate(key for key in rows[0] if key not in ("frequency", "total")):
+        axes.loglog(hz, [row[name] if row[name] is not None else np.nan for row in rows], label=name,
+                    color=ROUTE_COLOURS[i % len(ROUTE_COLOURS)])
+    axes.loglog(hz, [row["total"] if row["total"] is not None else np.nan for row in rows], label="total", color="black", lw=2)
+    axes.set_xlabel("frequency [Hz]")
+    axes.set_ylabel(f"noise of {words[1]} [{units['total']}]")
+    axes.legend()
+    return figure, [axes]
+
+
+def draw_radar(rows):
+    """One panel per demodulated read-out: each degree of freedom at its best phase, with its slope on a logarithmic radius."""
+    signals = [row for row in rows if row["best_phase"] is not None]
+    if not signals:
+        raise ValueError("no demodulated read-out responds to a degree of freedom")
+    names = list(dict.fromkeys(row["readout"] for row in signals))
+    freedoms = list(dict.fromkeys(row["freedom"] for row in signals))
+    figure, panels = panels_in_rows(len(names), subplot_kw={"projection": "polar"})
+    for name, axes in zip(names, panels):
+        shown = [row for row in signals if row["readout"] == name]
+        floor = np.floor(np.log10(min(row["best_slope"] for row in shown))) - 1
+        top = np.ceil(np.log10(max(row["best_slope"] for row in shown)))
+        for row in shown:
+            colour = ROUTE_COLOURS[freedoms.index(row["freedom"]) % len(ROUTE_COLOURS)]
+            axes.plot([row["best_phase"]] * 2, [0, np.log10(row["best_slope"]) - floor], color=colour, lw=2.5, label=row["freedom"])
+        ticks = np.arange(1, top - floor + 1, max(1, (top - floor) // 4))
+        axes.set_rlim(0, top - floor)
+        axes.set_rticks(ticks, [f"1e{int(floor + tick)}" for tick in ticks], fontsize=8, color="grey")
+        axes.set_title(f"{name}: slope [W/m]", loc="center", fontsize=11, pad=14)
+    handles = [Line2D([], [], color=ROUTE_COLOURS[i % len(ROUTE_COLOURS)], lw=2.5, label=freedom) for i, freedom in enumerate(freedoms)]
+    figure.legend(handles=handles, loc="lower center", ncols=len(freedoms))
+    return figure, panels
+
+
 def draw(answer):
-    what = answer["show"][0]
-    rows, units = answer[what], answer["units"][what] or {}
-    figure, panels = draw_scan(rows, units) if what == "scan" else draw_transfer(rows, units, answer["show"])
+    words = answer["show"]
+    rows, units = answer[words[0]], answer["units"][words[0]] or {}
+    if words[0] == "errors":
+        figure, panels = draw_radar(rows)
+    elif words[0] == "noise":
+        figure, panels = draw_noise(rows, units, words)
+    elif words[0] == "transfer":
+        figure, panels = draw_transfer(rows, units, words)
+    else:
+        figure, panels = draw_map(rows, units) if len(words) == 7 else draw_scan(rows, units)
     for axes in panels:
         axes.grid(True, which="major", color=LIGHT, lw=0.7)
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, LEGEND_HEIGHT / figure.get_figheight() if words[0] == "errors" else 0, 1, 1))
     return figure
 
 
 def main(arguments=None):
-    return draw_file(arguments, "ifo", "Draws a scan or a response of a network.",
+    return draw_file(arguments, "ifo", "Draws a scan, a response, a noise or error signals of a network.",
                      "answer of straytrace ifo --format json with the key 'show'", draw)
 
 

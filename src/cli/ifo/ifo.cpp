@@ -18,15 +18,18 @@
 #include "ifo/dual_recycled.hpp"
 #include "results/curves/curve_file.hpp"
 #include "results/text/picture.hpp"
+#include "session/build_info.hpp"
 #include "session/light/optical_network.hpp"
 
 namespace straytrace::cli {
 namespace {
 
+constexpr std::size_t points_of_curve = 201, points_of_map = 41;
+
 struct IfoOptions : SceneOptions {
   std::vector<std::string> show = {"point"};
-  std::string band = "1 Hz, 10 kHz", at = "10 Hz", plot;
-  std::size_t points = 201;
+  std::string band = "1 Hz, 10 kHz", at = "10 Hz", plot, referred, page;
+  std::size_t points = 0;  // 0: as many as fit what is shown
   bool csv = false;
 };
 
@@ -35,12 +38,13 @@ struct Request {
   char const* what;
   std::vector<char const*> words;
 };
-std::array<Request, 7> const& requests() {
-  static std::array<Request, 7> const all = {{{"point", {}},
+std::array<Request, 8> const& requests() {
+  static std::array<Request, 8> const all = {{{"point", {}},
                                               {"scan", {"PARAMETER", "FROM", "TO"}},
                                               {"errors", {}},
                                               {"transfer", {"FROM", "TO"}},
                                               {"sensing", {}},
+                                              {"noise", {"READOUT"}},
                                               {"loops", {}},
                                               {"network", {}}}};
   return all;
@@ -51,7 +55,8 @@ Request const& request_of(IfoOptions const& options) {
   for (Request const& r : requests()) {
     names.emplace_back(r.what);
     if (r.what != options.show.front()) continue;
-    if (options.show.size() == r.words.size() + 1) return r;
+    std::size_t const words = options.show.size() - 1;
+    if (words == r.words.size() || (names.back() == "scan" && words == 2 * r.words.size())) return r;
     throw InputError(fmt::format("--show {} takes {} words, got {}", r.what, r.words.size(), options.show.size() - 1),
                      fmt::format("write --show {} {}", r.what, fmt::join(r.words, " ")));
   }
@@ -80,22 +85,32 @@ double value_of_parameter(NetworkParameter const& p, std::string const& text) {
   return value;
 }
 
+ScanAxis axis_of(NetworkModel const& model, std::span<std::string const> words, std::size_t points) {
+  auto const parameter = find_parameter(model, words[0]);
+  if (!parameter) throw unknown("parameter", words[0], parameter_names(model));
+  return {*parameter, value_of_parameter(*parameter, words[1]), value_of_parameter(*parameter, words[2]), points};
+}
+
 NetworkScan scanned(NetworkModel const& model, IfoOptions const& options) {
   if (model.readouts.empty())
     throw InputError("the network has no read-outs to scan",
                      "add for example 'readouts: {out: {power: ETM.back.out}}'");
-  auto const parameter = find_parameter(model, options.show[1]);
-  if (!parameter) throw unknown("parameter", options.show[1], parameter_names(model));
-  double const from = value_of_parameter(*parameter, options.show[2]),
-               to = value_of_parameter(*parameter, options.show[3]);
-  return scan_network(model, *parameter, from, to, options.points);
+  std::span<std::string const> const words(options.show);
+  bool const map = words.size() == 7;
+  std::size_t const points = options.points ? options.points : map ? points_of_map : points_of_curve;
+  std::vector<ScanAxis> axes = {axis_of(model, words.subspan(1, 3), points)};
+  if (map) axes.push_back(axis_of(model, words.subspan(4, 3), points));
+  if (map && axes[0].parameter.name == axes[1].parameter.name)
+    throw InputError(fmt::format("both axes of the scan are '{}'", words[1]), "name two parameters");
+  return scan_network(model, std::move(axes));
 }
 
 std::vector<double> frequencies(IfoOptions const& options) {
   std::vector<double> const ends = parse_band(options.band);
   std::vector<double> hz;
-  for (std::size_t i = 0; i < options.points; ++i)
-    hz.push_back(ends[0] * std::pow(ends[1] / ends[0], double(i) / double(options.points - 1)));
+  std::size_t const points = options.points ? options.points : points_of_curve;
+  for (std::size_t i = 0; i < points; ++i)
+    hz.push_back(ends[0] * std::pow(ends[1] / ends[0], double(i) / double(points - 1)));
   return hz;
 }
 
@@ -106,6 +121,22 @@ Sheet transferred(NetworkModel const& model, IfoOptions const& options) {
   if (!effect) throw unknown("read-out or mirror", options.show[2], effect_names(model));
   std::vector<double> const hz = frequencies(options);
   return transfer_sheet(*cause, *effect, hz, transfer_function(model, *cause, *effect, hz));
+}
+
+Sheet noise_of_readout(NetworkModel const& model, IfoOptions const& options) {
+  NamedReadout const* const readout = model.readout(options.show[1]);
+  if (!readout) {
+    std::vector<std::string> names;
+    for (NamedReadout const& r : model.readouts) names.push_back(r.name);
+    throw unknown("read-out", options.show[1], names);
+  }
+  NamedFreedom const* const freedom = options.referred.empty() ? nullptr : model.freedom(options.referred);
+  if (!freedom && !options.referred.empty()) {
+    std::vector<std::string> names;
+    for (NamedFreedom const& f : model.freedoms) names.push_back(f.name);
+    throw unknown("degree of freedom", options.referred, names);
+  }
+  return noise_sheet(*readout, freedom, noise_of(model, *readout, freedom, frequencies(options)));
 }
 
 std::vector<Sheet> loops_of(Interferometer const* detector, IfoOptions const& options) {
@@ -128,6 +159,7 @@ std::vector<Sheet> sheets_of(OpticalNetwork const& network, IfoOptions const& op
   if (what == "scan") return {scan_sheet(model, scanned(model, options))};
   if (what == "errors") return {errors_sheet(error_signals(model))};
   if (what == "transfer") return {transferred(model, options)};
+  if (what == "noise") return {noise_of_readout(model, options)};
   if (what == "point") return point_sheets(operating_point(model));
   std::vector<Sheet> all;
   for (double const hz : parse_frequencies(options.at, "--at")) all.push_back(sensing_sheet(sensing_matrix(model, hz)));
@@ -137,12 +169,58 @@ std::vector<Sheet> sheets_of(OpticalNetwork const& network, IfoOptions const& op
 void check(IfoOptions const& options) {
   refuse_two_formats(options.csv, options);
   std::string const what = request_of(options).what;
-  bool const curve = what == "scan" || what == "transfer";
+  bool const curve = what == "scan" || what == "transfer" || what == "noise" || what == "errors";
   if (!options.plot.empty() && !curve)
-    throw InputError("--plot draws a scan or a response", "remove it, or write --show scan PARAMETER FROM TO");
+    throw InputError("--plot draws a scan, a response, a noise or error signals",
+                     "remove it, or write --show scan PARAMETER FROM TO");
   if (!options.plot.empty()) check_ending(options.plot, {".png"}, "--plot");
+  if (!options.page.empty()) check_ending(options.page, {".html"}, "--html");
+  if (!options.referred.empty() && what != "noise")
+    throw InputError("--referred-to is for a noise", "remove it, or write --show noise READOUT");
   if (what == "network" && (options.csv || options.json()))
     throw InputError("--show network prints a scene", "remove --csv and --format json");
+}
+
+// What the page draws: components, spaces with their powers, and all tables that need no further words.
+nlohmann::ordered_json page_json(OpticalNetwork const& network, IfoOptions const& options) {
+  constexpr std::array<char const*, 7> kinds = {"mirror", "splitter", "laser", "dump", "isolator", "modulator", "lens"};
+  Network const& n = network.model.network;
+  SteadyField const field(n);
+  nlohmann::ordered_json json{{"title", network.title}, {"version", build_info::version}};
+  for (Network::Component const& c : n.components()) {
+    json["components"].push_back({{"name", c.name}, {"kind", kinds[std::size_t(c.kind)]}});
+    if (c.kind == Network::Component::Kind::splitter)
+      json["components"].back()["incidence"] = std::get<MirrorParameters>(c.stated).incidence;
+  }
+  auto const end = [&](std::uint32_t port) {
+    Network::Component const& c = n.at(n.owner_of(port));
+    return nlohmann::ordered_json{c.name, port - c.first_port};
+  };
+  json["spaces"] = nlohmann::ordered_json::array();
+  for (Network::Space const& s : n.spaces())
+    json["spaces"].push_back({{"from", end(s.from)},
+                              {"to", end(s.to)},
+                              {"from_port", n.port_name(s.from)},
+                              {"to_port", n.port_name(s.to)},
+                              {"length", s.length},
+                              {"forward", field.power_out(s.from)},
+                              {"backward", field.power_in(s.from)}});
+  std::vector<Sheet> sheets = point_sheets(operating_point(network.model));
+  sheets.push_back(errors_sheet(error_signals(network.model)));
+  for (double const hz : parse_frequencies(options.at, "--at")) {
+    sheets.push_back(sensing_sheet(sensing_matrix(network.model, hz)));
+    if (network.detector && network.detector->recycled())
+      for (Sheet& s : loops_of(network.detector.get(), options)) sheets.push_back(std::move(s));
+  }
+  json["sheets"] = page_of(sheets);
+  return json;
+}
+
+void write_page(OpticalNetwork const& network, IfoOptions const& options) {
+  std::string message;
+  std::string const page = picture_of(page_json(network, options).dump(), "ifo_page", message, ".html");
+  if (page.empty()) throw InputError(message, "or remove --html");
+  write_file(options.page, page);
 }
 
 void draw(std::vector<Sheet> const& sheets, IfoOptions const& options) {
@@ -163,6 +241,7 @@ int ifo(IfoOptions const& options) {
   }
   std::vector<Sheet> const sheets = sheets_of(network, options);
   if (!options.plot.empty()) draw(sheets, options);
+  if (!options.page.empty()) write_page(network, options);
   if (options.json())
     std::cout << json_of(sheets).dump() << '\n';
   else
@@ -179,22 +258,27 @@ void add_ifo(CLI::App& app, int& exit_code) {
       "ifo", "Solve the network of an interferometer: powers, resonators, error signals, responses.");
   add_scene_options(*command, o);
   command
-      ->add_option(
-          "--show", o.show,
-          "point (default), scan PARAMETER FROM TO, errors, transfer FROM TO, sensing, loops, or network: the scene of "
-          "the network")
-      ->expected(1, 4)
+      ->add_option("--show", o.show,
+                   "point (default), scan PARAMETER FROM TO (once or twice), errors, transfer FROM TO, sensing, noise "
+                   "READOUT, loops, or network: the scene of "
+                   "the network")
+      ->expected(1, 7)
       ->allow_extra_args(false);
-  command->add_option("--points", o.points, "of a scan or a response; default 201")
+  command
+      ->add_option("--points", o.points,
+                   "of a scan (of each axis where there are two) or a curve; default 201, of two axes 41 each")
       ->check(whole_between(2, 100000, "201"));
-  command->add_option("--band", o.band, "of a response or the margins of loops; default \"1 Hz, 10 kHz\"");
+  command->add_option("--band", o.band, "of a response, a noise or the margins of loops; default \"1 Hz, 10 kHz\"");
   command->add_option("--at", o.at, "frequencies of the sensing matrix or the loops; default \"10 Hz\"");
+  command->add_option("--referred-to", o.referred, "noise as the displacement of this degree of freedom");
   command->add_flag("--csv", o.csv, "all digits, SI");
-  mark_output(*command, *command->add_option("--plot", o.plot, "picture of a scan or a response (PNG)"));
+  mark_output(*command,
+              *command->add_option("--plot", o.plot, "picture of a scan, a response, a noise or error signals (PNG)"));
   command->footer(
       "Examples:\n"
       "  straytrace ifo examples/ifo_cavity.yaml\n"
       "  straytrace ifo examples/ifo_cavity.yaml --show scan LENGTH -5nm 5nm --plot pdh.png");
+  mark_output(*command, *command->add_option("--html", o.page, "page with a drawing of the network and its tables"));
   command->callback([options, &exit_code] { exit_code = ifo(*options); });
 }
 

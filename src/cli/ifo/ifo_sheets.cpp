@@ -80,13 +80,23 @@ std::vector<Sheet> point_sheets(OperatingPoint const& point) {
 }
 
 Sheet scan_sheet(NetworkModel const& model, NetworkScan const& scan) {
-  std::string const unit = scan.parameter.dimension == dim::plain ? "" : example_unit(scan.parameter.dimension);
-  bool const turns = scan.parameter.dimension == dim::angle;
-  Sheet s{"scan", fmt::format("Read-outs against '{}'.", scan.parameter.name), {}, {}};
-  s.columns.push_back(turns ? angle(scan.parameter.name) : Sheet::Column{scan.parameter.name, unit, 8});
+  std::vector<std::string> names;
+  for (ScanAxis const& axis : scan.axes) names.push_back(fmt::format("'{}'", axis.parameter.name));
+  Sheet s{"scan", fmt::format("Read-outs against {}; -: rounding.", fmt::join(names, " and ")), {}, {}};
+  for (ScanAxis const& axis : scan.axes) {
+    Dimension const d = axis.parameter.dimension;
+    s.columns.push_back(d == dim::angle
+                            ? angle(axis.parameter.name)
+                            : Sheet::Column{axis.parameter.name, d == dim::plain ? "" : example_unit(d), 8});
+  }
   for (NamedReadout const& r : model.readouts) s.columns.push_back({r.name, unit_of(r.readout), 8});
-  for (std::size_t i = 0; i < scan.at.size(); ++i) {
-    std::vector<Sheet::Cell> row{scan.at[i]};
+  for (std::size_t i = 0; i < scan.values.front().size(); ++i) {
+    std::vector<Sheet::Cell> row;
+    std::size_t rest = i;
+    for (ScanAxis const& axis : scan.axes) {
+      row.emplace_back(axis.at(rest % axis.points));
+      rest /= axis.points;
+    }
     for (auto const& values : scan.values) row.emplace_back(values[i]);
     s.rows.push_back(std::move(row));
   }
@@ -147,6 +157,24 @@ Sheet sensing_sheet(SensingMatrix const& m) {
       row.emplace_back(std::abs(z));
       row.emplace_back(std::arg(z));
     }
+    s.rows.push_back(std::move(row));
+  }
+  return s;
+}
+
+Sheet noise_sheet(NamedReadout const& readout, NamedFreedom const* referred, ReadoutNoise const& noise) {
+  std::string const unit = fmt::format("{}/sqrt(Hz)", referred ? "m" : unit_of(readout.readout));
+  Sheet s{"noise",
+          fmt::format("Noise of '{}'{}, one-sided. vacuum: quantum noise; total: with all stated noises.", readout.name,
+                      referred ? fmt::format(" as displacement of {}", referred->name) : ""),
+          {{"frequency", "Hz"}},
+          {}};
+  for (std::string const& name : noise.names) s.columns.push_back({name, unit, 5});
+  s.columns.push_back({"total", unit, 5});
+  for (std::size_t i = 0; i < noise.hz.size(); ++i) {
+    std::vector<Sheet::Cell> row{noise.hz[i]};
+    for (auto const& part : noise.asd) row.emplace_back(part[i]);
+    row.emplace_back(noise.total[i]);
     s.rows.push_back(std::move(row));
   }
   return s;

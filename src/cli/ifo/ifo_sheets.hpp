@@ -4,6 +4,7 @@
 
 #include "cli/ifo/sheets.hpp"
 #include "ifo/control_loops.hpp"
+#include "ifo/layout/noise_budget.hpp"
 #include "ifo/layout/operating_point.hpp"
 #include "ifo/layout/parameters.hpp"
 #include "ifo/layout/signals.hpp"
@@ -16,6 +17,7 @@ Sheet errors_sheet(std::vector<ErrorSignal> const&);
 Sheet transfer_sheet(NetworkCause const&, NamedReadout const& effect, std::vector<double> const& hz,
                      std::vector<Phasor> const& response);
 Sheet sensing_sheet(SensingMatrix const&);
+Sheet noise_sheet(NamedReadout const&, NamedFreedom const* referred, ReadoutNoise const&);
 std::vector<Sheet> loop_sheets(LoopTable const&);
 
 }  // namespace straytrace::cli

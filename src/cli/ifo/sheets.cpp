@@ -24,21 +24,43 @@ std::string csv_cell(Sheet::Cell const& cell) {
 
 }  // namespace
 
+namespace {
+
+Columns shown_columns(Sheet const& s) {
+  Columns table;
+  for (Sheet::Column const& c : s.columns) {
+    std::string const unit = c.shown.empty() ? c.unit : c.shown;
+    table.titles.push_back(c.key + (unit.empty() ? "" : " [" + unit + "]"));
+  }
+  for (std::size_t i = 0; i < s.columns.size(); ++i)
+    table.left.push_back(!s.rows.empty() && std::holds_alternative<std::string>(s.rows[0][i]));
+  for (auto const& row : s.rows) {
+    std::vector<std::string> cells;
+    for (std::size_t i = 0; i < row.size(); ++i) cells.push_back(shown(row[i], s.columns[i]));
+    table.rows.push_back(std::move(cells));
+  }
+  return table;
+}
+
+}  // namespace
+
+nlohmann::ordered_json page_of(std::vector<Sheet> const& sheets) {
+  auto all = nlohmann::ordered_json::array();
+  for (Sheet const& s : sheets) {
+    Columns const table = shown_columns(s);
+    all.push_back({{"name", s.name},
+                   {"heading", s.heading},
+                   {"titles", table.titles},
+                   {"text", table.left},
+                   {"rows", table.rows}});
+  }
+  return all;
+}
+
 std::string text_of(std::vector<Sheet> const& sheets) {
   std::string text;
   for (Sheet const& s : sheets) {
-    Columns table;
-    for (Sheet::Column const& c : s.columns) {
-      std::string const unit = c.shown.empty() ? c.unit : c.shown;
-      table.titles.push_back(c.key + (unit.empty() ? "" : " [" + unit + "]"));
-    }
-    for (std::size_t i = 0; i < s.columns.size(); ++i)
-      table.left.push_back(!s.rows.empty() && std::holds_alternative<std::string>(s.rows[0][i]));
-    for (auto const& row : s.rows) {
-      std::vector<std::string> cells;
-      for (std::size_t i = 0; i < row.size(); ++i) cells.push_back(shown(row[i], s.columns[i]));
-      table.rows.push_back(std::move(cells));
-    }
+    Columns const table = shown_columns(s);
     text += (text.empty() ? "" : "\n") + s.heading + "\n" + (s.rows.empty() ? "" : "\n" + aligned(table));
   }
   return text;

@@ -27,6 +27,8 @@ struct Sheet {
 
 std::string text_of(std::vector<Sheet> const&);
 std::string csv_of(std::vector<Sheet> const&);  // "# NAME" before each of several
+// Titles, cells as in the text and which columns are text, for a page.
+nlohmann::ordered_json page_of(std::vector<Sheet> const&);
 nlohmann::ordered_json json_of(std::vector<Sheet> const&);
 
 }  // namespace straytrace::cli

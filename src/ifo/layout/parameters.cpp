@@ -133,17 +133,20 @@ std::optional<NetworkParameter> find_parameter(NetworkModel const& model, std::s
   return of_space(n, name);
 }
 
-NetworkScan scan_network(NetworkModel const& model, NetworkParameter const& parameter, double from, double to,
-                         std::size_t points) {
-  NetworkScan scan{parameter, {}, std::vector<std::vector<double>>(model.readouts.size())};
+NetworkScan scan_network(NetworkModel const& model, std::vector<ScanAxis> axes) {
+  NetworkScan scan{std::move(axes), std::vector<std::vector<double>>(model.readouts.size())};
+  std::size_t places = 1;
+  for (ScanAxis const& axis : scan.axes) places *= axis.points;
   NetworkModel moved = model;
-  for (std::size_t i = 0; i < points; ++i) {
-    double const x = points > 1 ? from + (to - from) * double(i) / double(points - 1) : from;
-    parameter.set(moved, x);
+  for (std::size_t place = 0; place < places; ++place) {
+    std::size_t rest = place;
+    for (ScanAxis const& axis : scan.axes) {
+      axis.parameter.set(moved, axis.at(rest % axis.points));
+      rest /= axis.points;
+    }
     SteadyField const field(moved.network);
-    scan.at.push_back(x);
     for (std::size_t r = 0; r < moved.readouts.size(); ++r)
-      scan.values[r].push_back(value_of(moved.readouts[r].readout, field));
+      scan.values[r].push_back(resolved_value(moved.readouts[r].readout, field));
   }
   return scan;
 }

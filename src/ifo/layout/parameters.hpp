@@ -23,12 +23,18 @@ struct NetworkParameter {
 std::vector<std::string> parameter_names(NetworkModel const&);
 std::optional<NetworkParameter> find_parameter(NetworkModel const&, std::string const& name);
 
-// Values of all read-outs while one number runs from `from` to `to`.
-struct NetworkScan {
+// A number of the network on its way from one value to another.
+struct ScanAxis {
   NetworkParameter parameter;
-  std::vector<double> at;
-  std::vector<std::vector<double>> values;  // by read-out, then by place
+  double from = 0, to = 0;
+  std::size_t points = 0;
+  double at(std::size_t i) const { return points > 1 ? from + (to - from) * double(i) / double(points - 1) : from; }
 };
-NetworkScan scan_network(NetworkModel const&, NetworkParameter const&, double from, double to, std::size_t points);
+// Values of all read-outs on one axis, or on a grid of two; the first axis is the fastest.
+struct NetworkScan {
+  std::vector<ScanAxis> axes;
+  std::vector<std::vector<double>> values;  // by read-out, then by place; not a number: rounding
+};
+NetworkScan scan_network(NetworkModel const&, std::vector<ScanAxis> axes);
 
 }  // namespace straytrace::ifo

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "ifo/layout/signals.hpp"
+
 namespace straytrace::ifo {
 namespace {
 
@@ -232,6 +234,7 @@ class QuestionReader {
   void read() {
     for (auto const& [name, node] : table_.table("freedoms").items()) read_freedom(name, node);
     for (auto const& [name, node] : table_.table("readouts").items()) read_readout(name, node);
+    for (auto const& [name, node] : table_.table("noises").items()) read_noise(name, node);
     if (!table_.healthy()) return;
     SteadyField const field(model_.network);
     for (BestPhase const& b : best_) turn_to_best(b, field);
@@ -254,6 +257,46 @@ class QuestionReader {
     }
     std::erase_if(model_.freedoms, [&](NamedFreedom const& f) { return f.name == name; });
     model_.freedoms.push_back(std::move(freedom));
+  }
+
+  void read_noise(std::string const& name, Node const& node) {
+    if (name == "override") return;
+    auto const cause = find_cause(model_, name);
+    if (!cause)
+      node.problem(fmt::format("the network has no cause '{}'", name),
+                   did_you_mean(name, cause_names(model_),
+                                fmt::format("it is one of: {}", fmt::join(cause_names(model_), ", "))));
+    if (node.kind() != Node::Kind::table)
+      return node.problem(fmt::format("the noise of '{}' must be a table", name),
+                          "write {asd: 1e-9 /sqrt(Hz), at: 100 Hz, exponent: -1}, or {file: FILE, columns: [...]}");
+    NamedNoise noise{cause.value_or(NetworkCause{name})};
+    Dimension const density = noise.cause.density();
+    if (node.has("file")) {
+      read_curve(node, density, noise);
+    } else {
+      noise.level = node.number("asd", density, required, 0);
+      noise.at = node.number("at", dim::frequency, 100, 1e-9, 1e12);
+      noise.exponent = node.number("exponent", dim::plain, 0, -20, 20);
+    }
+    node.refuse_unknown("a noise of a network");
+    std::erase_if(model_.noises, [&](NamedNoise const& n) { return n.cause.name == name; });
+    model_.noises.push_back(std::move(noise));
+  }
+
+  static void read_curve(Node const& node, Dimension density, NamedNoise& noise) {
+    noise.file = node["file"].text();
+    std::vector<Node> const columns = node.list("columns");
+    auto const unit = columns.size() == 2 ? parse_unit(columns[1].text()) : std::nullopt;
+    if (columns.size() != 2 || columns[0].text() != "Hz" || !unit || unit->dimension != density)
+      (node.has("columns") ? node["columns"] : node)
+          .problem("name the two columns of the file",
+                   fmt::format("write 'columns: [Hz, {}]'", noise.cause.density_unit()));
+    if (!unit) return;
+    noise.curve = parse_curve(node.data_file(noise.file));
+    for (Problem const& p : noise.curve.problems)
+      node["file"].file_problem(noise.file, p.place.line, p.place.column, p.what,
+                                "write frequency in Hz and the amplitude spectral density, sorted by frequency");
+    for (double& v : noise.curve.value) v *= unit->si;
   }
 
   std::vector<std::string> movable() const {

@@ -2,6 +2,7 @@
 #include "ifo/layout/signals.hpp"
 
 #include <Eigen/SVD>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -97,6 +98,15 @@ char const* NetworkCause::unit() const {
   return units[std::size_t(kind)];
 }
 
+Dimension NetworkCause::density() const {
+  constexpr Dimension all[] = {dim::displacement_asd, {2, 2, -3}, {.second = 1}, dim::angle_asd, {.second = -1}};
+  return all[std::size_t(kind)];
+}
+
+std::string NetworkCause::density_unit() const {
+  return kind == Kind::amplitude ? "1/sqrt(Hz)" : fmt::format("{}/sqrt(Hz)", unit());
+}
+
 std::vector<std::string> cause_names(NetworkModel const& model) {
   std::vector<std::string> names;
   for (NamedFreedom const& f : model.freedoms) names.push_back(f.name);
@@ -142,8 +152,6 @@ char const* unit_of(Readout const& r) {
   return r.kind == Readout::Kind::motion ? "m" : r.kind == Readout::Kind::homodyne ? "sqrt(W)" : "W";
 }
 
-namespace {
-
 Phasor response_to(LinearResponse const& r, Network const& n, NetworkCause const& cause, double hz) {
   using Kind = NetworkCause::Kind;
   Phasor sum = 0;
@@ -170,8 +178,6 @@ Phasor response_to(LinearResponse const& r, Network const& n, NetworkCause const
   }
   return sum;
 }
-
-}  // namespace
 
 std::vector<Phasor> transfer_function(NetworkModel const& model, NetworkCause const& cause, NamedReadout const& effect,
                                       std::vector<double> const& hz) {

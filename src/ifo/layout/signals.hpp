@@ -25,21 +25,15 @@ struct ErrorSignal {
 // Without those whose slope is rounding.
 std::vector<ErrorSignal> error_signals(NetworkModel const&);
 
-// What acts on a network: "DARM" or "ETM" (displacement, m), "ETM.force" (N), "laser.amplitude" (relative),
-// "laser.phase" (rad), "laser.frequency" (Hz).
-struct NetworkCause {
-  enum class Kind : std::uint8_t { displacement, force, amplitude, phase, frequency };
-  std::string name;
-  Kind kind = Kind::displacement;
-  std::vector<std::pair<ComponentId, double>> moves{};  // or one laser
-  char const* unit() const;
-};
 std::vector<std::string> cause_names(NetworkModel const&);
 std::optional<NetworkCause> find_cause(NetworkModel const&, std::string const& name);
 // A read-out, or a mirror whose displacement is requested.
 std::vector<std::string> effect_names(NetworkModel const&);
 std::optional<NamedReadout> find_effect(NetworkModel const&, std::string const& name);
 char const* unit_of(Readout const&);
+
+// For motion proportional to exp(-2 pi i f t), per unit of the cause.
+Phasor response_to(LinearResponse const&, Network const&, NetworkCause const&, double hz);
 
 // Complex responses of an effect to a cause for motion proportional to exp(+2 pi i f t), by frequency.
 std::vector<Phasor> transfer_function(NetworkModel const&, NetworkCause const&, NamedReadout const& effect,

@@ -64,6 +64,15 @@ std::string readout_text(Network const& n, NamedReadout const& r) {
   return fmt::format("homodyne: {{at: {}, angle: {} rad}}", at, r.readout.angle);
 }
 
+std::string noise_text(NamedNoise const& noise) {
+  if (!noise.file.empty()) return fmt::format("file: {}, columns: [Hz, {}]", noise.file, noise.cause.density_unit());
+  bool const force = noise.cause.kind == NetworkCause::Kind::force;
+  std::string const unit = force                                               ? "kg*m/s^2"
+                           : noise.cause.kind == NetworkCause::Kind::amplitude ? ""
+                                                                               : noise.cause.unit();
+  return fmt::format("asd: {} {}/sqrt(Hz), at: {} Hz, exponent: {}", noise.level, unit, noise.at, noise.exponent);
+}
+
 }  // namespace
 
 std::string network_text(NetworkModel const& model) {
@@ -86,6 +95,8 @@ std::string network_text(NetworkModel const& model) {
       moves += fmt::format("{}{}: {}", moves.empty() ? "" : ", ", n.name(id), factor);
     text += fmt::format("      {}: {{{}}}\n", f.name, moves);
   }
+  if (!model.noises.empty()) text += "    noises:\n";
+  for (NamedNoise const& m : model.noises) text += fmt::format("      {}: {{{}}}\n", m.cause.name, noise_text(m));
   return text;
 }
 

@@ -125,9 +125,10 @@ bool draw_from_json(std::string const& what, std::string const& json_file, std::
   return draw({"straytrace.plots." + what, json_file, "-o", png_file}, png_file, message);
 }
 
-std::string picture_of(std::string const& json, std::string const& what, std::string& message) {
+std::string picture_of(std::string const& json, std::string const& what, std::string& message,
+                       std::string const& ending) {
   Workplace const place;
-  std::string const from = place.path("data.json"), to = place.path("picture.png");
+  std::string const from = place.path("data.json"), to = place.path(("picture" + ending).c_str());
   write_file(from, json);
   return draw_from_json(what, from, to, message) ? read_file(to) : "";
 }

@@ -30,7 +30,8 @@ bool draw_wave_picture(RunContent const&, std::string const& png_file, std::stri
 // inspect`, "budget", "scan" and "ghosts" from the commands of that name, "curves" from results/curves/curve_file.hpp.
 bool draw_from_json(std::string const& what, std::string const& json_file, std::string const& png_file,
                     std::string& message);
-// The bytes of this picture from `json`, drawn in a temporary folder; empty, and `message`, on failure.
-std::string picture_of(std::string const& json, std::string const& what, std::string& message);
+// The bytes of this picture or page from `json`, drawn in a temporary folder; empty, and `message`, on failure.
+std::string picture_of(std::string const& json, std::string const& what, std::string& message,
+                       std::string const& ending = ".png");
 
 }  // namespace straytrace::results

@@ -50,7 +50,7 @@ OpticalNetwork read_lone(Scene const& scene) {
     model = network_of(table, not_a_number, detector.get());
   }
   scene.throw_if_problems();
-  return {*std::move(model), std::move(detector)};
+  return {scene.title(), *std::move(model), std::move(detector)};
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ OpticalNetwork read_optical_network(SceneOptions const& options) {
     whole.scene.root().problem("the scene has no 'interferometer'", "add 'interferometer: {preset: adv}'");
   whole.scene.throw_if_problems();
   print_warnings(whole.scene, options);
-  return {*std::move(model), std::move(whole.detector)};
+  return {whole.scene.title(), *std::move(model), std::move(whole.detector)};
 }
 
 }  // namespace straytrace::session

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "ifo/interferometer.hpp"
 #include "ifo/network_model.hpp"
@@ -17,6 +18,7 @@ bool only_network(Scene const&);
 NetworkModel read_lone_network(Scene const&);
 // Of any scene; prints its warnings. Without a preset there is no detector.
 struct OpticalNetwork {
+  std::string title;
   NetworkModel model;
   std::unique_ptr<Interferometer> detector;
 };

@@ -98,14 +98,21 @@ TEST(NetworkSignals, ErrorSignalOfACavity) {
 TEST(NetworkSignals, ScansMoveOneNumber) {
   NetworkModel const m = modelled(ModulatedCavity(0));
   for (char const* name : {"LENGTH", "M2.displacement"}) {
-    NetworkScan const scan = scan_network(m, *find_parameter(m, name), -0.2e-9, 0.2e-9, 3);
-    EXPECT_EQ(scan.at, (std::vector<double>{-0.2e-9, 0, 0.2e-9}));
+    NetworkScan const scan = scan_network(m, {{*find_parameter(m, name), -0.2e-9, 0.2e-9, 3}});
+    EXPECT_EQ(scan.axes[0].at(1), 0);
+    EXPECT_EQ(scan.axes[0].at(2), 0.2e-9);
     EXPECT_LT(deviation(scan.values[1][2], -0.03125225501), 1e-7) << name;
   }
-  NetworkScan const tuned = scan_network(m, *find_parameter(m, "M2.tuning"), 0, 2 * pi * 0.2e-9 / light_wavelength, 2);
+  NetworkScan const tuned =
+      scan_network(m, {{*find_parameter(m, "M2.tuning"), 0, 2 * pi * 0.2e-9 / light_wavelength, 2}});
   EXPECT_LT(deviation(tuned.values[1][1], -0.03125225501), 1e-7);
-  NetworkScan const off = scan_network(m, *find_parameter(m, "EOM.index"), 0, 0.1, 2);
-  EXPECT_NEAR(off.values[1][0], 0, 1e-15);
+  NetworkScan const grid = scan_network(
+      m, {{*find_parameter(m, "LENGTH"), -0.2e-9, 0.2e-9, 3}, {*find_parameter(m, "laser.power"), 1, 2, 2}});
+  ASSERT_EQ(grid.values[1].size(), 6u);
+  EXPECT_LT(deviation(grid.values[1][2], -0.03125225501), 1e-7);
+  EXPECT_LT(deviation(grid.values[1][5], -2 * 0.03125225501), 1e-7) << "the first axis is the fastest";
+  NetworkScan const off = scan_network(m, {{*find_parameter(m, "EOM.index"), 0, 0.1, 2}});
+  EXPECT_TRUE(std::isnan(off.values[1][0]));
   EXPECT_LT(deviation(off.values[0][1], SteadyField(m.network).power_out(m.readouts[0].readout.port)), 1e-12);
   EXPECT_FALSE(find_parameter(m, "M2.power"));
   for (std::string const& name : parameter_names(m)) {

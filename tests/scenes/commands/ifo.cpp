@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 #include "scenes/program.hpp"
@@ -15,7 +16,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 std::string const cavity = source_folder + "/examples/ifo_cavity.yaml",
-                  dual = source_folder + "/examples/ifo_dual.yaml";
+                  dual = source_folder + "/examples/ifo_dual.yaml", loops = source_folder + "/examples/ifo_loops.yaml";
 
 json answer(Words words) {
   words.insert(words.begin(), "ifo");
@@ -63,12 +64,42 @@ TEST(IfoCommand, PrintedNetworkIsAScene) {
   EXPECT_THAT(straytrace({"check", folder / "net.yaml"}).out, HasSubstr("network of 15 components"));
 }
 
-TEST(IfoCommand, PictureOfAScan) {
+TEST(IfoCommand, PicturesAndPage) {
   Folder const folder;
-  Finished const done = straytrace(
-      {"ifo", cavity, "--show", "scan", "LENGTH", "-5nm", "5nm", "--plot", folder / "a.png"}, {.picture = true});
-  EXPECT_EQ(done.code, 0) << done.err;
-  EXPECT_EQ(text_of(folder / "a.png").substr(1, 3), "PNG");
+  for (Words const& show :
+       std::vector<Words>{{"scan", "LENGTH", "-5nm", "5nm"},
+                          {"scan", "LENGTH", "-5nm", "5nm", "laser.power", "1W", "2W", "--points", "5"},
+                          {"errors"},
+                          {"noise", "PDH", "--referred-to", "LENGTH", "--points", "5"}}) {
+    Words words = {"ifo", cavity, "--plot", folder / "a.png", "--show"};
+    words.insert(words.end(), show.begin(), show.end());
+    Finished const done = straytrace(words, {.picture = true});
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(text_of(folder / "a.png").substr(1, 3), "PNG") << show[0];
+    std::filesystem::remove(folder / "a.png");
+  }
+  Finished const page = straytrace({"ifo", loops, "--html", folder / "a.html"}, {.picture = true});
+  EXPECT_EQ(page.code, 0) << page.err;
+  EXPECT_THAT(text_of(folder / "a.html"), AllOf(HasSubstr("<svg"), HasSubstr("ETMx"), HasSubstr("by_SRCL")));
+}
+
+TEST(IfoCommand, NoiseAndLoops) {
+  Folder const folder;
+  std::string scene = text_of(cavity);
+  scene +=
+      "    noises: {laser.frequency: {asd: 1e-3 Hz/sqrt(Hz), exponent: -1}, ETM: {file: etm.txt, columns: [Hz, "
+      "nm/sqrt(Hz)]}}\n";
+  write_text(folder / "etm.txt", "1 1e-9\n1000 1e-9\n");
+  write_text(folder / "noisy.yaml", scene);
+  json const noise = answer({folder / "noisy.yaml", "--show", "noise", "PDH", "--referred-to", "LENGTH", "--band",
+                             "100 Hz, 2 kHz", "--points", "2"})["noise"];
+  EXPECT_NEAR(noise[0]["laser.frequency"].get<double>() / (3000 * 1e-3 * 1064e-9 / 299792458), 1, 1e-3);
+  EXPECT_NEAR(noise[0]["ETM"].get<double>() / 1e-18, 1, 1e-9);
+  EXPECT_TRUE(noise[1]["ETM"].is_null() && noise[1]["total"].is_null()) << "outside the file";
+  json const found = answer({loops, "--show", "loops", "--at", "20 Hz"});
+  EXPECT_EQ(found["loops_20Hz"][2]["sensor"], "POP_6");
+  EXPECT_NEAR(found["loops_20Hz"][2]["gain"].get<double>(), 30 / std::hypot(1, 20), 1e-6);
+  EXPECT_GT(found["stray_20Hz"][10]["total"].get<double>(), 100 * found["stray_20Hz"][10]["held"].get<double>());
 }
 
 TEST(IfoCommand, WrongInput) {
@@ -91,7 +122,15 @@ TEST(IfoCommand, WrongInput) {
             "between 0 and 1"},
            {{cavity, "--show", "transfer", "X", "PDH"}, "no cause 'X'", "LENGTH, "},
            {{cavity, "--show", "transfer", "LENGTH", "PDI"}, "no read-out or mirror 'PDI'", "did you mean 'PDH'?"},
-           {{cavity, "--plot", folder / "a.png"}, "--plot draws a scan or a response", "--show scan"},
+           {{cavity, "--plot", folder / "a.png"}, "--plot draws a scan, a response", "--show scan"},
+           {{cavity, "--show", "noise", "PDX"}, "no read-out 'PDX'", "did you mean 'PDH'?"},
+           {{cavity, "--show", "noise", "PDH", "--referred-to", "L"}, "no degree of freedom 'L'", "LENGTH"},
+           {{cavity, "--referred-to", "LENGTH"}, "--referred-to is for a noise", "--show noise READOUT"},
+           {{cavity, "--show", "loops"}, "only a dual-recycled detector has loops", "preset"},
+           {{cavity, "--html", folder / "a.png"}, "does not have a known ending", "end it with .html"},
+           {{cavity, "--show", "scan", "LENGTH", "0", "1nm", "LENGTH", "0", "1nm"},
+            "both axes of the scan are 'LENGTH'",
+            "two parameters"},
            {{cavity, "--show", "network", "--csv"}, "--show network prints a scene", "remove --csv"},
            {{folder / "closed.yaml"}, "closed forms have no network", "'preset: none'"},
            {{folder / "none.yaml"}, "no 'interferometer'", "preset: adv"}}) {
