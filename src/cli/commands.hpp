@@ -39,6 +39,7 @@ void add_budget(CLI::App&, int& exit_code);
 void add_scan(CLI::App&, int& exit_code);
 void add_project(CLI::App&, int& exit_code);
 void add_fringes(CLI::App&, int& exit_code);
+void add_sensors(CLI::App&, int& exit_code);
 // Data
 void add_signal(CLI::App&, int& exit_code);
 void add_couple(CLI::App&, int& exit_code);

@@ -19,7 +19,7 @@ std::vector<Task> const& tasks() {
   static std::vector<Task> const all = {
       {"Model", {add_check, add_print, add_inspect, add_render, add_view}},
       {"Light", {add_run, add_trace, add_importance, add_apertures, add_wave, add_ghosts, add_ifo}},
-      {"Noise", {add_noise, add_budget, add_scan, add_project, add_fringes}},
+      {"Noise", {add_noise, add_budget, add_scan, add_project, add_fringes, add_sensors}},
       {"Data", {add_signal, add_couple, add_fit}},
       {"Results", {add_paths, add_maps, add_report, add_diff}},
       {"Cluster", {add_submit, add_merge}},
@@ -62,7 +62,7 @@ std::vector<OptionGroup> const& groups() {
                     "harmonics",     "estimator",
                     "confidence",    "to",
                     "domain",        "notch",
-                    "first-order"}},
+                    "first-order",   "referred-to"}},
       {"Spectra",
        {"segment", "overlap", "window", "average", "detrend", "stride", "resolution", "points-per-decade", "power",
         "normalise", "q"}},
@@ -70,9 +70,9 @@ std::vector<OptionGroup> const& groups() {
       {"Selection",
        {"show", "band", "by",     "where",   "sort",     "without", "census", "path",     "route", "port", "moved-by",
         "beam", "at",   "points", "profile", "distance", "above",   "kind",   "pictures", "rays",  "halo"}},
-      {"Output", {"out",     "csv",    "plot",   "write",   "save",   "save-motion", "subtract", "asd",   "spectrogram",
-                  "overlay", "export", "title",  "vtk",     "glb",    "copy",        "partial",  "force", "format",
-                  "quiet",   "silent", "events", "unsaved", "fields", "version",     "help"}},
+      {"Output", {"out",         "csv",     "plot",   "html",   "write",   "save",   "save-motion", "subtract", "asd",
+                  "spectrogram", "overlay", "export", "title",  "vtk",     "glb",    "copy",        "partial",  "force",
+                  "format",      "quiet",   "silent", "events", "unsaved", "fields", "version",     "help"}},
   };
   return all;
 }

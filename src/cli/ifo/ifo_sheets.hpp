@@ -2,12 +2,12 @@
 // Answers about a network as tables. Inside the module.
 #pragma once
 
-#include "cli/ifo/sheets.hpp"
 #include "ifo/control_loops.hpp"
 #include "ifo/layout/noise_budget.hpp"
 #include "ifo/layout/operating_point.hpp"
 #include "ifo/layout/parameters.hpp"
 #include "ifo/layout/signals.hpp"
+#include "results/text/sheets.hpp"
 
 namespace straytrace::cli {
 

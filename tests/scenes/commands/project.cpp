@@ -2,6 +2,7 @@
 // straytrace project and fringes on a small run: files, choices, errors.
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <sstream>
 
 #include "scenes/program.hpp"
@@ -52,6 +53,30 @@ TEST_F(Projected, SwingingBenchMakesItsFringes) {  // case B3: 67.3 Hz from 10 u
   EXPECT_GT(answer["strain"][1]["asd"].get<double>(), 0);
   EXPECT_EQ(straytrace(project({"--format", "json", "--seed", "3", "--threads", "1"})).out, got.out);
   EXPECT_NE(straytrace(project({"--format", "json", "--seed", "4"})).out, got.out);
+}
+
+TEST_F(Projected, SensorsReadTheSameFringes) {
+  Words const words = {"sensors", at("run/run.h5"), "--motion", at("shaking.yaml"), "--duration", "8s", "--seed", "3"};
+  auto const with = [&](Words more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    return straytrace(more);
+  };
+  Finished const got =
+      with({"--format", "json", "--at", "20 Hz", "-o", at("sensors.hdf5"), "--asd", at("sensors.txt")});
+  ASSERT_EQ(got.code, 0) << got.err;
+  auto const power = nlohmann::json::parse(got.out),
+             phase = nlohmann::json::parse(with({"--format", "json", "--at", "20 Hz", "--kind", "phase"}).out);
+  auto const asd = [](nlohmann::json const& j) { return j["sensors"][2]["asd_20Hz"].get<double>(); };
+  EXPECT_NEAR(asd(power) / asd(phase), 2, 1e-9) << "dP/P = 2 Re s against Im s, mean over static phases";
+  auto const loudest = std::ranges::find(power["sources"], "bench", [](auto const& row) { return row["sensor"]; });
+  ASSERT_NE(loudest, power["sources"].end());
+  EXPECT_EQ((*loudest)["source"], "sensor·S");
+  EXPECT_GT((*loudest)["share"].template get<double>(), 0.99);
+  EXPECT_THAT(text_of(at("sensors.txt")), HasSubstr("relative power dP/P by stray light"));
+  EXPECT_FALSE(text_of(at("sensors.hdf5")).empty());
+  Finished const wrong = with({"--kind", "quadrants"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("did you mean 'quadrant'?"));
 }
 
 // Unresolved routes that h(t) leaves out are a warning, in text and JSON; controls: routes that are named, all

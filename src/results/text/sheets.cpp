@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/ifo/sheets.hpp"
+#include "results/text/sheets.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "results/text/columns.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::results {
 namespace {
 
 std::string shown(Sheet::Cell const& cell, Sheet::Column const& column) {
@@ -108,4 +108,4 @@ nlohmann::ordered_json json_of(std::vector<Sheet> const& sheets) {
   return all;
 }
 
-}  // namespace straytrace::cli
+}  // namespace straytrace::results

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tables that are printed as text, CSV or JSON. Inside the module.
+// Tables that are printed as text, CSV or JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,7 +10,7 @@
 
 #include "base/namespaces.hpp"
 
-namespace straytrace::cli {
+namespace straytrace::results {
 
 struct Sheet {
   struct Column {
@@ -31,4 +31,4 @@ std::string csv_of(std::vector<Sheet> const&);  // "# NAME" before each of sever
 nlohmann::ordered_json page_of(std::vector<Sheet> const&);
 nlohmann::ordered_json json_of(std::vector<Sheet> const&);
 
-}  // namespace straytrace::cli
+}  // namespace straytrace::results

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Photodiodes, local oscillators and quadrants on the beams of ports: their signals by stray light, without an
+// interferometer (docs/theory/time_domain.md, eq. N.22 to N.24).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "noise/noise.hpp"
+#include "noise/time_domain/time_domain.hpp"
+#include "spectra/series.hpp"
+
+namespace straytrace::noise {
+
+// What a sensor reads, relative to its main light.
+enum class SensorKind : std::uint8_t {
+  power,    // dP/P = 2 Re s
+  phase,    // rad: Im s, by a local oscillator
+  quadrant  // X/P: 2 Re of the stray field in the mode with one half reversed: of diffuse light as strong as s
+};
+
+// A sensor as the only thing that stray light reaches: "strain" is its signal.
+class SensorResponse final : public ifo::Interferometer {
+ public:
+  SensorResponse(PortId port, SensorKind kind) : port_(port), kind_(kind) {}
+  std::complex<double> strain_per_phase(PortId port, double) const override {
+    return port.value == port_.value && kind_ == SensorKind::phase ? 1 : 0;
+  }
+  std::complex<double> strain_per_amplitude(PortId port, double) const override {
+    return port.value == port_.value && kind_ != SensorKind::phase ? 2 : 0;
+  }
+  double copies(PortId) const override { return 1; }
+  std::string description() const override { return "a sensor on the beam of a port"; }
+
+ private:
+  PortId port_;
+  SensorKind kind_;
+};
+
+struct SensorNoise {
+  PortId port;
+  std::vector<std::uint32_t> routes;  // of this port, positions in CouplingTable::classes
+  NoiseBudget budget;                 // of these routes, in their order: relative ASD of the signal, 1/sqrt(Hz)
+  std::size_t left_out = 0;           // computed routes, ghosts for one, whose pattern on a quadrant is not known
+};
+// The mean over static phases, where power and phase differ by the factor 2 only.
+SensorNoise sensor_noise(CouplingTable const&, MotionSet const&, NoiseSettings, PortId, SensorKind);
+
+// One realisation, four channels per port: "PORT power", "PORT phase", "PORT X", "PORT Y". The fields of X and Y have
+// static phases of their own and no computed routes (eq. N.24); the motion is the same.
+struct SensorSeries {
+  std::vector<TimeSeries> channels;
+  FastestFringe fastest;
+  SampleTimes times;
+};
+SensorSeries sensor_series(CouplingTable const&, MotionSet const&, TimeDomainSettings const&);
+
+}  // namespace straytrace::noise
