@@ -8,56 +8,57 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ifo/dual_recycled.hpp"
-#include "ifo/layout/signals.hpp"
-
 namespace straytrace::ifo {
 namespace {
 
-constexpr std::array<Freedom, 4> freedoms = {Freedom::carm, Freedom::mich, Freedom::prcl, Freedom::srcl};
 constexpr double close_to_unstable = 0.3;  // |1 + G|
+constexpr double dark = 1e-24;             // of the largest power: no light
 
-// The length itself as a read-out, with the splitter at rest.
-Readout length_of(Network const& n, Freedom f) {
-  Eigen::Matrix<double, 1, 6> const of = freedoms_of_lengths().row(Eigen::Index(f));
-  auto const part = [&](Length l) { return of[Eigen::Index(l)]; };
-  double const x = part(Length::arm_x), y = part(Length::arm_y);
-  return Readout::motion({{n.find("ETMx"), x},
-                          {n.find("ITMx"), part(Length::short_x) - x},
-                          {n.find("ETMy"), y},
-                          {n.find("ITMy"), part(Length::short_y) - y},
-                          {n.find("PRM"), -part(Length::recycling)},
-                          {n.find("SRM"), part(Length::signal)}});
+Phasor along(LinearResponse const& r, NamedFreedom const& freedom) {
+  Phasor sum = 0;
+  for (auto const& [id, factor] : freedom.moves) sum += factor * r.to_displacement(id);
+  return sum;
+}
+
+double largest_power(Network const& network, SteadyField const& field) {
+  double most = 0;
+  for (std::uint32_t p = 0; p < network.ports(); ++p) most = std::fmax(most, field.power_out(p));
+  return most;
 }
 
 }  // namespace
 
-ControlledResponse::Square ControlledResponse::responses(std::vector<LinearResponse> const& readouts) const {
-  Square m;
-  for (int i = 0; i < count; ++i)
-    for (int j = 0; j < count; ++j) m(i, j) = d_.to_freedom(readouts[std::size_t(i)], freedoms[std::size_t(j)]);
+Eigen::MatrixXcd StrainResponse::responses(std::vector<LinearResponse> const& readouts,
+                                           std::vector<ControlledLength> const& controlled) const {
+  auto const size = Eigen::Index(controlled.size());
+  Eigen::MatrixXcd m(size, size);
+  for (Eigen::Index i = 0; i < size; ++i)
+    for (Eigen::Index j = 0; j < size; ++j)
+      m(i, j) = along(readouts[std::size_t(i)], controlled[std::size_t(j)].freedom);
   return m;
 }
 
 // Actuators move by u, the loops sense y = R u + T s, and u = -C y, where C = G/R_pp of a closed loop. A held length
 // has y = 0 with itself as sensor: the row R u = -T s without the term u.
-ControlledResponse::ControlledResponse(DualRecycled const& d, double hz, ControlLoops const& loops)
-    : d_(d), read_(d.response(hz)) {
+StrainResponse::StrainResponse(Network const& network, SteadyField const& field, StrainScale const& scale,
+                               std::vector<ControlledLength> const& controlled, double hz)
+    : network_(network), field_(field), scale_(scale), hz_(hz), read_(network, field, scale.readout, hz) {
   using Kind = ControlLoop::Kind;
-  for (int i = 0; i < count; ++i) {
-    lengths_.push_back(d.response(length_of(d.network(), freedoms[std::size_t(i)]), hz));
-    seen_[i] = d.to_freedom(read_, freedoms[std::size_t(i)]);
+  auto const size = Eigen::Index(controlled.size());
+  seen_.resize(size);
+  for (ControlledLength const& c : controlled) {
+    seen_[Eigen::Index(lengths_.size())] = along(read_, c.freedom);
+    lengths_.emplace_back(network, field, c.length, hz);
+    bool const closed = c.loop.kind == Kind::closed;
+    sensors_.push_back(closed ? LinearResponse(network, field, c.loop.sensor.readout, hz) : lengths_.back());
   }
-  move_ = responses(lengths_);
-  per_length_ = seen_ * move_.inverse();
-  for (int i = 0; i < count; ++i) {
-    ControlLoop const& loop = loops[std::size_t(i)];
-    sensors_.push_back(loop.kind == Kind::closed ? d.response(loop.sensor.readout, hz) : lengths_[std::size_t(i)]);
-  }
-  Square equations = responses(sensors_), sensed = Square::Identity();
+  move_ = responses(lengths_, controlled);
+  per_length_ = seen_;
+  if (size > 0) per_length_ = seen_ * move_.inverse();
+  Eigen::MatrixXcd equations = responses(sensors_, controlled), sensed = Eigen::MatrixXcd::Identity(size, size);
   kept_ = seen_;
-  for (int i = 0; i < count; ++i) {
-    ControlLoop const& loop = loops[std::size_t(i)];
+  for (Eigen::Index i = 0; i < size; ++i) {
+    ControlLoop const& loop = controlled[std::size_t(i)].loop;
     if (loop.kind == Kind::held) continue;
     Phasor const control = loop.kind == Kind::free ? 0.0 : loop.open_loop(hz) / equations(i, i);
     equations.row(i) *= control;
@@ -65,35 +66,37 @@ ControlledResponse::ControlledResponse(DualRecycled const& d, double hz, Control
     sensed(i, i) = control;
     kept_[i] *= 1.0 - loop.feedforward(hz);
   }
-  actuate_ = equations.inverse() * sensed;
+  actuate_ = equations;
+  if (size > 0) actuate_ = equations.inverse() * sensed;
   weight_ = kept_ * actuate_;
+  per_metre_ = to([&](LinearResponse const& r) { return along(r, scale_.freedom); });
 }
 
-Phasor ControlledResponse::to(Cause const& cause) const {
+Phasor StrainResponse::to(Cause const& cause) const {
   Phasor sum = cause(read_);
-  for (int i = 0; i < count; ++i) sum -= weight_[i] * cause(sensors_[std::size_t(i)]);
+  for (std::size_t i = 0; i < sensors_.size(); ++i) sum -= weight_[Eigen::Index(i)] * cause(sensors_[i]);
   return sum;
 }
-Phasor ControlledResponse::to_freedom(Freedom f) const {
-  return to([&](LinearResponse const& r) { return d_.to_freedom(r, f); });
-}
-Phasor ControlledResponse::to_phase(Injection const& i) const {
-  return to([&](LinearResponse const& r) { return r.to_phase(i); });
-}
-Phasor ControlledResponse::to_amplitude(Injection const& i) const {
-  return to([&](LinearResponse const& r) { return r.to_amplitude(i); });
+StrayResponse StrainResponse::to_stray(StrayWay const& way) const {
+  auto const of = [&](LinearResponse const& r) { return stray_response(r, network_, field_, way, hz_); };
+  StrayResponse sum = of(read_);
+  for (std::size_t i = 0; i < sensors_.size(); ++i) sum = sum + of(sensors_[i]) * -weight_[Eigen::Index(i)];
+  return sum;
 }
 
-ControlledResponse::Parts ControlledResponse::parts(Cause const& cause) const {
-  Eigen::Matrix<Phasor, count, 1> sensed, lengths;
-  for (int i = 0; i < count; ++i) {
+StrainResponse::Parts StrainResponse::parts(Cause const& cause) const {
+  auto const size = Eigen::Index(lengths_.size());
+  Eigen::VectorXcd sensed(size), lengths(size);
+  for (Eigen::Index i = 0; i < size; ++i) {
     sensed[i] = cause(sensors_[std::size_t(i)]);
     lengths[i] = cause(lengths_[std::size_t(i)]);
   }
-  Eigen::Matrix<Phasor, count, 1> const actuators = -actuate_ * sensed, residual = lengths + move_ * actuators;
-  Parts p{.held = cause(read_) - Phasor(per_length_ * lengths)};
-  for (int i = 0; i < count; ++i)
-    p.by_length[std::size_t(i)] = per_length_[i] * residual[i] - (seen_[i] - kept_[i]) * actuators[i];
+  Eigen::VectorXcd const actuators = -actuate_ * sensed, residual = lengths + move_ * actuators;
+  Parts p{.held = cause(read_)};
+  for (Eigen::Index i = 0; i < size; ++i) {
+    p.held -= per_length_[i] * lengths[i];
+    p.by_length.push_back(per_length_[i] * residual[i] - (seen_[i] - kept_[i]) * actuators[i]);
+  }
   return p;
 }
 
@@ -138,35 +141,34 @@ ControlLoop read_loop(Node const& node, std::string const& length, NetworkModel 
 
 }  // namespace
 
-ControlLoops read_control_loops(Node const& interferometer, NetworkModel const& model, Band const& band) {
-  ControlLoops loops;
+void read_control_loops(Node const& interferometer, NetworkModel& model, Band const& band) {
+  std::vector<std::string> names;
+  for (ControlledLength const& c : model.controlled) names.push_back(c.freedom.name);
   for (auto const& [name, node] : interferometer.table("loops").items()) {
     if (name == "override") continue;
-    auto const at = std::ranges::find(controlled_lengths, name);
-    if (at != controlled_lengths.end()) {
-      loops[std::size_t(at - controlled_lengths.begin())] = read_loop(node, name, model, band);
+    auto const at = std::ranges::find(names, name);
+    if (at != names.end()) {
+      model.controlled[std::size_t(at - names.begin())].loop = read_loop(node, name, model, band);
       continue;
     }
     if (node.kind() == Node::Kind::table)
       for (char const* key : {"sensor", "open_loop", "feedforward"}) (void)node.has(key);
-    std::vector<std::string> const names(controlled_lengths.begin(), controlled_lengths.end());
     node.problem(fmt::format("no loop controls '{}'", name),
-                 name == "DARM" ? std::string("remove it: the loop of DARM cancels in h")
-                                : did_you_mean(name, names, fmt::format("it is one of: {}", fmt::join(names, ", "))));
+                 name == model.strain->freedom.name
+                     ? fmt::format("remove it: the loop of {} cancels in h", name)
+                     : did_you_mean(name, names, fmt::format("it is one of: {}", fmt::join(names, ", "))));
   }
-  return loops;
 }
 
-std::string describe(ControlLoops const& loops) {
+std::string describe(std::vector<ControlledLength> const& controlled) {
   std::vector<std::string> held, others;
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    std::string const name(controlled_lengths[i]);
-    if (loops[i].kind == ControlLoop::Kind::held)
-      held.push_back(name);
-    else if (loops[i].kind == ControlLoop::Kind::free)
-      others.push_back(name + " free");
+  for (ControlledLength const& c : controlled) {
+    if (c.loop.kind == ControlLoop::Kind::held)
+      held.push_back(c.freedom.name);
+    else if (c.loop.kind == ControlLoop::Kind::free)
+      others.push_back(c.freedom.name + " free");
     else
-      others.push_back(fmt::format("{} controlled by {}", name, loops[i].sensor.name));
+      others.push_back(fmt::format("{} controlled by {}", c.freedom.name, c.loop.sensor.name));
   }
   std::string text;
   for (std::size_t i = 0; i < held.size(); ++i) text += (i == 0 ? "" : i + 1 < held.size() ? ", " : " and ") + held[i];
@@ -211,50 +213,94 @@ LoopMargins loop_margins(TransferFunction const& open_loop, Band const& noise_ba
   return m;
 }
 
-std::vector<LoopRow> loop_rows(DualRecycled const& d, ControlledResponse const& r, ControlLoops const& loops, double hz,
-                               Band const& band) {
-  Phasor const darm = r.to_freedom(Freedom::darm) * d.parameters().arm_length;
-  std::vector<LoopRow> rows;
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    ControlLoop const& loop = loops[i];
-    LoopRow row{.length = std::string(controlled_lengths[i])};
-    if (loop.kind == ControlLoop::Kind::closed) {
-      row.sensor = loop.sensor.name;
-      row.unit = unit_of(loop.sensor.readout);
-      row.plant = std::conj(d.to_freedom(d.response(loop.sensor.readout, hz), freedoms[i]));
-      row.open_loop = std::conj(loop.open_loop(hz));
-      row.suppressed = suppression(row.open_loop);
-      row.noise_to_strain = std::conj(r.to_sensor_noise(i) / darm);
-      row.margins = loop_margins(loop.open_loop, band);
-    } else {
-      row.sensor = loop.kind == ControlLoop::Kind::held ? "held" : "free";
-    }
-    rows.push_back(std::move(row));
-  }
-  return rows;
+bool sees(Network const& network, SteadyField const& field, Readout const& r, NamedFreedom const& freedom, double hz) {
+  constexpr double blind = 1e-9;
+  bool const power = r.kind == Readout::Kind::power, homodyne = r.kind == Readout::Kind::homodyne;
+  double const light = homodyne ? 0 : power_of_beam(r, field);
+  if (!homodyne && !(light > dark * largest_power(network, field))) return false;
+  auto const size = [&](double turn) {
+    Readout turned = r;
+    turned.angle += turn;
+    return std::abs(along(LinearResponse(network, field, turned, hz), freedom));
+  };
+  // A response is compared with that in the other quadrature and, of a power, with what all its light could give.
+  return size(0) > blind * std::fmax(light * network.wavenumber(), power ? 0 : size(pi / 2));
 }
 
-void check_control_loops(Node const& interferometer, DualRecycled const& d, ControlLoops const& loops,
+void check_control_loops(Node const& interferometer, NetworkModel const& model, SteadyField const& field,
                          Band const& band) {
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    ControlLoop const& loop = loops[i];
+  for (ControlledLength const& c : model.controlled) {
+    ControlLoop const& loop = c.loop;
     if (loop.kind != ControlLoop::Kind::closed) continue;
-    Node const node = interferometer["loops"][controlled_lengths[i]];
-    if (!d.sees(loop.sensor.readout, freedoms[i], std::sqrt(band.low * band.high))) {
-      node["sensor"].problem(fmt::format("'{}' does not respond to {}", loop.sensor.name, controlled_lengths[i]),
-                             fmt::format("name another read-out, or write 'phase: best({})'", controlled_lengths[i]));
+    std::string const& name = c.freedom.name;
+    Node const node = interferometer["loops"][name];
+    if (!sees(model.network, field, loop.sensor.readout, c.freedom, std::sqrt(band.low * band.high))) {
+      node["sensor"].problem(fmt::format("'{}' does not respond to {}", loop.sensor.name, name),
+                             fmt::format("name another read-out, or write 'phase: best({})'", name));
       continue;
     }
     LoopMargins const m = loop_margins(loop.open_loop, band);
     if (m.encircles)
-      node.warning(
-          fmt::format("the open-loop gain of {} goes around -1: the closed loop is unstable", controlled_lengths[i]),
-          "check its sign and phase; a gain of a loop that is closed in practice suppresses by 1/(1 + G)");
+      node.warning(fmt::format("the open-loop gain of {} goes around -1: the closed loop is unstable", name),
+                   "check its sign and phase; a gain of a loop that is closed in practice suppresses by 1/(1 + G)");
     else if (m.least < close_to_unstable)
-      node.warning(fmt::format("|1 + G| of {} is {:.2g} at {:.4g} Hz: the loop amplifies there", controlled_lengths[i],
-                               m.least, m.least_at),
-                   "check gain and phase of 'open_loop'");
+      node.warning(
+          fmt::format("|1 + G| of {} is {:.2g} at {:.4g} Hz: the loop amplifies there", name, m.least, m.least_at),
+          "check gain and phase of 'open_loop'");
   }
+}
+
+namespace {
+
+LoopRow row_of(NetworkModel const& model, SteadyField const& field, StrainResponse const& r, std::size_t i, double hz,
+               Band const& band) {
+  ControlledLength const& c = model.controlled[i];
+  LoopRow row{.length = c.freedom.name};
+  if (c.loop.kind != ControlLoop::Kind::closed) {
+    row.sensor = c.loop.kind == ControlLoop::Kind::held ? "held" : "free";
+    return row;
+  }
+  row.sensor = c.loop.sensor.name;
+  row.plant = std::conj(along(LinearResponse(model.network, field, c.loop.sensor.readout, hz), c.freedom));
+  row.open_loop = std::conj(c.loop.open_loop(hz));
+  row.suppressed = suppression(row.open_loop);
+  row.noise_to_strain = std::conj(r.to_sensor_noise(i) / r.calibration());
+  row.margins = loop_margins(c.loop.open_loop, band);
+  return row;
+}
+
+StrayByLoop by_loop(NetworkModel const& model, SteadyField const& field, StrainResponse const& r, NamedWay const& w,
+                    double hz, bool phase) {
+  auto const parts = r.parts([&](LinearResponse const& x) {
+    StrayResponse const s = stray_response(x, model.network, field, w.way, hz);
+    return phase ? s.phase() : s.amplitude();
+  });
+  Phasor const per_field = w.share / r.calibration();
+  StrayByLoop s{.entrance = w.name, .phase = phase, .held = std::conj(parts.held * per_field)};
+  s.total = s.held;
+  for (std::size_t i = 0; i < parts.by_length.size(); ++i) {
+    if (model.controlled[i].loop.kind == ControlLoop::Kind::held) continue;
+    s.by_length.push_back(std::conj(parts.by_length[i] * per_field));
+    s.total += s.by_length.back();
+  }
+  return s;
+}
+
+}  // namespace
+
+LoopTable loop_table(NetworkModel const& model, double hz, Band const& band) {
+  SteadyField const field(model.network);
+  StrainResponse const r(model, field, hz);
+  LoopTable table{.hz = hz};
+  for (std::size_t i = 0; i < model.controlled.size(); ++i) {
+    table.loops.push_back(row_of(model, field, r, i, hz, band));
+    if (table.loops.back().sensor != "held") table.lengths.push_back(table.loops.back().length);
+  }
+  double const least = dark * largest_power(model.network, field);
+  for (NamedWay const& w : model.entrances)
+    for (bool const phase : {true, false})
+      if (lighting_power(w.way, field) > least) table.stray.push_back(by_loop(model, field, r, w, hz, phase));
+  return table;
 }
 
 }  // namespace straytrace::ifo

@@ -1,86 +1,72 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Control loops of the lengths of a dual-recycled interferometer (docs/theory/interferometer.md, eq. N.4 and N.5).
+// Strain with the control loops of other lengths acting (docs/theory/interferometer.md, eq. N.4 and N.5).
 #pragma once
 
 #include <Eigen/Core>
 
-#include <array>
-#include <cstdint>
 #include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/input/table.hpp"
 #include "ifo/network_model.hpp"
-#include "spectra/transfer_function.hpp"
+#include "ifo/stray_response.hpp"
 
 namespace straytrace::ifo {
 
-class DualRecycled;  // ifo/dual_recycled.hpp
-enum class Freedom : std::uint8_t;
-
-// The lengths that loops control besides DARM, whose loop cancels in h.
-inline constexpr std::array<std::string_view, 4> controlled_lengths = {"CARM", "MICH", "PRCL", "SRCL"};
-
-struct ControlLoop {
-  // held: the length does not change, as with an ideal sensor and infinite gain. closed: a sensor of the light and an
-  // open-loop gain. free: no loop.
-  enum class Kind : std::uint8_t { held, closed, free };
-  Kind kind = Kind::held;
-  NamedReadout sensor{};         // of a closed loop
-  TransferFunction open_loop{};  // G, with no other loop acting; positive: suppresses by 1/(1 + G)
-  // Share of the way from the actuator to the read-out of DARM that a feed-forward filter subtracts; 1: all of it.
-  TransferFunction feedforward{};
-};
-using ControlLoops = std::array<ControlLoop, controlled_lengths.size()>;  // in the order of controlled_lengths
-
-// The table `loops` of an interferometer; what it does not name is held. `model`: the sensors.
-ControlLoops read_control_loops(Node const& interferometer, NetworkModel const& model, Band const&);
+// The table `loops` of an interferometer, into the controlled lengths of the model; what it does not name is held.
+void read_control_loops(Node const& interferometer, NetworkModel& model, Band const&);
 
 // "CARM, MICH and SRCL held; PRCL by POP_I"
-std::string describe(ControlLoops const&);
+std::string describe(std::vector<ControlledLength> const&);
 
-// Warns of loops that are close to instability or unstable in the band, and refuses sensors that their length does not
-// reach.
-void check_control_loops(Node const& interferometer, DualRecycled const&, ControlLoops const&, Band const&);
+// Warns of loops that are close to instability or unstable in the band, and refuses sensors that do not respond to
+// their length.
+void check_control_loops(Node const& interferometer, NetworkModel const&, SteadyField const&, Band const&);
 
-// The read-out of DARM with all loops acting. Held lengths are the default: without loops, common radiation pressure
-// on both arms would dominate the read-out below 10 Hz, through the dark-fringe offset.
-class ControlledResponse {
+// Whether a degree of freedom appears in a read-out; otherwise its response there is rounding.
+bool sees(Network const&, SteadyField const&, Readout const&, NamedFreedom const&, double hz);
+
+// The read-out of strain with all loops acting. Without loops, common radiation pressure on both arms of a detector
+// would dominate it below 10 Hz, through the dark-fringe offset: lengths are held by default.
+class StrainResponse {
  public:
-  ControlledResponse(DualRecycled const&, double hz, ControlLoops const& = {});
+  StrainResponse(Network const&, SteadyField const&, StrainScale const&, std::vector<ControlledLength> const&,
+                 double hz);
+  StrainResponse(NetworkModel const& model, SteadyField const& field, double hz)  // of a model with `strain`
+      : StrainResponse(model.network, field, *model.strain, model.controlled, hz) {}
 
   using Cause = std::function<Phasor(LinearResponse const&)>;  // response of any read-out to it
-  Phasor to(Cause const&) const;
-  Phasor to_freedom(Freedom) const;
-  Phasor to_phase(Injection const&) const;
-  Phasor to_amplitude(Injection const&) const;
+  Phasor to(Cause const&) const;                               // unit of the read-out
+  StrayResponse to_stray(StrayWay const&) const;
+  Phasor calibration() const { return per_metre_ * scale_.length; }  // read-out per unit of strain
+  Phasor per_metre() const { return per_metre_; }                    // of the degree of freedom of strain
 
   // The response with all lengths held, and what the motion of each length adds to it, less its feed-forward; the sum
   // is to(cause). A held length adds nothing.
   struct Parts {
     Phasor held = 0;
-    std::array<Phasor, controlled_lengths.size()> by_length{};
+    std::vector<Phasor> by_length{};
   };
   Parts parts(Cause const&) const;
   // Response of the read-out to a noise of the sensor of this closed loop, per unit of the sensor.
   Phasor to_sensor_noise(std::size_t loop) const { return -weight_[Eigen::Index(loop)]; }
 
  private:
-  static constexpr int count = int(controlled_lengths.size());
-  using Row = Eigen::Matrix<Phasor, 1, count>;
-  using Square = Eigen::Matrix<Phasor, count, count>;
-  Square responses(std::vector<LinearResponse> const&) const;  // rows: read-outs, columns: actuators
+  Eigen::MatrixXcd responses(std::vector<LinearResponse> const&, std::vector<ControlledLength> const&) const;
 
-  DualRecycled const& d_;
+  Network const& network_;
+  SteadyField const& field_;
+  StrainScale scale_;
+  double hz_;
   LinearResponse read_;
   std::vector<LinearResponse> lengths_, sensors_;  // the lengths themselves; what the loops sense
-  Row seen_, kept_;                                // read-out per m of each actuator; less feed-forward
-  Row weight_;                                     // of what the loops sense, in the read-out
-  Row per_length_;                                 // read-out per m of each length
-  Square actuate_;                                 // m of each actuator per unit of what the loops sense, negative
-  Square move_;                                    // m of each length per m of each actuator
+  Eigen::RowVectorXcd seen_, kept_;                // read-out per m of each actuator; less feed-forward
+  Eigen::RowVectorXcd weight_;                     // of what the loops sense, in the read-out
+  Eigen::RowVectorXcd per_length_;                 // read-out per m of each length
+  Eigen::MatrixXcd actuate_;                       // m of each actuator per unit of what is sensed, negative
+  Eigen::MatrixXcd move_;                          // m of each length per m of each actuator
+  Phasor per_metre_ = 0;
 };
 
 // Of an open-loop gain in a band and around its corner frequencies.
@@ -90,20 +76,16 @@ struct LoopMargins {
   double least = infinity, least_at = not_a_number;  // |1 + G| and its frequency, Hz
   bool encircles = false;                            // G goes around -1: the closed loop is unstable
 };
-LoopMargins loop_margins(TransferFunction const& open_loop, Band const&);
+LoopMargins loop_margins(spectra::TransferFunction const& open_loop, Band const&);
 
 // What the loops do at one Fourier frequency. Complex numbers for motion proportional to exp(+2 pi i f t).
 struct LoopRow {
   std::string length, sensor{};                                // sensor: "held" or "free" without one
-  char const* unit = "";                                       // of the sensor
   Phasor plant = not_a_number;                                 // sensor per m of the actuator, with no loop acting
   Phasor open_loop = not_a_number, suppressed = not_a_number;  // G, 1/(1 + G)
   Phasor noise_to_strain = not_a_number;                       // strain per unit of noise of the sensor
   LoopMargins margins{};
 };
-std::vector<LoopRow> loop_rows(DualRecycled const&, ControlledResponse const&, ControlLoops const&, double hz,
-                               Band const&);
-
 // Strain per relative stray field at an entrance, by the ways it takes; their complex sum is `total`.
 struct StrayByLoop {
   std::string entrance;
@@ -116,7 +98,8 @@ struct LoopTable {
   double hz = 0;
   std::vector<LoopRow> loops{};
   std::vector<std::string> lengths{};  // that move: the columns of by_length
-  std::vector<StrayByLoop> stray{};
+  std::vector<StrayByLoop> stray{};    // of the entrances of the model that have light
 };
+LoopTable loop_table(NetworkModel const&, double hz, Band const&);
 
 }  // namespace straytrace::ifo

@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "ifo/cavity.hpp"
+#include "ifo/control_loops.hpp"
 #include "ifo/layout/read_network.hpp"
+#include "ifo/stray_response.hpp"
 
 namespace straytrace::ifo {
 namespace {
@@ -108,72 +110,6 @@ double DualRecycled::power_at(char const* component, std::uint32_t port) const {
   return field_->power_in(network_.number_of({network_.find(component), port}));
 }
 
-namespace {
-
-// Displacements of mirrors per m of a degree of freedom, with the splitter at rest.
-std::array<std::pair<char const*, double>, 6> moves_of(Freedom f) {
-  Eigen::Matrix<double, 6, 1> const length = lengths_of_freedoms().col(Eigen::Index(f));
-  auto const of = [&](Length l) { return length[Eigen::Index(l)]; };
-  return {{{"SRM", of(Length::signal)},
-           {"PRM", -of(Length::recycling)},
-           {"ITMx", of(Length::short_x)},
-           {"ETMx", of(Length::short_x) + of(Length::arm_x)},
-           {"ITMy", of(Length::short_y)},
-           {"ETMy", of(Length::short_y) + of(Length::arm_y)}}};
-}
-
-}  // namespace
-
-Phasor DualRecycled::to_freedom(LinearResponse const& r, Freedom f) const {
-  auto const moves = moves_of(f);
-  auto const to = [&](int i) { return r.to_displacement(network_.find(moves[i].first)) * moves[i].second; };
-  Phasor sum = to(0) + to(1);
-  sum += to(2) + to(3);
-  return sum + to(4) + to(5);
-}
-
-NetworkModel DualRecycled::model(std::string preset) const {
-  NetworkModel m{.preset = std::move(preset), .network = network_};
-  auto const at = [&](char const* component, std::uint32_t port) {
-    return network_.number_of({network_.find(component), port});
-  };
-  m.readouts = {{"AS", Readout::power(at("SRM", 1)).of_leaving()},
-                {"REFL", Readout::power(at("PRM", 0)).of_leaving()},
-                {"POP", Readout::power(at("BS", 0))}};
-  constexpr std::array<char const*, 5> names = {"DARM", "CARM", "MICH", "PRCL", "SRCL"};
-  for (std::size_t f = 0; f < names.size(); ++f) {
-    NamedFreedom freedom{names[f]};
-    for (auto const& [mirror, factor] : moves_of(Freedom(f)))
-      if (factor != 0) freedom.moves.emplace_back(network_.find(mirror), factor);
-    m.freedoms.push_back(std::move(freedom));
-  }
-  return m;
-}
-
-Injection DualRecycled::injection(InjectionPoint injection_point) const {
-  struct Way {
-    char const* component;
-    std::uint32_t port;
-    bool joins_leaving, of_leaving;
-    double turn;
-  };
-  // The light of a bench passes the end mirror twice, t against the i r of reflection: a bench at such a distance that
-  // Re s comes back in phase with the light in the arm.
-  constexpr std::array<Way, entrance_names.size()> ways = {{{"ITMx", 1, true, true, 0},
-                                                            {"ETMx", 0, true, true, 0},
-                                                            {"ETMx", 1, false, true, pi / 2},
-                                                            {"ETMx", 1, false, true, pi / 2},
-                                                            {"ITMx", 0, false, false, 0},
-                                                            {"BS", 0, false, false, 0},
-                                                            {"SRM", 0, false, false, 0},
-                                                            {"SRM", 1, false, true, 0},
-                                                            {"PRM", 0, false, true, 0},
-                                                            {"PRM", 0, false, false, 0}}};
-  Way const& way = ways[std::size_t(injection_point)];
-  std::uint32_t const port = network_.number_of({network_.find(way.component), way.port});
-  return {port, way.joins_leaving, way.of_leaving, way.turn};
-}
-
 double DualRecycled::share_outside(InjectionPoint e) const {
   return e == InjectionPoint::through_end ? p_.end_transmission : 1;
 }
@@ -183,21 +119,7 @@ double DualRecycled::reference(InjectionPoint e) const {
   return std::sqrt((i.of_leaving ? field_->power_out(i.port) : field_->power_in(i.port)) / arm_power());
 }
 
-// A response is compared with that in the other quadrature and, of a power, with what all its light could give.
-bool DualRecycled::sees(Readout const& r, Freedom f, double hz) const {
-  constexpr double blind = 1e-9, dark = 1e-24;
-  double most = 0;
-  for (std::uint32_t port = 0; port < network_.ports(); ++port) most = std::fmax(most, field_->power_out(port));
-  if (r.kind != Readout::Kind::homodyne && !(power_of_beam(r, *field_) > dark * most)) return false;
-  auto const size = [&](double turn) {
-    Readout turned = r;
-    turned.angle += turn;
-    return std::abs(to_freedom(response(turned, hz), f));
-  };
-  bool const power = r.kind == Readout::Kind::power;
-  double const whole = r.kind == Readout::Kind::homodyne ? 0 : power_of_beam(r, *field_) * network_.wavenumber();
-  return size(0) > blind * std::fmax(whole, power ? 0 : size(pi / 2));
-}
+bool DualRecycled::sees_darm(double hz) const { return sees(network_, *field_, readout_, freedom(Freedom::darm), hz); }
 
 std::unique_ptr<DualRecycled> DualRecycled::without_radiation_pressure() const {
   DualRecycledParameters heavy = p_;
@@ -317,7 +239,7 @@ std::array<double, 3> probes(Band const& band) { return {band.low, std::sqrt(ban
 // A read-out without response to DARM cannot be calibrated.
 void refuse_a_blind_readout(Node const& table, DualRecycled const& model, Band const& band) {
   if (table.has("readout")) {
-    if (!std::ranges::all_of(probes(band), [&](double hz) { return model.sees(model.readout(), Freedom::darm, hz); }))
+    if (!std::ranges::all_of(probes(band), [&](double hz) { return model.sees_darm(hz); }))
       table["readout"].problem(fmt::format("'{}' does not respond to DARM", table["readout"].text()),
                                "name another read-out, or write 'phase: best(DARM)' in it");
     return;
@@ -326,7 +248,7 @@ void refuse_a_blind_readout(Node const& table, DualRecycled const& model, Band c
     return table["dark_fringe_offset"].problem("with this offset no carrier light leaves the dark port",
                                                "write 'dark_fringe_offset: 4 pm'; 0 m for a homodyne detector");
   for (double const hz : probes(band))
-    if (!model.sees(model.readout(), Freedom::darm, hz))
+    if (!model.sees_darm(hz))
       return (table.has("homodyne_angle") ? table["homodyne_angle"] : table)
           .problem("the homodyne detector reads the quadrature without DARM",
                    "write 'homodyne_angle: 90 deg', or give a 'dark_fringe_offset'");
@@ -346,7 +268,7 @@ void refuse_keys_at_odds(Node const& table, P const& p) {
 
 void warn_of_idle_servos(Node const& table, std::vector<PortEntry> const& entries) {
   bool const served = std::ranges::any_of(entries, [&](PortEntry const& e) {
-    return e.injection_point == InjectionPoint::input_bench && !has_response_files(table, e.name);
+    return e.place() == entrance_names[std::size_t(InjectionPoint::input_bench)] && !has_response_files(table, e.name);
   });
   for (char const* key : {"frequency_servo", "intensity_servo"})
     if (table.has(key) && !served)
@@ -354,8 +276,18 @@ void warn_of_idle_servos(Node const& table, std::vector<PortEntry> const& entrie
                          "say by 'at: input-bench' which port is, or leave it out");
 }
 
-// A stray field is relative to the light at its port. Without light there, or where light from there does not reach the
-// read-out, the solution is pure rounding.
+// What brings light to a dark place.
+std::string light_for(PortEntry const& e, P const& p) {
+  if (e.way) return "name the beam whose light is scattered by 'lit_by', or give the port a file in 'responses'";
+  bool const mirror = e.injection_point == InjectionPoint::signal_cavity && p.signal_recycling_transmission == 1;
+  return fmt::format("add '{}' to the interferometer, or give the port a file in 'responses'",
+                     mirror                                 ? "signal_recycling_transmission: 20 %"
+                     : is_behind_the_end(e.injection_point) ? "end_transmission: 4.4 ppm"
+                                                            : "dark_fringe_offset: 4 pm");
+}
+
+// A stray field is relative to the light that is scattered. Without light there, or where light from there does not
+// reach the read-out, the solution is pure rounding.
 void refuse_ports_without_response(Node const& table, RecycledInterferometer const& ifo,
                                    std::vector<PortEntry> const& entries, Band const& band) {
   P const& p = ifo.model().parameters();
@@ -363,20 +295,19 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
   for (std::size_t i = 0; i < entries.size(); ++i) {
     PortEntry const& e = entries[i];
     if (has_response_files(table, e.name) || !table.healthy()) continue;
-    std::string_view const at = entrance_names[std::size_t(e.injection_point)];
-    double const light = ifo.model().reference(e.injection_point);
+    std::string const at = e.place();
+    double const light = e.way ? std::sqrt(lighting_power(*e.way, ifo.model().field()) / ifo.model().arm_power())
+                               : ifo.model().reference(e.injection_point);
     Node const place = place_of_entrance(table, e.name);
     if (!(light > rounding)) {
       place.problem(
-          fmt::format("this interferometer has no light at '{}', so a relative stray field is not "
-                      "defined",
-                      at),
-          fmt::format("add '{}' to the interferometer, or give the port a file in 'responses'",
-                      is_behind_the_end(e.injection_point) ? "end_transmission: 4.4 ppm" : "dark_fringe_offset: 4 pm"));
+          fmt::format("this interferometer has no light at '{}', so a relative stray field is not defined", at),
+          light_for(e, p));
       continue;
     }
     double largest = 0;
-    for (double const hz : probes(band)) largest = std::fmax(largest, ifo.largest_response(e.injection_point, hz));
+    for (double const hz : probes(band))
+      largest = std::fmax(largest, ifo.largest_response(PortId{std::uint32_t(i)}, hz));
     if (!(largest > rounding * whole * light))
       place.problem(
           fmt::format("light at '{}' does not reach the read-out: the arms are equal and the fringe is dark", at),
@@ -386,7 +317,7 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
 }
 
 // The read-out of DARM that the scene names, and its name.
-std::string read_by(Node const& table, NetworkModel const& asked, DualRecycled& model) {
+std::string read_by(Node const& table, NetworkModel& asked, DualRecycled& model) {
   if (!table.has("readout")) return {};
   std::string const name = table.word("readout");
   for (char const* key : {"homodyne_angle", "readout_loss"})
@@ -395,6 +326,7 @@ std::string read_by(Node const& table, NetworkModel const& asked, DualRecycled& 
                          "remove one of them");
   if (NamedReadout const* r = asked.readout(name)) {
     model.read(r->readout);
+    asked.strain->readout = r->readout;
   } else if (!name.empty()) {
     std::vector<std::string> names;
     for (NamedReadout const& other : asked.readouts) names.push_back(other.name);
@@ -428,16 +360,17 @@ std::unique_ptr<DualRecycled> changed(Node const& network, P const& p, std::vect
 }  // namespace
 
 RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
-  ControlledResponse const r(*model_, hz, loops_);
-  std::complex<double> const darm = r.to_freedom(Freedom::darm) * model_->parameters().arm_length;
+  StrainResponse const r(asked_, model_->field(), hz);
+  std::complex<double> const darm = r.calibration();
   if (!(std::abs(darm) > 0)) throw NumericalError("the read-out of the interferometer has no response to DARM");
   Answer a;
   for (std::size_t e = 0; e < entrance_names.size(); ++e) {
     Injection const i = model_->injection(InjectionPoint(e));
     std::complex<double> const per_field = darm * model_->share_outside(InjectionPoint(e));
-    a.phase[e] = r.to_phase(i) / per_field;
-    a.amplitude[e] = r.to_amplitude(i) / per_field;
+    a.phase[e] = r.to([&](LinearResponse const& x) { return x.to_phase(i); }) / per_field;
+    a.amplitude[e] = r.to([&](LinearResponse const& x) { return x.to_amplitude(i); }) / per_field;
   }
+  for (PortEntry const& e : ports_) a.by_port.push_back(e.way ? r.to_stray(*e.way) * (1.0 / darm) : StrayResponse{});
   return a;
 }
 
@@ -447,52 +380,31 @@ RecycledInterferometer::Answer const& RecycledInterferometer::answer(double hz) 
   return found != answers_.end() ? found->second : answers_.emplace(hz, solved(hz)).first->second;
 }
 
+std::complex<double> RecycledInterferometer::phase(PortId port, double hz) const {
+  PortEntry const& e = ports_.at(port.value);
+  Answer const& a = answer(hz);
+  return e.way ? a.by_port[port.value].phase() : a.phase[std::size_t(e.injection_point)];
+}
+std::complex<double> RecycledInterferometer::amplitude(PortId port, double hz) const {
+  PortEntry const& e = ports_.at(port.value);
+  Answer const& a = answer(hz);
+  return e.way ? a.by_port[port.value].amplitude() : a.amplitude[std::size_t(e.injection_point)];
+}
+
 std::complex<double> RecycledInterferometer::strain_per_phase(PortId port, double hz) const {
   PortEntry const& e = ports_.at(port.value);
   std::complex<double> const quieted =
-      e.injection_point == InjectionPoint::input_bench ? suppression(servos_.frequency(hz)) : 1.0;
-  return e.field_share * quieted * answer(hz).phase[std::size_t(e.injection_point)];
+      e.place() == entrance_names[std::size_t(InjectionPoint::input_bench)] ? suppression(servos_.frequency(hz)) : 1.0;
+  return e.field_share * quieted * phase(port, hz);
 }
 std::complex<double> RecycledInterferometer::strain_per_amplitude(PortId port, double hz) const {
   PortEntry const& e = ports_.at(port.value);
   std::complex<double> const quieted =
-      e.injection_point == InjectionPoint::input_bench ? suppression(servos_.intensity(hz)) : 1.0;
-  return e.field_share * quieted * answer(hz).amplitude[std::size_t(e.injection_point)];
+      e.place() == entrance_names[std::size_t(InjectionPoint::input_bench)] ? suppression(servos_.intensity(hz)) : 1.0;
+  return e.field_share * quieted * amplitude(port, hz);
 }
-double RecycledInterferometer::largest_response(InjectionPoint e, double hz) const {
-  Answer const& a = answer(hz);
-  return std::fmax(std::abs(a.phase[std::size_t(e)]), std::abs(a.amplitude[std::size_t(e)]));
-}
-
-LoopTable RecycledInterferometer::loop_table(double hz, Band const& band) const {
-  constexpr double dark = 1e-12;  // of a field: no light
-  ControlledResponse const r(*model_, hz, loops_);
-  LoopTable table{.hz = hz, .loops = loop_rows(*model_, r, loops_, hz, band)};
-  for (LoopRow const& row : table.loops)
-    if (row.sensor != "held") table.lengths.push_back(row.length);
-  std::vector<std::pair<std::string, InjectionPoint>> entrances;
-  for (PortEntry const& e : ports_) entrances.emplace_back(e.name, e.injection_point);
-  if (ports_.empty())
-    for (std::size_t e = 0; e < entrance_names.size(); ++e)
-      entrances.emplace_back(entrance_names[e], InjectionPoint(e));
-  Phasor const darm = r.to_freedom(Freedom::darm) * model_->parameters().arm_length;
-  for (auto const& [name, at] : entrances) {
-    if (!(model_->reference(at) > dark)) continue;
-    Injection const i = model_->injection(at);
-    Phasor const per_field = darm * model_->share_outside(at);
-    for (bool const phase : {true, false}) {
-      auto const parts = r.parts([&](LinearResponse const& x) { return phase ? x.to_phase(i) : x.to_amplitude(i); });
-      StrayByLoop s{.entrance = name, .phase = phase, .held = std::conj(parts.held / per_field)};
-      s.total = s.held;
-      for (std::size_t l = 0; l < loops_.size(); ++l) {
-        if (loops_[l].kind == ControlLoop::Kind::held) continue;
-        s.by_length.push_back(std::conj(parts.by_length[l] / per_field));
-        s.total += s.by_length.back();
-      }
-      table.stray.push_back(std::move(s));
-    }
-  }
-  return table;
+double RecycledInterferometer::largest_response(PortId port, double hz) const {
+  return std::fmax(std::abs(phase(port, hz)), std::abs(amplitude(port, hz)));
 }
 
 DetectorNumbers RecycledInterferometer::numbers() const {
@@ -524,9 +436,9 @@ std::string RecycledInterferometer::description() const {
              "{:g} nm, L {:g} m, P {:.5g} W per arm from "
              "{:.4g} W, M {:g} kg, signal recycling {:g} % tuned to {:g} deg, at {:g} Hz Gamma of "
              "eq. 9.2 {:.4g} and gain of a field in the arm without radiation pressure {:.4g}, f_p {:.4g} Hz",
-             name_, readout, describe(loops_), p.wavelength * 1e9, p.arm_length, model_->arm_power(), p.input_power,
-             p.mirror_mass, 100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi, hz, gain,
-             std::abs(model_->stray_gain(hz)), model_->pole()) +
+             name_, readout, describe(asked_.controlled), p.wavelength * 1e9, p.arm_length, model_->arm_power(),
+             p.input_power, p.mirror_mass, 100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi,
+             hz, gain, std::abs(model_->stray_gain(hz)), model_->pole()) +
          (model_->changed() ? ", network changed by the scene" : "") + describe(ports_, *this, band_);
 }
 
@@ -548,7 +460,8 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   if (Node const loop = table["frequency_servo"]) servos.frequency = read_transfer_function(loop, band);
   if (Node const loop = table["intensity_servo"]) servos.intensity = read_transfer_function(loop, band);
   std::vector<Modulation> const modulators = read_modulators(table);
-  std::vector<PortEntry> entries = read_port_entries(table, ports, double(table.whole("arms", 2, 1, 1000)));
+  auto const arms = double(table.whole("arms", 2, 1, 1000));
+  std::vector<PortEntry> entries = read_port_entries(table, ports, arms);
   if (p.transmission_difference != 0 || p.loss_difference != 0) {
     double const largest = p.input_transmission * (1 + std::fabs(p.transmission_difference) / 2);
     if (!(largest < 1) || !(std::fabs(p.loss_difference) / 2 <= p.round_trip_loss))
@@ -569,14 +482,17 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
     network.refuse_unknown("a network");
     if (!table.healthy()) return nullptr;
   }
+  resolve_beams(table, model->network(), arms, entries);
+  if (!table.healthy()) return nullptr;
   if (!asked) asked = model->model(std::string(preset.name));
+  add_entrances(entries, *asked);
   std::string const readout = read_by(table, *asked, *model);
   refuse_a_blind_readout(table, *model, band);
-  ControlLoops const loops = read_control_loops(table, *asked, band);
-  if (table.healthy()) check_control_loops(table, *model, loops, band);
+  read_control_loops(table, *asked, band);
+  if (table.healthy()) check_control_loops(table, *asked, model->field(), band);
   warn_of_other_arms(table, ports, entries, model->arm_power(), p.arm_length);
   auto ifo = std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), entries, servos, band,
-                                                      std::move(asked), loops, readout);
+                                                      std::move(asked), readout);
   refuse_ports_without_response(table, *ifo, entries, band);
   return ifo;
 }

@@ -19,11 +19,11 @@
 #include <vector>
 
 #include "base/input/table.hpp"
-#include "ifo/control_loops.hpp"
 #include "ifo/interferometer.hpp"
 #include "ifo/network.hpp"
 #include "ifo/network_model.hpp"
 #include "ifo/ports.hpp"
+#include "ifo/stray_response.hpp"
 
 namespace straytrace::ifo {
 // Lengths of a dual-recycled interferometer and the degrees of freedom that light and loops see (R2.13).
@@ -102,9 +102,11 @@ class DualRecycled {
   LinearResponse response(double hz) const { return {network_, *field_, readout_, hz}; }
   LinearResponse response(Readout const& r, double hz) const { return {network_, *field_, r, hz}; }
   Phasor to_freedom(LinearResponse const&, Freedom) const;  // per m
+  NamedFreedom freedom(Freedom) const;
   // The network with read-outs at its ports and the degrees of freedom DARM to SRCL.
   NetworkModel model(std::string preset) const;
   Injection injection(InjectionPoint) const;
+  std::vector<NamedWay> entrances() const;  // all that have a name
   // The field s at this place that an injection of 1 represents: light that passed the end mirror twice has
   // s = T_E s_bench (eq. 9.3), and is injected behind that mirror.
   double share_outside(InjectionPoint) const;
@@ -112,8 +114,7 @@ class DualRecycled {
   double reference(InjectionPoint) const;
   // Another read-out of DARM than that of the parameters.
   void read(Readout const& r) { readout_ = r; }
-  // Whether this degree of freedom appears in a read-out; otherwise its response there is rounding.
-  bool sees(Readout const&, Freedom, double hz) const;
+  bool sees_darm(double hz) const;  // in its read-out; otherwise the response there is rounding
   // Power fluctuation in the arms by stray light s in an arm, (dPx - dPy)/P, over 2 Re s; eq. 8.6, without radiation
   // pressure.
   Phasor stray_gain(double hz) const;
@@ -156,14 +157,13 @@ class RecycledInterferometer final : public Interferometer {
   };
   RecycledInterferometer(std::string name, std::unique_ptr<DualRecycled> model, std::vector<PortEntry> ports,
                          Servos servos, Band const& band = {}, std::optional<NetworkModel> asked = {},
-                         ControlLoops loops = {}, std::string readout = {})
+                         std::string readout = {})
       : name_(std::move(name)),
         model_(std::move(model)),
         asked_(asked ? *std::move(asked) : model_->model(name_)),
         ports_(std::move(ports)),
         servos_(std::move(servos)),
         band_(band),
-        loops_(std::move(loops)),
         readout_(std::move(readout)) {}
 
   std::complex<double> strain_per_phase(PortId, double hz) const override;
@@ -172,28 +172,26 @@ class RecycledInterferometer final : public Interferometer {
   DetectorNumbers numbers() const override;
   std::string description() const override;
   DualRecycled const& model() const { return *model_; }
-  ControlLoops const& loops() const { return loops_; }
   NetworkModel const* network() const override { return &asked_; }
-  RecycledInterferometer const* recycled() const override { return this; }
-  // At the entrances of the ports, or at all that have light without ports.
-  LoopTable loop_table(double hz, Band const&) const;
   // Strain per relative field in the larger of both quadratures, without attenuation by the port and servos.
-  double largest_response(InjectionPoint, double hz) const;
+  double largest_response(PortId, double hz) const;
 
  private:
   struct Answer {
     std::array<std::complex<double>, entrance_names.size()> phase, amplitude;  // strain per relative field
+    std::vector<StrayResponse> by_port;                                        // of those that name beams
   };
   Answer const& answer(double hz) const;
   Answer solved(double hz) const;
+  std::complex<double> phase(PortId, double hz) const;  // strain per relative field
+  std::complex<double> amplitude(PortId, double hz) const;
 
   std::string name_;
   std::unique_ptr<DualRecycled> model_;
   NetworkModel asked_;
   std::vector<PortEntry> ports_;
   Servos servos_;
-  Band band_;  // for the description
-  ControlLoops loops_;
+  Band band_;            // for the description
   std::string readout_;  // of DARM, by name; empty: that of the parameters
   mutable std::mutex mutex_;
   mutable std::map<double, Answer> answers_;  // by frequency: one solution serves every port

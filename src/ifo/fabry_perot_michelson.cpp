@@ -108,6 +108,11 @@ void refuse_without_closed_form(Node const& table, FabryPerotMichelson::Paramete
                                 std::vector<PortEntry> const& entries) {
   for (PortEntry const& e : entries) {
     if (has_response_files(table, e.name)) continue;
+    if (!e.at.empty()) {
+      table["ports"][e.name].problem(fmt::format("closed forms have no beam '{}'", e.at),
+                                     "take a preset that solves the network, for example 'preset: adv'");
+      continue;
+    }
     InjectionPoint const at = e.injection_point;
     if (at == InjectionPoint::recycling_cavity || at == InjectionPoint::signal_cavity ||
         at == InjectionPoint::symmetric_port || at == InjectionPoint::input_bench)

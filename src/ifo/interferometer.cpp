@@ -3,7 +3,7 @@
 
 #include "ifo/dual_recycled.hpp"
 #include "ifo/fabry_perot_michelson.hpp"
-#include "ifo/layout/read_network.hpp"
+#include "ifo/network_interferometer.hpp"
 
 namespace straytrace::ifo {
 namespace {
@@ -33,12 +33,10 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
   names.push_back(no_preset);
   std::string const name = table.choice("preset", names);
   if (name == no_preset) {
-    read_bare_network(table, wavelength);
-    if (!ports.empty())
-      table["preset"].problem("a network without a preset does not say where light of the ports enters",
-                              "start from a preset, or remove 'ports' from the scene");
+    auto bare = read_network_interferometer(table, ports, wavelength, band);
+    if (bare) bare = with_responses(std::move(bare), table, ports, band);
     table.refuse_unknown("interferometer 'none'");
-    return nullptr;
+    return bare;
   }
   auto const network = std::ranges::find_if(networks, [&](auto const& p) { return p.name == name; });
   bool const solves = network != networks.end();

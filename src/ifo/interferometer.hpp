@@ -15,8 +15,7 @@
 #include "spectra/spectrum.hpp"
 
 namespace straytrace::ifo {
-struct NetworkModel;           // ifo/network_model.hpp
-class RecycledInterferometer;  // ifo/dual_recycled.hpp
+struct NetworkModel;  // ifo/network_model.hpp
 
 // Where stray light joins the light of an interferometer again (docs/theory/interferometer.md).
 
@@ -73,9 +72,8 @@ class Interferometer {
   // Number of equal, independent copies of the traced port in the detector (two arms: 2). Powers add.
   virtual double copies(PortId) const = 0;
   virtual DetectorNumbers numbers() const { return {}; }
-  virtual NetworkModel const* network() const { return nullptr; }             // none: closed forms
-  virtual RecycledInterferometer const* recycled() const { return nullptr; }  // none: closed forms
-  virtual std::string description() const = 0;  // one line for reports: formulas and numbers used
+  virtual NetworkModel const* network() const { return nullptr; }  // none: closed forms
+  virtual std::string description() const = 0;                     // one line for reports: formulas and numbers used
 };
 
 // Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m, not a number: that of the preset.

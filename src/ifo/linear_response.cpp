@@ -203,8 +203,12 @@ Phasor LinearResponse::injected(Injection const& i, Phasor upper, Phasor lower) 
 Phasor LinearResponse::to_phase(Injection const& i) const { return injected(i, 0.5 * i_unit, -0.5 * i_unit); }
 Phasor LinearResponse::to_amplitude(Injection const& i) const { return injected(i, 0.5, 0.5); }
 
+Phasor LinearResponse::weight(std::uint32_t port, bool leaving, int side, std::size_t carrier) const {
+  return weight_[Layout(network_, field_).field(leaving, side, carrier, port)];
+}
+
 Phasor LinearResponse::of_leaving(std::uint32_t port, int side) const {
-  return weight_[Layout(network_, field_).field(true, side, field_.carrier(0), port)];
+  return weight(port, true, side, field_.carrier(0));
 }
 double LinearResponse::seen_quadrature(std::uint32_t port) const {
   return -std::arg(of_leaving(port, 0) * std::conj(of_leaving(port, 1))) / 2;

@@ -287,6 +287,9 @@ class LinearResponse {
   Phasor to_amplitude(std::uint32_t port) const { return to_amplitude(Injection{port}); }
   Phasor to_phase(Injection const&) const;
   Phasor to_amplitude(Injection const&) const;
+  // Read-out per sqrt(W) of a sideband that joins what enters or what leaves a port: the upper one of a carrier (side
+  // 0), or the lower one, conjugated (side 1).
+  Phasor weight(std::uint32_t port, bool leaving, int side, std::size_t carrier) const;
   // Angle of the quadrature leaving a dump (or laser) with the largest effect on the read-out: the one to squeeze.
   double seen_quadrature(std::uint32_t port) const;
   // One-sided PSD of the read-out from the vacuum that enters at losses and open ports, squared units per Hz.

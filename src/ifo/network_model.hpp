@@ -10,6 +10,7 @@
 #include "base/units/quantity.hpp"
 #include "ifo/network.hpp"
 #include "spectra/curve.hpp"
+#include "spectra/transfer_function.hpp"
 
 namespace straytrace::ifo {
 
@@ -46,22 +47,66 @@ struct NamedNoise {
   double asd(double hz) const;
 };
 
+// A beam at a port: what enters it or what leaves it.
+struct NetworkBeam {
+  std::uint32_t port = 0;
+  bool leaving = false;
+};
+// A point on a beam, m from its port.
+struct BeamPlace {
+  NetworkBeam beam{};
+  double distance = 0;
+};
+// Light of one beam that joins another (docs/theory/interferometer.md, eq. N.12). What leaves a mirror at no distance
+// was scattered there: the mirror takes the recoil.
+struct StrayWay {
+  BeamPlace lit{}, fed{};
+  double delay = 0;    // s
+  double turn = 0;     // rad
+  bool alone = false;  // its reverse adds nothing: `lit` is but the reference of s
+};
+struct NamedWay {
+  std::string name;
+  StrayWay way{};
+  double share = 1;  // field that joins, over that of the name
+};
+// How a read-out becomes strain.
+struct StrainScale {
+  Readout readout{};
+  NamedFreedom freedom{};
+  double length = not_a_number;  // m
+};
+// How the length of a degree of freedom is controlled.
+struct ControlLoop {
+  // held: the length does not change, as with an ideal sensor and infinite gain. closed: a sensor of the light and an
+  // open-loop gain. free: no loop.
+  enum class Kind : std::uint8_t { held, closed, free };
+  Kind kind = Kind::held;
+  NamedReadout sensor{};                  // of a closed loop
+  spectra::TransferFunction open_loop{};  // G, with no other loop acting; positive: suppresses by 1/(1 + G)
+  // Share of the way from the actuator to the read-out of strain that a feed-forward filter subtracts; 1: all of it.
+  spectra::TransferFunction feedforward{};
+};
+struct ControlledLength {
+  Readout length{};  // its displacement, m
+  NamedFreedom freedom{};
+  ControlLoop loop{};
+};
+
 struct NetworkModel {
   std::string preset;  // "none": the network is of the scene alone
   Network network{1064e-9};
   std::vector<NamedReadout> readouts{};
   std::vector<NamedFreedom> freedoms{};
   std::vector<NamedNoise> noises{};
+  std::vector<NamedWay> entrances{};
+  std::optional<StrainScale> strain{};
+  std::vector<ControlledLength> controlled{};
 
   NamedReadout const* readout(std::string const& name) const;
   NamedFreedom const* freedom(std::string const& name) const;
 };
 
-// A beam at a port: what enters it or what leaves it.
-struct NetworkBeam {
-  std::uint32_t port = 0;
-  bool leaving = false;
-};
 std::vector<std::string> port_names(Network const&);
 std::optional<std::uint32_t> find_port(Network const&, std::string const& name);  // "PRM.front", "laser"
 std::optional<NetworkBeam> find_beam(Network const&, std::string const& name);    // "PRM.front.out", "laser.in"

@@ -8,6 +8,9 @@
 #include <cmath>
 #include <map>
 
+#include "ifo/layout/read_network.hpp"
+#include "ifo/stray_response.hpp"
+
 namespace straytrace::ifo {
 namespace {
 
@@ -20,7 +23,7 @@ bool agrees(double a, double b, double tolerance) { return std::fabs(a - b) <= t
 std::vector<TracedPort> inside_an_arm(std::vector<TracedPort> const& ports, std::vector<PortEntry> const& entries) {
   std::vector<TracedPort> inside;
   for (std::size_t i = 0; i < ports.size(); ++i)
-    if (is_inside_an_arm(entries[i].injection_point)) inside.push_back(ports[i]);
+    if (entries[i].is_inside_an_arm()) inside.push_back(ports[i]);
   return inside;
 }
 
@@ -51,18 +54,65 @@ void unknown_port(Node const& at, std::string const& name, std::vector<TracedPor
                                         : fmt::format("its ports: {}", fmt::join(ports, ", "))));
 }
 
+InjectionPoint read_injection_point(Node const& node, TracedPort const& port) {
+  std::vector<std::string_view> names(entrance_names.begin(), entrance_names.end());
+  for (BeamSynonym const& s : beam_synonyms) names.push_back(s.name);
+  std::string const at = node.choice("at", names, entrance_names[std::size_t(port.injection_point)]);
+  auto const found = std::ranges::find(entrance_names, at);
+  return found == entrance_names.end() ? port.injection_point : InjectionPoint(found - entrance_names.begin());
+}
+
+// A point on the beam that a key names; nothing with a problem.
+std::optional<BeamPlace> read_place(Node const& beam, Node const& entry, char const* distance, Network const& network) {
+  std::optional<NetworkBeam> found;
+  auto const synonym = std::ranges::find(beam_synonyms, beam.text(), &BeamSynonym::name);
+  if (synonym != beam_synonyms.end()) {
+    found = find_beam(network, std::string(synonym->beam));
+    if (!found) beam.problem("this network has no such place", "name a beam of it: PRM.back.in");
+  } else {
+    found = read_beam(beam, network);
+  }
+  double const metres = entry.number(distance, dim::length, 0, 0, 1e12);
+  if (!found) return {};
+  auto const space = std::ranges::find_if(
+      network.spaces(), [&](Network::Space const& s) { return s.from == found->port || s.to == found->port; });
+  double const length = space == network.spaces().end() ? 0 : space->length;
+  if (metres > length)
+    entry[distance].problem(fmt::format("the space at '{}' is {:g} m long", network.port_name(found->port), length),
+                            "measure the distance from this port, or name the next one");
+  return BeamPlace{*found, metres};
+}
+
+// Both ends of the space of a beam of an arm of a preset, or one end at the splitter.
+bool is_in_an_arm(Network const& network, NetworkBeam b) {
+  auto const of_arm = [&](std::uint32_t port) {
+    std::string const& name = network.name(network.owner_of(port));
+    return name == "ITMx" || name == "ITMy" || name == "ETMx" || name == "ETMy";
+  };
+  return of_arm(b.port) || std::ranges::any_of(network.spaces(), [&](Network::Space const& s) {
+           return (s.from == b.port && of_arm(s.to)) || (s.to == b.port && of_arm(s.from));
+         });
+}
+
 PortEntry read_entry(Node const& node, TracedPort const& port, double arms) {
   PortEntry entry{.name = port.name, .injection_point = port.injection_point};
   if (node.kind() != Node::Kind::table) {
     node.problem(fmt::format("port '{}' must be a table", entry.name), "write {at: end-bench}");
     return entry;
   }
-  std::string const at = node.choice("at", entrance_names, entrance_names[std::size_t(port.injection_point)]);
-  auto const found = std::ranges::find(entrance_names, at);
-  if (found != entrance_names.end()) entry.injection_point = InjectionPoint(found - entrance_names.begin());
+  std::string const word = node.has("at") ? node["at"].text() : "";
+  if (word.find('.') != word.npos || std::ranges::find(beam_synonyms, word, &BeamSynonym::name) != beam_synonyms.end())
+    entry.at = node.word("at");
+  else
+    entry.injection_point = read_injection_point(node, port);
+  for (char const* key : {"lit_by", "distance", "lit_distance"})
+    if (node.has(key) && entry.at.empty())
+      node[key].problem(fmt::format("'{}' needs a beam of the network in 'at'", key),
+                        "write for example {at: ITMx.front.in, lit_by: ITMx.front.out}");
   entry.field_share = node.number("pick_off", dim::plain, 1, faintest, 1) *
                       std::sqrt(node.number("isolation", dim::plain, 1, faintest, 1));
-  entry.copies = node.number("copies", dim::plain, is_of_an_arm(entry.injection_point) ? arms : 1, 1, 1e6);
+  bool const of_an_arm = entry.at.empty() && is_of_an_arm(entry.injection_point);
+  entry.copies = node.number("copies", dim::plain, of_an_arm ? arms : 1, 1, 1e6);
   node.refuse_unknown(fmt::format("port '{}'", entry.name));
   return entry;
 }
@@ -128,7 +178,6 @@ class MeasuredResponses final : public Interferometer {
   }
   double copies(PortId port) const override { return rest_->copies(port); }
   NetworkModel const* network() const override { return rest_->network(); }
-  RecycledInterferometer const* recycled() const override { return rest_->recycled(); }
   DetectorNumbers numbers() const override { return rest_->numbers(); }
   std::string description() const override { return rest_->description() + note_; }
 
@@ -155,6 +204,38 @@ std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector
         entries[std::size_t(at - ports.begin())] = std::move(read);
     }
   return entries;
+}
+
+void resolve_beams(Node const& interferometer, Network const& network, double arms, std::vector<PortEntry>& entries) {
+  std::optional<SteadyField> field;
+  for (PortEntry& e : entries) {
+    if (e.at.empty()) continue;
+    Node const node = interferometer["ports"][e.name];
+    auto const fed = read_place(node["at"], node, "distance", network);
+    if (!fed) continue;
+    StrayWay way = returning(fed->beam, fed->distance);
+    if (Node const lit = node["lit_by"]) {
+      auto const place = read_place(lit, node, "lit_distance", network);
+      if (!place) continue;
+      way.lit = *place;
+      e.at += " lit by " + lit.text();
+    } else if (node.has("lit_distance")) {
+      node["lit_distance"].problem("'lit_distance' needs a beam in 'lit_by'", "remove it");
+    }
+    if (!node.has("copies") && is_in_an_arm(network, fed->beam)) e.copies = arms;
+    if (!interferometer.healthy()) continue;
+    if (!field) field.emplace(network);
+    turn_to_local_light(way, network, *field);
+    e.way = way;
+  }
+}
+
+void add_entrances(std::vector<PortEntry> const& entries, NetworkModel& model) {
+  for (PortEntry const& e : entries) {
+    if (!e.way) continue;
+    std::erase_if(model.entrances, [&](NamedWay const& w) { return w.name == e.name; });
+    model.entrances.push_back({e.name, *e.way, e.field_share});
+  }
 }
 
 Node place_of_entrance(Node const& interferometer, std::string const& port) {
@@ -206,14 +287,13 @@ std::string describe(std::vector<PortEntry> const& entries, Interferometer const
     PortEntry const& e = entries[i];
     std::vector<std::string> names;
     for (std::size_t j = i; j < entries.size(); ++j)
-      if (entries[j].injection_point == e.injection_point && entries[j].field_share == e.field_share &&
-          entries[j].copies == e.copies) {
+      if (entries[j].place() == e.place() && entries[j].field_share == e.field_share && entries[j].copies == e.copies) {
         names.push_back(entries[j].name);
         listed[j] = true;
       }
     PortId const port{std::uint32_t(i)};
     text += fmt::format("; {}: {}{}, {:g} {}, at {:.4g} and {:.4g} Hz h per Im s {} and {}, per Re s {} and {}",
-                        fmt::join(names, ", "), entrance_names[std::size_t(e.injection_point)],
+                        fmt::join(names, ", "), e.place(),
                         e.field_share == 1 ? "" : fmt::format(" (field x {:.3g})", e.field_share), e.copies,
                         e.copies == 1 ? "copy" : "copies", low, high, number(ifo.strain_per_phase(port, low)),
                         number(ifo.strain_per_phase(port, high)), number(ifo.strain_per_amplitude(port, low)),

@@ -7,19 +7,37 @@
 #include <vector>
 
 #include "ifo/interferometer.hpp"
+#include "ifo/network_model.hpp"
 #include "spectra/transfer_function.hpp"
 
 namespace straytrace::ifo {
 
+// Names of ways back on a beam of the presets besides `entrance_names`.
+struct BeamSynonym {
+  std::string_view name, beam;  // the beam that the light joins
+};
+constexpr std::array<BeamSynonym, 3> beam_synonyms = {{{"short-arm-to-splitter", "BS.3.in"},
+                                                       {"signal-cavity-to-splitter", "BS.4.in"},
+                                                       {"recycling-cavity-to-mirror", "PRM.back.in"}}};
+
 struct PortEntry {
   std::string name;
   InjectionPoint injection_point = InjectionPoint::arm;
-  double field_share = 1;  // pick-off (eq. 9.8: its power ratio) and isolation (its root) on the way back
-  double copies = 2;       // equal, independent ones of the traced port; powers add
+  double field_share = 1;         // pick-off (eq. 9.8: its power ratio) and isolation (its root) on the way back
+  double copies = 2;              // equal, independent ones of the traced port; powers add
+  std::string at{};               // a beam of the network or its synonym, instead of the injection point
+  std::optional<StrayWay> way{};  // from it, once the network is known
+
+  bool is_inside_an_arm() const { return at.empty() && ifo::is_inside_an_arm(injection_point); }
+  std::string place() const { return at.empty() ? std::string(entrance_names[std::size_t(injection_point)]) : at; }
 };
 
 // The sub-table `ports`; defaults come from the scene. `arms`: number of copies of a port in an arm.
 std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector<TracedPort> const& ports, double arms);
+// Finds the beams that ports name. `arms`: copies of one in arm x or y of a preset.
+void resolve_beams(Node const& interferometer, Network const&, double arms, std::vector<PortEntry>&);
+// Ports with beams become entrances of the model, in the place of those of their name.
+void add_entrances(std::vector<PortEntry> const&, NetworkModel&);
 // The node that states where light of this port joins; the nearest table above when there is none.
 Node place_of_entrance(Node const& interferometer, std::string const& port);
 // Whether files give the response of this port instead of the model of the interferometer.

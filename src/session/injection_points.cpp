@@ -75,7 +75,7 @@ void check_entrances(Node const& interferometer, std::vector<TracedPort> const& 
     Node const entry = ports[port.name];
     if (entry.kind() != Node::Kind::table || !entry.has("at")) continue;
     std::string const at = entry.word("at");
-    if (at == "end-bench" || at == "short-arm")
+    if (at == "end-bench" || at == "short-arm" || at == "short-arm-to-splitter" || at.find('.') != at.npos)
       return entry["at"].problem("'lit' already includes the transmission of the mirror: it would count twice",
                                  "remove 'at': couplings of the port are relative to the light in the arm");
   }

@@ -38,6 +38,24 @@ def draw_transfer(rows, units, words):
     return figure, panels
 
 
+def draw_stray(rows, units, words):
+    """Both quadratures of the stray field."""
+    figure, panels = plt.subplots(2, 1, sharex=True, figsize=(9, 6), dpi=100, height_ratios=(2, 1))
+    hz = [row["frequency"] for row in rows]
+    for i, (part, name) in enumerate((("phase", "Im s"), ("amplitude", "Re s"))):
+        seen = [row for row in rows if row[part] is not None]
+        panels[0].loglog([row["frequency"] for row in seen], [row[part] for row in seen], color=ROUTE_COLOURS[i], label=f"per {name}")
+        panels[1].semilogx([row["frequency"] for row in seen], np.degrees(np.unwrap([row[f"arg_{part}"] for row in seen])),
+                           color=ROUTE_COLOURS[i])
+    unit = units.get("phase")
+    panels[0].set_ylabel(f"{words[2]} per field of {words[1]}" + (f" [{unit}]" if unit else ""))
+    panels[0].legend(frameon=False)
+    panels[0].set_xlim(min(hz), max(hz))
+    panels[1].set_ylabel("phase [deg]")
+    panels[1].set_xlabel("frequency [Hz]")
+    return figure, panels
+
+
 def panels_in_rows(count, most=3, width=4.5, height=4.2, **keys):
     """Axes for `count` panels, at most `most` side by side; unused ones are removed."""
     columns = min(count, most)
@@ -115,8 +133,8 @@ def draw(answer):
         figure, panels = draw_radar(rows)
     elif words[0] == "noise":
         figure, panels = draw_noise(rows, units, words)
-    elif words[0] == "transfer":
-        figure, panels = draw_transfer(rows, units, words)
+    elif words[0] in ("transfer", "stray"):
+        figure, panels = (draw_stray if words[0] == "stray" else draw_transfer)(rows, units, words)
     else:
         figure, panels = draw_map(rows, units) if len(words) == 7 else draw_scan(rows, units)
     for axes in panels:

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iostream>
@@ -15,7 +16,6 @@
 #include "cli/commands.hpp"
 #include "cli/ifo/ifo_sheets.hpp"
 #include "cli/options.hpp"
-#include "ifo/dual_recycled.hpp"
 #include "results/curves/curve_file.hpp"
 #include "results/text/picture.hpp"
 #include "session/build_info.hpp"
@@ -37,15 +37,17 @@ struct IfoOptions : SceneOptions {
 struct Request {
   char const* what;
   std::vector<char const*> words;
+  bool optional = false;  // the words may be left out
 };
-std::array<Request, 8> const& requests() {
-  static std::array<Request, 8> const all = {{{"point", {}},
+std::array<Request, 9> const& requests() {
+  static std::array<Request, 9> const all = {{{"point", {}},
                                               {"scan", {"PARAMETER", "FROM", "TO"}},
                                               {"errors", {}},
                                               {"transfer", {"FROM", "TO"}},
                                               {"sensing", {}},
                                               {"noise", {"READOUT"}},
                                               {"loops", {}},
+                                              {"stray", {"ENTRANCE", "READOUT"}, true},
                                               {"network", {}}}};
   return all;
 }
@@ -55,8 +57,9 @@ Request const& request_of(IfoOptions const& options) {
   for (Request const& r : requests()) {
     names.emplace_back(r.what);
     if (r.what != options.show.front()) continue;
-    std::size_t const words = options.show.size() - 1;
-    if (words == r.words.size() || (names.back() == "scan" && words == 2 * r.words.size())) return r;
+    std::size_t const given = options.show.size() - 1;
+    bool const twice = names.back() == "scan" && given == 2 * r.words.size();
+    if (given == r.words.size() || twice || (r.optional && given < r.words.size())) return r;
     throw InputError(fmt::format("--show {} takes {} words, got {}", r.what, r.words.size(), options.show.size() - 1),
                      fmt::format("write --show {} {}", r.what, fmt::join(r.words, " ")));
   }
@@ -139,27 +142,59 @@ Sheet noise_of_readout(NetworkModel const& model, IfoOptions const& options) {
   return noise_sheet(*readout, freedom, noise_of(model, *readout, freedom, frequencies(options)));
 }
 
-std::vector<Sheet> loops_of(Interferometer const* detector, IfoOptions const& options) {
-  RecycledInterferometer const* const recycled = detector ? detector->recycled() : nullptr;
-  if (!recycled)
+std::vector<Sheet> loops_of(NetworkModel const& model, IfoOptions const& options) {
+  if (!model.strain || model.controlled.empty())
     throw InputError("only a dual-recycled detector has loops", "write --show loops with a scene of such a preset");
   std::vector<double> const ends = parse_band(options.band);
   std::vector<Sheet> all;
   for (double const hz : parse_frequencies(options.at, "--at")) {
-    std::vector<Sheet> const sheets = loop_sheets(recycled->loop_table(hz, {ends[0], ends[1]}));
+    std::vector<Sheet> const sheets = loop_sheets(loop_table(model, hz, {ends[0], ends[1]}));
     all.insert(all.end(), sheets.begin(), sheets.end());
   }
   return all;
 }
 
-std::vector<Sheet> sheets_of(OpticalNetwork const& network, IfoOptions const& options) {
-  NetworkModel const& model = network.model;
+NamedWay stray_way(NetworkModel const& model, std::string const& name) {
+  if (auto const way = find_way(model, name)) return *way;
+  std::vector<std::string> known = {"all"};
+  for (NamedWay const& w : model.entrances) known.push_back(w.name);
+  for (NamedWay const& w : ways_of_all_beams(model)) known.push_back(w.name);
+  throw unknown("entrance or beam", name, known);
+}
+
+// Named entrances, one, or every beam, at some frequencies; or one over the band into one read-out.
+std::vector<Sheet> stray_sheets(NetworkModel const& model, IfoOptions const& options) {
+  std::vector<std::string> const& words = options.show;
+  bool const all = words.size() > 1 && words[1] == "all";
+  if (words.size() == 3) {
+    if (all)
+      throw InputError("--show stray all READOUT is too much for one curve", "name one entrance instead of 'all'");
+    std::vector<std::string> known;
+    for (NamedReadout const& r : model.readouts) known.push_back(r.name);
+    if (model.strain) known.emplace_back("h");
+    if (std::ranges::find(known, words[2]) == known.end()) throw unknown("read-out", words[2], known);
+    return {stray_curve(stray_rows(model, {stray_way(model, words[1])}, frequencies(options)), words[2])};
+  }
+  std::vector<NamedWay> const ways = all                ? ways_of_all_beams(model)
+                                     : words.size() > 1 ? std::vector{stray_way(model, words[1])}
+                                                        : model.entrances;
+  if (ways.empty())
+    throw InputError("the network names no entrances of stray light",
+                     "write --show stray all, or --show stray BEAM with a beam of the network: ITM.front.in");
+  std::vector<Sheet> sheets;
+  for (double const hz : parse_frequencies(options.at, "--at"))
+    sheets.push_back(stray_sheet(stray_rows(model, ways, {hz})));
+  return sheets;
+}
+
+std::vector<Sheet> sheets_of(NetworkModel const& model, IfoOptions const& options) {
   std::string const& what = options.show.front();
-  if (what == "loops") return loops_of(network.detector.get(), options);
+  if (what == "loops") return loops_of(model, options);
   if (what == "scan") return {scan_sheet(model, scanned(model, options))};
   if (what == "errors") return {errors_sheet(error_signals(model))};
   if (what == "transfer") return {transferred(model, options)};
   if (what == "noise") return {noise_of_readout(model, options)};
+  if (what == "stray") return stray_sheets(model, options);
   if (what == "point") return point_sheets(operating_point(model));
   std::vector<Sheet> all;
   for (double const hz : parse_frequencies(options.at, "--at")) all.push_back(sensing_sheet(sensing_matrix(model, hz)));
@@ -169,10 +204,11 @@ std::vector<Sheet> sheets_of(OpticalNetwork const& network, IfoOptions const& op
 void check(IfoOptions const& options) {
   refuse_two_formats(options.csv, options);
   std::string const what = request_of(options).what;
-  bool const curve = what == "scan" || what == "transfer" || what == "noise" || what == "errors";
+  bool const curve = what == "scan" || what == "transfer" || what == "noise" || what == "errors" ||
+                     (what == "stray" && options.show.size() == 3);
   if (!options.plot.empty() && !curve)
     throw InputError("--plot draws a scan, a response, a noise or error signals",
-                     "remove it, or write --show scan PARAMETER FROM TO");
+                     "remove it, or write --show scan PARAMETER FROM TO, or --show stray ENTRANCE READOUT");
   if (!options.plot.empty()) check_ending(options.plot, {".png"}, "--plot");
   if (!options.page.empty()) check_ending(options.page, {".html"}, "--html");
   if (!options.referred.empty() && what != "noise")
@@ -209,9 +245,9 @@ nlohmann::ordered_json page_json(OpticalNetwork const& network, IfoOptions const
   sheets.push_back(errors_sheet(error_signals(network.model)));
   for (double const hz : parse_frequencies(options.at, "--at")) {
     sheets.push_back(sensing_sheet(sensing_matrix(network.model, hz)));
-    if (network.detector && network.detector->recycled())
-      for (Sheet& s : loops_of(network.detector.get(), options)) sheets.push_back(std::move(s));
   }
+  if (!network.model.controlled.empty())
+    for (Sheet& s : loops_of(network.model, options)) sheets.push_back(std::move(s));
   json["sheets"] = page_of(sheets);
   return json;
 }
@@ -239,7 +275,7 @@ int ifo(IfoOptions const& options) {
     std::cout << network_text(network.model);
     return done;
   }
-  std::vector<Sheet> const sheets = sheets_of(network, options);
+  std::vector<Sheet> const sheets = sheets_of(network.model, options);
   if (!options.plot.empty()) draw(sheets, options);
   if (!options.page.empty()) write_page(network, options);
   if (options.json())
@@ -260,8 +296,8 @@ void add_ifo(CLI::App& app, int& exit_code) {
   command
       ->add_option("--show", o.show,
                    "point (default), scan PARAMETER FROM TO (once or twice), errors, transfer FROM TO, sensing, noise "
-                   "READOUT, loops, or network: the scene of "
-                   "the network")
+                   "READOUT, loops, stray (also stray all, stray ENTRANCE, stray ENTRANCE READOUT), or network: the "
+                   "scene of the network")
       ->expected(1, 7)
       ->allow_extra_args(false);
   command
@@ -269,7 +305,7 @@ void add_ifo(CLI::App& app, int& exit_code) {
                    "of a scan (of each axis where there are two) or a curve; default 201, of two axes 41 each")
       ->check(whole_between(2, 100000, "201"));
   command->add_option("--band", o.band, "of a response, a noise or the margins of loops; default \"1 Hz, 10 kHz\"");
-  command->add_option("--at", o.at, "frequencies of the sensing matrix or the loops; default \"10 Hz\"");
+  command->add_option("--at", o.at, "frequencies of the sensing matrix, the loops and stray light; default \"10 Hz\"");
   command->add_option("--referred-to", o.referred, "noise as the displacement of this degree of freedom");
   command->add_flag("--csv", o.csv, "all digits, SI");
   mark_output(*command,

@@ -162,6 +162,65 @@ Sheet sensing_sheet(SensingMatrix const& m) {
   return s;
 }
 
+namespace {
+
+// Phases for exp(+2 pi i f t).
+void add_response(std::vector<Sheet::Cell>& row, Phasor response) {
+  row.emplace_back(std::abs(response));
+  row.emplace_back(-std::arg(response));
+}
+
+}  // namespace
+
+Sheet stray_sheet(std::vector<StrayRow> const& rows) {
+  double const hz = rows.empty() ? not_a_number : rows.front().hz;
+  Sheet s{
+      fmt::format("stray_{:g}Hz", hz),
+      fmt::format("Responses at {:g} Hz to a stray field s relative to the light that is scattered: phase per Im s, "
+                  "amplitude\n"
+                  "per Re s, for exp(+2 pi i f t); h: strain; gain: for Gamma in eq. 9.2; -: rounding.",
+                  hz),
+      {{"entrance", ""},
+       {"relative_to", ""},
+       {"joins", ""},
+       {"power", "W"},
+       {"readout", ""},
+       {"unit", ""},
+       {"phase", ""},
+       angle("arg_phase"),
+       {"amplitude", ""},
+       angle("arg_amplitude"),
+       {"gain", "", 4}},
+      {}};
+  for (StrayRow const& r : rows) {
+    std::vector<Sheet::Cell> row{r.entrance, r.lit, r.fed, r.power, r.readout, r.unit};
+    add_response(row, r.phase());
+    add_response(row, r.amplitude());
+    row.emplace_back(r.gain);
+    s.rows.push_back(std::move(row));
+  }
+  return s;
+}
+
+Sheet stray_curve(std::vector<StrayRow> const& rows, std::string const& readout) {
+  Sheet s{"stray", "", {{"frequency", "Hz"}}, {}};
+  for (StrayRow const& r : rows) {
+    if (r.readout != readout) continue;
+    if (s.rows.empty()) {
+      s.heading =
+          fmt::format("Response of '{}' to light of '{}' that joins '{}', per Im s and Re s, for exp(+2 pi i f t).",
+                      readout, r.lit, r.fed);
+      s.columns.insert(s.columns.end(),
+                       {{"phase", r.unit}, angle("arg_phase"), {"amplitude", r.unit}, angle("arg_amplitude")});
+    }
+    std::vector<Sheet::Cell> row{r.hz};
+    add_response(row, r.phase());
+    add_response(row, r.amplitude());
+    s.rows.push_back(std::move(row));
+  }
+  return s;
+}
+
 Sheet noise_sheet(NamedReadout const& readout, NamedFreedom const* referred, ReadoutNoise const& noise) {
   std::string const unit = fmt::format("{}/sqrt(Hz)", referred ? "m" : unit_of(readout.readout));
   Sheet s{"noise",

@@ -7,6 +7,7 @@
 #include "ifo/layout/operating_point.hpp"
 #include "ifo/layout/parameters.hpp"
 #include "ifo/layout/signals.hpp"
+#include "ifo/stray_response.hpp"
 #include "results/text/sheets.hpp"
 
 namespace straytrace::cli {
@@ -19,5 +20,7 @@ Sheet transfer_sheet(NetworkCause const&, NamedReadout const& effect, std::vecto
 Sheet sensing_sheet(SensingMatrix const&);
 Sheet noise_sheet(NamedReadout const&, NamedFreedom const* referred, ReadoutNoise const&);
 std::vector<Sheet> loop_sheets(LoopTable const&);
+Sheet stray_sheet(std::vector<StrayRow> const&);                              // at one frequency
+Sheet stray_curve(std::vector<StrayRow> const&, std::string const& readout);  // of one entrance
 
 }  // namespace straytrace::cli

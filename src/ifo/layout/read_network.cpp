@@ -184,23 +184,6 @@ void warn_of_loose_ends(Node const& table, Network const& base, Network const& c
                     fmt::format("add a space to '{}'", base.port_name(p)));
 }
 
-// The beam that a key names, "PRM.front.out".
-std::optional<NetworkBeam> read_beam(Node const& node, Network const& network) {
-  std::string const name = node.as_word();
-  if (name.empty()) return {};
-  auto const beam = find_beam(network, name);
-  if (!beam) {
-    std::vector<std::string> all;
-    for (std::string const& p : port_names(network))
-      for (char const* way : {".in", ".out"}) all.push_back(p + way);
-    node.problem(fmt::format("the network has no beam '{}'", name),
-                 did_you_mean(name, all,
-                              "name a port and the way of its light: PRM.front.out leaves, PRM.front.in "
-                              "enters"));
-  }
-  return beam;
-}
-
 // Hz of a demodulation: a modulator, or a frequency.
 double read_demodulation_frequency(Node const& table, Network const& network) {
   Node const node = table["frequency"];
@@ -430,6 +413,22 @@ void limit_carriers(Node const& table, Network const& network, NetworkChanges& c
 }
 
 }  // namespace
+
+std::optional<NetworkBeam> read_beam(Node const& node, Network const& network) {
+  std::string const name = node.as_word();
+  if (name.empty()) return {};
+  auto const beam = find_beam(network, name);
+  if (!beam) {
+    std::vector<std::string> all;
+    for (std::string const& p : port_names(network))
+      for (char const* way : {".in", ".out"}) all.push_back(p + way);
+    node.problem(fmt::format("the network has no beam '{}'", name),
+                 did_you_mean(name, all,
+                              "name a port and the way of its light: PRM.front.out leaves, PRM.front.in "
+                              "enters"));
+  }
+  return beam;
+}
 
 NetworkChanges read_network_changes(Node const& network, Network const& base) {
   NetworkChanges changes;

@@ -9,6 +9,8 @@
 
 namespace straytrace::ifo {
 
+// The beam that a node names, "PRM.front.out"; a problem and nothing where there is none.
+std::optional<NetworkBeam> read_beam(Node const&, Network const&);
 // Components and spaces of the table; `base`: the network that they change. Problems stay in the document.
 NetworkChanges read_network_changes(Node const& network, Network const& base);
 // Read-outs and degrees of freedom, of a network with its changes; those of the same name are replaced.

@@ -125,8 +125,7 @@ void check_waves(IfoTree& t, Ground const& g) {
 }
 
 void check_readout(IfoTree& t, Detector const& d) {
-  DualRecycled const detector(dual_recycled(d));
-  if (!detector.sees(detector.readout(), Freedom::darm, probe_hz))
+  if (!DualRecycled(dual_recycled(d)).sees_darm(probe_hz))
     t.problem(
         "Optics.Quadrature.dc",
         fmt::format("at 'Optics.Quadrature.dc' {:g} rad the read-out has no response to the arms", d.readout_angle),

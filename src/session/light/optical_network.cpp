@@ -25,6 +25,15 @@ std::optional<NetworkModel> network_of(Node const& table, double wavelength, Int
   return model;
 }
 
+// Without a scene, ports are entrances that the table names.
+std::vector<TracedPort> stated_ports(Node const& table) {
+  std::vector<TracedPort> ports;
+  Node const stated = table["ports"];
+  if (stated.kind() == Node::Kind::table)
+    for (auto const& [name, node] : stated.items()) ports.push_back({.name = name});
+  return ports;
+}
+
 }  // namespace
 
 bool only_network(Scene const& scene) {
@@ -38,19 +47,18 @@ namespace {
 OpticalNetwork read_lone(Scene const& scene) {
   Node const table = scene.table("interferometer");
   std::optional<NetworkModel> model;
-  std::unique_ptr<Interferometer> detector;
   if (!table) {
     scene.root().lack("interferometer", "the scene has no 'interferometer'",
                       "add 'interferometer: {preset: adv}', or 'preset: none' with a 'network'");
     scene.root().refuse_misspelt("a model");
-  } else if (table["preset"].text() == "none") {
+  } else if (table["preset"].text() == "none" && !table.has("strain")) {
     table.has("preset");
     model = network_of(table, not_a_number, nullptr);
-  } else if ((detector = make_interferometer(table, {}, not_a_number))) {
+  } else if (auto const detector = make_interferometer(table, stated_ports(table), not_a_number)) {
     model = network_of(table, not_a_number, detector.get());
   }
   scene.throw_if_problems();
-  return {scene.title(), *std::move(model), std::move(detector)};
+  return {scene.title(), *std::move(model)};
 }
 
 }  // namespace
@@ -64,7 +72,7 @@ OpticalNetwork read_optical_network(SceneOptions const& options) {
     print_warnings(scene, options);
     return network;
   }
-  Model whole = read_model(options.input, options.overrides);
+  Model const whole = read_model(options.input, options.overrides);
   Node const table = whole.scene.table("interferometer");
   std::optional<NetworkModel> model;
   if (table)
@@ -73,7 +81,7 @@ OpticalNetwork read_optical_network(SceneOptions const& options) {
     whole.scene.root().problem("the scene has no 'interferometer'", "add 'interferometer: {preset: adv}'");
   whole.scene.throw_if_problems();
   print_warnings(whole.scene, options);
-  return {whole.scene.title(), *std::move(model), std::move(whole.detector)};
+  return {whole.scene.title(), *std::move(model)};
 }
 
 }  // namespace straytrace::session

@@ -2,10 +2,8 @@
 // The network of a scene: of its interferometer alone where it has no beams, else of the whole model.
 #pragma once
 
-#include <memory>
 #include <string>
 
-#include "ifo/interferometer.hpp"
 #include "ifo/network_model.hpp"
 #include "scene/scene.hpp"
 #include "session/options.hpp"
@@ -16,11 +14,10 @@ namespace straytrace::session {
 bool only_network(Scene const&);
 // Of such a scene. Throws one InputError with all problems.
 NetworkModel read_lone_network(Scene const&);
-// Of any scene; prints its warnings. Without a preset there is no detector.
+// Of any scene; prints its warnings.
 struct OpticalNetwork {
-  std::string title;
+  std::string title;  // of the scene
   NetworkModel model;
-  std::unique_ptr<Interferometer> detector;
 };
 OpticalNetwork read_optical_network(SceneOptions const&);
 

@@ -2,6 +2,7 @@
 // Control loops whose sensors receive stray light: docs/theory/interferometer.md, eq. N.4 and N.5.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "physics/ifo/network_support.hpp"
@@ -39,21 +40,27 @@ struct Recycling {
   Phasor stray(LinearResponse const& r) const {
     return r.to_displacement(detector.network().find("mirror")) / (2 * detector.network().wavenumber() * reflectivity);
   }
-  ControlLoops loops(double gain, Kind others = Kind::free) const {
-    ControlLoops all;
+  using Loops = std::array<ControlLoop, 4>;  // of CARM, MICH, PRCL and SRCL
+  Loops loops(double gain, Kind others = Kind::free) const {
+    Loops all;
     for (ControlLoop& loop : all) loop.kind = others;
-    all[prcl] = {.kind = Kind::closed, .sensor = sensor, .open_loop = constant(gain)};
+    all[prcl] = {Kind::closed, sensor, constant(gain), {}};
     return all;
   }
-  double darm(ControlLoops const& loops) const {  // m per unit field
-    ControlledResponse const r(detector, 10, loops);
-    return std::abs(r.to([&](LinearResponse const& x) { return stray(x); }) / r.to_freedom(Freedom::darm));
+  HeldResponse response(double hz, Loops const& loops) const {
+    NetworkModel model = detector.model("");
+    for (std::size_t i = 0; i < loops.size(); ++i) model.controlled[i].loop = loops[i];
+    return HeldResponse(detector, hz, std::move(model));
+  }
+  double darm(Loops const& loops) const {  // m per unit field
+    HeldResponse const r = response(10, loops);
+    return std::abs(r.strain().to([&](LinearResponse const& x) { return stray(x); }) / r.strain().per_metre());
   }
 };
 
 TEST(ControlLoops, StrayLightIsWrittenOnTheLengthT25) {
   Recycling const t, eighth(pi / 4);  // positions lambda/8 apart: the rms over the static phase
-  auto const rms = [&](ControlLoops const& loops) {
+  auto const rms = [&](Recycling::Loops const& loops) {
     return std::hypot(t.darm(loops), eighth.darm(loops)) / std::sqrt(2);
   };
   EXPECT_NEAR(rms(t.loops(0)) / 4.6929e-10, 1, 5e-4);
@@ -65,7 +72,7 @@ TEST(ControlLoops, StrayLightIsWrittenOnTheLengthT25) {
 TEST(ControlLoops, OneLoopN5) {
   Recycling const t;
   Phasor const g{3, -2};
-  ControlLoops loops = t.loops(0);
+  Recycling::Loops loops = t.loops(0);
   for (double const hz : {3.0, 30.0, 300.0}) {
     loops[prcl].open_loop = TransferFunction("g", {1, 1000}, {g, g});
     LinearResponse const dark = t.detector.response(hz), sensor = t.detector.response(t.sensor.readout, hz);
@@ -74,7 +81,8 @@ TEST(ControlLoops, OneLoopN5) {
       return cause(dark) + t.detector.to_freedom(dark, Freedom::prcl) * length;
     };
     auto const phase = [&](LinearResponse const& r) { return t.stray(r); };
-    ControlledResponse const solved(t.detector, hz, loops);
+    HeldResponse const response = t.response(hz, loops);
+    StrainResponse const& solved = response.strain();
     EXPECT_LT(std::abs(solved.to(phase) / closed(phase, g) - 1.0), 1e-9) << hz;
     EXPECT_GT(std::abs(solved.to(phase) / closed(phase, -g) - 1.0), 0.1) << "control: the sign of the loop";
     Phasor const noise =
@@ -90,11 +98,11 @@ TEST(ControlLoops, FourLoopsN4) {
   auto const demodulated = [&](char const* c, std::uint32_t n, double phase) {
     return NamedReadout{"", Readout::demodulated(t.port(c, n), sensor_hz, phase)};
   };
-  ControlLoops loops;
-  loops[carm] = {Kind::closed, {"", demodulated("PRM", 0, 0).readout.of_leaving()}, constant(1e4)};
-  loops[mich] = {Kind::closed, demodulated("BS", 0, pi / 2), constant(5)};
-  loops[prcl] = {Kind::closed, t.sensor, constant(20)};
-  loops[srcl] = {Kind::closed, {"", demodulated("SRM", 1, 0.3).readout.of_leaving()}, constant(2)};
+  Recycling::Loops loops;
+  loops[carm] = {Kind::closed, {"", demodulated("PRM", 0, 0).readout.of_leaving()}, constant(1e4), {}};
+  loops[mich] = {Kind::closed, demodulated("BS", 0, pi / 2), constant(5), {}};
+  loops[prcl] = {Kind::closed, t.sensor, constant(20), {}};
+  loops[srcl] = {Kind::closed, {"", demodulated("SRM", 1, 0.3).readout.of_leaving()}, constant(2), {}};
   auto const stray = [&](LinearResponse const& r) { return t.stray(r); };
   constexpr std::array<Freedom, 4> freedoms = {Freedom::carm, Freedom::mich, Freedom::prcl, Freedom::srcl};
   Eigen::Matrix4cd response;
@@ -114,14 +122,15 @@ TEST(ControlLoops, FourLoopsN4) {
     expected += seen * x[i];
     diagonal -= seen * control(i, i) * sensed[i] / (1.0 + control(i, i) * response(i, i));
   }
-  ControlledResponse const solved(t.detector, hz, loops);
+  HeldResponse const controlled = t.response(hz, loops);
+  StrainResponse const& solved = controlled.strain();
   EXPECT_LT(std::abs(solved.to(stray) / expected - 1.0), 1e-9);
   EXPECT_GT(std::abs(solved.to(stray) / diagonal - 1.0), 1e-3) << "control: loops that do not act on each other";
-  ControlledResponse::Parts const parts = solved.parts(stray);
+  StrainResponse::Parts const parts = solved.parts(stray);
   Phasor sum = parts.held;
   for (Phasor const p : parts.by_length) sum += p;
   EXPECT_LT(std::abs(sum / expected - 1.0), 1e-9);
-  EXPECT_LT(std::abs(parts.held / ControlledResponse(t.detector, hz).to(stray) - 1.0), 1e-9);
+  EXPECT_LT(std::abs(parts.held / HeldResponse(t.detector, hz).strain().to(stray) - 1.0), 1e-9);
 }
 
 // Without loops the response is that of the light alone; with infinite gain the sensor hears nothing of the stray
@@ -133,10 +142,10 @@ TEST(ControlLoops, LimitsOfGainAndFeedforward) {
   LinearResponse const dark = t.detector.response(hz), sensor = t.detector.response(t.sensor.readout, hz);
   Phasor const alone = stray(dark), written = stray(sensor) / t.detector.to_freedom(sensor, Freedom::prcl),
                seen = t.detector.to_freedom(dark, Freedom::prcl);
-  auto const with = [&](ControlLoops const& loops) { return ControlledResponse(t.detector, hz, loops).to(stray); };
+  auto const with = [&](Recycling::Loops const& loops) { return t.response(hz, loops).strain().to(stray); };
   EXPECT_LT(std::abs(with(t.loops(0)) / alone - 1.0), 1e-9);
   EXPECT_LT(std::abs(with(t.loops(1e9)) / (alone - seen * written) - 1.0), 1e-6);
-  ControlLoops subtracted = t.loops(9);
+  Recycling::Loops subtracted = t.loops(9);
   subtracted[prcl].feedforward = constant(1);
   EXPECT_LT(std::abs(with(subtracted) / alone - 1.0), 1e-9);
   subtracted[prcl].feedforward = constant(0.5);

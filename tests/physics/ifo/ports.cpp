@@ -47,12 +47,14 @@ TEST(Ports, EndBenchAndShortArmA14) {
   EXPECT_GT(bench / of_9_10 - 1, -0.01);
   EXPECT_LT(bench / of_9_10 - 1, -0.005) << "control: without r1";
   EXPECT_GT(std::fabs(bench / std::sqrt(p.end_transmission) / of_9_3), 100) << "control: the mirror passed once";
-  double const before = std::real(strain(d, InjectionPoint::short_arm, 0.01).phase) * p.arm_length * 1e-9;
+  // The light that is scattered comes from the arm: r_arm of the light that it joins.
+  double const r1r2 = arm.r1() * arm.r2(), r_arm = arm.input_transmission * arm.r2() / (1 - r1r2) - arm.r1(),
+               before = std::real(strain(d, InjectionPoint::short_arm, 0.01).phase) / r_arm * p.arm_length * 1e-9;
   EXPECT_NEAR(before / equivalent_length(arm, wavelength, 0, {0, 1e-9}), 1, 1e-3);
   for (double const hz : {0.01, 30.0, 300.0}) {
     Phasor const closed = strain_per_phase_in_short_arm(arm, wavelength, hz),
                  solved = strain(d, InjectionPoint::short_arm, hz).phase;
-    EXPECT_LT(std::abs(solved / closed - 1.0), 0.01) << hz;  // eq. 9.5
+    EXPECT_LT(std::abs(solved / (r_arm * closed) - 1.0), 0.01) << hz;  // eq. 9.5
   }
 }
 
@@ -105,7 +107,7 @@ TEST(Ports, RadiationPressureOfPresetsWithLoopsHeld) {
     DualRecycledParameters const& p = d.parameters();
     DifferentialMode const mode = differential_mode(arm_of(p), p.signal_recycling_transmission);
     auto const ratio = [&](double hz) {
-      ControlledResponse const r(d, hz);
+      HeldResponse const r(d, hz);
       Phasor const closed = strain_per_amplitude_in_arm(hz, d.arm_power(), p.mirror_mass, p.arm_length, mode);
       return std::abs(r.to_amplitude(d.injection(InjectionPoint::arm)) / r.to_freedom(Freedom::darm) / closed) /
              p.arm_length;
@@ -119,7 +121,7 @@ TEST(Ports, RadiationPressureOfPresetsWithLoopsHeld) {
     }
   }
   DualRecycled const adv(dual_recycled_presets()[0].parameters);
-  ControlledResponse const held(adv, 1);
+  HeldResponse const held(adv, 1);
   Injection const arm = adv.injection(InjectionPoint::arm);
   EXPECT_GT(strain(adv, arm, 1).both() * 2999.8, 10 * std::abs(held.to_amplitude(arm) / held.to_freedom(Freedom::darm)))
       << "control: nothing held";

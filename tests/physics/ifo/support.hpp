@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cmath>
+#include <utility>
 
 #include "base/every_module.hpp"
 #include "ifo/cavity.hpp"
+#include "ifo/control_loops.hpp"
 #include "ifo/dual_recycled.hpp"
 
 namespace straytrace {
@@ -33,5 +35,30 @@ inline Strain strain(DualRecycled const& d, Injection const& i, double hz) {
   return {r.to_phase(i) / darm, r.to_amplitude(i) / darm};
 }
 inline Strain strain(DualRecycled const& d, InjectionPoint e, double hz) { return strain(d, d.injection(e), hz); }
+
+// The read-out of DARM, by default with CARM, MICH, PRCL and SRCL held.
+class HeldResponse {
+ public:
+  explicit HeldResponse(DualRecycled const& d, double hz, NetworkModel model)
+      : d_(d), model_(std::move(model)), response_(model_, d.field(), hz) {}
+  HeldResponse(DualRecycled const& d, double hz) : HeldResponse(d, hz, d.model("")) {}
+  HeldResponse(HeldResponse const&) = delete;
+  StrainResponse const& strain() const { return response_; }
+  Phasor to_freedom(Freedom f) const {
+    return response_.to([&](LinearResponse const& r) { return d_.to_freedom(r, f); });
+  }
+  Phasor to_phase(Injection const& i) const {
+    return response_.to([&](LinearResponse const& r) { return r.to_phase(i); });
+  }
+  Phasor to_amplitude(Injection const& i) const {
+    return response_.to([&](LinearResponse const& r) { return r.to_amplitude(i); });
+  }
+  StrayResponse to_stray(StrayWay const& way) const { return response_.to_stray(way); }
+
+ private:
+  DualRecycled const& d_;
+  NetworkModel model_;
+  StrainResponse response_;
+};
 
 }  // namespace straytrace

@@ -16,7 +16,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 std::string const cavity = source_folder + "/examples/ifo_cavity.yaml",
-                  dual = source_folder + "/examples/ifo_dual.yaml", loops = source_folder + "/examples/ifo_loops.yaml";
+                  dual = source_folder + "/examples/ifo_dual.yaml", loops = source_folder + "/examples/ifo_loops.yaml",
+                  places = source_folder + "/examples/ifo_places.yaml";
 
 json answer(Words words) {
   words.insert(words.begin(), "ifo");
@@ -52,6 +53,28 @@ TEST(IfoCommand, ErrorsScansAndResponses) {
   EXPECT_LT(transfer[0]["im"].get<double>() * transfer[0]["re"].get<double>(), 0) << "exp(+iwt): it lags";
   json const sensing = answer({dual, "--show", "sensing", "--at", "10 Hz"})["sensing_10Hz"];
   EXPECT_NEAR(sensing[3]["DARM"].get<double>() / std::hypot(3.2658980e9, 1.5161194e10), 1, 1e-4);  // case T15, 42 kg
+}
+
+// Cases T21 and T23: one row per entrance and read-out; the gain of eq. N.19; curves of one entrance.
+TEST(IfoCommand, StrayLight) {
+  json const rows = answer({places, "--show", "stray"})["stray_10Hz"];
+  auto const row = [&](std::string const& entrance, std::string const& readout) {
+    for (json const& r : rows)
+      if (r["entrance"] == entrance && r["readout"] == readout) return r;
+    return json();
+  };
+  double const arm = row("arm", "h")["gain"], baffle = row("baffle", "h")["gain"], end = row("end-mirror", "h")["gain"];
+  EXPECT_NEAR(arm - baffle, 0.25, 1e-2);
+  EXPECT_NEAR(arm - end, 0.5, 1e-2) << "control: another recoil";
+  EXPECT_EQ(row("baffle", "AS")["unit"], "W");
+  EXPECT_TRUE(row("window", "AS")["gain"].is_null());
+  json const curve =
+      answer({places, "--show", "stray", "window", "h", "--band", "100 Hz, 1 kHz", "--points", "2"})["stray"];
+  EXPECT_NEAR(curve[1]["phase"].get<double>() / curve[0]["phase"].get<double>(), 1, 0.02);
+  json const all = answer({cavity, "--show", "stray", "all", "--at", "1 Hz"})["stray_1Hz"];
+  EXPECT_GT(all.size(), 10u);
+  json const beam = answer({cavity, "--show", "stray", "ITM.back.in"})["stray_10Hz"];
+  EXPECT_EQ(beam[0]["relative_to"], "ITM.back.out");
 }
 
 TEST(IfoCommand, PrintedNetworkIsAScene) {
@@ -131,6 +154,10 @@ TEST(IfoCommand, WrongInput) {
            {{cavity, "--show", "scan", "LENGTH", "0", "1nm", "LENGTH", "0", "1nm"},
             "both axes of the scan are 'LENGTH'",
             "two parameters"},
+           {{places, "--show", "stray", "bafle"}, "no entrance or beam 'bafle'", "did you mean 'baffle'?"},
+           {{places, "--show", "stray", "window", "BS"}, "no read-out 'BS'", "AS"},
+           {{places, "--show", "stray", "all", "h"}, "too much for one curve", "name one entrance"},
+           {{cavity, "--show", "stray"}, "names no entrances", "--show stray all"},
            {{cavity, "--show", "network", "--csv"}, "--show network prints a scene", "remove --csv"},
            {{folder / "closed.yaml"}, "closed forms have no network", "'preset: none'"},
            {{folder / "none.yaml"}, "no 'interferometer'", "preset: adv"}}) {

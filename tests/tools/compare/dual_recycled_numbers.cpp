@@ -73,7 +73,7 @@ void print_gains() {
       DualRecycled const d(p);
       for (int i = 0; i <= 80; ++i) {
         double const hz = std::pow(10, i / 40.0);
-        ControlledResponse const r(d, hz);
+        HeldResponse const r(d, hz);
         double const h = std::abs(r.to_amplitude(d.injection(InjectionPoint::arm)) / r.to_freedom(Freedom::darm));
         fmt::print("{} {} {:.6g} {:.6g}\n", preset.name, tuning, hz,
                    h * speed_of_light * p.mirror_mass * std::pow(2 * pi * hz, 2) / (8 * d.arm_power()));

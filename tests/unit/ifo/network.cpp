@@ -215,7 +215,7 @@ TEST(NetworkOfPreset, Problems) {
   EXPECT_THAT(said("components: {a: {lens: {focal_length: 1 m}}}, spaces: [{from: laser, to: a.in, length: 0 m}]"),
               AllOf(HasSubstr("no light reaches arm x"), HasSubstr("add a space to 'PRM.front'")));
   EXPECT_THAT(detector("preset: none, network: {components: {laser: {laser: {power: 1 W}}}}").problems,
-              HasSubstr("does not say where light of the ports enters"));
+              HasSubstr("does not say how light of the ports becomes strain"));
   EXPECT_THAT(detector("preset: none", {}, 1064e-9, {}).problems, HasSubstr("'preset: none' needs a 'network'"));
 }
 

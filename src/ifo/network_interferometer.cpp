@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ifo/network_interferometer.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "ifo/control_loops.hpp"
+#include "ifo/layout/read_network.hpp"
+
+namespace straytrace::ifo {
+
+NetworkInterferometer::NetworkInterferometer(NetworkModel model, std::string readout, std::vector<PortEntry> ports,
+                                             Band const& band)
+    : model_(std::move(model)),
+      readout_(std::move(readout)),
+      field_(model_.network),
+      ports_(std::move(ports)),
+      band_(band) {}
+
+std::vector<StrayResponse> const& NetworkInterferometer::answer(double hz) const {
+  std::scoped_lock const lock(mutex_);
+  if (auto const found = answers_.find(hz); found != answers_.end()) return found->second;
+  StrainResponse const strain(model_, field_, hz);
+  if (!(std::abs(strain.calibration()) > 0))
+    throw NumericalError(
+        fmt::format("the read-out '{}' has no response to '{}'", readout_, model_.strain->freedom.name));
+  std::vector<StrayResponse> all;
+  for (PortEntry const& e : ports_)
+    all.push_back(e.way ? strain.to_stray(*e.way) * (e.field_share / strain.calibration()) : StrayResponse{});
+  return answers_.emplace(hz, std::move(all)).first->second;
+}
+
+std::complex<double> NetworkInterferometer::strain_per_phase(PortId port, double hz) const {
+  return answer(hz).at(port.value).phase();
+}
+std::complex<double> NetworkInterferometer::strain_per_amplitude(PortId port, double hz) const {
+  return answer(hz).at(port.value).amplitude();
+}
+
+std::string NetworkInterferometer::description() const {
+  StrainScale const& s = *model_.strain;
+  return fmt::format(
+             "network of the scene, plane waves with radiation pressure: read-out '{}' calibrated as '{}' over {:g} m, "
+             "no length held; lambda {:g} nm",
+             readout_, s.freedom.name, s.length, model_.network.wavelength() * 1e9) +
+         describe(ports_, *this, band_);
+}
+
+namespace {
+
+template <class Named>
+Named const* find_named(Node const& node, std::string const& name, std::vector<Named> const& all, char const* what,
+                        char const* key) {
+  auto const hit = std::ranges::find(all, name, &Named::name);
+  if (hit != all.end()) return &*hit;
+  std::vector<std::string> names;
+  for (Named const& n : all) names.push_back(n.name);
+  node.problem(fmt::format("the network has no {} '{}'", what, name),
+               did_you_mean(name, names, fmt::format("add it to '{}' of the network", key)));
+  return nullptr;
+}
+
+struct Stated {
+  std::string readout;
+  StrainScale scale;
+};
+
+std::optional<Stated> read_strain(Node const& interferometer, NetworkModel const& model) {
+  Node const node = interferometer.table("strain");
+  if (!node) return {};
+  std::string const readout = node.word("readout"), freedom = node.word("freedom", "DARM");
+  double const length = node.number("arm_length", dim::length, required, 1e-6, 1e12);
+  node.refuse_unknown("the strain of a network");
+  if (!interferometer.healthy()) return {};
+  NamedReadout const* const r = find_named(node["readout"], readout, model.readouts, "read-out", "readouts");
+  NamedFreedom const* const f = find_named(node.has("freedom") ? node["freedom"] : node, freedom, model.freedoms,
+                                           "degree of freedom", "freedoms");
+  if (!r || !f) return {};
+  return Stated{readout, {r->readout, *f, length}};
+}
+
+// What a port of a network without a preset needs.
+void refuse_ports_without_beams(Node const& table, std::vector<PortEntry> const& entries) {
+  for (PortEntry const& e : entries)
+    if (e.at.empty() && !has_response_files(table, e.name))
+      place_of_entrance(table, e.name)
+          .problem(fmt::format("the network does not say where light of port '{}' joins", e.name),
+                   fmt::format("name the beam that it joins: 'ports: {{{}: {{at: ITM.front.in}}}}'", e.name));
+}
+
+// A stray field is relative to the light that is scattered: without any, the solution is rounding.
+void refuse_dark_places(Node const& table, NetworkInterferometer const& ifo, std::vector<PortEntry> const& entries) {
+  double most = 0;
+  for (std::uint32_t p = 0; p < ifo.network()->network.ports(); ++p) most = std::fmax(most, ifo.field().power_out(p));
+  for (PortEntry const& e : entries)
+    if (e.way && !(lighting_power(*e.way, ifo.field()) > 1e-24 * most))
+      place_of_entrance(table, e.name)
+          .problem(fmt::format("no light comes from '{}', so a relative stray field is not defined",
+                               beam_name(ifo.network()->network, e.way->lit.beam)),
+                   "name the beam whose light is scattered by 'lit_by'");
+}
+
+}  // namespace
+
+std::unique_ptr<Interferometer> read_network_interferometer(Node const& table, std::vector<TracedPort> const& ports,
+                                                            double wavelength, Band const& band) {
+  std::optional<NetworkModel> model = read_bare_network(table, wavelength);
+  if (!table.has("strain")) {
+    if (!ports.empty())
+      table["preset"].problem("a network without a preset does not say how light of the ports becomes strain",
+                              "add 'strain: {readout: AS, freedom: DARM, arm_length: 3 km}' with names of the network, "
+                              "and to 'ports' the beam that each joins: '{at: ITM.front.in}'; or start from a preset");
+    return nullptr;
+  }
+  std::vector<PortEntry> entries = read_port_entries(table, ports, 1);
+  refuse_ports_without_beams(table, entries);
+  if (!model || !table.healthy()) return nullptr;
+  auto const strain = read_strain(table, *model);
+  resolve_beams(table, model->network, 1, entries);
+  if (!strain || !table.healthy()) return nullptr;
+  model->strain = strain->scale;
+  add_entrances(entries, *model);
+  auto ifo = std::make_unique<NetworkInterferometer>(*std::move(model), strain->readout, entries, band);
+  refuse_dark_places(table, *ifo, entries);
+  return table.healthy() ? std::move(ifo) : nullptr;
+}
+
+}  // namespace straytrace::ifo
