@@ -81,10 +81,17 @@ struct NoiseBands {
   bool made() const { return !speckle_50.empty(); }
 };
 
+// Known phase of the stray field of every route that this body moves, against the main field, rad.
+struct StaticPhase {
+  std::string body;
+  double phase = 0;
+};
+
 struct NoiseSettings {
   FrequencyGrid grid;
-  double margin = 0.1;               // of the design curve (docs/theory/sensitivity.md)
-  std::vector<std::string> compare;  // design curves by name or file
+  std::vector<StaticPhase> static_phases{};  // all others are random
+  double margin = 0.1;                       // of the design curve (docs/theory/sensitivity.md)
+  std::vector<std::string> compare;          // design curves by name or file
 };
 
 struct NoiseBudget {

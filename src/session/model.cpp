@@ -62,6 +62,12 @@ void read_noise(ProjectionModel& model, Scene const& scene) {
   model.noise = read_noise_settings(table);
   model.design = read_design_curves(table, model.noise);
   if (table) table.refuse_unknown("'noise'");
+  for (StaticPhase const& phase : model.noise.static_phases)
+    if (!model.motion.bodies.empty() && std::ranges::find(model.motion.bodies, phase.body) == model.motion.bodies.end())
+      table["static_phase"][phase.body].problem(
+          fmt::format("there is no body '{}'", phase.body),
+          did_you_mean(phase.body, model.motion.bodies,
+                       fmt::format("it is one of: {}", fmt::join(model.motion.bodies, ", "))));
 }
 
 Band band_of(ProjectionModel const& model) {
@@ -300,7 +306,7 @@ NoiseBudget ProjectionModel::project(CouplingTable const& coupling) const {
 NoiseBudget ProjectionModel::project_with_bands(CouplingTable const& coupling) const {
   NoiseBudget budget = project(coupling);
   add_input_band(budget, coupling, motion, *detector, noise, traced.materials);
-  add_speckle_band(budget, coupling, motion, *detector);
+  if (noise.static_phases.empty()) add_speckle_band(budget, coupling, motion, *detector);
   return budget;
 }
 
@@ -309,6 +315,11 @@ std::vector<std::string> ProjectionModel::assumptions() const {
   if (detector) {
     lines.push_back("frozen geometry: paths do not move while the surfaces shake (docs/theory/phase.md, eq. 2.6)");
     lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
+    for (StaticPhase const& s : noise.static_phases)
+      lines.push_back(
+          fmt::format("static phase of routes that '{}' moves: {:g} deg, as of one point-like scatterer each; "
+                      "no speckle band",
+                      s.body, s.phase * 180 / pi));
   }
   lines.insert(lines.end(), traced.limits.begin(), traced.limits.end());
   return lines;

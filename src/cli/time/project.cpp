@@ -17,6 +17,7 @@
 #include "cli/data_options.hpp"
 #include "cli/options.hpp"
 #include "cli/time/time_options.hpp"
+#include "noise/project/static_phase.hpp"
 #include "noise/time_domain/realisations.hpp"
 #include "results/results.hpp"
 #include "session/backend.hpp"
@@ -50,7 +51,8 @@ constexpr std::size_t usual_paths = 2048;
 TimeDomainSettings settings_of(ProjectOptions const& o, TimeInputs const& in) {
   TimeDomainSettings s;
   std::size_t const each = std::max<std::size_t>(16, usual_paths / in.routes.size());
-  s.paths = {in.routes, o.per_route ? o.per_route : each, o.time.seed, 0};
+  s.paths = {in.routes, o.per_route ? o.per_route : each, o.time.seed, 0,
+             known_phases(in.coupling(), in.model.motion, in.model.noise.static_phases, *in.model.detector)};
   s.start = in.start;
   s.duration = in.duration;
   s.rate = o.time.rate;

@@ -147,7 +147,7 @@ CurveSheet curves_of(TimeInputs const& in, Answers const& a, Kind const& kind) {
 
 void write_channels(SensorOptions const& o, TimeInputs const& in) {
   TimeDomainSettings s;
-  s.paths = {in.routes, o.per_route, o.time.seed, 0};
+  s.paths = {in.routes, o.per_route, o.time.seed, 0, {}};
   s.start = in.start;
   s.duration = in.duration;
   s.rate = o.time.rate;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <complex>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -14,6 +16,7 @@
 #include "noise/interpolate/spectrum_interpolator.hpp"
 #include "noise/noise.hpp"
 #include "noise/project/route_noise.hpp"
+#include "noise/project/static_phase.hpp"
 #include "noise/time_domain/motion_series.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
 
@@ -24,15 +27,33 @@ namespace {
 // from its value at the centre by 5e-4.
 struct Response {
   Bins phase, amplitude;
-  double both(std::size_t i) const { return phase[i] + amplitude[i]; }
+  Bins relation;  // 2 Re(T_ph T_am*), from the cross spectrum of Re s and Im s
+  Bins cross{};   // that, weighed; empty with random static phases
+  double both(std::size_t i) const { return phase[i] + amplitude[i] + (cross.empty() ? 0 : cross[i]); }
 };
+
+// Eq. N.26: with S the mean over static phases, Im s has S (1 - cos 2 phi_0 q), Re s S (1 + cos 2 phi_0 q), and their
+// cross spectrum is S sin 2 phi_0 q, q = S'/S.
+Response with_static_phase(Response const& mean, Bins const& ratio, double phase) {
+  Response t = mean;
+  t.cross.resize(ratio.size());
+  for (std::size_t i = 0; i < ratio.size(); ++i) {
+    t.phase[i] *= 1 - std::cos(2 * phase) * ratio[i];
+    t.amplitude[i] *= 1 + std::cos(2 * phase) * ratio[i];
+    t.cross[i] = std::sin(2 * phase) * ratio[i] * t.relation[i];
+  }
+  return t;
+}
 
 std::vector<Response> responses(Interferometer const& ifo, std::size_t ports, FrequencyGrid const& grid) {
   std::vector<Response> out(ports);
   for (std::uint32_t p = 0; p < ports; ++p) {
     for (std::size_t i = 0; i < grid.size(); ++i) {
-      out[p].phase.push_back(std::norm(ifo.strain_per_phase(PortId{p}, grid.centre(i))));
-      out[p].amplitude.push_back(std::norm(ifo.strain_per_amplitude(PortId{p}, grid.centre(i))));
+      std::complex<double> const phase = ifo.strain_per_phase(PortId{p}, grid.centre(i)),
+                                 amplitude = ifo.strain_per_amplitude(PortId{p}, grid.centre(i));
+      out[p].phase.push_back(std::norm(phase));
+      out[p].amplitude.push_back(std::norm(amplitude));
+      out[p].relation.push_back(2 * std::real(phase * std::conj(amplitude)));
     }
   }
   return out;
@@ -40,8 +61,9 @@ std::vector<Response> responses(Interferometer const& ifo, std::size_t ports, Fr
 
 // PSDs of one curve, before roots are taken.
 struct PowerSum {
-  explicit PowerSum(std::size_t bins) : phase(bins), amplitude(bins), linear(bins), drawn(bins) {}
+  explicit PowerSum(std::size_t bins) : phase(bins), amplitude(bins), cross(bins), linear(bins), drawn(bins) {}
   Bins phase, amplitude;                      // 1/Hz
+  Bins cross;                                 // 1/Hz, of both quadratures together, where static phases are known
   Bins linear;                                // of both, first order in the motion of the bin
   Bins drawn;                                 // of both, variance [1/Hz^2] from spectra of drawn paths
   Bins guessed;                               // of both, variance [1/Hz^2] of hints; empty: there are none
@@ -49,10 +71,12 @@ struct PowerSum {
   double mean_square_phase = 0, power = 0;
   bool sampled = false, exact = false;  // whether it holds classes with a Monte-Carlo error, and without
 
+  double both(std::size_t i) const { return phase[i] + amplitude[i] + cross[i]; }
   void add(RouteSpectrum const& route, Response const& t, double factor, double coupling) {
     for (std::size_t i = 0; i < phase.size(); ++i) {
       phase[i] += factor * t.phase[i] * route.psd[i];
       amplitude[i] += factor * t.amplitude[i] * route.psd[i];
+      if (!t.cross.empty()) cross[i] += factor * t.cross[i] * route.psd[i];
       linear[i] += factor * t.both(i) * route.linear[i];
       if (!route.drawn.empty()) drawn[i] += std::pow(factor * t.both(i), 2) * route.drawn[i];
     }
@@ -73,8 +97,9 @@ struct PowerSum {
     for (std::size_t i = 0; i < phase.size(); ++i) {
       phase[i] += seen.phase[i];
       amplitude[i] += seen.amplitude[i];
+      cross[i] += seen.cross[i];
       linear[i] += seen.linear[i];
-      guessed[i] += std::pow(seen.phase[i] + seen.amplitude[i], 2);
+      guessed[i] += std::pow(seen.both(i), 2);
     }
   }
 };
@@ -106,7 +131,7 @@ NoiseTrace finished(std::string name, PowerSum const& sum) {
   t.name = std::move(name);
   t.mean_square_phase = sum.power > 0 ? sum.mean_square_phase / sum.power : 0;
   for (std::size_t i = 0; i < sum.phase.size(); ++i) {
-    double const psd = sum.phase[i] + sum.amplitude[i];
+    double const psd = sum.both(i);
     if (!std::isfinite(psd)) throw NumericalError(fmt::format("the noise of '{}' is not finite", t.name));
     t.asd.push_back(std::sqrt(psd));
     auto const of_asd = [&](double variance) { return std::sqrt(variance) / (psd > 0 ? 2 * t.asd.back() : 1); };
@@ -154,7 +179,7 @@ bool never_scored(CouplingClass const& c) {
 double largest_ratio(PowerSum const& unresolved, PowerSum const& total) {
   double ratio = 0;
   for (std::size_t i = 0; i < total.phase.size(); ++i) {
-    double const above = unresolved.phase[i] + unresolved.amplitude[i], below = total.phase[i] + total.amplitude[i];
+    double const above = unresolved.both(i), below = total.both(i);
     if (above > 0) ratio = std::max(ratio, above / below);
   }
   return ratio;
@@ -164,7 +189,7 @@ double largest_ratio(PowerSum const& unresolved, PowerSum const& total) {
 DrawnError drawn_error(PowerSum const& total) {
   DrawnError worst;
   for (std::size_t i = 0; i < total.phase.size(); ++i) {
-    double const psd = total.phase[i] + total.amplitude[i], share = std::sqrt(total.drawn[i]) / (2 * psd);
+    double const psd = total.both(i), share = std::sqrt(total.drawn[i]) / (2 * psd);
     if (psd > 0 && share > worst.share) worst = {share, i};
   }
   return worst;
@@ -215,6 +240,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   for (std::size_t i = 0; i < strengths.size(); ++i) strength.push_back(spectra.mean_square_phase(strengths.of(i)));
   SpectrumInterpolator const nodes(spectra, strengths);
   std::vector<Response> const response = responses(ifo, table.ports.size(), settings.grid);
+  std::vector<std::optional<double>> const phases = known_phases(table, motion, settings.static_phases, ifo);
 
   NoiseBudget budget;
   budget.grid = settings.grid;
@@ -228,19 +254,21 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
                                                            {spectra, motion, table, c, strengths, first});
     route.psd.resize(bins);
     route.linear.resize(bins);
+    Response const& random = response.at(c.port.value);
+    Response const t = phases[r] ? with_static_phase(random, phase_relation(spectra, motion, c), *phases[r]) : random;
     std::string const name = route_name(table, c), why_not = objection(table, c, route);
     PowerSum own(bins);
     double const factor = c.reverse * ifo.copies(c.port);
-    own.add(route, response.at(c.port.value), factor, c.coupling.mean);
+    own.add(route, t, factor, c.coupling.mean);
     if (why_not.empty())
-      total.add(route, response.at(c.port.value), factor, c.coupling.mean);
+      total.add(route, t, factor, c.coupling.mean);
     else if (!never_scored(c))
       doubtful.emplace_back(r, own);
     budget.routes.push_back(finished(name, why_not.empty() ? own : hint_of(own)));
     NoiseTrace& trace = budget.routes.back();
     if (c.mixes_routes()) trace.mean_square_phase = route.mean_square_phase_of_noise;
     Bins to_strain;
-    for (std::size_t i = 0; i < bins; ++i) to_strain.push_back(factor * response.at(c.port.value).both(i));
+    for (std::size_t i = 0; i < bins; ++i) to_strain.push_back(factor * t.both(i));
     add_draws(trace, draw_band(c, first, nodes), to_strain);
     trace.hash = c.hash;
     trace.resolved = why_not.empty();
@@ -320,6 +348,8 @@ NoiseSettings read_noise_settings(Node const& table) {
       else if (low < lowest_hz || high > highest_hz)
         band.problem("the band exceeds 1 nHz to 1 THz", "write '[3 Hz, 1 kHz]'");
     }
+    for (auto const& [body, phase] : table.table("static_phase").items())
+      if (body != "override") settings.static_phases.push_back({body, phase.as_number(dim::angle, -1e6, 1e6)});
     density = table.number("points_per_decade", dim::plain, density, 1, 1000);
     settings.margin = table.number("margin", dim::plain, settings.margin, 1e-6, 1e6);
     for (Node const& name : table.list("compare")) settings.compare.push_back(name.as_word());

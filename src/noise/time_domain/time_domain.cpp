@@ -211,7 +211,7 @@ std::vector<Pick> picked(CouplingClass const& c, std::size_t n, double offset) {
   double const weight =
       std::accumulate(c.records.begin(), c.records.end(), 0.0, [](double s, auto const& r) { return s + r.weight; });
   std::vector<Pick> picks;
-  bool const all = n == 0 || n >= c.records.size() || c.deterministic();
+  bool const all = n == 0 || n >= c.records.size() || (c.deterministic() && n != 1);
   double before = 0;
   for (std::size_t i = 0; i < c.records.size() && weight > 0; ++i) {
     double const share = c.records[i].weight / weight;
@@ -276,7 +276,8 @@ std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer co
   for (std::uint32_t const route : choice.routes) {
     CouplingClass const& c = table.classes.at(route);
     double const copies = ifo.copies(c.port), drawn = std::max(1.0, std::round(copies));
-    std::vector<Pick> const picks = picked(c, choice.per_route, draws.of_route(c.hash));
+    std::optional<double> const known = choice.phases.empty() ? std::nullopt : choice.phases.at(route);
+    std::vector<Pick> const picks = picked(c, known ? 1 : choice.per_route, draws.of_route(c.hash));
     for (std::uint32_t copy = 0; copy < std::uint32_t(drawn); ++copy) {
       std::uint32_t repeat = 0;  // of a record that represents several fields
       for (std::size_t p = 0; p < picks.size(); ++p) {
@@ -284,6 +285,11 @@ std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer co
         repeat = p > 0 && picks[p - 1].record == picks[p].record ? repeat + 1 : 0;
         StrayPath path{c.port, 0, 0, r.path_length, r.phase_sensitivities, route, std::uint32_t(picks[p].record)};
         path.amplitude = std::sqrt(c.reverse * c.coupling.mean * picks[p].share * copies / drawn);
+        if (known) {
+          path.turns = *known / (2 * pi);
+          paths.push_back(path);
+          continue;
+        }
         if (c.deterministic()) {
           add_computed(paths, c, path, copy, draws);
           continue;

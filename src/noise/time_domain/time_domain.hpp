@@ -6,6 +6,7 @@
 
 #include <complex>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,6 +34,9 @@ struct PathChoice {
   std::size_t per_route = 0;          // fields per route; 0: one for each record
   std::uint64_t seed = 1;
   std::uint32_t realisation = 0;
+  // By route, rad: such a route is one field of this static phase, one of its paths drawn by weight. Empty: none is
+  // known.
+  std::vector<std::optional<double>> phases{};
 };
 
 // Fields whose mean powers sum, route by route, to C_rev times the mean coupling times the copies of the port.
