@@ -20,6 +20,7 @@
 #include "session/interrupt.hpp"
 #include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
+#include "session/light/network_beams.hpp"
 #include "session/session.hpp"
 
 namespace straytrace::cli {
@@ -44,7 +45,7 @@ Model read_for_ghosts(SceneOptions const& options) {
   Scene scene = read_scene(options.input, options.overrides);
   if (scene.root().has("interferometer")) return read_model(options.input, options.overrides);
   Model model;
-  model.world = build_world(scene);
+  model.world = build_lit_world(scene);
   scene.throw_if_problems();
   model.scene = std::move(scene);
   return model;

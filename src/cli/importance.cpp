@@ -17,6 +17,7 @@
 #include "results/text/columns.hpp"
 #include "session/diagnostics.hpp"
 #include "session/importance_map.hpp"
+#include "session/light/network_beams.hpp"
 #include "session/open_run.hpp"
 
 namespace straytrace::cli {
@@ -53,7 +54,7 @@ std::vector<ImportanceRow> find_rows(ImportanceOptions const& options) {
     if (!kept && !options.quiet) std::cerr << "the run stores no importance map: computed from its scene\n";
   }
   Scene const scene = file ? scene_of(*file, options.overrides) : read_scene(options.input, options.overrides);
-  World world = build_world(scene);
+  World world = build_lit_world(scene);
   scene.throw_if_problems();
   if (!file) print_warnings(scene, options);
   world.limits.targets = true;

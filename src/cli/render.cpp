@@ -23,6 +23,7 @@
 #include "results/text/image.hpp"
 #include "session/importance_map.hpp"
 #include "session/light/cavity_waves.hpp"
+#include "session/light/network_beams.hpp"
 #include "session/open_run.hpp"
 #include "trace/importance/importance.hpp"
 #include "world/model/world.hpp"
@@ -275,7 +276,7 @@ int render(RenderOptions const& w) {
     return done;
   }
   Scene const scene = file ? scene_of(*file, w.overrides) : read_scene(w.input, w.overrides);
-  World world = build_world(scene);
+  World world = build_lit_world(scene);
   scene.throw_if_problems();
   if (w.mode == "importance" && !w.flash) {
     choose_view(world, w);

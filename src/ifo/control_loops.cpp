@@ -28,7 +28,7 @@ double largest_power(Network const& network, SteadyField const& field) {
 
 }  // namespace
 
-Eigen::MatrixXcd StrainResponse::responses(std::vector<LinearResponse> const& readouts,
+Eigen::MatrixXcd CalibratedStrain::responses(std::vector<LinearResponse> const& readouts,
                                            std::vector<ControlledLength> const& controlled) const {
   auto const size = Eigen::Index(controlled.size());
   Eigen::MatrixXcd m(size, size);
@@ -40,7 +40,7 @@ Eigen::MatrixXcd StrainResponse::responses(std::vector<LinearResponse> const& re
 
 // Actuators move by u, the loops sense y = R u + T s, and u = -C y, where C = G/R_pp of a closed loop. A held length
 // has y = 0 with itself as sensor: the row R u = -T s without the term u.
-StrainResponse::StrainResponse(Network const& network, SteadyField const& field, StrainScale const& scale,
+CalibratedStrain::CalibratedStrain(Network const& network, SteadyField const& field, StrainScale const& scale,
                                std::vector<ControlledLength> const& controlled, double hz)
     : network_(network), field_(field), scale_(scale), hz_(hz), read_(network, field, scale.readout, hz) {
   using Kind = ControlLoop::Kind;
@@ -72,19 +72,19 @@ StrainResponse::StrainResponse(Network const& network, SteadyField const& field,
   per_metre_ = to([&](LinearResponse const& r) { return along(r, scale_.freedom); });
 }
 
-Phasor StrainResponse::to(Cause const& cause) const {
+Phasor CalibratedStrain::to(Cause const& cause) const {
   Phasor sum = cause(read_);
   for (std::size_t i = 0; i < sensors_.size(); ++i) sum -= weight_[Eigen::Index(i)] * cause(sensors_[i]);
   return sum;
 }
-StrayResponse StrainResponse::to_stray(StrayWay const& way) const {
+StrayResponse CalibratedStrain::to_stray(StrayWay const& way) const {
   auto const of = [&](LinearResponse const& r) { return stray_response(r, network_, field_, way, hz_); };
   StrayResponse sum = of(read_);
   for (std::size_t i = 0; i < sensors_.size(); ++i) sum = sum + of(sensors_[i]) * -weight_[Eigen::Index(i)];
   return sum;
 }
 
-StrainResponse::Parts StrainResponse::parts(Cause const& cause) const {
+CalibratedStrain::Parts CalibratedStrain::parts(Cause const& cause) const {
   auto const size = Eigen::Index(lengths_.size());
   Eigen::VectorXcd sensed(size), lengths(size);
   for (Eigen::Index i = 0; i < size; ++i) {
@@ -252,7 +252,7 @@ void check_control_loops(Node const& interferometer, NetworkModel const& model, 
 
 namespace {
 
-LoopRow row_of(NetworkModel const& model, SteadyField const& field, StrainResponse const& r, std::size_t i, double hz,
+LoopRow row_of(NetworkModel const& model, SteadyField const& field, CalibratedStrain const& r, std::size_t i, double hz,
                Band const& band) {
   ControlledLength const& c = model.controlled[i];
   LoopRow row{.length = c.freedom.name};
@@ -269,7 +269,7 @@ LoopRow row_of(NetworkModel const& model, SteadyField const& field, StrainRespon
   return row;
 }
 
-StrayByLoop by_loop(NetworkModel const& model, SteadyField const& field, StrainResponse const& r, NamedWay const& w,
+StrayByLoop by_loop(NetworkModel const& model, SteadyField const& field, CalibratedStrain const& r, NamedWay const& w,
                     double hz, bool phase) {
   auto const parts = r.parts([&](LinearResponse const& x) {
     StrayResponse const s = stray_response(x, model.network, field, w.way, hz);
@@ -290,7 +290,7 @@ StrayByLoop by_loop(NetworkModel const& model, SteadyField const& field, StrainR
 
 LoopTable loop_table(NetworkModel const& model, double hz, Band const& band) {
   SteadyField const field(model.network);
-  StrainResponse const r(model, field, hz);
+  CalibratedStrain const r(model, field, hz);
   LoopTable table{.hz = hz};
   for (std::size_t i = 0; i < model.controlled.size(); ++i) {
     table.loops.push_back(row_of(model, field, r, i, hz, band));

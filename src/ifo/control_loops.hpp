@@ -29,12 +29,12 @@ bool sees(Network const&, SteadyField const&, Readout const&, NamedFreedom const
 
 // The read-out of strain with all loops acting. Without loops, common radiation pressure on both arms of a detector
 // would dominate it below 10 Hz, through the dark-fringe offset: lengths are held by default.
-class StrainResponse {
+class CalibratedStrain {
  public:
-  StrainResponse(Network const&, SteadyField const&, StrainScale const&, std::vector<ControlledLength> const&,
+  CalibratedStrain(Network const&, SteadyField const&, StrainScale const&, std::vector<ControlledLength> const&,
                  double hz);
-  StrainResponse(NetworkModel const& model, SteadyField const& field, double hz)  // of a model with `strain`
-      : StrainResponse(model.network, field, *model.strain, model.controlled, hz) {}
+  CalibratedStrain(NetworkModel const& model, SteadyField const& field, double hz)  // of a model with `strain`
+      : CalibratedStrain(model.network, field, *model.strain, model.controlled, hz) {}
 
   using Cause = std::function<Phasor(LinearResponse const&)>;  // response of any read-out to it
   Phasor to(Cause const&) const;                               // unit of the read-out

@@ -360,7 +360,7 @@ std::unique_ptr<DualRecycled> changed(Node const& network, P const& p, std::vect
 }  // namespace
 
 RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
-  StrainResponse const r(asked_, model_->field(), hz);
+  CalibratedStrain const r(asked_, model_->field(), hz);
   std::complex<double> const darm = r.calibration();
   if (!(std::abs(darm) > 0)) throw NumericalError("the read-out of the interferometer has no response to DARM");
   Answer a;
@@ -442,11 +442,11 @@ std::string RecycledInterferometer::description() const {
          (model_->changed() ? ", network changed by the scene" : "") + describe(ports_, *this, band_);
 }
 
-std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, DualRecycledPreset const& preset,
-                                                             std::vector<TracedPort> const& ports, double wavelength,
-                                                             Band const& band) {
+namespace {
+
+// Numbers of a preset with those of the table in their place.
+P read_numbers(Node const& table, DualRecycledPreset const& preset, double wavelength) {
   P p = preset.parameters;
-  table.has("network");  // known, though only read where the preset can be solved
   if (std::isnan(wavelength)) wavelength = p.wavelength;
   for (Key<P> const& k : recycled_keys) p.*(k.member) = table.number(k.name, k.dimension, p.*(k.member), k.low, k.high);
   read_power(table, p);
@@ -456,12 +456,6 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
                   fmt::format("give the beams 'wavelength: {:g} nm'; the interferometer now takes that of the beams",
                               p.wavelength * 1e9));
   p.wavelength = wavelength;
-  RecycledInterferometer::Servos servos;
-  if (Node const loop = table["frequency_servo"]) servos.frequency = read_transfer_function(loop, band);
-  if (Node const loop = table["intensity_servo"]) servos.intensity = read_transfer_function(loop, band);
-  std::vector<Modulation> const modulators = read_modulators(table);
-  auto const arms = double(table.whole("arms", 2, 1, 1000));
-  std::vector<PortEntry> entries = read_port_entries(table, ports, arms);
   if (p.transmission_difference != 0 || p.loss_difference != 0) {
     double const largest = p.input_transmission * (1 + std::fabs(p.transmission_difference) / 2);
     if (!(largest < 1) || !(std::fabs(p.loss_difference) / 2 <= p.round_trip_loss))
@@ -469,30 +463,71 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
                     "make them smaller");
   }
   refuse_keys_at_odds(table, p);
+  return p;
+}
+
+struct SolvedPreset {
+  std::unique_ptr<DualRecycled> detector{};
+  NetworkModel asked{};
+};
+
+// With the changes and questions of the table; nothing with a problem.
+std::optional<SolvedPreset> solve_preset(Node const& table, std::string_view name, P const& p,
+                                         std::vector<Modulation> const& modulators) {
+  SolvedPreset solved{std::make_unique<DualRecycled>(p, modulators)};
+  Node const network = table.table("network");
+  if (network) {
+    NetworkChanges const changes = read_changes_of_preset(network, *solved.detector);
+    if (!changes.empty() && table.healthy()) solved.detector = changed(network, p, modulators, changes);
+    if (!table.healthy()) return {};
+  }
+  solved.asked = solved.detector->model(std::string(name));
+  if (network) {
+    read_network_questions(network, solved.asked);
+    network.refuse_unknown("a network");
+    if (!table.healthy()) return {};
+  }
+  return solved;
+}
+
+}  // namespace
+
+std::optional<NetworkModel> read_preset_network(Node const& table, DualRecycledPreset const& preset,
+                                                double wavelength) {
+  P const p = read_numbers(table, preset, wavelength);
+  std::vector<Modulation> const modulators = read_modulators(table);
+  if (!table.healthy()) return {};
+  auto solved = solve_preset(table, preset.name, p, modulators);
+  return solved ? std::optional(std::move(solved->asked)) : std::nullopt;
+}
+
+std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, DualRecycledPreset const& preset,
+                                                             std::vector<TracedPort> const& ports, double wavelength,
+                                                             Band const& band) {
+  table.has("network");  // known, though only read where the preset can be solved
+  P const p = read_numbers(table, preset, wavelength);
+  RecycledInterferometer::Servos servos;
+  if (Node const loop = table["frequency_servo"]) servos.frequency = read_transfer_function(loop, band);
+  if (Node const loop = table["intensity_servo"]) servos.intensity = read_transfer_function(loop, band);
+  std::vector<Modulation> const modulators = read_modulators(table);
+  auto const arms = double(table.whole("arms", 2, 1, 1000));
+  std::vector<PortEntry> entries = read_port_entries(table, ports, arms);
   warn_of_idle_servos(table, entries);
   if (!table.healthy()) return nullptr;
-  auto model = std::make_unique<DualRecycled>(p, modulators);
-  std::optional<NetworkModel> asked;
-  if (Node const network = table.table("network")) {
-    NetworkChanges const changes = read_changes_of_preset(network, *model);
-    if (!changes.empty() && table.healthy()) model = changed(network, p, modulators, changes);
-    if (!table.healthy()) return nullptr;
-    asked = model->model(std::string(preset.name));
-    read_network_questions(network, *asked);
-    network.refuse_unknown("a network");
-    if (!table.healthy()) return nullptr;
-  }
-  resolve_beams(table, model->network(), arms, entries);
+  auto solved = solve_preset(table, preset.name, p, modulators);
+  if (!solved) return nullptr;
+  DualRecycled const& model = *solved->detector;
+  resolve_beams(table, model.network(), arms, entries);
   if (!table.healthy()) return nullptr;
-  if (!asked) asked = model->model(std::string(preset.name));
-  add_entrances(entries, *asked);
-  std::string const readout = read_by(table, *asked, *model);
-  refuse_a_blind_readout(table, *model, band);
-  read_control_loops(table, *asked, band);
-  if (table.healthy()) check_control_loops(table, *asked, model->field(), band);
-  warn_of_other_arms(table, ports, entries, model->arm_power(), p.arm_length);
-  auto ifo = std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), entries, servos, band,
-                                                      std::move(asked), readout);
+  NetworkModel& asked = solved->asked;
+  add_entrances(entries, asked);
+  std::string const readout = read_by(table, asked, *solved->detector);
+  refuse_a_blind_readout(table, model, band);
+  read_control_loops(table, asked, band);
+  if (table.healthy()) check_control_loops(table, asked, model.field(), band);
+  warn_of_other_arms(table, ports, entries, model.arm_power(), p.arm_length);
+  auto ifo = std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(solved->detector), entries,
+                                                      servos, band, std::move(asked), readout);
   refuse_ports_without_response(table, *ifo, entries, band);
   return ifo;
 }

@@ -197,6 +197,8 @@ class RecycledInterferometer final : public Interferometer {
   mutable std::map<double, Answer> answers_;  // by frequency: one solution serves every port
 };
 
+// The network of a preset alone: nothing of ports, loops and responses is read.
+std::optional<NetworkModel> read_preset_network(Node const& table, DualRecycledPreset const&, double wavelength);
 std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, DualRecycledPreset const&,
                                                              std::vector<TracedPort> const& ports, double wavelength,
                                                              Band const&);

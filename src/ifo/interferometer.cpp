@@ -3,6 +3,7 @@
 
 #include "ifo/dual_recycled.hpp"
 #include "ifo/fabry_perot_michelson.hpp"
+#include "ifo/layout/read_network.hpp"
 #include "ifo/network_interferometer.hpp"
 
 namespace straytrace::ifo {
@@ -46,6 +47,14 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
   ifo = with_responses(std::move(ifo), table, ports, band);
   table.refuse_unknown("interferometer '" + name + "'");
   return ifo;
+}
+
+std::optional<NetworkModel> read_network_alone(Node const& table, double wavelength) {
+  std::string const name = table["preset"].text();
+  if (name == no_preset) return read_bare_network(table, wavelength);
+  std::vector<DualRecycledPreset> const networks = network_presets();
+  auto const preset = std::ranges::find_if(networks, [&](auto const& p) { return p.name == name; });
+  return preset == networks.end() ? std::nullopt : read_preset_network(table, *preset, wavelength);
 }
 
 // Detectors of docs/theory/sensitivity.md; sources and marks in docs/reference/interferometer.md. Where budgets of the

@@ -23,7 +23,7 @@ NetworkInterferometer::NetworkInterferometer(NetworkModel model, std::string rea
 std::vector<StrayResponse> const& NetworkInterferometer::answer(double hz) const {
   std::scoped_lock const lock(mutex_);
   if (auto const found = answers_.find(hz); found != answers_.end()) return found->second;
-  StrainResponse const strain(model_, field_, hz);
+  CalibratedStrain const strain(model_, field_, hz);
   if (!(std::abs(strain.calibration()) > 0))
     throw NumericalError(
         fmt::format("the read-out '{}' has no response to '{}'", readout_, model_.strain->freedom.name));

@@ -120,7 +120,7 @@ std::vector<StrayRow> stray_rows(NetworkModel const& model, std::vector<NamedWay
   for (double const f : hz) {
     std::vector<LinearResponse> reads;
     for (NamedReadout const& r : model.readouts) reads.emplace_back(model.network, field, r.readout, f);
-    std::optional<StrainResponse> strain;
+    std::optional<CalibratedStrain> strain;
     if (model.strain) strain.emplace(model, field, f);
     for (NamedWay const& w : ways) {
       StrayRow row;

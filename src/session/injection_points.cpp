@@ -100,7 +100,8 @@ void refuse_input_mirrors(Scene const& scene, World const& world) {
                     launch.passes),
         fmt::format(
             "write 'lit: {{except: [{}]}}', or name what stands behind the end mirror by 'only'; light the "
-            "splitter side, in a scene of its own, by a beam 'from' behind '{}', with 'at: short-arm' for its port",
+            "splitter side, in a scene of its own, by a beam 'from' behind '{}' with 'network: ITMx.front.out', and "
+            "'at: short-arm' for its port",
             fmt::join(lit, ", "), launch.name));
   }
 }
@@ -112,8 +113,8 @@ void warn_of_ghosts_left_out(Scene const& scene, World const& world) {
     if (!launch.through_input_mirror() || grow_tree(world, launch, {0, 0, 1}, nobody).spots < 2) continue;
     scene.root()["ghosts"].warning(
         fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name),
-        fmt::format("for these write a scene of the splitter side: a beam 'from' behind '{}', with 'at: short-arm' for "
-                    "its port",
+        fmt::format("for these write a scene of the splitter side: a beam 'from' behind '{}' with 'network: "
+                    "ITMx.front.out', and 'at: short-arm' for its port",
                     launch.name));
   }
 }

@@ -21,6 +21,7 @@
 #include "session/light/cavity_waves.hpp"
 #include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
+#include "session/light/network_beams.hpp"
 #include "session/report_page.hpp"
 #include "wave/arm/arm_cavity.hpp"
 #include "world/model/material.hpp"
@@ -182,7 +183,7 @@ void complete_inputs(Model& model) {
 Model read_model(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts) {
   Model model;
   model.scene = read_scene(file, overrides, texts);
-  model.world = build_world(model.scene);
+  model.world = build_lit_world(model.scene);
   model.traced = bodies_and_ports(model.scene, model.world);
   model.motion = read_bodies(model.scene.table("bodies"), model.traced, false);
   plan_waves(model);
@@ -198,7 +199,10 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
         "input_transmission: 1.4 %}', or count watts on 'receivers'");
   else if (!without && !noiseless)
     model.detector = read_detector(model, model.scene.table("interferometer"));
-  if (model.detector) refuse_input_mirrors(model.scene, model.world);
+  if (model.detector) {
+    refuse_input_mirrors(model.scene, model.world);
+    check_network_beams(model.scene, model.world, *model.detector);
+  }
   if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
     model.scene.table("bodies").warning("no body moves, so there is no noise", "give a body a 'motion'");
   read_orders(model);

@@ -18,4 +18,7 @@ void read_network_questions(Node const& network, NetworkModel& model);
 // A network without a preset. `wavelength`: of the beams of the scene, m; not a number: there are none.
 std::optional<NetworkModel> read_bare_network(Node const& interferometer, double wavelength);
 
+// The network of any table `interferometer`, without what it says of ports. Nothing with a problem, or of closed forms.
+std::optional<NetworkModel> read_network_alone(Node const& interferometer, double wavelength);
+
 }  // namespace straytrace::ifo

@@ -28,7 +28,9 @@ void read_trace_limits(Scene const& scene, World& world) {
   world.limits.brute_force = t.choice("structure", structures, "axial") == "none";
 }
 
-World build_world(Scene const& scene) {
+World build_world(Scene const& scene) { return build_world(scene, {}); }
+
+World build_world(Scene const& scene, NetworkPowers const& powers) {
   World world;
   Registry names;
   world.notes = assumed_parameters(scene);
@@ -38,7 +40,7 @@ World build_world(Scene const& scene) {
   read_surfaces(scene, world, names);
   world.settle_pivots();
   read_receivers(scene, world, names);
-  read_beams(scene, world, names);
+  read_beams(scene, world, names, powers);
   read_edges(scene, world, names);
   read_wave(scene, world, names);
   read_trace_limits(scene, world);

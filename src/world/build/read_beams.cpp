@@ -28,9 +28,35 @@ void warn_of_closed_ends(Scene const& scene, World const& world) {
           "open a port at each mirror of the cavity");
 }
 
+constexpr double least_power = 1e-12;  // W
+
+// W; not a number with a problem, or where the interferometer has one.
+double read_power(Node const& beam, NetworkPowers const& network) {
+  if (!beam.has("network")) return beam.number("power", dim::power, required, least_power, 1e9);
+  std::string const name = beam.word("network");
+  if (beam.has("power"))
+    beam["power"].problem("'network' and 'power' are both given", "keep one of them: the network states the power");
+  if (network.faulty || name.empty()) return not_a_number;
+  auto const found = network.watts.find(name);
+  if (found != network.watts.end() && found->second >= least_power) return found->second;
+  if (found != network.watts.end()) {
+    beam["network"].problem(fmt::format("no light runs in the beam '{}' of the interferometer", name),
+                            "name another, or write 'power'");
+  } else if (network.watts.empty()) {
+    beam["network"].problem("the scene has no interferometer whose network is solved",
+                            "add 'interferometer: {preset: adv}' or another with a network, or write 'power'");
+  } else {
+    std::vector<std::string> known;
+    for (auto const& [beam_name, watts] : network.watts) known.push_back(beam_name);
+    beam["network"].problem(fmt::format("the interferometer has no beam '{}'", name),
+                            did_you_mean(name, known, "name a port of a component and the way of its light: BS.3.out"));
+  }
+  return not_a_number;
+}
+
 }  // namespace
 
-void read_beams(Scene const& scene, World& world, Registry const& names) {
+void read_beams(Scene const& scene, World& world, Registry const& names, NetworkPowers const& network) {
   Beams beams;
   bool first = true;
   for (auto const& [name, node] : scene.table("beams").items()) {
@@ -42,8 +68,8 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
     Lighting light{name, std::uint32_t(beams.names.size())};
     std::size_t const spots = world.footprints().size();
     world.beam_powers.push_back(0);
-    if (node.has("power")) {
-      double const power = node.number("power", dim::power, required, 1e-12, 1e9);
+    if (node.has("power") || node.has("network")) {
+      double const power = read_power(node, network);
       bool const wrong = std::isnan(power);
       if (world.beam_power == 0) world.beam_power = wrong ? 1 : power;
       if (!wrong) light.power = power / world.beam_power;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "scene/scene.hpp"
+#include "world/build/network_powers.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::world {
@@ -38,7 +39,7 @@ void read_bodies(Scene const&, World&, Registry&);
 ElasticMode read_elastic_mode(Node const& shape);
 void read_surfaces(Scene const&, World&, Registry&);
 void read_receivers(Scene const&, World&, Registry const&);  // before the beams: a scene with receivers needs no port
-void read_beams(Scene const&, World&, Registry const&);
+void read_beams(Scene const&, World&, Registry const&, NetworkPowers const&);
 void read_edges(Scene const&, World&, Registry const&);            // after the beams
 void read_wave(Scene const&, World&, Registry const&);             // after the edges
 void read_photodiodes(Node const& wave, World&, Registry const&);  // after mirrors and baffles of `wave`

@@ -82,7 +82,7 @@ TEST(ControlLoops, OneLoopN5) {
     };
     auto const phase = [&](LinearResponse const& r) { return t.stray(r); };
     HeldResponse const response = t.response(hz, loops);
-    StrainResponse const& solved = response.strain();
+    CalibratedStrain const& solved = response.strain();
     EXPECT_LT(std::abs(solved.to(phase) / closed(phase, g) - 1.0), 1e-9) << hz;
     EXPECT_GT(std::abs(solved.to(phase) / closed(phase, -g) - 1.0), 0.1) << "control: the sign of the loop";
     Phasor const noise =
@@ -123,10 +123,10 @@ TEST(ControlLoops, FourLoopsN4) {
     diagonal -= seen * control(i, i) * sensed[i] / (1.0 + control(i, i) * response(i, i));
   }
   HeldResponse const controlled = t.response(hz, loops);
-  StrainResponse const& solved = controlled.strain();
+  CalibratedStrain const& solved = controlled.strain();
   EXPECT_LT(std::abs(solved.to(stray) / expected - 1.0), 1e-9);
   EXPECT_GT(std::abs(solved.to(stray) / diagonal - 1.0), 1e-3) << "control: loops that do not act on each other";
-  StrainResponse::Parts const parts = solved.parts(stray);
+  CalibratedStrain::Parts const parts = solved.parts(stray);
   Phasor sum = parts.held;
   for (Phasor const p : parts.by_length) sum += p;
   EXPECT_LT(std::abs(sum / expected - 1.0), 1e-9);

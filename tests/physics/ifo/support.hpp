@@ -43,7 +43,7 @@ class HeldResponse {
       : d_(d), model_(std::move(model)), response_(model_, d.field(), hz) {}
   HeldResponse(DualRecycled const& d, double hz) : HeldResponse(d, hz, d.model("")) {}
   HeldResponse(HeldResponse const&) = delete;
-  StrainResponse const& strain() const { return response_; }
+  CalibratedStrain const& strain() const { return response_; }
   Phasor to_freedom(Freedom f) const {
     return response_.to([&](LinearResponse const& r) { return d_.to_freedom(r, f); });
   }
@@ -58,7 +58,7 @@ class HeldResponse {
  private:
   DualRecycled const& d_;
   NetworkModel model_;
-  StrainResponse response_;
+  CalibratedStrain response_;
 };
 
 }  // namespace straytrace

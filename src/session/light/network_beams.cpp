@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/light/network_beams.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/input/document.hpp"
+#include "ifo/layout/read_network.hpp"
+#include "ifo/ports.hpp"
+#include "ifo/stray_response.hpp"
+#include "world/build/network_powers.hpp"
+
+namespace straytrace::session {
+namespace {
+
+bool is_of_a_network(Node const& beam) { return beam.kind() == Node::Kind::table && beam.data()->find("network"); }
+
+// Solved from a second reading, whose messages are those of the first.
+NetworkPowers powers_of_network(Scene const& scene) {
+  auto const beams = scene.table("beams").items();
+  if (std::ranges::none_of(beams, [](auto const& beam) { return is_of_a_network(beam.second); })) return {};
+  Scene const again = read_scene(scene.main_file(), scene.overrides(), &scene.files());
+  Node const table = again.root()["interferometer"];
+  if (table.kind() != Node::Kind::table) return {};
+  double const wavelength =
+      again.table("beams").items().front().second.number("wavelength", dim::length, 1.064e-6, 1e-7, 1e-4);
+  std::optional<NetworkModel> const model = read_network_alone(table, wavelength);
+  NetworkPowers powers{.faulty = !table.healthy(), .watts = {}};
+  if (!model) return powers;
+  SteadyField const field(model->network);
+  for (std::uint32_t p = 0; p < model->network.ports(); ++p) {
+    powers.watts[beam_name(model->network, NetworkBeam{p, false})] = field.power_in(p);
+    powers.watts[beam_name(model->network, NetworkBeam{p, true})] = field.power_out(p);
+  }
+  return powers;
+}
+
+std::optional<std::size_t> find_beam_of_scene(Scene const& scene, std::string const& name) {
+  auto const beams = scene.table("beams").items();
+  for (std::size_t i = 0; i < beams.size(); ++i)
+    if (beams[i].first == name) return i;
+  return {};
+}
+
+}  // namespace
+
+World build_lit_world(Scene const& scene) { return build_world(scene, powers_of_network(scene)); }
+
+void check_network_beams(Scene const& scene, World const& world, Interferometer const& detector) {
+  NetworkModel const* const model = detector.network();
+  if (!model) return;
+  Node const table = scene.table("interferometer");
+  for (auto const& [name, port] : scene.table("ports").items()) {
+    auto const number = find_beam_of_scene(scene, port["beam"].text());
+    if (!number || has_response_files(table, name)) continue;
+    auto const [beam, node] = scene.table("beams").items()[*number];
+    if (!is_of_a_network(node) || node.has("cavity")) continue;
+    std::string const light = node["network"].text();
+    auto const source = find_beam(model->network, light);
+    if (!source) continue;
+    Node const at = table["ports"][name]["at"];
+    auto const found = std::ranges::find_if(model->entrances, [&, key = at ? at.text() : ""](NamedWay const& w) {
+      return w.name == name || w.name == key;
+    });
+    std::string const back = beam_name(model->network, reversed(*source));
+    if (!at || found == model->entrances.end() || !same_beam(model->network, found->way.lit.beam, *source))
+      place_of_entrance(table, name)
+          .problem(fmt::format("beam '{}' is the light '{}', and port '{}' is not relative to it", beam, light, name),
+                   fmt::format("write 'ports: {{{}: {{at: {}}}}}' in the interferometer, or another beam 'at' with "
+                               "'lit_by: {}'",
+                               name, back, light));
+    else if (std::fabs(world.beam_powers[*number] / world.beam_power - 1) > 1e-9)
+      port.problem(
+          fmt::format("couplings are relative to the first beam, of {:.4g} W; the light of port '{}' has {:.4g} W",
+                      world.beam_power, name, world.beam_powers[*number]),
+          fmt::format("write a scene with beam '{}' and its ports alone", beam));
+  }
+}
+
+}  // namespace straytrace::session

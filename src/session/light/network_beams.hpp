@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Beams of a scene that are light of its interferometer: their power is that of the solved network.
+#pragma once
+
+#include "ifo/interferometer.hpp"
+#include "scene/scene.hpp"
+#include "world/model/world.hpp"
+
+namespace straytrace::session {
+
+// The world of a scene; beams with `network` have the power of that beam of the interferometer.
+World build_lit_world(Scene const&);
+// Ports of such beams: their place must be stated, be lit by the beam, and have its power as reference.
+void check_network_beams(Scene const&, World const&, Interferometer const&);
+
+}  // namespace straytrace::session
