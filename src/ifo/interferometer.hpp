@@ -25,9 +25,9 @@ enum class InjectionPoint : std::uint8_t {
   end_mirror,        // an arm, scattered at its end mirror; the light that leaves it into the arm
   through_end,       // an end mirror from behind, passed twice in s already; the light that leaves it into the arm
   end_bench,         // an end mirror from behind; the light that leaves it there (eq. 9.3, 9.4)
-  short_arm,         // between splitter and input mirror, on the way to the arm; the light there (eq. 9.5)
-  recycling_cavity,  // between power-recycling mirror and splitter, on the way to the splitter; the light there
-  signal_cavity,     // between splitter and signal-recycling mirror, on the way out; the light there
+  short_arm,         // between splitter and input mirror, on the way to the arm; what comes from it (N.17)
+  recycling_cavity,  // between power-recycling mirror and splitter, on the way to the splitter; what comes from it
+  signal_cavity,     // between splitter and signal-recycling mirror, on the way out; what the mirror returns
   as_port,           // the signal-recycling mirror from outside; the light that leaves it (eq. 9.6)
   symmetric_port,    // the power-recycling mirror from outside; the light that comes back from it
   input_bench        // the input beam; that light (eq. 9.7)
@@ -78,7 +78,7 @@ class Interferometer {
 
 // Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m, not a number: that of the preset.
 // Where the table gives no power, the arms have that of the beams whose ports join there. Files of responses must cover
-// the band. Nothing without a preset: such a network does not say where stray light enters.
+// the band. Nothing without a preset and without `strain`: such a network does not say how light becomes strain.
 std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<TracedPort> const& ports,
                                                     double wavelength, Band const& = {});
 
