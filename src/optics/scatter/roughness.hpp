@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "optics/lobes/lobe_table.hpp"
+#include "optics/scatter/stack_factor.hpp"
 
 namespace straytrace::optics {
 
@@ -72,6 +73,7 @@ struct Roughness : SampledByLobe<Roughness> {
   double first_radius = 1e-3, higher[most_orders + 1][radii] = {};
   std::int64_t orders = 1;
   LobeTable<OffsetRings> lobe;  // set by prepare()
+  StackFactor stack;            // instead of `factor`, of a coating with rough interfaces; the last member: fingerprint
   static constexpr char const* key = "k-correlation";
 
   void prepare();                                  // host: all below from the spectrum
@@ -101,7 +103,8 @@ struct Roughness : SampledByLobe<Roughness> {
   }
   STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
     if (!(wi.z > 0 && wo.z > 0)) return 0;
-    double const rho = OffsetRings::of(wi, wo), q = factor.mean(wi, wo);
+    double const rho = OffsetRings::of(wi, wo);
+    double const q = stack.table.size > 0 ? stack.mean(wi, wo) : factor.mean(wi, wo);
     if (!harvey_shack) return 16 * pi * pi * wi.z * wo.z * q * spectrum(rho);
     double const sum = wi.z + wo.z, g = phase_variance * sum * sum;
     double value = 4 * pi * pi * sum * sum * spectrum(rho);

@@ -210,7 +210,65 @@ namespace {
 
 constexpr Dimension metre3{6}, metre4{8};
 
-void read_factor(Node const& law, Roughness& p) {
+// The film of `specular`, which is read first; null, and a problem, when there is none.
+Film const* film_of(Node const& where, LawReading const& out) {
+  Optic const& optic = *out.optic;
+  if (optic.has_interface && optic.interface.kind == kind_of<Film, SpecularTypes>())
+    return &std::get<View<Film const>>(out.world.view().interfaces.arrays)[optic.interface.index];
+  where.problem("'interfaces' needs the layers of the coating",
+                "describe it: specular: {film: {layers: [[2.07, quarter], [1.45, quarter]]}, index: fused_silica}");
+  return nullptr;
+}
+
+// Index behind the film: `substrate`, or what the film says; 0 after a problem.
+Complex behind_film(Node const& law, Film const& film, LawReading const& out) {
+  if (Node const given = law["substrate"]) {
+    bool const named = given.kind() == Node::Kind::scalar && is_medium(given.text(), *out.names);
+    if (!named) return {given.as_number(dim::plain, 0.1, 10), 0};
+    auto const medium = find_medium(given, out.world, *out.names);
+    return {medium ? medium->index : 0, 0};
+  }
+  if (film.opaque.re > 0 || film.opaque.im > 0) return film.opaque;
+  if (film.back_index > 0) return {film.back_index, 0};
+  law.problem("the body behind the film is not known here",
+              "write substrate: fused_silica, 'index' next to 'film', or 'between' of the film");
+  return {};
+}
+
+// Scatter from all interfaces of the film of the material.
+void read_interfaces(Node const& law, LawReading& out, Roughness& p, double wavelength) {
+  Node const how = law["interfaces"];
+  for (char const* key : {"index", "reflectance"})
+    if (law.has(key))
+      law[key].problem(fmt::format("'{}' and 'interfaces' both give the factor Q", key), "keep one of them");
+  if (p.harvey_shack)
+    how.problem("scatter of interfaces is of first order, Harvey-Shack is not", "write 'theory: rayleigh-rice'");
+  bool const words = how.kind() == Node::Kind::scalar && (how.text() == "correlated" || how.text() == "uncorrelated");
+  RoughStack stack;
+  stack.common = words ? (how.text() == "correlated" ? 1 : 0) : how.as_number(dim::plain, 0, 1);
+  Film const* const film = film_of(how, out);
+  if (!film) {
+    law.has("substrate");
+    return;
+  }
+  stack.behind = behind_film(law, *film, out);
+  stack.layers.assign(film->layers.data, film->layers.data + film->layers.size);
+  stack.wavelength = wavelength;
+  if (!(norm(stack.behind) > 0) || !(wavelength > 0) || !std::isfinite(stack.common)) return;
+  p.stack = stack.tabulated(out.world.storage);
+  Complex const first = stack.layers.empty() ? stack.behind : stack.layers.front().index;
+  double const back = stack.factor(1, 1, 1), front = norm(Fresnel::of_opaque(1, 1, first).rs);
+  out.note(
+      fmt::format("{} rough interfaces, {:.0f} % correlated: near normal incidence they scatter {:.4g} times as "
+                  "much as a perfect mirror with the same heights, their first face alone {:.4g} times",
+                  stack.layers.size() + 1, 100 * stack.common, back, front));
+}
+
+void read_factor(Node const& law, LawReading& out, Roughness& p, double wavelength) {
+  bool const first_order = law["model"].text() != "harvey-shack";
+  if (first_order && law.has("interfaces")) return read_interfaces(law, out, p, wavelength);
+  if (first_order && law.has("substrate"))
+    law["substrate"].problem("'substrate' needs 'interfaces'", "write interfaces: correlated");
   if (law.has("index")) {
     if (law.has("reflectance")) law.problem("'reflectance' and 'index' both give the factor Q", "keep one of them");
     double const n = law.number("index", dim::plain, required, 0, 100),
@@ -260,7 +318,7 @@ void read_knee(Node const& law, LawReading& out, Roughness& p) {
   } else {
     a = law.number("a", metre4, required, 0, 1);
   }
-  read_factor(law, p);
+  read_factor(law, out, p, wavelength);
   if (!(wavelength > 0 && knee > 0 && c > 0 && a >= 0) || (law.has("rms") && c <= 1)) return;
   p.a = a / std::pow(wavelength, 4);
   p.b = knee / wavelength;
@@ -318,7 +376,7 @@ void read_file(Node const& law, LawReading& out, Roughness& p) {
   std::string const kind = law.choice("dimension", kinds), side = law.choice("sides", sides),
                     beyond = law.choice("beyond", rules);
   double const wavelength = law_wavelength(law, out.world);
-  read_factor(law, p);
+  read_factor(law, out, p, wavelength);
   std::string const name = law.word("file");
   if (name.empty() || kind.empty() || side.empty() || beyond.empty() || !(wavelength > 0)) return;
   if (kind == "2d" && side == "one")

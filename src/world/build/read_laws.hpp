@@ -19,6 +19,7 @@ struct LawReading {
   Optic* optic = nullptr;       // of the material
   ScatterSpread spread = {};    // of a preset, around the case that is taken
   std::string wavelength = {};  // stated by the file of the model now read
+  Registry const* names = nullptr;
 
   template <class Law>
   void add(Law const& law) {

@@ -157,7 +157,7 @@ void read_materials(Scene const& scene, World& world, Registry& names) {
     MaterialInfo info{name, node.word("source", "not given"), {}, 0, {}};
     read_specular(node, world, names, optic);
     optic.depolarise = node.number("depolarise", dim::plain, 1, 0, 1);
-    LawReading reading{world, name, {}, &optic};
+    LawReading reading{.world = world, .material = name, .laws = {}, .optic = &optic, .names = &names};
     std::string const said = said_of(node);
     node.has("like");  // already adopted
     if (node.has("preset")) {

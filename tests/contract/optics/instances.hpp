@@ -75,11 +75,20 @@ inline double finest(Polynomial const& l) { return 0.1 * l.width; }
 template <>
 inline constexpr double weight_limit<Polynomial> = 4;  // the forward lobe of black paint
 
+inline Roughness of_stack(Roughness law, RoughStack const& stack, Storage& storage) {
+  law.stack = stack.tabulated(storage);
+  law.prepare();
+  return law;
+}
 template <>
 inline std::vector<Roughness> const& instances() {
   PolarisationFactor const silicon{12.1, 0.01, 1};
+  static Storage storage;
+  static RoughStack const mirror{
+      {{{2.07, 0}, 0.1285e-6}, {{1.45, 0}, 0.1834e-6}, {{2.07, 0}, 0.1285e-6}}, {1.45, 0}, 1.064e-6, 0.3};
   static std::vector<Roughness> const all{tabulated(Theory::harvey_shack, 1e-6, 2.1, 1e-3, 0.9, false),
                                           k_correlation(Theory::harvey_shack, 0.08, 20, 2.5),
+                                          of_stack(k_correlation(Theory::rayleigh_rice, 5e-3, 5, 2), mirror, storage),
                                           k_correlation(Theory::rayleigh_rice, 5e-3, 50, 2.2, silicon)};
   return all;
 }
