@@ -44,6 +44,8 @@ struct Footprint {
   std::uint32_t beam = 0;   // footprints of one beam are visited by one and the same main mode
   bool standing = false;    // standing wave of a cavity: its own mirror image is the mode itself
   bool emits = true, receives = true;
+  bool returns = true;        // light scattered straight back into this mode counts; on a mirror of a cavity it is
+                              // the mode itself
   bool free = false;          // a beam that starts in empty space: it touches no surface until it meets one
   GroupId origin;             // name of a free beam in routes
   Polarisation polarisation;  // of the incoming wave

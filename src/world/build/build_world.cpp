@@ -43,6 +43,7 @@ World build_world(Scene const& scene, NetworkPowers const& powers) {
   read_beams(scene, world, names, powers);
   read_edges(scene, world, names);
   read_wave(scene, world, names);
+  read_imperfections(scene, world, names);
   read_trace_limits(scene, world);
   if (scene.root().healthy()) {  // shapes with missing numbers cannot be searched
     world.finish();
