@@ -45,7 +45,7 @@ class Maker:
         own = {key for part in parts.values() for key in part}
         entry = facts.contexts[ENTRY]
         self.place = {key for key in entry if key in words["a face"]["keys"] or
-                      key in ("name", "repeat", "split", "units", "surfaces", "override")}
+                      key in ("name", "repeat", "split", "units", "smooth", "surfaces", "imperfections", "override")}
         for context in (ENTRY, "a face that uses part"):
             for key in list(facts.contexts[context]):    # of parts that the samples define
                 if key not in own | self.place:

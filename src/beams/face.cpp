@@ -54,4 +54,17 @@ FaceMap refracting_face(Vec3 e1, Vec3 e2, Vec3 travel, Vec3 normal, SurfaceCurva
   return face;
 }
 
+FaceMap grating_face(Vec3 e1, Vec3 e2, Vec3 travel, Vec3 out, Vec3 normal, SurfaceCurvature const& curvature,
+                     double n_in, double n_out) {
+  FaceMap face;
+  face.travel = out;
+  Vec3 const near = std::fabs(dot(e1, out)) < std::fabs(dot(e2, out)) ? e1 : e2;
+  face.e1 = unit(near - dot(near, out) * out);
+  face.e2 = cross(out, face.e1);
+  face.before = seen_across(e1, e2, curvature);
+  face.after = seen_across(face.e1, face.e2, curvature);
+  face.power = (n_in * dot(travel, normal) - n_out * dot(out, normal)) * tensor(curvature);
+  return face;
+}
+
 }  // namespace straytrace::beams

@@ -26,4 +26,8 @@ FaceMap mirror_face(Vec3 e1, Vec3 e2, Vec3 travel, Vec3 normal, SurfaceCurvature
 // NumericalError beyond the critical angle.
 FaceMap refracting_face(Vec3 e1, Vec3 e2, Vec3 travel, Vec3 normal, SurfaceCurvature const&, double n_in, double n_out);
 
+// Into an order of a grating, whose phase is linear in t; `out`: direction of the leaving wave on either side.
+FaceMap grating_face(Vec3 e1, Vec3 e2, Vec3 travel, Vec3 out, Vec3 normal, SurfaceCurvature const&, double n_in,
+                     double n_out);
+
 }  // namespace straytrace::beams

@@ -84,6 +84,10 @@ Mode refracted(Mode const& m, Vec3 normal, SurfaceCurvature const& curvature, do
   return through_face(m, refracting_face(m.e1, m.e2, m.travel, normal, curvature, n_in, n_out), n_in, n_out);
 }
 
+Mode diffracted(Mode const& m, Vec3 out, Vec3 normal, SurfaceCurvature const& curvature, double n_in, double n_out) {
+  return through_face(m, grating_face(m.e1, m.e2, m.travel, out, normal, curvature, n_in, n_out), n_in, n_out);
+}
+
 Mode reversed(Mode const& m) {
   // Turned about e1: q12 changes sign once for e2 and once for the conjugate curvature.
   return {m.origin, m.e1, -m.e2, -m.travel, m.wavelength, -std::conj(m.q11), std::conj(m.q12), -std::conj(m.q22)};

@@ -47,6 +47,8 @@ std::array<double, 2> axis_gouy(Mode const&, double distance);
 Mode reflected(Mode const&, Vec3 normal, SurfaceCurvature const&);
 // Refracting face between media of index n_in and n_out. NumericalError beyond the critical angle.
 Mode refracted(Mode const&, Vec3 normal, SurfaceCurvature const&, double n_in, double n_out);
+// Into an order of a grating of that direction, on the side of n_out.
+Mode diffracted(Mode const&, Vec3 out, Vec3 normal, SurfaceCurvature const&, double n_in, double n_out);
 // The same beam run backwards: the field is the complex conjugate.
 Mode reversed(Mode const&);
 

@@ -39,9 +39,10 @@ struct Optic {
   static constexpr int most_laws = 8;
   double reflect = 0, transmit = 0;  // fixed coating: power, the same at every angle; unused with an interface
   bool has_interface = false;
-  PoolRef interface;      // in SpecularTypes
-  double depolarise = 1;  // share of scattered light that loses its polarisation
-  Lay lay = Lay::free;    // grooves (local y) run around the axis, along it, or along `lay_direction` of the scene
+  PoolRef interface;       // in SpecularTypes
+  bool diffracts = false;  // the interface is a Grating
+  double depolarise = 1;   // share of scattered light that loses its polarisation
+  Lay lay = Lay::free;     // grooves (local y) run around the axis, along it, or along `lay_direction` of the scene
   Vec3 lay_direction;
   int laws = 0;
   PoolRef law[most_laws];                     // in LawTypes

@@ -63,7 +63,7 @@ inline World baffled_tube(bool with_receivers = true) {
 
 // All that receiver gets, or the class of one hit on a ring: longer routes by a ring are resolved by some estimators
 // only.
-inline SampleMean received(TraceResult const& r, std::uint32_t receiver, bool by_ring = false) {
+inline SampleMean received_by(TraceResult const& r, std::uint32_t receiver, bool by_ring = false) {
   double mean = 0, variance = 0;
   for (CouplingClass const& c : r.coupling.received) {
     if (c.port.value != receiver) continue;
@@ -98,18 +98,18 @@ inline void expect_estimators_agree(std::uint64_t histories, double goal) {
   world.steer(tables);
   TraceResult const every = run_histories(world, histories);
   for (TraceResult const* r : {&first, &every}) {
-    expect_same("A ", received(*r, 0), received(law, 0));
-    expect_same("B ", received(*r, 1), received(law, 1));
-    expect_same("one hit on a ring ", received(*r, 0, true), received(law, 0, true));
-    EXPECT_LT(relative(received(*r, 0)), goal);
+    expect_same("A ", received_by(*r, 0), received_by(law, 0));
+    expect_same("B ", received_by(*r, 1), received_by(law, 1));
+    expect_same("one hit on a ring ", received_by(*r, 0, true), received_by(law, 0, true));
+    EXPECT_LT(relative(received_by(*r, 0)), goal);
     EXPECT_TRUE(r->coupling.warnings.empty());
   }
   SampleMean const brute = arrived(world, law, "mirror");  // per power scattered by the spot
   double const emitted = law.total.emitted.sum / double(law.total.histories);
-  expect_same("A by waiting ", {brute.mean * emitted, brute.std_error * emitted, brute.n}, received(law, 0));
+  expect_same("A by waiting ", {brute.mean * emitted, brute.std_error * emitted, brute.n}, received_by(law, 0));
   // what aiming is for: the hidden photodiode, at equal histories (docs/theory/errors.md)
-  EXPECT_LT(relative(received(every, 1)), relative(received(law, 1)) / 3);
-  EXPECT_LT(relative(received(every, 0, true)), relative(received(law, 0, true)));
+  EXPECT_LT(relative(received_by(every, 1)), relative(received_by(law, 1)) / 3);
+  EXPECT_LT(relative(received_by(every, 0, true)), relative(received_by(law, 0, true)));
 }
 
 }  // namespace straytrace::testing

@@ -102,6 +102,21 @@ STRAY_HD Vec3 normal_of(S const& s, Vec3 p, std::uint32_t piece) {
     return s.normal(p);
 }
 template <class S>
+bool has_normals(S const& s) {
+  if constexpr (requires { s.content.normals; })
+    return s.content.normals.size > 0;
+  else
+    return false;
+}
+// Of shapes with normals at the corners of their pieces, between these; of others the normal.
+template <class S>
+STRAY_HD Vec3 smooth_normal_of(S const& s, Vec3 p, std::uint32_t piece) {
+  if constexpr (requires { s.smooth_normal(p, piece); })
+    return s.smooth_normal(p, piece);
+  else
+    return normal_of(s, p, piece);
+}
+template <class S>
 STRAY_HD Vec3 projected_on(S const& s, Vec3 p, std::uint32_t piece) {
   if constexpr (HasPieces<S>)
     return s.project(p, piece);

@@ -31,6 +31,7 @@ struct AliasRow {
 struct MeshContent {
   View<MeshVertex const> vertices;
   View<MeshTriangle const> triangles;
+  View<MeshVertex const> normals;  // unit, at the corners of each triangle in order; none: flat facets
   View<TrianglePack const> packs;  // leaves of the tree name packs
   View<AliasRow const> by_area;
   View<std::uint32_t const> in_order;  // triangles as the leaves of the tree list them: neighbours side by side
@@ -69,6 +70,17 @@ struct TriangleMesh {
 
   STRAY_HD Vec3 normal(Vec3, std::uint32_t piece) const {
     return straytrace::unit(pose.direction(facet_normal(corner(piece, 0), corner(piece, 1), corner(piece, 2))));
+  }
+  // Between the normals at the corners.
+  STRAY_HD Vec3 smooth_normal(Vec3 p, std::uint32_t piece) const {
+    if (content.normals.size == 0) return normal(p, piece);
+    Vec3 const a = corner(piece, 0), b = corner(piece, 1), c = corner(piece, 2), n = facet_normal(a, b, c);
+    Vec3 const q = to_file(p);
+    double const share[3] = {dot(n, cross(c - b, q - b)), dot(n, cross(a - c, q - c)), dot(n, cross(b - a, q - a))};
+    Vec3 sum;
+    for (int i = 0; i < 3; ++i)
+      sum = sum + std::fmax(share[i], 0.0) * exact(content.normals[3 * std::size_t(piece) + i]);
+    return length2(sum) > 0 ? straytrace::unit(pose.direction(sum)) : normal(p, piece);
   }
   STRAY_HD Vec3 project(Vec3 p, std::uint32_t piece) const { return put(to_file(p), piece); }
   STRAY_HD double area() const { return content.area * unit * unit; }

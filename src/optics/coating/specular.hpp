@@ -29,13 +29,21 @@ STRAY_HD double specular_remainder(SpecularPool const& pool, Optic const& optic,
   return specular > free ? free / specular : 1;
 }
 
+STRAY_HD Grating const& grating_of(SpecularPool const& pool, Optic const& optic) {
+  return std::get<View<Grating const>>(pool.arrays)[optic.interface.index];
+}
+
 struct SpecularShares {
-  double reflect = 0, transmit = 0;  // of the power of unpolarised light
+  double reflect = 0, transmit = 0;  // of the power of unpolarised light; of a grating, in all its orders
 };
 // `scattered`: share that the models of this optic scatter at this incidence (scatter_albedo).
 STRAY_HD SpecularShares specular_shares(SpecularPool const& pool, Optic const& optic, double cos_i, double n_in,
                                         double n_out, bool front, double scattered = 0) {
   if (!optic.has_interface) return {optic.reflect, optic.transmit};
+  if (optic.diffracts) {
+    Grating const& grating = grating_of(pool, optic);
+    return {grating.reflectance(), grating.transmittance()};
+  }
   Amplitudes const a = specular_amplitudes(pool, optic, cos_i, n_in, n_out, front);
   double const left = specular_remainder(pool, optic, a.reflectance() + a.transmittance(), scattered);
   return {left * a.reflectance(), left * a.transmittance()};

@@ -14,10 +14,11 @@
 #include "optics/coating/coating.hpp"
 #include "optics/coating/film.hpp"
 #include "optics/coating/fresnel.hpp"
+#include "optics/coating/grating.hpp"
 
 namespace straytrace::optics {
 
-using SpecularTypes = std::tuple<Fresnel, Film, Coating>;
+using SpecularTypes = std::tuple<Fresnel, Film, Coating, Grating>;
 using SpecularPool = Pool<SpecularTypes>;
 
 }  // namespace straytrace::optics

@@ -296,17 +296,24 @@ struct FlashWay {
 // The next directions of the path; straight ahead through surfaces that are not drawn.
 void follow(WorldView const& world, FlashWay const& way, Vertex const& at, Flash const& flash,
             std::vector<FlashWay>& waiting) {
-  for (bool const through : {false, true}) {
-    double const power = way.path.power * (through ? at.transmit : at.reflect);
-    if (!(power > flash.faintest)) continue;
+  auto const leave = [&](double share, SpecularWay const& out) {
+    double const power = way.path.power * share;
+    if (!(power > flash.faintest)) return;
     FlashWay next = way;
     ++next.mirrors;
     next.path.power = power;
     next.path.from = {at.surface, at.piece, at.contact};
     next.path.ray.origin = at.point;
     next.path.media = at.before;
-    leave_specular(world, next.path, at, through);
+    leave_specular(world, next.path, at, out);
     waiting.push_back(next);
+  };
+  Vec3 const travel = way.path.ray.dir;
+  for (bool const through : {false, true}) {
+    if (at.optic->diffracts)
+      for_each_order(world, at, travel, through, [&](SpecularWay const& order) { leave(order.share, order); });
+    else
+      leave(through ? at.transmit : at.reflect, specular_way(world, travel, at, through, 0));
   }
 }
 

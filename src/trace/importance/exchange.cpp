@@ -152,7 +152,8 @@ class Quadrature {
       SurfacePoint const at = view_.shapes.visit(view_.surfaces[r.surface.value].shape,
                                                  [&](auto const& shape) { return sample_of(shape, u, v); });
       Vertex const y = make_vertex(view_, r.surface, at.point, unit(at.point - p), at.piece);
-      return {y.point, r.surface, y.wi.z, r.counts(y.front) && y.wi.z > 0 ? y.wi.z / receiver_density(view_, r) : 0};
+      return {y.point, r.surface, y.cosine(),
+              r.counts(y.front) && y.wi.z > 0 ? y.cosine() / receiver_density(view_, r) : 0};
     }
     Footprint const& lit = view_.lit[goal];
     Ray const line = lit.sample(u, v);
@@ -160,9 +161,9 @@ class Quadrature {
     if (!(met.distance < infinity)) return {};
     Vec3 const point = line.origin + met.distance * line.dir;
     Vertex const y = make_vertex(view_, lit.surface, point, unit(point - p), met.piece);
-    if (!(y.wi.z > 0) || dot(y.frame.e3, lit.travel) >= 0) return {};
+    if (!(y.wi.z > 0) || dot(y.normal(), lit.travel) >= 0) return {};
     double const mode = rejoin_bsdf(view_, y, lit) * accepted(view_, lit);
-    return {y.point, lit.surface, y.wi.z, y.wi.z * mode};
+    return {y.point, lit.surface, y.cosine(), y.cosine() * mode};
   }
 
   bool holds(std::size_t patch, SurfaceId surface) const {
@@ -198,7 +199,7 @@ class Quadrature {
     double const d = length(span);
     Vec3 const wo = from.frame.to_local((1 / d) * span);
     double const value = scatter_eval(view_.laws, *from.optic, from.wi, wo) * std::fabs(wo.z);
-    add_arrival(sums, {from.point, from.frame.e3, lit.surface, met.piece}, y, to, d, lit.share * value / samples_);
+    add_arrival(sums, {from.point, from.normal(), lit.surface, met.piece}, y, to, d, lit.share * value / samples_);
   }
 
   World const& world_;

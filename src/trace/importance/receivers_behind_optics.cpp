@@ -59,7 +59,7 @@ class Trials {
       double start = 0;
       Backward const back = backward_from(
           world_, r, rng,
-          [&](Vertex const& at, bool) {
+          [&](Vertex const& at, SpecularWay const&) {
             if (!passed.valid()) passed = at.surface;
           },
           [&](Backward const& met) {

@@ -55,7 +55,7 @@ STRAY_HD double mode_share(WorldView const& world, Polarisation const& light, Ve
                            Footprint const& lit) {
   if (!world.polarised) return 1;
   Vec3 const reversed = -lit.direction(y.point);
-  bool const through = dot(reversed, y.frame.e3) < 0;
+  bool const through = dot(reversed, y.normal()) < 0;
   Polarisation const after = scattered(light, out, reversed, through, y.optic->depolarise);
   return polarisation_overlap(after, lit.polarisation, reversed);
 }
@@ -64,14 +64,14 @@ template <class Sink>
 STRAY_HD void arrive_at(WorldView const& world, PathState const& path, Vertex const& vertex, std::uint32_t index,
                         Sink& sink) {
   Footprint const& lit = world.lit[index];
-  double const density = connection_density(lit, vertex.point, vertex.frame.e3);
+  double const density = connection_density(lit, vertex.point, vertex.normal());
   if (!(density > 0)) return;
   double const coupling = path.power * rejoin_bsdf(world, vertex, lit) * accepted(world, lit) * density *
                           mode_share(world, path.polarisation, path.ray.dir, vertex, lit);
   // A specular hop has no density: no connection can sample this path.
-  double const walk = per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
+  double const walk = per_area(path.hop.pdf, vertex.leg, vertex.cosine());
   double const weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
-  if (!(coupling * weight > 0) || !lights(world, lit, vertex.point, vertex.frame.e3)) return;
+  if (!(coupling * weight > 0) || !lights(world, lit, vertex.point, vertex.normal())) return;
   sink.score(path, vertex, index, arrival_number(index), vertex, coupling * weight);
 }
 
@@ -101,6 +101,7 @@ STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {
   if (!(way.length > 0)) return way;
   way.out = (1 / way.length) * span;
   way.wo = vertex.frame.to_local(way.out);
+  if (vertex.beyond_facet(way.wo, way.out)) return way;
   way.bsdf = scatter_eval(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
   way.kept = kept_along(world, way.wo.z < 0 ? vertex.after : vertex.before, way.length);
   return way;
@@ -114,7 +115,7 @@ STRAY_HD double walk_density(WorldView const& world, PathState const& path, Vert
 }
 // Whether anything hides y, the far end of the line.
 STRAY_HD bool blocked(WorldView const& world, Vertex const& vertex, Way const& way, Vertex const& y) {
-  return world.occluded({vertex.point, way.out, way.length - world.slack(y.surface, way.length, y.wi.z)},
+  return world.occluded({vertex.point, way.out, way.length - world.slack(y.surface, way.length, y.cosine())},
                         {vertex.surface, vertex.piece, vertex.contact}, vertex.surface == y.surface);
 }
 
@@ -131,12 +132,12 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
   if (!(way.bsdf > 0)) return;
   Vertex y = make_vertex(world, lit.surface, point, way.out, met.piece);
   if (!(y.wi.z > 0)) return;
-  if (dot(y.frame.e3, lit.travel) >= 0) {  // lit from the other side
+  if (dot(y.normal(), lit.travel) >= 0) {  // lit from the other side
     if (!scatters_through(*y.optic)) return;
     y.n_in = way.wo.z < 0 ? vertex.n_out : vertex.n_in;
     y.n_out = lit.index;
   }
-  double coupling = path.power * way.bsdf * way.kept * way.geometry(y.wi.z) * rejoin_bsdf(world, y, lit) *
+  double coupling = path.power * way.bsdf * way.kept * way.geometry(y.cosine()) * rejoin_bsdf(world, y, lit) *
                     accepted(world, lit);  // |u|^2 cos over the density of y is 1
   if (world.polarised)
     coupling *=
@@ -144,9 +145,9 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
                    way.out, y, lit);
   if (!(coupling > 0)) return;
   double weight = 1;
-  if (lit.profile != Profile::point) {  // a walk cannot hit a point
-    double const walk = walk_density(world, path, vertex, way, y.patch, y.wi.z);
-    double const density = connection_density(lit, y.point, y.frame.e3);
+  if (lit.profile != Profile::point && !world.surfaces[lit.surface.value].clear) {  // which a walk can hit
+    double const walk = walk_density(world, path, vertex, way, y.patch, y.cosine());
+    double const density = connection_density(lit, y.point, y.normal());
     weight = density / (density + walk);
   }
   if (blocked(world, vertex, way, y)) return;
@@ -172,7 +173,7 @@ STRAY_HD void score_single(WorldView const& world, PathState const& path, Vertex
                            Sink& sink) {
   if (!lit.receives || !lit.port.valid()) return;
   double const coupling = path.power * rejoin_bsdf(world, vertex, lit) * accepted(world, lit) *
-                          connection_density(lit, vertex.point, vertex.frame.e3) *
+                          connection_density(lit, vertex.point, vertex.normal()) *
                           mode_share(world, path.polarisation, path.ray.dir, vertex, lit);
   if (coupling > 0) sink.score(path, vertex, path.source, arrival_number(path.source), vertex, coupling);
 }

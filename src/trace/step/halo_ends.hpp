@@ -14,7 +14,7 @@ namespace straytrace::trace {
 // Irradiance of a source where its light meets the lit side of the vertex, across the beam, over the power of the mode,
 // 1/m^2; 0: none. As `lights` does for footprints, it asks whether the surface itself is in the way.
 STRAY_HD double halo_irradiance(WorldView const& world, HaloSource const& source, Vertex const& y) {
-  double const cosine = -dot(source.travel, y.frame.e3);
+  double const cosine = -dot(source.travel, y.normal());
   if (!(cosine > 0)) return 0;
   Halo const& halo = world.halo;
   Vec3 const local = halo.frame.local_point(y.point);
@@ -48,8 +48,8 @@ STRAY_HD void score_halo_hit(WorldView const& world, PathState const& path, Vert
   if (!world.lit[source.footprint].receives || first_of_mirror(path, path.order, source.footprint)) return;
   double const irradiance = halo_irradiance(world, source, vertex);
   if (!(irradiance > 0)) return;
-  double const density = -irradiance * dot(source.travel, vertex.frame.e3);  // per area of the surface
-  double const walk = per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
+  double const density = -irradiance * dot(source.travel, vertex.normal());  // per area of the surface
+  double const walk = per_area(path.hop.pdf, vertex.leg, vertex.cosine());
   double const weight = path.hop.pdf > 0 ? walk / (walk + density / source.power) : 1;
   double const coupling =
       path.power * density * back_into_halo(world, path.polarisation, path.ray.dir, vertex, source) * weight;
@@ -71,16 +71,16 @@ STRAY_HD void connect_to_halo(WorldView const& world, PathState const& path, Ver
   Way const way = way_to(world, vertex, point);
   if (!(way.bsdf > 0)) return;
   Vertex const y = make_vertex(world, surface, point, way.out, met.piece);
-  double const cosine = -dot(source.travel, y.frame.e3);
+  double const cosine = -dot(source.travel, y.normal());
   if (!(y.wi.z > 0 && cosine > 0)) return;
   Polarisation light = path.polarisation;
   if (world.polarised) light = scattered(light, path.ray.dir, way.out, way.wo.z < 0, vertex.optic->depolarise);
   double const irradiance = double(world.halo.cells[drawn.cell].irradiance);
   double const density = irradiance * cosine / source.power;
-  double const coupling = path.power * way.bsdf * way.kept * way.geometry(y.wi.z) *
+  double const coupling = path.power * way.bsdf * way.kept * way.geometry(y.cosine()) *
                           back_into_halo(world, light, way.out, y, source) * source.power;
   if (!(coupling > 0) || blocked(world, vertex, way, y)) return;
-  double const walk = walk_density(world, path, vertex, way, y.patch, y.wi.z);
+  double const walk = walk_density(world, path, vertex, way, y.patch, y.cosine());
   sink.score_halo(path, vertex, y, index, true, coupling * density / (density + walk));
 }
 

@@ -6,7 +6,7 @@
 #include "optics/coating/specular.hpp"
 #include "optics/polarisation.hpp"
 #include "trace/result.hpp"
-#include "world/model/vertex.hpp"
+#include "world/model/diffraction.hpp"
 
 namespace straytrace::trace {
 
@@ -21,6 +21,7 @@ struct Hop {
   double pdf = 0;                        // 1/sr, of the whole mixture with its lobe; set on arrival
   Event left_by = Event::emit;           // what happened at the vertex left
   std::uint32_t side = WorldView::none;  // whose targets take part in the mixture
+  bool below_facet = false;              // out of a mesh of smooth normals into the facet: absorbed on arrival
   bool aimed = false;                    // the side left has targets
   bool off_list = false;                 // drawn from the BSDF model, and met no listed target
   SurfaceId aim;                         // surface of the target drawn; invalid: the BSDF model chose the direction
@@ -90,6 +91,11 @@ STRAY_HD void evaluate_scattering(WorldView const& world, PathState const& path,
   if (!(v.wi.z > 0)) return;
   find_media(world, path.media, travel, v);
   v.albedo = scatter_albedo(world.laws, *v.optic, v.wi, v.n_in, v.n_out);
+  if (v.optic->diffracts) {
+    v.reflect = diffracted_share(world, v, travel, false);
+    v.transmit = diffracted_share(world, v, travel, true);
+    return;
+  }
   if (world.polarised && v.optic->has_interface) {
     Amplitudes const a = specular_amplitudes(world.interfaces, *v.optic, v.wi.z, v.n_in, v.n_out, v.front);
     double const r = reflected(path.polarisation, travel, v.frame.e3, a).power;

@@ -42,13 +42,13 @@ STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex c
   Receiver const& r = world.receivers[receiver];
   if (!r.counts(y.front) || !(power > 0)) return;
   std::uint32_t const goal = goal_of_receiver(world, receiver);
-  double const walk = per_area(path.hop.pdf, y.leg, y.wi.z);
+  double const walk = per_area(path.hop.pdf, y.leg, y.cosine());
   double const density = receiver_density(world, r);
   double weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
   if (r.behind_glass && !(path.hop.pdf > 0) && path.reached_pdf > 0) {  // shared with specular_connection.hpp
     double const through = path.reached_pdf * path.left_pdf;
     Vec3 const back = y.frame.to_world(y.wi);
-    weight = through / (through + start_density(world, r, {y.point, back}, y.wi.z));
+    weight = through / (through + start_density(world, r, {y.point, back}, y.cosine()));
   }
   sink.score(path, y, goal, arrival_number(goal), y, power * weight);
 }
@@ -80,13 +80,13 @@ STRAY_HD void pass_planes(WorldView const& world, PathState const& path, double 
 STRAY_HD double walk_past(WorldView const& world, PathState const& path, Vertex const& vertex, Way const& way,
                           Vertex const& y) {
   Hit const behind = world.closest({vertex.point, way.out}, {vertex.surface, vertex.piece, vertex.contact});
-  if (!behind.surface.valid()) return walk_density(world, path, vertex, way, WorldView::none, y.wi.z);
-  if (behind.distance < way.length - world.slack(y.surface, way.length, y.wi.z)) return -1;
+  if (!behind.surface.valid()) return walk_density(world, path, vertex, way, WorldView::none, y.cosine());
+  if (behind.distance < way.length - world.slack(y.surface, way.length, y.cosine())) return -1;
   Vertex const end =
       make_vertex(world, behind.surface, vertex.point + behind.distance * way.out, way.out, behind.piece);
   double const there =
-      walk_density(world, path, vertex, {way.out, way.wo, behind.distance, way.bsdf}, end.patch, end.wi.z);
-  return per_area(per_solid_angle(there, behind.distance, end.wi.z), way.length, y.wi.z);
+      walk_density(world, path, vertex, {way.out, way.wo, behind.distance, way.bsdf}, end.patch, end.cosine());
+  return per_area(per_solid_angle(there, behind.distance, end.cosine()), way.length, y.cosine());
 }
 
 // Connection to a point drawn evenly on the receiver.
@@ -102,10 +102,10 @@ STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path,
   if (!(y.wi.z > 0) || !r.counts(y.front)) return;
   if (!r.clear && blocked(world, vertex, way, y)) return;
   double const walk =
-      r.clear ? walk_past(world, path, vertex, way, y) : walk_density(world, path, vertex, way, y.patch, y.wi.z);
+      r.clear ? walk_past(world, path, vertex, way, y) : walk_density(world, path, vertex, way, y.patch, y.cosine());
   if (walk < 0) return;
   double const density = receiver_density(world, r);
-  double const power = path.power * way.bsdf * way.kept * way.geometry(y.wi.z) / (density + walk);
+  double const power = path.power * way.bsdf * way.kept * way.geometry(y.cosine()) / (density + walk);
   std::uint32_t const goal = goal_of_receiver(world, receiver);
   if (power > 0) sink.score(path, vertex, goal, connection_number(goal), y, power);
 }

@@ -39,7 +39,7 @@ STRAY_HD double mixture_pdf(WorldView const& world, std::uint32_t side, double l
 // point.
 STRAY_HD bool met_aim(WorldView const& world, Hop const& hop, Vertex const* met) {
   if (!met || met->surface != hop.aim) return false;
-  return met->leg >= hop.aim_distance - world.slack(hop.aim, hop.aim_distance, met->wi.z);
+  return met->leg >= hop.aim_distance - world.slack(hop.aim, hop.aim_distance, met->cosine());
 }
 
 // Weight of the hop once its end is known; 0 when something hides the target. Sets hop.pdf. `vertex`: where the ray
@@ -55,7 +55,8 @@ STRAY_HD double finish_hop_weight(WorldView const& world, PathState& path, Verte
     return 0;
   }
   double const alpha = law_share(world, hop.side);
-  double const aimed = vertex && alpha < 1 ? aimed_pdf(world, hop.side, vertex->patch, vertex->leg, vertex->wi.z) : 0;
+  double const aimed =
+      vertex && alpha < 1 ? aimed_pdf(world, hop.side, vertex->patch, vertex->leg, vertex->cosine()) : 0;
   if (hop.aim.valid() && !(aimed > 0)) {  // in the plane of its target, which it passed by rounding
     hop.pdf = 0;
     return 0;
@@ -118,8 +119,8 @@ STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, Pa
 // Density per area with which the walk reached the vertex, by a scattered hop or straight from the plane of a free
 // beam; 0 otherwise.
 STRAY_HD double reached_density(WorldView const& world, PathState const& path, Vertex const& vertex) {
-  if (!path.coherent || path.hop.left_by != Event::emit) return per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
-  return world.lit[path.source].passing(vertex.point).irradiance * vertex.wi.z / world.draws();
+  if (!path.coherent || path.hop.left_by != Event::emit) return per_area(path.hop.pdf, vertex.leg, vertex.cosine());
+  return world.lit[path.source].passing(vertex.point).irradiance * vertex.cosine() / world.draws();
 }
 
 // Phase of the interface, in turns (docs/theory/conventions.md): a stated power reflects with a quarter, so that a
@@ -131,25 +132,39 @@ STRAY_HD double interface_turns(WorldView const& world, Vertex const& vertex, bo
   return turn_of(field.re, field.im);
 }
 
-// A specular lobe: its direction, and the state of polarisation after it.
-STRAY_HD void leave_specular(WorldView const& world, PathState& path, Vertex const& vertex, bool through) {
-  Vec3 const travel = path.ray.dir;
-  Vec3 out = unit(vertex.frame.to_world(specular(vertex.wi)));
-  if (through) {
-    out = travel;
-    if (vertex.n_in != vertex.n_out) refracted(travel, vertex.frame.e3, vertex.n_in, vertex.n_out, out);
-    path.media = vertex.after;
-  }
-  if (world.polarised) {
-    Amplitudes const a =
-        specular_amplitudes(world.interfaces, *vertex.optic, vertex.wi.z, vertex.n_in, vertex.n_out, vertex.front);
-    path.polarisation = (through ? transmitted(path.polarisation, travel, vertex.frame.e3, a)
-                                 : reflected(path.polarisation, travel, vertex.frame.e3, a))
-                            .state;
-  }
-  if (path.coherent) path.turned += interface_turns(world, vertex, through);
-  path.ray.dir = out;
-  path.hop.left_by = through ? Event::transmit : Event::reflect;
+// The specular way on one side of the vertex. `choice`, even from 0 to the share of that side, picks the order of a
+// grating.
+STRAY_HD SpecularWay specular_way(WorldView const& world, Vec3 travel, Vertex const& vertex, bool through,
+                                  double choice) {
+  if (vertex.optic->diffracts) return chosen_order(world, vertex, travel, through, choice);
+  SpecularWay way;
+  way.through = through;
+  way.out = unit(vertex.frame.to_world(specular(vertex.wi)));
+  if (!through) return way;
+  way.out = travel;
+  if (vertex.n_in != vertex.n_out) refracted(travel, vertex.frame.e3, vertex.n_in, vertex.n_out, way.out);
+  if (vertex.smooth && dot(way.out, vertex.facet) >= 0) way.out = below(way.out, vertex.facet);
+  return way;
+}
+
+// The state of polarisation behind a specular way. An order of a grating turns it like small facets that reflect or
+// refract one direction into the other.
+STRAY_HD Polarisation polarisation_after(WorldView const& world, Polarisation const& in, Vec3 travel,
+                                         Vertex const& vertex, SpecularWay const& way) {
+  if (way.order != 0) return scattered(in, travel, way.out, way.through, 0);
+  Amplitudes const a =
+      specular_amplitudes(world.interfaces, *vertex.optic, vertex.wi.z, vertex.n_in, vertex.n_out, vertex.front);
+  return (way.through ? transmitted(in, travel, vertex.frame.e3, a) : reflected(in, travel, vertex.frame.e3, a)).state;
+}
+
+// Leaves the vertex by a specular way.
+STRAY_HD void leave_specular(WorldView const& world, PathState& path, Vertex const& vertex, SpecularWay const& way) {
+  if (way.through) path.media = vertex.after;
+  if (world.polarised) path.polarisation = polarisation_after(world, path.polarisation, path.ray.dir, vertex, way);
+  if (path.coherent)
+    path.turned += way.order != 0 ? way.turns + (way.through ? 0 : 0.25) : interface_turns(world, vertex, way.through);
+  path.ray.dir = way.out;
+  path.hop.left_by = way.event();
 }
 
 // Sets ray, hop and route; false: no light leaves. `source`: the vertex lies in the main mode, whose specular
@@ -174,7 +189,8 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
     bool const through = choice >= reflect;
     path.hop.value = through ? transmit : reflect;
     path.hop.lobe = path.hop.value / kept;
-    leave_specular(world, path, vertex, through);
+    leave_specular(world, path, vertex,
+                   specular_way(world, path.ray.dir, vertex, through, through ? choice - reflect : choice));
   } else {
     path.hop.left_by = Event::scatter;
     path.coherent = false;
@@ -191,6 +207,7 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
     if (wo.z < 0) path.media = vertex.after;
     if (world.polarised)
       path.polarisation = scattered(path.polarisation, path.ray.dir, out, wo.z < 0, vertex.optic->depolarise);
+    path.hop.below_facet = vertex.beyond_facet(wo, out);
     path.ray.dir = out;
   }
   path.route = extended(path.route, world.surfaces[vertex.surface.value].group, path.hop.left_by);

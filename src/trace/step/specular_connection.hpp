@@ -53,7 +53,7 @@ STRAY_HD Vec3 start_direction(WorldView const& world, Receiver const& r, Vec3 st
   return Frame::around(front ? normal : -normal).to_world({rho * azimuth.cos, rho * azimuth.sin, std::sqrt(1 - a)});
 }
 
-// Calls `passed(vertex, through)` for every specular surface, starting at the receiver, and `met(back)` for every
+// Calls `passed(vertex, way)` for every specular surface, starting at the receiver, and `met(back)` for every
 // surface behind one, whether the sub-path ends there or not, with the tau reached so far.
 template <class Passed, class Met>
 STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& rng, Passed&& passed, Met&& met) {
@@ -92,14 +92,15 @@ STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& 
       return back;
     }
     bool const through = choice >= at.reflect;
-    passed(at, through);
+    SpecularWay const way = specular_way(world, path.ray.dir, at, through, through ? choice - at.reflect : choice);
+    passed(at, way);
     path.power *= at.kept();
     path.from = {at.surface, at.piece, at.contact};
     path.ray.origin = at.point;
     path.media = at.before;
-    leave_specular(world, path, at, through);
+    leave_specular(world, path, at, way);
     back.patch = at.patch;
-    back.cosine = std::fabs(dot(path.ray.dir, at.frame.e3));
+    back.cosine = std::fabs(dot(path.ray.dir, at.normal()));
   }
   return {};
 }
@@ -111,9 +112,8 @@ STRAY_HD Rng backward_numbers(std::uint64_t seed, PathState const& path, std::ui
 struct Chain {
   std::uint64_t name[most_specular_hops + 1];
   std::uint32_t hops = 0;
-  STRAY_HD void add(WorldView const& world, Vertex const& at, bool through) {
-    name[hops++] = std::uint64_t(world.surfaces[at.surface.value].group.value) << 8 |
-                   std::uint64_t(through ? Event::transmit : Event::reflect);
+  STRAY_HD void add(WorldView const& world, Vertex const& at, Event event) {
+    name[hops++] = std::uint64_t(world.surfaces[at.surface.value].group.value) << 8 | std::uint64_t(event);
   }
 };
 
@@ -188,9 +188,9 @@ STRAY_HD void connect_through(WorldView const& world, PathState const& path, Ver
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
       z.albedo / z.kept() * mixture_pdf(world, z.side(), law, back.patch, back.distance, back.cosine) / std::fabs(wo.z);
-  double const walk = walk_density(world, path, vertex, way, z.patch, z.wi.z) * leaving;
+  double const walk = walk_density(world, path, vertex, way, z.patch, z.cosine()) * leaving;
   double const power =
-      path.power * way.bsdf * way.kept * way.geometry(z.wi.z) * f * back.tau * etendue / (1 + walk * etendue);
+      path.power * way.bsdf * way.kept * way.geometry(z.cosine()) * f * back.tau * etendue / (1 + walk * etendue);
   if (!(power > 0)) return;
   Vertex const end = make_vertex(world, world.receivers[receiver].surface, back.end, back.arriving, back.end_piece);
   if constexpr (requires { sink.score_through(path, vertex, z, chain, receiver, end, power); })
@@ -210,7 +210,8 @@ STRAY_HD void connect_behind_glass(WorldView const& world, std::uint64_t seed, P
     Rng rng = backward_numbers(seed, path, receiver);
     Chain chain;
     Backward const back = backward_from(
-        world, world.receivers[receiver], rng, [&](Vertex const& at, bool through) { chain.add(world, at, through); },
+        world, world.receivers[receiver], rng,
+        [&](Vertex const& at, SpecularWay const& way) { chain.add(world, at, way.event()); },
         [&](Backward const& met) {
           if constexpr (hears_lit)
             for (std::size_t i = 0; starts && i < world.emitters.size; ++i)

@@ -76,9 +76,9 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
   Vertex vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);
   evaluate_scattering(world, path, path.ray.dir, vertex);
   path.emitted = path.power * vertex.albedo;
-  if (lit.profile != Profile::point) path.reached_pdf = connection_density(lit, vertex.point, vertex.frame.e3) / draws;
+  if (lit.profile != Profile::point) path.reached_pdf = connection_density(lit, vertex.point, vertex.normal()) / draws;
   sink.emitted(path, vertex);
-  if (!lit.standing) score_single(world, path, vertex, lit, sink);
+  if (!lit.standing && lit.returns) score_single(world, path, vertex, lit, sink);
   connect(world, seed, path, vertex, sink);
   connect_receivers(world, seed, path, vertex, sink);
   connect_behind_glass(world, seed, path, vertex, sink);
@@ -208,6 +208,10 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
   sink.book(BalanceTerm::sampling, path.power * (path.hop.kept - weight));  // zero on average, which is tested
   path.power *= weight;
   if (path.power == 0) return false;
+  if (path.hop.below_facet) {
+    absorb(sink, world.surfaces[path.from.surface.value].group, path.power);
+    return false;
+  }
   pass_planes(world, path, hit.distance, sink);
   absorb(sink, {}, lost_in_medium(world, path, hit.distance));
   if (!hit.surface.valid()) {

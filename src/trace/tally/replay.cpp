@@ -147,17 +147,15 @@ class ReplaySink {
   void end_behind(PathState const& path, std::uint32_t source, std::vector<PassedVertex> vertices, double path_length,
                   std::uint32_t hops, std::uint32_t receiver, Vertex const& end, bool other, double power) {
     Rng rng = backward_numbers(seed_, path, receiver);
-    std::vector<std::pair<Vertex, Event>> specular;
+    std::vector<std::pair<Vertex, SpecularWay>> specular;
     backward_from(
         view_, view_.receivers[receiver], rng,
-        [&](Vertex const& at, bool through) { specular.emplace_back(at, through ? Event::transmit : Event::reflect); },
-        [](Backward const&) {});
+        [&](Vertex const& at, SpecularWay const& way) { specular.emplace_back(at, way); }, [](Backward const&) {});
     specular.resize(hops);
     Event left_by = Event::scatter;
     for (auto at = specular.rbegin(); at != specular.rend(); ++at) {  // seen backwards: `behind` is where the light is
-      go_to(vertices, path_length, at->first, left_by,
-            at->second == Event::transmit ? at->first.n_out : at->first.n_in);
-      left_by = at->second;
+      go_to(vertices, path_length, at->first, left_by, at->second.through ? at->first.n_out : at->first.n_in);
+      left_by = at->second.event();
     }
     go_to(vertices, path_length, end, left_by, specular.front().first.n_in);
     vertices.back().event = Event::receive;

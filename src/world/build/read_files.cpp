@@ -8,6 +8,7 @@
 
 #include "base/input/document.hpp"
 #include "base/text/words.hpp"
+#include "geometry/mesh/smooth_normals.hpp"
 #include "world/import/mesh_doctor.hpp"
 
 namespace straytrace::world {
@@ -394,7 +395,44 @@ class PartAdder {
   std::vector<PartLabel> labels_;
 };
 
-void add_mesh(PlacedFile const& from, LoadedMesh const& mesh, PartAdder& adder) {
+// The key `smooth` of an entry: normals of the file, or those of triangles that meet at no more than an angle.
+class Smoothing {
+ public:
+  Smoothing(PlacedFile const& from, FileLibrary& library, Storage& storage)
+      : from_(from), library_(library), storage_(storage) {
+    node_ = from.instance.placement["smooth"];
+    if (!node_) return;
+    by_file_ = node_.kind() == Node::Kind::scalar && node_.text() == "from_file";
+    if (!by_file_) angle_ = node_.as_number(dim::angle, 0, pi / 2);
+  }
+  MeshContent of(LoadedMesh const& mesh, std::size_t part) {
+    MeshContent const& flat = mesh.content[part];
+    std::vector<MeshVertex> const& stated = mesh.file.parts[part].normals;
+    if (!node_ || (!by_file_ && !std::isfinite(angle_))) return flat;
+    bool const any = std::ranges::any_of(mesh.file.parts, [](MeshPart const& p) { return !p.normals.empty(); });
+    if (by_file_ && stated.empty()) {
+      if (from_.first_time && !any)
+        node_.problem(fmt::format("'{}' states no normals at the corners of its triangles", mesh.file.name),
+                      "write smooth: 30 deg, the largest angle between triangles of one smooth surface");
+      return flat;
+    }
+    std::string const key = fmt::format("{}:{}:{}:{}", from_.file.place().file, mesh.file.name, part,
+                                        by_file_ ? std::string("file") : fmt::format("{}", angle_));
+    auto const [slot, fresh] = library_.smooth.try_emplace(key);
+    if (fresh) slot->second = by_file_ ? smoothed(flat, stated, storage_) : smoothed(flat, angle_, storage_);
+    return slot->second;
+  }
+
+ private:
+  PlacedFile const& from_;
+  FileLibrary& library_;
+  Storage& storage_;
+  Node node_;
+  bool by_file_ = false;
+  double angle_ = 0;
+};
+
+void add_mesh(PlacedFile const& from, LoadedMesh const& mesh, Smoothing& smoothing, PartAdder& adder) {
   double const stated = mesh.file.stated_unit;
   Box box;
   for (MeshContent const& c : mesh.content) box.add(c.box);
@@ -402,7 +440,7 @@ void add_mesh(PlacedFile const& from, LoadedMesh const& mesh, PartAdder& adder) 
   double const unit = adder.checked(read_file_unit(from.instance, box, stated, source, from.first_time), box);
   for (std::size_t i = 0; i < mesh.file.parts.size(); ++i) {
     adder.turn_to({part_name(mesh, i), mesh.file.parts[i].material, mesh.file.parts[i].colour});
-    adder.add_mesh(mesh.content[i], unit);
+    adder.add_mesh(smoothing.of(mesh, i), unit);
   }
 }
 
@@ -425,6 +463,7 @@ void add_file(PlacedFile const& from, World& world, Registry& names, FileLibrary
   auto const cad = is_cad ? load(from.file, library) : nullptr;
   auto const mesh = is_cad ? nullptr : load(from.file, world, library);
   PartAdder adder(from, world, names);
+  Smoothing smoothing(from, library, world.storage);
   if (is_cad ? cad->file.parts.empty() : !mesh->sound) {
     from.instance.placement.has("units");
     from.instance.node.has("units");
@@ -433,7 +472,7 @@ void add_file(PlacedFile const& from, World& world, Registry& names, FileLibrary
   if (is_cad)
     add_cad(from, *cad, world, adder);
   else
-    add_mesh(from, *mesh, adder);
+    add_mesh(from, *mesh, smoothing, adder);
   adder.report();
 }
 

@@ -35,6 +35,7 @@ struct LoadedCad;
 struct FileLibrary {
   std::map<std::string, std::shared_ptr<LoadedMesh const>> meshes;
   std::map<std::string, std::shared_ptr<LoadedCad>> cads;
+  std::map<std::string, MeshContent> smooth;  // meshes with normals at their corners
 };
 
 // Adds one surface per part of a mesh file or per face of a STEP file, whose normals point out of the part.

@@ -386,14 +386,95 @@ struct Reader {
   }
 };
 
-void read_fixed(Node const& s, Optic& optic) {
-  optic.reflect = s.number("reflect", dim::plain, 0, 0, 1);
-  optic.transmit = s.number("transmit", dim::plain, 0, 0, 1);
-}
-
 void set_interface(Optic& optic, PoolRef ref) {
   optic.has_interface = true;
   optic.interface = ref;
+}
+
+// Direction of the grooves: `around` the axis of the shape, or of the scene.
+bool read_groove_direction(Node const& grating, Optic& optic) {
+  Node const node = grating["grooves"];
+  if (!node) {
+    grating.problem("key 'grooves' (their direction) is missing",
+                    "write grooves: around, or a direction of the scene, grooves: [0, 1, 0]");
+    return false;
+  }
+  if (node.kind() == Node::Kind::scalar) {
+    static constexpr std::string_view words[] = {"around"};
+    optic.lay = Lay::around;
+    return grating.choice("grooves", words) == "around";
+  }
+  auto const given = read_direction(node);
+  optic.lay = Lay::given;
+  optic.lay_direction = given.value_or(Vec3{0, 1, 0});
+  return given.has_value();
+}
+
+// One row of `orders`; false after a problem.
+bool read_order(Node const& row, Grating& grating) {
+  if (row.kind() != Node::Kind::table) {
+    row.problem("an order is a table", "write {order: -1, reflect: 90 %}");
+    return false;
+  }
+  GratingOrder o{row.number("order", dim::plain, required, -1000, 1000), row.number("reflect", dim::plain, 0, 0, 1),
+                 row.number("transmit", dim::plain, 0, 0, 1)};
+  row.refuse_unknown("an order of a grating");
+  if (!std::isfinite(o.order + o.reflect + o.transmit)) return false;
+  if (o.order != std::floor(o.order)) {
+    row["order"].problem(fmt::format("order {:g} is not a whole number", o.order), "write -1, 0, 1, 2 ...");
+    return false;
+  }
+  for (std::int64_t i = 0; i < grating.count; ++i)
+    if (grating.order[i].order == o.order) {
+      row.problem(fmt::format("order {:g} is there twice", o.order), "give 'reflect' and 'transmit' in one row");
+      return false;
+    }
+  if (std::fabs(o.order) * grating.turn >= 2)
+    row.warning(
+        fmt::format("order {:g} propagates in vacuum at no incidence: its efficiency counts as absorbed", o.order),
+        "check the sign of the exponent of 'density', or remove the order");
+  grating.order[grating.count++] = o;
+  return true;
+}
+
+void read_grating(Node const& node, World& world, Optic& optic) {
+  Grating grating;
+  if (node.has("density") == node.has("period")) {
+    node.problem(node.has("period") ? "'density' and 'period' both set the distance of the lines"
+                                    : "a grating needs 'density' or 'period'",
+                 "write density: 1200 /mm, or period: 833 nm");
+    grating.density = not_a_number;
+  } else if (node.has("density")) {
+    grating.density = node.number("density", dim::per_metre, required, 1e-3, 1e9);
+  } else {
+    grating.density = 1 / node.number("period", dim::length, required, 1e-9, 1e3);
+  }
+  grating.turn = grating.density * world.wavelength;
+  bool whole = std::isfinite(grating.turn) && read_groove_direction(node, optic);
+  auto const rows = node.list("orders");
+  if (rows.empty() || rows.size() > std::size_t(Grating::most_orders)) {
+    node.problem(rows.empty() ? "a grating needs the efficiencies of its orders"
+                              : fmt::format("more than {} orders", int(Grating::most_orders)),
+                 "write orders: [{order: 0, reflect: 5 %}, {order: -1, reflect: 90 %}]");
+    whole = false;
+  } else {
+    for (Node const& row : rows) whole = read_order(row, grating) && whole;
+  }
+  node.refuse_unknown("'grating'");
+  double const sum = grating.reflectance() + grating.transmittance();
+  if (sum > 1 + 1e-9) {
+    node.problem(fmt::format("the grating violates energy conservation: its orders carry {:.6g} of the light", sum),
+                 "lower some of them; the remainder is absorbed");
+    whole = false;
+  }
+  if (!whole) return;
+  set_interface(optic, world.add_interface(grating));
+  optic.diffracts = true;
+}
+
+void read_fixed(Node const& s, Optic& optic) {
+  optic.reflect = s.number("reflect", dim::plain, 0, 0, 1);
+  optic.transmit = s.number("transmit", dim::plain, 0, 0, 1);
 }
 
 void read_word(Node const& s, World& world, Optic& optic) {
@@ -413,11 +494,12 @@ void read_specular(Node const& material, World& world, Registry const& names, Op
   Node const table = material.table("specular");
   if (!table) return;
   Reader const reader{world, names};
-  bool const fixed = s.has("reflect") || s.has("transmit"), film = s.has("film"), coating = s.has("coating");
+  bool const fixed = s.has("reflect") || s.has("transmit"), film = s.has("film"), coating = s.has("coating"),
+             grating = s.has("grating");
   bool const index = s.has("index") || s.has("extinction");
-  if (fixed + film + coating > 1 || (index && (fixed || coating)))
+  if (fixed + film + coating + grating > 1 || (index && (fixed || coating || grating)))
     s.problem("two descriptions of one interface",
-              "keep one: 'reflect' and 'transmit', 'film' (with or without 'index'), 'index', or 'coating'");
+              "keep one: 'reflect' and 'transmit', 'film' (with or without 'index'), 'index', 'coating' or 'grating'");
   else if (film)
     set_interface(optic, reader.film(s.table("film"), reader.opaque(s)));
   else if (index)
@@ -425,6 +507,8 @@ void read_specular(Node const& material, World& world, Registry const& names, Op
   else if (coating) {
     auto const made = read_coating(s, world);
     if (made) set_interface(optic, world.add_interface(*made));
+  } else if (grating) {
+    read_grating(s.table("grating"), world, optic);
   } else {
     read_fixed(s, optic);
   }

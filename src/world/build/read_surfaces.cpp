@@ -151,6 +151,7 @@ void check_named(Scene::Instance const& instance, World const& world, Registry& 
   Node const medium = given(instance, "medium");
   if (medium && medium.kind() != Node::Kind::table && medium.as_word() != "none") find_medium(medium, world, names);
   for (char const* key : {"shape", "side", "file", "units"}) given(instance, key);
+  for (char const* key : {"smooth", "imperfections"}) instance.placement.has(key);
   for (Node const& frame : instance.frames) read_pose(frame);
 }
 
@@ -162,6 +163,7 @@ void add_instance(Scene::Instance const& instance, World& world, Registry& names
   Node const shape = given(instance, "shape"), file = given(instance, "file"), body = given(instance, "body");
   Node const material = file ? Node() : material_of(instance);
   Node const side_node = given(instance, "side");
+  instance.placement.has("imperfections");  // read when all beams are known
   bool const first_time = shared.complained.insert(instance.group).second;
   auto const demand = [&](Node const& node, std::string const& key, std::string const& example) {
     if (!node && first_time)

@@ -12,6 +12,7 @@
 #include "world/build/read_parts.hpp"
 #include "world/checks/faces.hpp"
 #include "world/ghosts/beam_tree.hpp"
+#include "world/model/diffraction.hpp"
 
 namespace straytrace::world {
 namespace {
@@ -208,10 +209,32 @@ bool lay_vanishes(WorldView const& view, Surface const& s, Optic const& o) {
   });
 }
 
+// Whether the lines of a grating, counted across the grooves and the axis of the shape, have no spacing on it.
+bool lines_vanish(World const& world, SurfaceId id, std::uint32_t optic) {
+  WorldView const view = world.view();
+  if (!view.optics[optic].diffracts) return false;
+  SurfacePoint const at =
+      view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) { return sample_of(s, 0.3, 0.3); });
+  Vertex v;
+  v.surface = id;
+  v.point = at.point;
+  v.optic = &view.optics[optic];
+  v.frame = Frame::around(view.normal(id, at.point, at.piece));
+  double place = 0;
+  return length(across_grooves(view, v, place)) < 0.5;
+}
+
 }  // namespace
 
 void check_lays(Scene const& scene, World const& world) {
   WorldView const view = world.view();
+  for (std::uint32_t id = 0; id < world.surfaces().size(); ++id) {
+    Surface const& s = world.surfaces()[id];
+    if (lines_vanish(world, {id}, s.front) || lines_vanish(world, {id}, s.back))
+      scene.root()["scene"].problem(
+          fmt::format("the lines of the grating '{}' have no spacing along its surface", world.groups()[s.group.value]),
+          "put gratings on faces across the axis of their shape (disk, rectangle, cap), with grooves along the face");
+  }
   for (Surface const& s : world.surfaces())
     if (lay_vanishes(view, s, view.optics[s.front]) || lay_vanishes(view, s, view.optics[s.back]))
       scene.root()["scene"].warning(

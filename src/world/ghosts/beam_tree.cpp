@@ -34,6 +34,7 @@ struct Way {
   BeamField field;
   double power = 0;
   bool through = false, departure = false;
+  SpecularWay order = {};  // of a grating
 };
 
 class Tree {
@@ -148,6 +149,41 @@ class Tree {
     split(branch, spot, number, vertex, launched_here);
   }
 
+  // Orders of a grating that propagate; adds the rest to the energy balance.
+  std::vector<Way> orders(BeamSpot const& spot, Vertex const& vertex) {
+    std::vector<Way> all;
+    BeamEnergyBalance::Object& object = energy_balance_.objects[view_.surfaces[spot.surface.value].group.value];
+    double const beside = spot.power * spot.clipped, meets = spot.power - beside;
+    double stays = meets, strongest = 0;
+    for (bool const through : {false, true})
+      for_each_order(view_, vertex, spot.mode.travel, through, [&](SpecularWay const& order) {
+        Way& w = all.emplace_back(Way{spot.field, 0, through, false, order});
+        diffract(w.field, spot.mode.travel, vertex, order);
+        scale(w.field, 1 - spot.clipped);
+        w.power = w.field.power();
+        stays -= w.power;
+        strongest = std::max(strongest, w.power);
+      });
+    for (Way& w : all) w.departure = w.power < weaker * strongest;
+    std::ranges::stable_sort(all, [](Way const& a, Way const& b) { return a.power > b.power; });
+    object.landed += stays;
+    object.scattered += meets * scatter_albedo(view_.laws, *vertex.optic, vertex.wi, vertex.n_in, vertex.n_out);
+    object.beside += beside;
+    if (spot.order > 0) object.ghosts += stays + beside;
+    return all;
+  }
+  // Small facets that reflect or refract one direction into the other, and the phase of the order.
+  static void diffract(BeamField& field, Vec3 travel, Vertex const& vertex, SpecularWay const& order) {
+    Vec3 const across = s_axis(travel, order.order != 0 ? order.out : vertex.frame.e3, field.axis);
+    Complex const phase = std::sqrt(order.share) * exp_turns({order.turns + (order.through ? 0 : 0.25), 0});
+    for (int i = 0; i < field.states; ++i) {
+      Jones& state = field.state[std::size_t(i)];
+      Jones const in = about_axis(state, travel, field.axis, across);
+      state = {phase * in.a, order.through ? phase * in.b : -(phase * in.b)};
+    }
+    field.axis = across;
+  }
+
   // Number of earlier hits of the beam on this side of the surface along the same line.
   std::uint32_t rounds(BeamSpot const& at) const {
     double const width = spot(at.mode).major;
@@ -218,13 +254,20 @@ class Tree {
 
   void split(Branch const& branch, BeamSpot const& spot, std::uint32_t number, Vertex const& vertex,
              bool launched_here) {
+    if (vertex.optic->diffracts) return send(branch, spot, number, vertex, orders(spot, vertex));
     std::array<Way, 2> both = ways(spot, vertex, launched_here && !launch_.cavity.empty());
     if (both[1].power > both[0].power) std::swap(both[0], both[1]);
+    send(branch, spot, number, vertex, both);
+  }
+
+  // `ways`: the strongest first.
+  void send(Branch const& branch, BeamSpot const& spot, std::uint32_t number, Vertex const& vertex,
+            std::span<Way const> ways) {
     bool const too_long = branch.depth >= limits_.longest, wide = 1 - spot.clipped < least_met;
     bool goes_on = false, faint = false;
-    bool const two = both[1].power > 0 && !both[0].departure && !both[1].departure;
-    for (int i : {1, 0}) {  // the stronger one is put last, and followed first
-      Way const& w = both[std::size_t(i)];
+    bool const two = std::ranges::count_if(ways, [](Way const& w) { return w.power > 0 && !w.departure; }) > 1;
+    for (std::size_t i = ways.size(); i-- > 0;) {  // the stronger one is put last, and followed first
+      Way const& w = ways[i];
       if (!(w.power > 0)) continue;
       bool const returns = w.through && is_back_of_mirror(spot.surface, spot.front);
       std::uint32_t const order = returns ? std::max(spot.order, 1u) : spot.order + (w.departure ? 1 : 0);
@@ -256,7 +299,10 @@ class Tree {
       return curvature_of(s, vertex.point, vertex.piece);
     });
     Vec3 const normal = vertex.front ? spot.normal : -spot.normal;  // the one of the shape
-    next.beam.mode = !w.through                    ? reflected(spot.mode, normal, curvature)
+    bool const diffracts = vertex.optic->diffracts;
+    next.beam.mode = diffracts                     ? diffracted(spot.mode, w.order.out, normal, curvature, vertex.n_in,
+                                            w.through ? vertex.n_out : vertex.n_in)
+                     : !w.through                  ? reflected(spot.mode, normal, curvature)
                      : vertex.n_in == vertex.n_out ? spot.mode
                                                    : refracted(spot.mode, normal, curvature, vertex.n_in, vertex.n_out);
     next.beam.field = w.field;
@@ -272,7 +318,8 @@ class Tree {
     next.step.path_length = spot.path_length;
     next.step.spot = number;
     next.step.front = spot.front;
-    next.step.event = w.through ? Event::transmit : Event::reflect;
+    next.step.event = w.order.order != 0 ? Event::diffract : w.through ? Event::transmit : Event::reflect;
+    next.step.diffracted = w.order.order;
     next.step.departure = w.departure;
     next.step.split = two;
     next.from = {vertex.surface, vertex.piece, vertex.contact};

@@ -25,7 +25,7 @@
 #include "beams/mode.hpp"
 #include "optics/polarisation.hpp"
 #include "world/ghosts/screens.hpp"
-#include "world/model/vertex.hpp"
+#include "world/model/diffraction.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::world {
@@ -99,7 +99,8 @@ struct BeamStep {
   double path_length = 0;         // optical, from the launch to the surface, m
   std::uint32_t spot = 0;         // number of the spot
   bool front = true;              // met on the side the normal points to
-  Event event = Event::transmit;  // or reflect
+  Event event = Event::transmit;  // or reflect, diffract
+  int diffracted = 0;             // order of a grating
   bool departure = false;
   bool split = false;  // both ways keep their order
 };

@@ -79,8 +79,8 @@ class MainSink final : public BeamSink {
     if (way.empty()) return;
     auto const at = node_of_spot_.find(way.back().spot);
     if (at == node_of_spot_.end()) return;
-    nodes_[at->second].ways.push_back(
-        {beam, way.back().event, phase_sensitivities_of_way(world_, way, 2 * pi / world_.wavelength)});
+    nodes_[at->second].ways.push_back({beam, way.back().event, way.back().diffracted,
+                                       phase_sensitivities_of_way(world_, way, 2 * pi / world_.wavelength)});
   }
   bool complete = true;
 
@@ -144,7 +144,7 @@ GhostAlignment MainBeam::standing(GhostAlignment const& before, LeavingBeam cons
     bool goes_so = false;
     for (std::uint32_t w = 0; w < node.ways.size(); ++w) {
       MainNode::Way const& main = node.ways[w];
-      bool const same = main.event == step.event;
+      bool const same = main.event == step.event && main.diffracted == step.diffracted;
       goes_so = goes_so || same;
       GhostAlignment s{true,
                        false,

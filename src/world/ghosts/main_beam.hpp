@@ -14,11 +14,12 @@
 
 namespace straytrace::world {
 
-// Where the main beam meets a surface, and the one or two beams in which it leaves.
+// Where the main beam meets a surface, and the beams in which it leaves: one or two, at a grating several.
 struct MainNode {
   struct Way {
     LeavingBeam beam;
     Event event = Event::transmit;
+    int diffracted = 0;                                 // order of a grating
     std::vector<PhaseSensitivity> phase_sensitivities;  // of the way to here including this surface, rad/m and rad
   };
   BeamSpot spot;

@@ -177,10 +177,15 @@ MeshFault without_area(MeshHealth const& health) {
 bool repair(MeshFile& file, MeshHealth const& health) {
   bool done = false;
   for (std::size_t p = 0; p < file.parts.size(); ++p) {
-    auto& triangles = file.parts[p].triangles;
+    auto& [name, material, colour, vertices, triangles, normals] = file.parts[p];
+    std::vector<MeshVertex> kept;
+    for (std::size_t t = 0; 3 * t < normals.size(); ++t)
+      if (!collapsed(triangles[t])) kept.insert(kept.end(), &normals[3 * t], &normals[3 * t] + 3);
+    normals = std::move(kept);
     done |= std::erase_if(triangles, collapsed) > 0;
     if (!health.parts[p].closed || !(health.parts[p].volume < 0)) continue;
     for (MeshTriangle& t : triangles) std::swap(t.corner[1], t.corner[2]);
+    for (std::size_t k = 0; k < normals.size(); k += 3) std::swap(normals[k + 1], normals[k + 2]);
     done = true;
   }
   std::erase_if(file.parts, [](MeshPart const& p) { return p.triangles.empty(); });

@@ -114,6 +114,20 @@ struct Transform {
     auto const row = [&](int i) { return plain(float(m[i][0] * v.x + m[i][1] * v.y + m[i][2] * v.z + m[i][3])); };
     return {row(0), row(1), row(2)};
   }
+  // Of a normal: by the cofactors, with the sign of the determinant, and of any length.
+  MeshVertex normal(aiVector3D const& v) const {
+    if (identity) return {v.x, v.y, v.z};
+    double const side = determinant() < 0 ? -1 : 1;
+    auto const row = [&](int i) {
+      int const j = (i + 1) % 3, k = (i + 2) % 3;
+      auto const cofactor = [&](int c) {
+        int const d = (c + 1) % 3, e = (c + 2) % 3;
+        return m[j][d] * m[k][e] - m[j][e] * m[k][d];
+      };
+      return float(side * (cofactor(0) * v.x + cofactor(1) * v.y + cofactor(2) * v.z));
+    };
+    return {row(0), row(1), row(2)};
+  }
   double determinant() const {
     return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
@@ -131,7 +145,8 @@ struct VertexHash {
 // Collects the meshes of one file into parts by name and material.
 class Parts {
  public:
-  Parts(MeshFile& out, bool linear_colours) : out_(out), linear_colours_(linear_colours) {}
+  Parts(MeshFile& out, bool takes_normals, bool linear_colours)
+      : out_(out), takes_normals_(takes_normals), linear_colours_(linear_colours) {}
 
   void walk(aiScene const& scene, aiNode const& node, Transform const& above, int depth) {
     if (depth > 1000) return;
@@ -166,7 +181,7 @@ class Parts {
   std::size_t number_of(std::string const& name, std::string const& material, std::string const& colour) {
     auto const [hit, fresh] = number_.try_emplace({name, material, colour}, out_.parts.size());
     if (fresh) {
-      out_.parts.push_back({name, material, colour, {}, {}});
+      out_.parts.push_back({name, material, colour, {}, {}, {}});
       known_.emplace_back();
     }
     return hit->second;
@@ -201,10 +216,19 @@ class Parts {
       MeshTriangle t{{vertex.at(face.mIndices[0]), vertex.at(face.mIndices[1]), vertex.at(face.mIndices[2])}};
       if (mirrored) std::swap(t.corner[1], t.corner[2]);
       part.triangles.push_back(t);
+      if (takes_normals_ && mesh.HasNormals()) add_normals(mesh, face, here, mirrored, part);
     }
   }
 
+  static void add_normals(aiMesh const& mesh, aiFace const& face, Transform const& here, bool mirrored,
+                          MeshPart& part) {
+    part.normals.resize(3 * (part.triangles.size() - 1));  // of faces without normals
+    for (int const k : {0, mirrored ? 2 : 1, mirrored ? 1 : 2})
+      part.normals.push_back(here.normal(mesh.mNormals[face.mIndices[k]]));
+  }
+
   MeshFile& out_;
+  bool takes_normals_;   // the format states normals of corners, not of faces
   bool linear_colours_;  // of materials: glTF
   std::map<std::array<std::string, 3>, std::size_t> number_;
   std::vector<std::unordered_map<MeshVertex, std::uint32_t, VertexHash>> known_;
@@ -268,9 +292,11 @@ MeshFault import_mesh(std::string const& bytes, CompanionFile const& companion, 
     std::string const why = explained(kind, bytes, printable(importer.GetErrorString()));
     return {fmt::format("not a readable {} file: {}", kind.substr(1), why), fix};
   }
-  Parts parts(out, kind == ".gltf" || kind == ".glb");
+  Parts parts(out, kind != ".stl", kind == ".gltf" || kind == ".glb");
   parts.walk(*scene, *scene->mRootNode, {}, 0);
   std::erase_if(out.parts, [](MeshPart const& p) { return p.triangles.empty(); });
+  for (MeshPart& p : out.parts)
+    if (!p.normals.empty()) p.normals.resize(3 * p.triangles.size());
   if (out.parts.empty())
     return {"the file contains no triangles", "export the faces of the parts, not only their edges"};
   if (!parts.finite()) return {"a vertex of the file is not a finite number", fix};
@@ -298,6 +324,7 @@ std::string packed(MeshFault const& fault, MeshFile const& file, std::vector<std
     for (std::string const* text : {&p.name, &p.material, &p.colour}) out.add(*text);
     out.add(p.vertices);
     out.add(p.triangles);
+    out.add(p.normals);
   }
   return out.take();
 }
@@ -328,6 +355,7 @@ MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companio
     p.name = in.text(), p.material = in.text(), p.colour = in.text();
     p.vertices = in.values<MeshVertex>();
     p.triangles = in.values<MeshTriangle>();
+    p.normals = in.values<MeshVertex>();
   }
   return fault;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Mesh files: STL (text, binary), OBJ, PLY, glTF and GLB, read from bytes in memory. Polygons become triangles. Names
-// of parts and materials, and colours, serve rules of the scene; normals and textures are ignored.
+// of parts and materials, and colours, serve rules of the scene; textures are ignored.
 #pragma once
 
 #include <assimp/scene.h>
@@ -18,6 +18,7 @@ struct MeshPart {
   std::string colour;          // "#rrggbb": of the material (glTF), of vertices (PLY, STL), of a material library (OBJ)
   std::vector<MeshVertex> vertices;
   std::vector<MeshTriangle> triangles;
+  std::vector<MeshVertex> normals;  // at the corners of each triangle, 0 where the file has none; empty: nowhere
 };
 
 struct MeshFile {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <bit>
+#include <cstddef>
+#include <cstring>
 
 #include "world/model/world.hpp"
 
@@ -43,6 +45,7 @@ void add(Bytes& out, Footprint const& f) {
   if (f.profile == Profile::astigmatic) out.add_doubles(f.astigmatism);
   if (f.index != 1) out.add(f.index);
   if (f.hollow != 1) out.add(f.hollow);
+  if (!f.returns) out.add(std::uint64_t(f.returns));
   if (f.free) out.add(std::uint64_t(f.origin.value));
   out.add_doubles(f.polarisation);
 }
@@ -61,6 +64,21 @@ void add(Bytes& out, Receiver const& r) {
 template <class Plain>
 void add(Bytes& out, Plain const& shape_or_law) {
   out.add_doubles(shape_or_law);
+}
+void add(Bytes& out, Roughness const& law) {
+  struct Plain {
+    char bytes[offsetof(Roughness, stack)];
+  };
+  static_assert(sizeof(Roughness) == sizeof(Plain) + sizeof law.stack);
+  Plain plain;
+  std::memcpy(&plain, static_cast<void const*>(&law), sizeof plain);
+  out.add_doubles(plain);
+  StackFactor const& stack = law.stack;
+  if (stack.table.size == 0) return;
+  for (double x : {double(stack.nodes), double(stack.interfaces), stack.common}) out.add(x);
+  for (std::int64_t const node : {stack.nodes / 4, stack.nodes / 2, stack.nodes - 1})  // they depend on every layer
+    for (std::int64_t j = 0; j < stack.interfaces; ++j)
+      out.add_doubles(stack.table[std::size_t(node * stack.interfaces + j)]);
 }
 void add(Bytes& out, Dust const& dust) {
   for (double x : {dust.optical_depth, dust.reflectance, dust.smallest}) out.add(x);

@@ -23,6 +23,14 @@ struct Vertex {
   Optic const* optic = nullptr;
   double albedo = 0, reflect = 0, transmit = 0;  // shares scattered, reflected and transmitted at this incidence
   std::uint32_t patch = WorldView::none;         // of the steering tables
+  bool smooth = false;                           // e3 is a normal between those of the corners of a mesh
+  Vec3 facet;                                    // then: normal of the facet on the lit side
+  double facet_cosine = 1;                       // and the cosine of incidence on it
+  // Normal and cosine of incidence of the surface itself: they belong to areas, e3 and wi to the optics.
+  STRAY_HD Vec3 normal() const { return smooth ? facet : frame.e3; }
+  STRAY_HD double cosine() const { return smooth ? facet_cosine : wi.z; }
+  // Whether light that leaves along `out`, local `wo`, would run into the facet that it leaves.
+  STRAY_HD bool beyond_facet(Vec3 wo, Vec3 out) const { return smooth && (dot(out, facet) > 0) != (wo.z > 0); }
   STRAY_HD double kept() const { return albedo + reflect + transmit; }
   STRAY_HD std::uint32_t side() const {
     return patch == WorldView::none ? WorldView::none : 2 * patch + (front ? 0 : 1);
@@ -50,6 +58,20 @@ STRAY_HD void lay_frame(WorldView const& world, Surface const& surface, Vec3 poi
   frame.e1 = cross(frame.e2, frame.e3);
 }
 
+constexpr double grazing_facet = 1e-3;  // cosine to the normal of a facet with which bent light leaves it
+
+// A direction turned to the back of the facet, which it leaves at a grazing angle.
+STRAY_HD Vec3 below(Vec3 out, Vec3 facet) { return unit(out - (dot(out, facet) + grazing_facet) * facet); }
+
+// The normal of a mesh of smooth normals, both on the lit side, turned where necessary so that light reflected there
+// stays on the lit side of the facet (docs/reference/shapes/mesh.md).
+STRAY_HD Vec3 shading_normal(Vec3 smooth, Vec3 facet, Vec3 travel) {
+  Vec3 const out = travel - (2 * dot(travel, smooth)) * smooth;
+  double const up = dot(out, facet);
+  if (up >= grazing_facet && dot(travel, smooth) < 0) return smooth;
+  return unit(unit(out + (grazing_facet - up) * facet) - travel);
+}
+
 STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Vec3 travel, std::uint32_t piece = 0) {
   Vertex v;
   v.surface = id;
@@ -59,7 +81,15 @@ STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Ve
   v.front = dot(travel, normal) < 0;
   Surface const& surface = world.surfaces[id.value];
   v.optic = &world.optics[v.front ? surface.front : surface.back];
-  v.frame = Frame::around(v.front ? normal : -normal);
+  Vec3 lit = v.front ? normal : -normal;
+  if (world.smooth(id)) {
+    v.smooth = true;
+    v.facet = lit;
+    v.facet_cosine = -dot(travel, lit);
+    Vec3 const smooth = world.smooth_normal(id, v.point, piece);
+    lit = shading_normal(v.front ? smooth : -smooth, lit, travel);
+  }
+  v.frame = Frame::around(lit);
   if (v.optic->lay != Lay::free) lay_frame(world, surface, v.point, *v.optic, v.frame);
   v.wi = v.frame.to_local(-travel);
   v.patch = patch_of(world, id, v.point, piece);

@@ -28,7 +28,8 @@ struct Surface {
   BodyId body;
   GroupId group;
   std::uint32_t volume = none;  // filled volume behind it: the normal points out of it
-  bool clear = false;           // a measuring plane: light passes, and it hides nothing
+  bool clear = false;           // a measuring plane or a small defect: light passes, and it hides nothing
+  bool smooth = false;          // a mesh with normals at its corners
   double scale = 0;             // m, the largest length in the computation of hits on it
 };
 
@@ -118,6 +119,11 @@ struct WorldView {
   }
   STRAY_HD Vec3 normal(SurfaceId id, Vec3 p, std::uint32_t piece = 0) const {
     return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return normal_of(s, p, piece); });
+  }
+  STRAY_HD bool smooth(SurfaceId id) const { return surfaces[id.value].smooth; }
+  // Between the normals at the corners of a mesh that has them; otherwise that of the surface.
+  STRAY_HD Vec3 smooth_normal(SurfaceId id, Vec3 p, std::uint32_t piece) const {
+    return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return smooth_normal_of(s, p, piece); });
   }
   STRAY_HD Vec3 project(SurfaceId id, Vec3 p, std::uint32_t piece = 0) const {
     return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return projected_on(s, p, piece); });

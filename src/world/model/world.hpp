@@ -75,6 +75,7 @@ class World {
                          group,
                          volume,
                          false,
+                         has_normals(shape),
                          scale_of(shape)});
     return {std::uint32_t(surfaces_.size() - 1)};
   }
@@ -82,6 +83,7 @@ class World {
   SurfaceId add_surface(Shape const& shape, Surface const& as) {  // all but its shape
     return add_surface(shape, as.front, as.back, as.body, as.group, as.volume);
   }
+  void make_clear(SurfaceId id) { surfaces_[id.value].clear = true; }  // light passes, and it hides nothing
   BodyId add_body(std::string name, Vec3 pivot);
   // Its coordinate is a body of its own, of this name; returns that.
   BodyId add_mode(BodyId of, std::string name, ElasticMode);

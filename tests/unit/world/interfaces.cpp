@@ -264,5 +264,52 @@ TEST(WorldInterfaces, Errors) {
   EXPECT_TRUE(rejected(built("media: {a: {preset: fused_silca}}\n"), "did you mean 'fused_silica'"));
 }
 
+TEST(WorldInterfaces, Gratings) {
+  std::string const orders = "orders: [{order: 0, reflect: 5 %, transmit: 1 %}, {order: -1, reflect: 90 %}]";
+  Built const b = material("specular: {grating: {density: 600 /mm, grooves: [0, 2, 0], " + orders + "}}");
+  EXPECT_EQ(b.problems, "");
+  EXPECT_TRUE(b.optic("m").diffracts);
+  SpecularShares const s = specular_shares(b.world.view().interfaces, b.optic("m"), 0.5, 1, 1, true);
+  EXPECT_NEAR(s.reflect, 0.95, 1e-15);
+  EXPECT_NEAR(s.transmit, 0.01, 1e-15);
+  EXPECT_NEAR(b.amplitudes("m", 0.5).reflectance(), 0.05, 1e-15);
+  auto const wrong = [&](std::string const& keys) { return material("specular: {grating: {" + keys + "}}"); };
+  std::string const lines = "density: 600 /mm, grooves: around, ";
+  EXPECT_TRUE(
+      rejected(wrong("grooves: around, " + orders), "a.yaml:2:37: error: a grating needs 'density' or 'period'"));
+  EXPECT_TRUE(rejected(wrong("density: 600 /mm, period: 1 um, grooves: around, " + orders), "both set the distance"));
+  EXPECT_TRUE(rejected(wrong("density: 600 /mm, " + orders), "'grooves' (their direction) is missing"));
+  EXPECT_TRUE(rejected(wrong("density: 600 /mm, grooves: along, " + orders), "along"));
+  EXPECT_TRUE(rejected(wrong(lines), "needs the efficiencies of its orders"));
+  EXPECT_TRUE(rejected(wrong(lines + "orders: [{order: 0.5, reflect: 1 %}]"), "order 0.5 is not a whole number"));
+  EXPECT_TRUE(
+      rejected(wrong(lines + "orders: [{order: 1, reflect: 1 %}, {order: 1, transmit: 1 %}]"), "is there twice"));
+  EXPECT_TRUE(rejected(wrong(lines + "orders: [{order: 0, reflect: 60 %}, {order: 1, transmit: 50 %}]"),
+                       "its orders carry 1.1 of the light"));
+  EXPECT_TRUE(
+      rejected(material("specular: {grating: {" + lines + orders + "}}, scatter: {model: lambertian, tis: 5 %}"),
+               "violates energy conservation"));
+  EXPECT_TRUE(rejected(material("specular: {grating: {" + lines + orders + "}, reflect: 1 %}"), "two descriptions"));
+}
+
+TEST(WorldInterfaces, RoughInterfaces) {
+  std::string const film = "specular: {film: {layers: [[2.07, quarter], [1.45, quarter]]BETWEEN}}, ";
+  auto const with = [&](std::string const& keys, std::string const& between = ", between: [vacuum, fused_silica]") {
+    std::string text = film;
+    text.replace(text.find("BETWEEN"), 7, between);
+    return material(text + "scatter: {model: k-correlation, rms: 0.2 nm, b: 10 um, c: 2, " + keys + "}");
+  };
+  for (char const* how : {"interfaces: correlated", "interfaces: uncorrelated", "interfaces: 0.3"})
+    EXPECT_EQ(with(how).problems, "");
+  EXPECT_EQ(with("interfaces: correlated, substrate: fused_silica", "").problems, "");
+  EXPECT_TRUE(rejected(with("interfaces: correlated", ""), "the body behind the film is not known here"));
+  EXPECT_TRUE(rejected(with("interfaces: 1.5"), "1.5"));
+  EXPECT_TRUE(rejected(with("interfaces: correlated, index: 1.5"), "both give the factor Q"));
+  EXPECT_TRUE(rejected(with("interfaces: correlated, theory: harvey-shack"), "is of first order"));
+  EXPECT_TRUE(rejected(with("substrate: 1.45"), "'substrate' needs 'interfaces'"));
+  EXPECT_TRUE(rejected(material("scatter: {model: k-correlation, rms: 0.2 nm, b: 10 um, c: 2, interfaces: correlated}"),
+                       "needs the layers of the coating"));
+}
+
 }  // namespace
 }  // namespace straytrace::world_interfaces

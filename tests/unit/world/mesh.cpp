@@ -194,7 +194,7 @@ TEST(mesh_file, the_size_of_the_original_test) {
 MeshFile one_part(testing::Soup const& s) {
   MeshFile file;
   file.name = "x.stl";
-  file.parts = {{"part", "", "", s.vertices, s.triangles}};
+  file.parts = {{"part", "", "", s.vertices, s.triangles, {}}};
   return file;
 }
 std::string said_of(MeshFile const& file) {

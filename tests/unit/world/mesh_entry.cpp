@@ -66,6 +66,22 @@ TEST(mesh_entry, parts_become_surfaces_with_the_materials_chosen) {
   EXPECT_NEAR(hit.distance, 4.999, 1e-12);
 }
 
+TEST(mesh_entry, smooth_normals) {
+  std::string const cube = "file: cad/cube.obj, units: mm, material: steel";
+  Built const flat = built(cube), round = built(cube + ", smooth: 90 deg"),
+              stated = built(cube + ", smooth: from_file");
+  for (Built const* b : {&flat, &round, &stated}) EXPECT_EQ(b->errors, "");
+  EXPECT_FALSE(flat.world.surfaces()[1].smooth);
+  EXPECT_TRUE(round.world.surfaces()[1].smooth);
+  EXPECT_NE(flat.world.fingerprint(), round.world.fingerprint());
+  EXPECT_NE(stated.world.fingerprint(), round.world.fingerprint());
+  EXPECT_EQ(flat.world.fingerprint(), built(cube).world.fingerprint());
+  EXPECT_THAT(built(cube + ", smooth: 100 deg").errors, HasSubstr("100"));
+  FileTexts const bare{{"cad/cube.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"}};
+  EXPECT_THAT(built(cube + ", smooth: from_file", bare).errors,
+              HasSubstr("'cad/cube.obj' states no normals at the corners of its triangles"));
+}
+
 TEST(mesh_entry, instances_share_their_arrays_and_differ_in_the_fingerprint) {
   std::string const two =
       "file: cad/cube.obj, units: mm, material: steel, repeat: {count: 2, along: z, from: 1 m, to: 2 m}";

@@ -31,6 +31,10 @@ void arrays_of(Dust const& x, F const& f) {
   f(x.scatter.term);
 }
 template <class F>
+void arrays_of(Roughness const& x, F const& f) {
+  f(x.stack.table);
+}
+template <class F>
 void arrays_of(Optic const& x, F const& f) {
   for (View<AngleWeight const> const& weight : x.weight) f(weight);
 }
@@ -44,6 +48,7 @@ void arrays_of(TriangleMesh const& x, F const& f) {
   MeshContent const& c = x.content;
   f(c.vertices);
   f(c.triangles);
+  f(c.normals);
   f(c.packs);
   f(c.by_area);
   f(c.in_order);

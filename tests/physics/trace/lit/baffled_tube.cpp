@@ -45,7 +45,7 @@ TEST(BaffledTube, MissedPathTrap) {
   SteeringTables const tables = make_importance(world);
   world.steer(without_near_wall(world, tables, 0.1));
   TraceResult const insured = run_histories(world, 1 << 19);
-  expect_same("A ", received(insured, 0), received(law, 0));
+  expect_same("A ", received_by(insured, 0), received_by(law, 0));
   std::vector<std::string> const& warnings = insured.coupling.warnings;
   ASSERT_FALSE(warnings.empty());
   EXPECT_NE(warnings[0].find("receiver A comes from 'wall'"), std::string::npos) << warnings[0];

@@ -53,12 +53,12 @@ void follow(WorldView const& view, std::uint32_t end, PathState path, std::uint3
     if (reflections < Ghosts::most) {
       PathState back = path;
       back.power *= v.reflect;
-      leave_specular(view, back, v, false);
+      leave_specular(view, back, v, specular_way(view, back.ray.dir, v, false, 0));
       follow(view, end, back, reflections + 1, paired, out);
       if (!paired && reflections > 0) return;
     }
     path.power *= v.transmit;
-    leave_specular(view, path, v, true);
+    leave_specular(view, path, v, specular_way(view, path.ray.dir, v, true, 0));
   }
 }
 Ghosts ghosts(World const& world, int surfaces, bool paired = true) {
