@@ -159,6 +159,10 @@ Sight sight(WorldView const& world, Ray ray, Departure from, LookSettings const&
     Seen here{hit.surface, hit.piece, start, ray.origin, world.normal(hit.surface, ray.origin, hit.piece), true};
     here.front = dot(ray.dir, here.normal) < 0;
     if (!here.front) here.normal = -here.normal;
+    if (world.smooth(hit.surface)) {
+      Vec3 const smooth = world.smooth_normal(hit.surface, ray.origin, hit.piece);
+      here.normal = shading_normal(here.front ? smooth : -smooth, here.normal, ray.dir);
+    }
     Look const look =
         settings.looks.empty() ? Look::solid : settings.looks[2 * hit.surface.value + (here.front ? 0 : 1)];
     if (look == Look::solid) {

@@ -34,7 +34,8 @@ STRAY_HD bool lights(WorldView const& world, Footprint const& lit, Vec3 y, Vec3 
 // BSDF at the lit surface from the direction of arrival into the reversed mode, 1/sr. Light from behind rejoins through
 // the surface, with the indices of the vertex.
 STRAY_HD double rejoin_bsdf(WorldView const& world, Vertex const& at, Footprint const& lit) {
-  Vec3 const reversed = at.frame.to_local(-lit.direction(at.point));
+  Vec3 const out = -lit.direction(at.point), reversed = at.frame.to_local(out);
+  if (at.beyond_facet(reversed, out)) return 0;
   if (reversed.z > 0) return scatter_eval(world.laws, *at.optic, at.wi, reversed);
   return scatter_eval(world.laws, *at.optic, at.wi, reversed, at.n_in, at.n_out);
 }

@@ -155,6 +155,7 @@ STRAY_HD void score_lit_behind(WorldView const& world, PathState const& path, st
   there.polarisation = beam.polarisation;
   evaluate_scattering(world, there, lit.travel, z);
   Vec3 const wo = z.frame.to_local(back.towards);
+  if (z.beyond_facet(wo, back.towards)) return;
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0)) return;
   double const etendue = etendue_at(back, z, wo);
@@ -182,6 +183,7 @@ STRAY_HD void connect_through(WorldView const& world, PathState const& path, Ver
   there.polarisation = path.polarisation;
   evaluate_scattering(world, there, way.out, z);
   Vec3 const wo = z.frame.to_local(back.towards);
+  if (z.beyond_facet(wo, back.towards)) return;
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0) || blocked(world, vertex, way, z)) return;
   double const etendue = etendue_at(back, z, wo);

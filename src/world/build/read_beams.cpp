@@ -105,6 +105,12 @@ void read_beams(Scene const& scene, World& world, Registry const& names, Network
 bool read_mirror(Node const& node, Registry const& names, World const& world, CavityMirror& mirror) {
   mirror.id = find_surface(node, names);
   if (!mirror.id.valid()) return false;
+  Surface const& surface = world.surfaces()[mirror.id.value];
+  if (world.view().optics[surface.front].diffracts || world.view().optics[surface.back].diffracts) {
+    node.problem(fmt::format("'{}' is a grating: the mode of a cavity with gratings is not computed", node.text()),
+                 "state the beam by 'from' and 'facing', or give the mirror 'reflect' instead of 'grating'");
+    return false;
+  }
   return world.view().shapes.visit(world.surfaces()[mirror.id.value].shape, [&](auto const& s) {
     using Shape = std::decay_t<decltype(s)>;
     if constexpr (std::is_same_v<Shape, Cap> || std::is_same_v<Shape, Disk>) {
