@@ -19,6 +19,7 @@ namespace straytrace::world {
 namespace {
 
 constexpr std::size_t most_imperfections = 500;  // emitters of a scene: each starts histories of its own
+constexpr std::size_t too_many_to_trace = 50;    // from which on they take most of the time of a trace
 constexpr double above = 1e-7;                   // m over the surface
 constexpr std::size_t pieces_of_scratch = 16;
 constexpr Dimension metre2{4};
@@ -174,6 +175,7 @@ class ImperfectionAdder {
     std::vector<Imperfection> const all = ImperfectionReader(row, host, number).read();
     row.refuse_unknown("an imperfection");
     if (optic == names_.materials.end() || !row.healthy()) return;
+    std::size_t const before = count_;
     for (Imperfection const& one : all) {
       count_ += one.pieces.size();
       if (count_ > most_imperfections)
@@ -182,6 +184,11 @@ class ImperfectionAdder {
             "keep the largest, and describe the others by the model 'defects' of the material");
       if (!add(instance.group, row, host, one, optic->second)) return;
     }
+    if (before <= too_many_to_trace && count_ > too_many_to_trace)
+      row.warning(
+          fmt::format("more than {} single imperfections: the time of a trace grows with the square of their number",
+                      too_many_to_trace),
+          "keep the largest, and describe the others by the model 'defects' of the material");
   }
 
   // A disc for each piece, with the light of every beam of the host there.

@@ -44,6 +44,7 @@ TEST(Imperfections, ErrorsNamePlaceAndRemedy) {
             "more than 500 imperfections"},
            {"[{at: [1 cm, 0 cm], dig: 5, material: pit, grad: 3}]", "grad"},
            {"[{at: [1 cm, 0 cm], dig: 5, material: pit, face: front}]", "no face 'front'"},
+           {"[{count: 60, dig: 1, material: pit}]", "warning: more than 50 single imperfections"},
            {"[dig]", "an imperfection is a table"}})
     EXPECT_THAT(said(c.row), HasSubstr(c.words)) << c.row;
 }
