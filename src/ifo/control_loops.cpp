@@ -29,7 +29,7 @@ double largest_power(Network const& network, SteadyField const& field) {
 }  // namespace
 
 Eigen::MatrixXcd CalibratedStrain::responses(std::vector<LinearResponse> const& readouts,
-                                           std::vector<ControlledLength> const& controlled) const {
+                                             std::vector<ControlledLength> const& controlled) const {
   auto const size = Eigen::Index(controlled.size());
   Eigen::MatrixXcd m(size, size);
   for (Eigen::Index i = 0; i < size; ++i)
@@ -41,7 +41,7 @@ Eigen::MatrixXcd CalibratedStrain::responses(std::vector<LinearResponse> const& 
 // Actuators move by u, the loops sense y = R u + T s, and u = -C y, where C = G/R_pp of a closed loop. A held length
 // has y = 0 with itself as sensor: the row R u = -T s without the term u.
 CalibratedStrain::CalibratedStrain(Network const& network, SteadyField const& field, StrainScale const& scale,
-                               std::vector<ControlledLength> const& controlled, double hz)
+                                   std::vector<ControlledLength> const& controlled, double hz)
     : network_(network), field_(field), scale_(scale), hz_(hz), read_(network, field, scale.readout, hz) {
   using Kind = ControlLoop::Kind;
   auto const size = Eigen::Index(controlled.size());

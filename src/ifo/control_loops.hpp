@@ -32,7 +32,7 @@ bool sees(Network const&, SteadyField const&, Readout const&, NamedFreedom const
 class CalibratedStrain {
  public:
   CalibratedStrain(Network const&, SteadyField const&, StrainScale const&, std::vector<ControlledLength> const&,
-                 double hz);
+                   double hz);
   CalibratedStrain(NetworkModel const& model, SteadyField const& field, double hz)  // of a model with `strain`
       : CalibratedStrain(model.network, field, *model.strain, model.controlled, hz) {}
 

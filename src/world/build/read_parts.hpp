@@ -40,8 +40,8 @@ ElasticMode read_elastic_mode(Node const& shape);
 void read_surfaces(Scene const&, World&, Registry&);
 void read_receivers(Scene const&, World&, Registry const&);  // before the beams: a scene with receivers needs no port
 void read_beams(Scene const&, World&, Registry const&, NetworkPowers const&);
-void read_edges(Scene const&, World&, Registry const&);            // after the beams
-void read_wave(Scene const&, World&, Registry const&);             // after the edges
+void read_edges(Scene const&, World&, Registry const&);  // after the beams
+void read_wave(Scene const&, World&, Registry const&);   // after the edges
 // Single digs and scratches, after all beams and ports.
 void read_imperfections(Scene const&, World&, Registry const&);
 void read_photodiodes(Node const& wave, World&, Registry const&);  // after mirrors and baffles of `wave`

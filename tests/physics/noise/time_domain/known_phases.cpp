@@ -62,6 +62,40 @@ TEST(StaticPhase, LinesOfUpConversion) {  // R2.38: z = 1, and z = 124.0102: odd
   EXPECT_LT(beyond, 1e-4);  // lines fall steeply once n exceeds z
 }
 
+TEST(StaticPhase, LinesOfTwelveRadians) {  // eq. 7.3 at phi_0 = 0; the mean over phi_0 (eq. 7.4) is the control
+  std::vector<double> const known = OneTone(11.810499, 4).lines(0), mean = OneTone(11.810499, 4).lines(pi / 4);
+  double const expected[] = {0.107690, 0, 0.094390, 0}, of_mean[] = {0.053845, 0.001910};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(known[i], expected[i], 1e-6) << i + 1;
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(mean[i], of_mean[i], 1e-6) << i + 1;
+    EXPECT_GT(std::fabs(mean[i] - expected[i]), 1e-3) << i + 1;
+  }
+}
+
+// Cross spectrum of Im s and Re s: line n is -J_n^2 sin(2 phi_0) for odd n and +J_n^2 sin(2 phi_0) for even n, from the
+// products of the amplitudes of eq. 7.3 in both quadratures. Control: the opposite sign.
+TEST(StaticPhase, CorrelatesTheQuadratures) {
+  OneTone const motion(3.2, 8);
+  MotionSet m;
+  m.bodies = {"body"};
+  m.inputs = {tone(motion.hz, motion.z / two_k)};
+  PhaseSpectra const spectra(group_by_shape(m), FrequencyGrid{motion.edges});
+  double const kappa = motion.z * motion.z;
+  std::vector<double> const cross = pair_spectrum(spectra, std::vector<PhasePair>{{1, {kappa}, {-kappa}}}).psd;
+  for (double phi_0 : {0.0, 0.4, pi / 4, 1.1, pi / 2}) {
+    for (int n = 1; n <= 8; ++n) {
+      double const j = bessel(n, motion.z), im = 2 * j * (n % 2 ? std::cos(phi_0) : std::sin(phi_0)),
+                   re = 2 * j * (n % 2 ? -std::sin(phi_0) : std::cos(phi_0));
+      double const width = motion.edges[2 * n - 1] - motion.edges[2 * n - 2];
+      double const seen = std::sin(2 * phi_0) * cross[2 * n - 2] * width;
+      EXPECT_NEAR(seen, im * re / 2, 1e-10) << n << " at " << phi_0;
+      if (n < 4 && phi_0 == pi / 4) {
+        EXPECT_GT(std::fabs(-seen - im * re / 2), 1e-3) << n;
+      }
+    }
+  }
+}
+
 MotionSet gaussian(double rms) { return moving({gaussian_line(2, 0.4, rms)}); }
 
 PairSpectrum quadrature(double rms, double phi_0, std::vector<double> edges) {
