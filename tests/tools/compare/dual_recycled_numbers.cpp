@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/every_module.hpp"
+#include "ifo/control_loops.hpp"
 #include "ifo/dual_recycled.hpp"
 
 namespace {
@@ -71,10 +72,12 @@ void print_gains() {
       DualRecycledParameters p = preset.parameters;
       p.signal_recycling_tuning = tuning;
       DualRecycled const d(p);
+      NetworkModel const model = d.model("");
+      Injection const arm = d.injection(InjectionPoint::arm);
       for (int i = 0; i <= 80; ++i) {
         double const hz = std::pow(10, i / 40.0);
-        HeldResponse const r(d, hz);
-        double const h = std::abs(r.to_amplitude(d.injection(InjectionPoint::arm)) / r.to_freedom(Freedom::darm));
+        CalibratedStrain const r(model, d.field(), hz);
+        double const h = std::abs(r.to([&](LinearResponse const& x) { return x.to_amplitude(arm); }) / r.per_metre());
         fmt::print("{} {} {:.6g} {:.6g}\n", preset.name, tuning, hz,
                    h * speed_of_light * p.mirror_mass * std::pow(2 * pi * hz, 2) / (8 * d.arm_power()));
       }
