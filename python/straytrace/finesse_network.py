@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Networks of FINESSE 3 models in the language of scenes, and back (docs/theory/interferometer.md, eq. N.31).
 
-Plane waves: laser, mirror, beamsplitter, space, lens, modulator, isolator, nothing, free_mass, pendulum; pd, pd1,
-readout_dc, readout_rf, dof. The model is read through FINESSE's own objects, and evaluated: references between parameters
+In plane waves and in Hermite-Gauss modes: laser, mirror, beamsplitter, space, lens, modulator, isolator, nothing, free_mass, pendulum; pd, pd1,
+readout_dc, readout_rf, dof; modes, cav, and gauss at a laser. The model is read through FINESSE's own objects, and evaluated: references between parameters
 become numbers. E of a scene = conj(E of FINESSE), with -pi/4 in a space for each of its ends at a mirror or splitter."""
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from . import engine
 from .errors import InputError
 
 SAME = 1e-9           # relative difference of powers that is accepted
+BEFORE_CAVITIES = 1000     # priority of the mode of a laser
+SAME_MODES = 1e-4     # with modes, whose bases may differ outside cavities
 SURFACES = {"Mirror": "mirror", "Beamsplitter": "splitter"}
 IGNORED = {"Fsig", "ReadoutDetectorOutput", "Cavity", "Gauss"}
 LEFT_OUT = {"Lock": "locks", "AmplitudeDetector": "amplitude detectors", "PowerDetectorDemod2": "twice demodulated detectors",
@@ -78,7 +80,7 @@ class Reader:
         if kind == "Laser":
             if _value(element.f) != 0:
                 raise InputError(f"laser '{element.name}' has an offset frequency, which a network does not have: remove it")
-            return f"laser: {{power: {number(_value(element.P))} W, phase: {number(-_value(element.phase))} deg}}"
+            return f"laser: {{power: {number(_value(element.P))} W, phase: {number(-_value(element.phase))} deg{self.laser_mode(element)}}}"
         if kind == "Modulator":
             return self.modulator(element)
         if kind == "Isolator":
@@ -93,12 +95,52 @@ class Reader:
             return "dump: {}"
         return None
 
+    def laser_mode(self, laser: Any) -> str:
+        for gauss in (e for e in self.model.elements.values() if type(e).__name__ == "Gauss" and self.model.is_modal):
+            if gauss.node.component is not laser:
+                raise InputError(f"gauss '{gauss.name}' is not at a laser: put it there, or remove it")
+            if abs(gauss.qx.q - gauss.qy.q) > 1e-12 * abs(gauss.qx.q):
+                raise InputError(f"gauss '{gauss.name}' is astigmatic, which the mode of a laser is not: give it one q")
+            if abs(self.model.beam_trace()[gauss.node].qx.q - gauss.qx.q) > 1e-9 * abs(gauss.qx.q):
+                self.warnings.append(f"gauss '{gauss.name}': without effect, as a cavity is traced before it; give it a priority")
+                continue
+            curvature = 1 / gauss.qx.Rc if math.isfinite(gauss.qx.Rc) else 0.0
+            return f", mode: {{radius: {number(gauss.qx.w)} m, wavefront_curvature: {number(curvature)} /m}}"
+        return ""
+
+    def modes(self) -> str:
+        """The line of the modes, empty in plane waves. Cavities in the order in which FINESSE traces them."""
+        if not self.model.is_modal:
+            return ""
+        kept = {(int(n), int(m)) for n, m in self.model.homs}
+        order = max(n + m for n, m in kept)
+        whole = {(n, m) for n in range(order + 1) for m in range(order + 1 - n)}
+        even = {(n, m) for n, m in whole if n % 2 == 0 and m % 2 == 0}
+        if kept not in (whole, even):
+            raise InputError("the modes of the model are neither all of an order nor the even ones: write modes(maxtem=N)")
+        phases = self.model._settings.phase_config
+        if phases.zero_k00 or not phases.zero_tem00_gouy:
+            self.warnings.append("the phase of a mismatched beam is kept, as with phase_config(zero_k00=False, zero_tem00_gouy=True)")
+        cavities = [f"[{', '.join(dict.fromkeys(c.name for c in cavity.path.components if type(c).__name__ in SURFACES))}]"
+                    for cavity in self.model.trace_order if type(cavity).__name__ == "Cavity"]
+        return (f"    modes: {{order: {max(order, 1)}{', parity: even' if kept == even != whole else ''}"
+                f"{', cavities: [' + ', '.join(cavities) + ']' if cavities else ''}}}\n")
+
+    def shape(self, element: Any) -> str:
+        """Curvature and tilt of a surface."""
+        radii = _value(element.Rcx), _value(element.Rcy)
+        if radii[0] != radii[1]:
+            raise InputError(f"'{element.name}' has two radii of curvature, which a network does not: give it one Rc")
+        tilt = _value(element.xbeta), _value(element.ybeta)
+        text = f", curvature: {number(1 / radii[0])} /m" if math.isfinite(radii[0]) and radii[0] else ""
+        return text + (f", tilt: [{number(tilt[0])} rad, {number(tilt[1])} rad]" if any(tilt) else "")
+
     def surface(self, element: Any, kind: str) -> str:
         angle = f", incidence: {number(_value(element.alpha))} deg" if kind == "splitter" else ""
         # rounding of R + T + L = 1
         loss = max(0.0, min(_value(element.L), 1 - _value(element.T)))
         return (f"{kind}: {{transmission: {number(_value(element.T))}, loss: {number(loss)}, "
-                f"tuning: {number(-_value(element.phi))} deg{angle}{self.masses.get(element.name, '')}}}")
+                f"tuning: {number(-_value(element.phi))} deg{angle}{self.shape(element)}{self.masses.get(element.name, '')}}}")
 
     def modulator(self, element: Any) -> str:
         if bool(element.positive_only.value):
@@ -160,7 +202,7 @@ class Reader:
         sections = [("components", components, ""), ("spaces", spaces, "- "), ("readouts", readouts, ""), ("freedoms", freedoms, "")]
         body = "".join(f"    {name}:\n" + "".join(f"      {mark}{line}\n" for line in lines)
                        for name, lines, mark in sections if lines)
-        return f"straytrace: 1\ninterferometer:\n  preset: none\n  network:\n    wavelength: {number(self.wavelength)} m\n{body}"
+        return f"straytrace: 1\ninterferometer:\n  preset: none\n  network:\n    wavelength: {number(self.wavelength)} m\n{self.modes()}{body}"
 
 
 def powers_of_scene(scene: str | os.PathLike[str]) -> dict[str, tuple[float, float]]:
@@ -170,8 +212,9 @@ def powers_of_scene(scene: str | os.PathLike[str]) -> dict[str, tuple[float, flo
 
 
 def powers_of_model(model: Any) -> dict[str, tuple[float, float]]:
-    """The same by FINESSE, in plane waves."""
+    """The same by FINESSE."""
     copy = model.deepcopy()
+    copy.phase_config(zero_k00=False, zero_tem00_gouy=True)
     copy.fsig.f = None
     nodes = [(element, port) for element in copy.components for port in element.ports
              if type(element).__name__ in (*SURFACES, "Laser", "Modulator", "Isolator", "Lens", "Nothing") and port.name[1:].isdigit()]
@@ -200,10 +243,11 @@ def network_of_model(model: Any) -> tuple[str, list[str]]:
         scene = pathlib.Path(folder) / "network.yaml"
         scene.write_text(text, encoding="utf-8")
         worst, port = worst_difference(powers_of_scene(scene), powers_of_model(model))
+    if worst > (SAME_MODES if model.is_modal else SAME):
+        hint = ": bases may differ where cavities meet; raise maxtem" if model.is_modal else ""
+        raise InputError(f"FINESSE has another power at '{port}', by {worst:.1e}{hint}")
     if worst > SAME:
-        raise InputError(f"FINESSE has another power at '{port}', by {worst:.1e}: models with higher modes are read as plane waves")
-    if len(model.homs) > 1:
-        reader.warnings.append("higher modes are left out")
+        reader.warnings.append(f"FINESSE has another power at '{port}', by {worst:.1e}: the modes do not suffice")
     return text, reader.warnings
 
 
@@ -215,11 +259,17 @@ def _quantity(text: Any, default: float = 0.0) -> float:
 class Writer:
     """A FINESSE model from a scene without a preset, as straytrace ifo --show network prints it."""
 
-    def __init__(self, network: dict[str, Any]) -> None:
-        self.network = network
+    def __init__(self, network: dict[str, Any], cavities: list[str]) -> None:
+        self.network, self.cavities = network, cavities      # ports that light of the cavities with modes leaves
         self.components: dict[str, dict[str, Any]] = network["components"]
         self.wavelength = _quantity(network["wavelength"])
-        self.lines = ["modes(off)", f"lambda({number(self.wavelength)})"]
+        modes = network.get("modes", {})
+        self.with_modes = bool(modes)
+        word = "even" if modes.get("parity") == "even" else "None"
+        self.lines = [f"modes({'' if word == 'None' else word + ', '}maxtem={modes['order']})" if modes else "modes(off)",
+                      f"lambda({number(self.wavelength)})"]
+        if modes:
+            self.lines.append("phase_config(zero_k00=False, zero_tem00_gouy=True)")
         self.turns = 0
 
     def _dissolves(self, port: str) -> bool:
@@ -240,6 +290,11 @@ class Writer:
     def surface(self, name: str, kind: str, p: dict[str, Any]) -> None:
         phi = -_quantity(p.get("displacement")) / self.wavelength * 360
         values = f"T={number(_quantity(p['transmission']))} L={number(_quantity(p['loss']))} phi={number(phi)}"
+        if curvature := _quantity(p.get("curvature")):
+            values += f" Rc={number(1 / curvature)}"
+        if "tilt" in p:
+            x, y = map(_quantity, p["tilt"])
+            values += f" xbeta={number(x)} ybeta={number(y)}"
         if kind == "mirror":
             self.lines.append(f"m {name} {values}")
         else:
@@ -266,12 +321,18 @@ class Writer:
             self.surface(name, kind, p)
         elif kind == "laser":
             self.lines.append(f"l {name} P={number(_quantity(p['power']))} phase={number(-math.degrees(_quantity(p.get('phase'))))}")
+            if mode := p.get("mode"):
+                curvature = _quantity(mode["wavefront_curvature"])
+                roc = number(1 / curvature) if curvature else "inf"
+                self.lines.append(f"gauss {name}_mode {name}.p1.o w={number(_quantity(mode['radius']))} Rc={roc} priority={BEFORE_CAVITIES}")
         elif kind == "modulator":
             am = p.get("kind") == "amplitude"
             self.lines.append(f"mod {name} f={number(_quantity(p['frequency']))} midx={number(_quantity(p['index']) * (1 if am else -1))} "
                               f"order={int(p['order'])} phase={number(math.degrees(_quantity(p.get('phase'))))} mod_type={'am' if am else 'pm'}")
         elif kind == "isolator":
             self.isolator(name, p)
+        elif kind == "aperture":
+            raise InputError(f"aperture '{name}' has no counterpart in FINESSE but a map: remove it")
         elif kind == "lens":
             self.lines.append(f"lens {name} f={number(_quantity(p['focal_length']))}")
 
@@ -293,9 +354,14 @@ class Writer:
             return
         self.turns += 1
         turn = f"turn_{self.turns}"
+        last = rest * self.wavelength / (2 * math.pi)
         self.lines += [f"bs {turn} R=1 T=0 phi={number(math.degrees(rest / 2))}",
-                       f"s space_{i} {ends[0]} {turn}.p1 L={number(length)}",
-                       f"s space_{i}b {turn}.p2 {ends[1]} L={number(rest * self.wavelength / (2 * math.pi))}"]
+                       f"s space_{i} {ends[0]} {turn}.p1 L={number(length)}"]
+        begin = f"{turn}.p2"
+        if self.with_modes:      # a second reflection: x is as it was
+            self.lines += [f"bs {turn}b R=1 T=0", f"s space_{i}c {begin} {turn}b.p1"]
+            begin = f"{turn}b.p2"
+        self.lines.append(f"s space_{i}b {begin} {ends[1]} L={number(last)}")
 
     def questions(self) -> None:
         self.lines.append("fsig(1)")
@@ -320,6 +386,8 @@ class Writer:
             self.component(name)
         for i, s in enumerate(self.network.get("spaces", [])):
             self.space(i, s)
+        for i, start in enumerate(self.cavities):      # FINESSE traces those of high priority first
+            self.lines.append(f"cav cavity_{i} {self.port(start)}.o priority={len(self.cavities) - i}")
         self.questions()
         return "\n".join(self.lines) + "\n"
 
@@ -329,5 +397,9 @@ def model_of_scene(scene: str | os.PathLike[str]) -> str:
     import ruamel.yaml
 
     printed = engine.ask("ifo", str(scene), "--show", "network", "--quiet").output
-    read = ruamel.yaml.YAML(typ="safe").load(printed)
-    return Writer(read["interferometer"]["network"]).text()
+    network = ruamel.yaml.YAML(typ="safe").load(printed)["interferometer"]["network"]
+    cavities = []
+    if "modes" in network:
+        told = json.loads(engine.ask("ifo", str(scene), "--show", "modes", "--format", "json", "--quiet").output)
+        cavities = [row["start"] for row in told["resonances"] if row["basis"]]
+    return Writer(network, cavities).text()

@@ -431,14 +431,14 @@ std::string RecycledInterferometer::description() const {
           ? fmt::format("power of the carrier with {:g} pm of DARM offset", p.dark_fringe_offset * 1e12)
           : fmt::format("homodyne at {:g} deg", p.homodyne_angle * 180 / pi);
   return fmt::format(
-             "dual-recycled Fabry-Perot Michelson '{}', plane waves with radiation pressure, free of closed forms; "
+             "dual-recycled Fabry-Perot Michelson '{}', {} with radiation pressure, free of closed forms; "
              "read-out: {}, calibrated as DARM, h = (dLx - dLy)/L, {}; lambda "
              "{:g} nm, L {:g} m, P {:.5g} W per arm from "
              "{:.4g} W, M {:g} kg, signal recycling {:g} % tuned to {:g} deg, at {:g} Hz Gamma of "
              "eq. 9.2 {:.4g} and gain of a field in the arm without radiation pressure {:.4g}, f_p {:.4g} Hz",
-             name_, readout, describe(asked_.controlled), p.wavelength * 1e9, p.arm_length, model_->arm_power(),
-             p.input_power, p.mirror_mass, 100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi,
-             hz, gain, std::abs(model_->stray_gain(hz)), model_->pole()) +
+             name_, wave_text(model_->network()), readout, describe(asked_.controlled), p.wavelength * 1e9,
+             p.arm_length, model_->arm_power(), p.input_power, p.mirror_mass, 100 * p.signal_recycling_transmission,
+             p.signal_recycling_tuning * 180 / pi, hz, gain, std::abs(model_->stray_gain(hz)), model_->pole()) +
          (model_->changed() ? ", network changed by the scene" : "") + describe(ports_, *this, band_);
 }
 

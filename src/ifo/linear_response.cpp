@@ -63,15 +63,19 @@ QuadratureCovariance Squeezer::covariance(double hz) const {
 namespace {
 
 // Places of unknowns, and of the equations that define them: for both sidebands (0: upper; 1: the complex conjugate of
-// the lower) of every carrier what enters and what leaves each port; then the displacement of each component.
+// the lower) of every carrier what enters and what leaves each port, all modes of a port together; then the
+// displacement of each component.
 struct Layout {
-  Eigen::Index ports, carriers;
+  Eigen::Index ports, carriers, modes;
   explicit Layout(Network const& n, SteadyField const& f)
-      : ports(n.ports()), carriers(Eigen::Index(f.carriers().size())) {}
-  Eigen::Index field(bool leaves, int side, std::size_t carrier, std::uint32_t port) const {
-    return ((Eigen::Index(leaves) * 2 + side) * carriers + Eigen::Index(carrier)) * ports + port;
+      : ports(n.ports()), carriers(Eigen::Index(f.carriers().size())), modes(Eigen::Index(f.modes())) {}
+  Eigen::Index field(bool leaves, int side, std::size_t carrier, std::uint32_t port, std::size_t mode) const {
+    return (((Eigen::Index(leaves) * 2 + side) * carriers + Eigen::Index(carrier)) * ports + port) * modes +
+           Eigen::Index(mode);
   }
-  Eigen::Index displacement(std::size_t component) const { return 4 * carriers * ports + Eigen::Index(component); }
+  Eigen::Index displacement(std::size_t component) const {
+    return 4 * carriers * ports * modes + Eigen::Index(component);
+  }
 };
 
 Phasor sided(int side, Phasor z) { return side == 0 ? z : std::conj(z); }
@@ -84,9 +88,9 @@ class System {
     size_ = at_.displacement(network.components().size());
     for (Eigen::Index i = 0; i < size_; ++i) entries_.emplace_back(i, i, 1.0);
     for (std::size_t c = 0; c < network.components().size(); ++c) add_component(c);
-    for (Network::Space const& s : network.spaces()) {
-      add_space(s, s.from, s.to);
-      add_space(s, s.to, s.from);
+    for (std::size_t s = 0; s < network.spaces().size(); ++s) {
+      add_space(s, network.spaces()[s].from, network.spaces()[s].to);
+      add_space(s, network.spaces()[s].to, network.spaces()[s].from);
     }
   }
   Layout const& layout() const { return at_; }
@@ -103,39 +107,43 @@ class System {
   // a leaves with S a; a displacement x adds i k_n g x/2 times the carrier that leaves, with the sign of the sideband.
   void add_component(std::size_t number) {
     Network::Component const& c = network_.components()[number];
-    for_each_way(c, scattering_by_carrier(network_, c, field_.carriers()), field_.carriers(),
-                 [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Phasor amplitude) {
-                   Phasor const carrier = amplitude * field_.in(c.first_port + in, n);
-                   double const k = network_.wavenumber(field_.carriers()[n]);
-                   for (int side : {0, 1}) {
-                     Eigen::Index const leaving = at_.field(true, side, m, c.first_port + out);
-                     depends(leaving, at_.field(false, side, n, c.first_port + in), sided(side, amplitude));
-                     if (c.path(out, in) != 0)
-                       depends(leaving, at_.displacement(number),
-                               sided(side, i_unit * k * c.path(out, in) / 2.0 * carrier));
-                   }
-                 });
+    for_each_way(
+        c, scattering_by_carrier(network_, c, field_.carriers()), field_.carriers(),
+        [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Phasor amplitude) {
+          double const k = network_.wavenumber(field_.carriers()[n]);
+          for_each_mode_pair(field_.bases(), c, out, in, amplitude, [&](std::size_t p, std::size_t q, Phasor a) {
+            Phasor const carrier = a * field_.in(c.first_port + in, n, q);
+            for (int side : {0, 1}) {
+              Eigen::Index const leaving = at_.field(true, side, m, c.first_port + out, p);
+              depends(leaving, at_.field(false, side, n, c.first_port + in, q), sided(side, a));
+              if (c.path(out, in) != 0)
+                depends(leaving, at_.displacement(number), sided(side, i_unit * k * c.path(out, in) / 2.0 * carrier));
+            }
+          });
+        });
     if (c.suspension.mass < infinity) add_push(number, c);
   }
   // Force along the displacement: power that comes and goes at the front, less that at the back; P = |E|^2 changes by
-  // 2 (E* a + E b).
+  // 2 (E* a + E b), summed over modes.
   void add_push(std::size_t number, Network::Component const& c) {
     Phasor const yields = c.suspension.compliance(hz_) * 2.0 / speed_of_light;
     for (std::uint32_t p = 0; p < c.ports; ++p)
       for (std::size_t n = 0; n < field_.carriers().size(); ++n)
-        for (bool const leaves : {false, true}) {
-          Phasor const e = leaves ? field_.out(c.first_port + p, n) : field_.in(c.first_port + p, n);
-          for (int side : {0, 1})
-            depends(at_.displacement(number), at_.field(leaves, side, n, c.first_port + p),
-                    yields * c.push[p] * sided(side, std::conj(e)));
-        }
+        for (bool const leaves : {false, true})
+          for (std::size_t mode = 0; mode < field_.modes(); ++mode) {
+            Phasor const e = leaves ? field_.out(c.first_port + p, n, mode) : field_.in(c.first_port + p, n, mode);
+            for (int side : {0, 1})
+              depends(at_.displacement(number), at_.field(leaves, side, n, c.first_port + p, mode),
+                      yields * c.push[p] * sided(side, std::conj(e)));
+          }
   }
-  void add_space(Network::Space const& s, std::uint32_t from, std::uint32_t to) {
+  void add_space(std::size_t space, std::uint32_t from, std::uint32_t to) {
     for (std::size_t n = 0; n < field_.carriers().size(); ++n)
       for (int side : {0, 1}) {
         double const hz = field_.carriers()[n] + (side == 0 ? hz_ : -hz_);
-        depends(at_.field(false, side, n, to), at_.field(true, side, n, from),
-                sided(side, std::polar(1.0, phase_along(s, hz))));
+        for (std::size_t mode = 0; mode < field_.modes(); ++mode)
+          depends(at_.field(false, side, n, to, mode), at_.field(true, side, n, from, mode),
+                  sided(side, turn_along(network_, field_.bases(), space, hz, mode)));
       }
   }
 
@@ -147,21 +155,22 @@ class System {
   Entries entries_;
 };
 
-Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const& at, Eigen::Index size) {
-  Eigen::VectorXcd row = Eigen::VectorXcd::Zero(size);
-  auto const add = [&](int side, std::size_t n, Phasor factor) { row[at.field(r.leaving, side, n, r.port)] += factor; };
-  auto const light = [&](std::size_t n) { return r.leaving ? field.out(r.port, n) : field.in(r.port, n); };
-  if (r.kind == Readout::Kind::motion) {
-    for (auto const& [id, factor] : r.moving) row[at.displacement(id.value)] += factor;
-  } else if (r.kind == Readout::Kind::homodyne) {
-    std::size_t const n = field.carrier(0);
-    add(0, n, std::polar(1.0, -r.angle));
-    add(1, n, std::polar(1.0, r.angle));
-  } else if (r.kind == Readout::Kind::power) {
+// Detectors of power add the modes; a homodyne one sees the fundamental mode alone.
+void add_mode(Readout const& r, SteadyField const& field, Layout const& at, std::size_t mode, Eigen::VectorXcd& row) {
+  auto const add = [&](int side, std::size_t n, Phasor factor) {
+    row[at.field(r.leaving, side, n, r.port, mode)] += factor;
+  };
+  auto const light = [&](std::size_t n) { return r.leaving ? field.out(r.port, n, mode) : field.in(r.port, n, mode); };
+  if (r.kind == Readout::Kind::power) {
     for (std::size_t n = 0; n < field.carriers().size(); ++n) {
       add(0, n, 2.0 * std::conj(light(n)));
       add(1, n, 2.0 * light(n));
     }
+  } else if (r.kind == Readout::Kind::homodyne) {
+    if (mode > 0) return;
+    std::size_t const n = field.carrier(0);
+    add(0, n, std::polar(1.0, -r.angle));
+    add(1, n, std::polar(1.0, r.angle));
   } else {
     // The beat of carriers m above n is 2 Re(E_m E_n* e^{-i w t}); times cos(w t + phase), averaged:
     // Re(E_m E_n* e^{i phase}).
@@ -174,7 +183,27 @@ Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const
       add(1, m, en * std::conj(turn));
     });
   }
+}
+
+Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const& at, Eigen::Index size) {
+  Eigen::VectorXcd row = Eigen::VectorXcd::Zero(size);
+  if (r.kind == Readout::Kind::motion)
+    for (auto const& [id, factor] : r.moving) row[at.displacement(id.value)] += factor;
+  else
+    for (std::size_t mode = 0; mode < field.modes(); ++mode) add_mode(r, field, at, mode, row);
   return row;
+}
+
+// The scattering matrix of all modes of all ports.
+Eigen::MatrixXcd with_modes(Eigen::MatrixXcd const& ports, Network::Component const& c, ModeBases const* bases) {
+  if (!bases) return ports;
+  auto const modes = Eigen::Index(bases->count());
+  Eigen::MatrixXcd all = Eigen::MatrixXcd::Zero(modes * c.ports, modes * c.ports);
+  for (std::uint32_t out = 0; out < c.ports; ++out)
+    for (std::uint32_t in = 0; in < c.ports; ++in)
+      if (ports(out, in) != 0.0)
+        all.block(out * modes, in * modes, modes, modes) = ports(out, in) * bases->coupling(c.first_port + out, in);
+  return all;
 }
 
 }  // namespace
@@ -192,19 +221,21 @@ Phasor LinearResponse::to_displacement(ComponentId id) const {
 Phasor LinearResponse::injected(Injection const& i, Phasor upper, Phasor lower) const {
   Layout const at(network_, field_);
   Phasor sum = 0;
-  for (std::size_t n = 0; n < field_.carriers().size(); ++n) {
-    Phasor const e = std::polar(1.0, i.turn) * (i.of_leaving ? field_.out(i.port, n) : field_.in(i.port, n));
-    sum += weight_[at.field(i.joins_leaving, 0, n, i.port)] * upper * e +
-           weight_[at.field(i.joins_leaving, 1, n, i.port)] * lower * std::conj(e);
-  }
+  for (std::size_t n = 0; n < field_.carriers().size(); ++n)
+    for (std::size_t mode = 0; mode < field_.modes(); ++mode) {
+      Phasor const e =
+          std::polar(1.0, i.turn) * (i.of_leaving ? field_.out(i.port, n, mode) : field_.in(i.port, n, mode));
+      sum += weight_[at.field(i.joins_leaving, 0, n, i.port, mode)] * upper * e +
+             weight_[at.field(i.joins_leaving, 1, n, i.port, mode)] * lower * std::conj(e);
+    }
   return sum;
 }
 // s = i Re(e exp(-iwt)): sidebands i e/2 above and, conjugated, -i e/2 below.
 Phasor LinearResponse::to_phase(Injection const& i) const { return injected(i, 0.5 * i_unit, -0.5 * i_unit); }
 Phasor LinearResponse::to_amplitude(Injection const& i) const { return injected(i, 0.5, 0.5); }
 
-Phasor LinearResponse::weight(std::uint32_t port, bool leaving, int side, std::size_t carrier) const {
-  return weight_[Layout(network_, field_).field(leaving, side, carrier, port)];
+Phasor LinearResponse::weight(std::uint32_t port, bool leaving, int side, std::size_t carrier, std::size_t mode) const {
+  return weight_[Layout(network_, field_).field(leaving, side, carrier, port, mode)];
 }
 
 Phasor LinearResponse::of_leaving(std::uint32_t port, int side) const {
@@ -222,12 +253,12 @@ double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const 
   for (int side : {0, 1})
     for (std::size_t n = 0; n < field_.carriers().size(); ++n) {
       for (std::uint32_t p = 0; p < network_.ports(); ++p)
-        if (open[p]) sum += std::norm(weight_[at.field(false, side, n, p)]);
+        if (open[p]) sum += weight_.segment(at.field(false, side, n, p, 0), at.modes).squaredNorm();
       for (Network::Component const& c : network_.components()) {  // losses add vacuum: 1 - S S*
         if (!c.bands.empty()) continue;
-        Eigen::MatrixXcd const s = network_.scattering(c, field_.carriers()[n]);
-        Eigen::MatrixXcd const missing = Eigen::MatrixXcd::Identity(c.ports, c.ports) - s * s.adjoint();
-        Eigen::VectorXcd const y = weight_.segment(at.field(true, side, n, c.first_port), c.ports).conjugate();
+        Eigen::MatrixXcd const s = with_modes(network_.scattering(c, field_.carriers()[n]), c, field_.bases());
+        Eigen::MatrixXcd const missing = Eigen::MatrixXcd::Identity(s.rows(), s.rows()) - s * s.adjoint();
+        Eigen::VectorXcd const y = weight_.segment(at.field(true, side, n, c.first_port, 0), s.rows()).conjugate();
         sum += std::real(y.dot((side == 0 ? missing : missing.conjugate()) * y));
       }
     }

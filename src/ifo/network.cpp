@@ -159,6 +159,14 @@ Network::Component Network::lens(std::string name, LensParameters const& p) {
   return finished(std::move(c), std::move(name), Component::Kind::lens);
 }
 
+Network::Component Network::aperture(std::string name, ApertureParameters const& p) {
+  Component c;
+  c.stated = p;
+  c.scattering = Eigen::MatrixXcd::Zero(2, 2);
+  c.scattering(1, 0) = c.scattering(0, 1) = 1;
+  return finished(std::move(c), std::move(name), Component::Kind::aperture);
+}
+
 Network::Component Network::modulator(std::string name, ModulatorParameters const& p) {
   Component c;
   c.stated = p;
@@ -215,6 +223,12 @@ void Network::move(ComponentId id, double displacement) {
   Component& c = components_.at(id.value);
   c.displacement = displacement;
   if (auto* p = std::get_if<MirrorParameters>(&c.stated)) p->displacement = displacement;
+}
+
+void Network::shape(ComponentId id, std::optional<double> curvature, std::optional<std::array<double, 2>> tilt) {
+  auto& p = std::get<MirrorParameters>(components_.at(id.value).stated);
+  p.curvature = curvature.value_or(p.curvature);
+  p.tilt = tilt.value_or(p.tilt);
 }
 
 void Network::hold() {

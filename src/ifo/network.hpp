@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Interferometers of any topology in plane waves: components that scatter, spaces between their ports
-// (docs/theory/conventions.md and docs/theory/interferometer.md). Fields are in sqrt(W), proportional to exp(i(kr -
-// wt)); phase grows along the way. A lossless interface reflects i r and transmits t on both sides.
+// Interferometers of any topology, in plane waves or in Hermite-Gauss modes: components that scatter, spaces between
+// their ports (docs/theory/conventions.md and docs/theory/interferometer.md). Fields are in sqrt(W), proportional to
+// exp(i(kr - wt)); phase grows along the way. A lossless interface reflects i r and transmits t on both sides.
 #pragma once
 
 #include <Eigen/Core>
 
+#include <array>
 #include <complex>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -45,15 +47,30 @@ struct MirrorParameters {
   double displacement = 0;
   double incidence = 0;  // rad, of a splitter
   Suspension suspension{};
+  // Without effect on plane waves. 1/RoC, 1/m: positive when concave seen from the front.
+  double curvature = 0;
+  // rad, about y and about x: the light that the front reflects turns by twice as much along x and y of its own frame.
+  // The plane of incidence is that of x.
+  std::array<double, 2> tilt{};
+};
+// Fundamental mode at the port of a laser, in both axes.
+struct LaserMode {
+  double radius = 0, curvature = 0;  // m; 1/RoC of the wavefront in 1/m, positive when it diverges
 };
 struct LaserParameters {
   double power = 0, phase = 0;  // W, rad
+  std::optional<LaserMode> mode{};
 };
 struct IsolatorParameters {
   double isolation = 0, transmission = 1;  // of power, from 1 to 0 (eq. 9.6) and from 0 to 1
 };
 struct LensParameters {
-  double focal_length = infinity;  // m; without effect on plane waves
+  double focal_length = infinity;  // m, positive when it focuses; without effect on plane waves
+};
+// Open inside; without effect on plane waves.
+struct ApertureParameters {
+  double radius = infinity;        // m
+  std::array<double, 2> offset{};  // of its centre from the axis, along x and y of the light that enters at 0, m
 };
 struct DumpParameters {};
 struct ModulatorParameters {
@@ -69,6 +86,15 @@ struct ModulatorParameters {
 };
 enum class Polarisation : std::uint8_t { s, p };  // p: every reflection changes its sign (eq. N.10)
 
+// Hermite-Gauss modes instead of plane waves.
+struct ModeSettings {
+  int order = 0;      // largest n + m
+  bool even = false;  // modes of even n and even m alone
+  // Cavities whose eigenmodes are the bases, each by names of components on it, the first the most important. None: all
+  // of them, the highest finesse first.
+  std::vector<std::vector<std::string>> cavities{};
+};
+
 class Network {
  public:
   explicit Network(double wavelength, Polarisation polarisation = Polarisation::s)  // m, in vacuum
@@ -76,11 +102,11 @@ class Network {
 
   // For the solvers. Ports are numbered through all components.
   struct Component {
-    enum class Kind : std::uint8_t { mirror, splitter, laser, dump, isolator, modulator, lens };
+    enum class Kind : std::uint8_t { mirror, splitter, laser, dump, isolator, modulator, lens, aperture };
     std::string name;
     Kind kind = Kind::dump;
     std::variant<DumpParameters, MirrorParameters, LaserParameters, IsolatorParameters, ModulatorParameters,
-                 LensParameters>
+                 LensParameters, ApertureParameters>
         stated{};
     std::uint32_t first_port = 0, ports = 0;
     Eigen::MatrixXcd scattering;  // out = scattering x in, at rest, of s polarisation
@@ -106,6 +132,7 @@ class Network {
   // 1 - index (1 - cos(2 pi hz t + phase))/2.
   static Component modulator(std::string name, ModulatorParameters const&);
   static Component lens(std::string name, LensParameters const&);
+  static Component aperture(std::string name, ApertureParameters const&);
 
   ComponentId add(Component);
   // Another component with as many ports takes the place of one.
@@ -126,11 +153,16 @@ class Network {
   void link(NetworkPort, NetworkPort, double length, double phase = 0);
   void unlink(std::uint32_t port);  // removes the space at this port, where there is one
   void change(std::size_t space, double length, double phase);
-  void move(ComponentId, double displacement);      // m, sets MirrorParameters::displacement
+  void move(ComponentId, double displacement);  // m, sets MirrorParameters::displacement
+  // Curvature and tilt of a mirror or splitter; what is not given stays.
+  void shape(ComponentId, std::optional<double> curvature, std::optional<std::array<double, 2>> tilt);
   void hold();                                      // nothing yields to forces
   ComponentId find(std::string const& name) const;  // throws std::out_of_range
   std::optional<ComponentId> search(std::string const& name) const;
   std::string const& name(ComponentId id) const { return at(id).name; }
+
+  void use_modes(std::optional<ModeSettings> settings) { modes_ = std::move(settings); }
+  std::optional<ModeSettings> const& modes() const { return modes_; }
 
   double wavelength() const { return wavelength_; }
   Polarisation polarisation() const { return polarisation_; }
@@ -160,23 +192,35 @@ class Network {
   std::uint32_t ports_ = 0;
   std::vector<Component> components_;
   std::vector<Space> spaces_;
+  std::optional<ModeSettings> modes_;
 };
+
+class ModeBases;  // ifo/mode_bases.hpp
 
 // The steady light in a network.
 class SteadyField {
  public:
-  explicit SteadyField(Network const&);                              // NumericalError without a unique solution
+  // NumericalError without a unique solution, or without modes where the network uses them.
+  explicit SteadyField(Network const&);
   std::vector<double> const& carriers() const { return carriers_; }  // Hz from the laser
-  // sqrt(W): light that enters, leaves the component at this port; carrier by number.
-  Phasor in(std::uint32_t port, std::size_t carrier) const { return in_[carrier][Eigen::Index(port)]; }
-  Phasor out(std::uint32_t port, std::size_t carrier) const { return out_[carrier][Eigen::Index(port)]; }
-  double power_in(std::uint32_t port) const;  // W, all carriers
+  // sqrt(W): light that enters, leaves the component at this port; carrier and mode by number.
+  Phasor in(std::uint32_t port, std::size_t carrier, std::size_t mode = 0) const {
+    return in_[carrier][Eigen::Index(port * modes_ + mode)];
+  }
+  Phasor out(std::uint32_t port, std::size_t carrier, std::size_t mode = 0) const {
+    return out_[carrier][Eigen::Index(port * modes_ + mode)];
+  }
+  double power_in(std::uint32_t port) const;  // W, all carriers and modes
   double power_out(std::uint32_t port) const;
-  std::size_t carrier(double hz) const;  // number of this one; throws std::out_of_range
+  std::size_t carrier(double hz) const;                    // number of this one; throws std::out_of_range
+  std::size_t modes() const { return modes_; }             // 1 for plane waves
+  ModeBases const* bases() const { return bases_.get(); }  // null for plane waves
 
  private:
   std::vector<double> carriers_;
-  std::vector<Eigen::VectorXcd> in_, out_;
+  std::size_t modes_ = 1;
+  std::shared_ptr<ModeBases const> bases_;
+  std::vector<Eigen::VectorXcd> in_, out_;  // by carrier; all modes of port 0 first
 };
 
 // Response of a read-out of an interferometer to small motion, stray light, forces and the vacuum, at one Fourier
@@ -208,7 +252,8 @@ struct Squeezer {
 // A read-out of the light that enters a port, or that leaves it.
 struct Readout {
   static Readout power(std::uint32_t port) { return {port, Kind::power, 0, 0}; }  // W
-  // Beat with a strong local oscillator of phase `angle` (rad), sqrt(W): e^{-i angle} a + e^{i angle} b.
+  // Beat with a strong local oscillator of phase `angle` (rad), sqrt(W): e^{-i angle} a + e^{i angle} b. Its mode is
+  // the fundamental one of the beam.
   static Readout homodyne(std::uint32_t port, double angle) { return {port, Kind::homodyne, angle, 0}; }
   // Power demodulated at `hz` with cos(2 pi hz t + phase) and averaged, W (eq. 6.10, N.2).
   static Readout demodulated(std::uint32_t port, double hz, double phase) {
@@ -251,7 +296,8 @@ class AdjointSlope {
  private:
   double along_ways(ComponentId, Eigen::MatrixXd const& relative, Eigen::MatrixXd const& path) const;
   double along_space(std::size_t space, bool of_length) const;
-  Phasor weighted(std::uint32_t port, std::size_t carrier) const;  // conjugate of lambda at what leaves
+  // Conjugate of lambda at what leaves.
+  Phasor weighted(std::uint32_t port, std::size_t carrier, std::size_t mode) const;
 
   Network const& network_;
   SteadyField const& field_;
@@ -289,7 +335,7 @@ class LinearResponse {
   Phasor to_amplitude(Injection const&) const;
   // Read-out per sqrt(W) of a sideband that joins what enters or what leaves a port: the upper one of a carrier (side
   // 0), or the lower one, conjugated (side 1).
-  Phasor weight(std::uint32_t port, bool leaving, int side, std::size_t carrier) const;
+  Phasor weight(std::uint32_t port, bool leaving, int side, std::size_t carrier, std::size_t mode = 0) const;
   // Angle of the quadrature leaving a dump (or laser) with the largest effect on the read-out: the one to squeeze.
   double seen_quadrature(std::uint32_t port) const;
   // One-sided PSD of the read-out from the vacuum that enters at losses and open ports, squared units per Hz.

@@ -43,9 +43,9 @@ std::complex<double> NetworkInterferometer::strain_per_amplitude(PortId port, do
 std::string NetworkInterferometer::description() const {
   StrainScale const& s = *model_.strain;
   return fmt::format(
-             "network of the scene, plane waves with radiation pressure: read-out '{}' calibrated as '{}' over {:g} m, "
+             "network of the scene, {} with radiation pressure: read-out '{}' calibrated as '{}' over {:g} m, "
              "no length held; lambda {:g} nm",
-             readout_, s.freedom.name, s.length, model_.network.wavelength() * 1e9) +
+             wave_text(model_.network), readout_, s.freedom.name, s.length, model_.network.wavelength() * 1e9) +
          describe(ports_, *this, band_);
 }
 

@@ -2,6 +2,7 @@
 // A network with what is asked of it: read-outs and degrees of freedom by name.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -121,12 +122,21 @@ struct NetworkChanges {
     std::string from, to;  // names of ports
     double length = 0, phase = 0;
   };
+  struct Shape {  // of a mirror or splitter that is there
+    std::string component;
+    std::optional<double> curvature{};
+    std::optional<std::array<double, 2>> tilt{};
+  };
   std::vector<Network::Component> components;
   std::vector<Space> spaces;
-  bool empty() const { return components.empty() && spaces.empty(); }
+  std::vector<Shape> shapes{};
+  std::optional<ModeSettings> modes{};
+  bool empty() const { return components.empty() && shapes.empty() && spaces.empty() && !modes; }
 };
 void apply(NetworkChanges const&, Network&);
 
+// "plane waves", or "modes up to order 4".
+std::string wave_text(Network const&);
 // The network as a scene of its own, numbers with all digits.
 std::string network_text(NetworkModel const&);
 

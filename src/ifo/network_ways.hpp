@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/math/constants.hpp"
+#include "ifo/mode_bases.hpp"
 #include "ifo/network.hpp"
 
 namespace straytrace::ifo {
@@ -56,12 +57,33 @@ void for_each_way(Network::Component const& c, std::span<Eigen::MatrixXcd const>
       }
 }
 
+// Calls use(row, column, amplitude) for every pair of modes that a way couples: the mode that leaves at port `out` of
+// the component, and the one that enters at `in`. Plane waves: once.
+template <class Use>
+void for_each_mode_pair(ModeBases const* bases, Network::Component const& c, std::uint32_t out, std::uint32_t in,
+                        Phasor amplitude, Use const& use) {
+  if (!bases) {
+    use(std::size_t(0), std::size_t(0), amplitude);
+    return;
+  }
+  Eigen::MatrixXcd const& k = bases->coupling(c.first_port + out, in);
+  for (Eigen::Index column = 0; column < k.cols(); ++column)
+    for (Eigen::Index row = 0; row < k.rows(); ++row)
+      if (k(row, column) != 0.0) use(std::size_t(row), std::size_t(column), amplitude * k(row, column));
+}
+
 std::vector<Eigen::MatrixXcd> scattering_by_carrier(Network const&, Network::Component const&,
                                                     std::vector<double> const& carriers);
 
 // Phase along a space, rad, of light at `hz` from the laser.
 inline double phase_along(Network::Space const& s, double hz) {
   return s.phase + 2 * pi * hz * s.length / speed_of_light;
+}
+
+// Factor of a mode along a space, of light at `hz` from the laser.
+inline Phasor turn_along(Network const& n, ModeBases const* bases, std::size_t space, double hz, std::size_t mode) {
+  Phasor const turn = std::polar(1.0, phase_along(n.spaces()[space], hz));
+  return bases ? turn * bases->turn(space, mode) : turn;
 }
 
 // The port at the other end of the space of each port, and the number of that space; the number of ports without one.

@@ -14,6 +14,7 @@ constexpr double least_field = 1e-12;  // of the largest: below it is rounding
 
 BeamPlace reversed(BeamPlace const& p) { return {ifo::reversed(p.beam), p.distance}; }
 
+// Stray light goes from the fundamental mode of a beam to that of another.
 Phasor light_at_port(SteadyField const& field, NetworkBeam b, std::size_t carrier) {
   return b.leaving ? field.out(b.port, carrier) : field.in(b.port, carrier);
 }
@@ -68,8 +69,9 @@ void turn_to_local_light(StrayWay& way, Network const& network, SteadyField cons
 }
 
 double lighting_power(StrayWay const& way, SteadyField const& field) {
-  NetworkBeam const b = way.lit.beam;
-  return b.leaving ? field.power_out(b.port) : field.power_in(b.port);
+  double sum = 0;
+  for (std::size_t n = 0; n < field.carriers().size(); ++n) sum += std::norm(light_at_port(field, way.lit.beam, n));
+  return sum;
 }
 
 StrayResponse stray_response(LinearResponse const& r, Network const& network, SteadyField const& field,

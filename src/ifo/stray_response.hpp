@@ -24,7 +24,7 @@ bool is_own_reverse(Network const&, StrayWay const&);
 // Turns the way so that Re s joins in phase with the carrier there, where both ends have light of the laser's
 // frequency.
 void turn_to_local_light(StrayWay&, Network const&, SteadyField const&);
-// Power of the light that is scattered, W.
+// Power of the light that is scattered, of the fundamental mode, W.
 double lighting_power(StrayWay const&, SteadyField const&);
 
 // Response to s: upper s(f) + lower s*(-f) (eq. N.13).

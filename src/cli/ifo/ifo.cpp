@@ -39,16 +39,17 @@ struct Request {
   std::vector<char const*> words;
   bool optional = false;  // the words may be left out
 };
-std::array<Request, 9> const& requests() {
-  static std::array<Request, 9> const all = {{{"point", {}},
-                                              {"scan", {"PARAMETER", "FROM", "TO"}},
-                                              {"errors", {}},
-                                              {"transfer", {"FROM", "TO"}},
-                                              {"sensing", {}},
-                                              {"noise", {"READOUT"}},
-                                              {"loops", {}},
-                                              {"stray", {"ENTRANCE", "READOUT"}, true},
-                                              {"network", {}}}};
+std::array<Request, 10> const& requests() {
+  static std::array<Request, 10> const all = {{{"point", {}},
+                                               {"scan", {"PARAMETER", "FROM", "TO"}},
+                                               {"errors", {}},
+                                               {"transfer", {"FROM", "TO"}},
+                                               {"sensing", {}},
+                                               {"noise", {"READOUT"}},
+                                               {"loops", {}},
+                                               {"stray", {"ENTRANCE", "READOUT"}, true},
+                                               {"modes", {}},
+                                               {"network", {}}}};
   return all;
 }
 
@@ -187,6 +188,13 @@ std::vector<Sheet> stray_sheets(NetworkModel const& model, IfoOptions const& opt
   return sheets;
 }
 
+std::vector<Sheet> modes_of(NetworkModel const& model) {
+  if (!model.network.modes())
+    throw InputError("the network is solved in plane waves: it has no modes",
+                     "add 'modes: {order: 2}' to the network, and the curvatures of its mirrors");
+  return mode_sheets(mode_table(model));
+}
+
 std::vector<Sheet> sheets_of(NetworkModel const& model, IfoOptions const& options) {
   std::string const& what = options.show.front();
   if (what == "loops") return loops_of(model, options);
@@ -195,6 +203,7 @@ std::vector<Sheet> sheets_of(NetworkModel const& model, IfoOptions const& option
   if (what == "transfer") return {transferred(model, options)};
   if (what == "noise") return {noise_of_readout(model, options)};
   if (what == "stray") return stray_sheets(model, options);
+  if (what == "modes") return modes_of(model);
   if (what == "point") return point_sheets(operating_point(model));
   std::vector<Sheet> all;
   for (double const hz : parse_frequencies(options.at, "--at")) all.push_back(sensing_sheet(sensing_matrix(model, hz)));
@@ -219,7 +228,8 @@ void check(IfoOptions const& options) {
 
 // What the page draws: components, spaces with their powers, and all tables that need no further words.
 nlohmann::ordered_json page_json(OpticalNetwork const& network, IfoOptions const& options) {
-  constexpr std::array<char const*, 7> kinds = {"mirror", "splitter", "laser", "dump", "isolator", "modulator", "lens"};
+  constexpr std::array<char const*, 8> kinds = {"mirror",   "splitter",  "laser", "dump",
+                                                "isolator", "modulator", "lens",  "aperture"};
   Network const& n = network.model.network;
   SteadyField const field(n);
   nlohmann::ordered_json json{{"title", network.title}, {"version", build_info::version}};
@@ -296,8 +306,8 @@ void add_ifo(CLI::App& app, int& exit_code) {
   command
       ->add_option("--show", o.show,
                    "point (default), scan PARAMETER FROM TO (once or twice), errors, transfer FROM TO, sensing, noise "
-                   "READOUT, loops, stray (also stray all, stray ENTRANCE, stray ENTRANCE READOUT), or network: the "
-                   "scene of the network")
+                   "READOUT, loops, stray (also stray all, stray ENTRANCE, stray ENTRANCE READOUT), modes, or network: "
+                   "the scene of the network")
       ->expected(1, 7)
       ->allow_extra_args(false);
   command

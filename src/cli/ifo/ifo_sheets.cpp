@@ -47,12 +47,17 @@ Sheet ports_sheet(OperatingPoint const& point) {
   std::vector<std::string> carriers;
   for (double const hz : point.carriers) carriers.push_back(fmt::format("{:.10g}", hz));
   Sheet s{"ports",
-          fmt::format("Power of {} at the ports of the components; open: without a space.",
+          fmt::format("Power of {} at the ports of the components; open: without a space{}.",
                       carriers.size() == 1 ? std::string("the carrier")
-                                           : fmt::format("the carriers {} Hz", fmt::join(carriers, ", "))),
+                                           : fmt::format("the carriers {} Hz", fmt::join(carriers, ", ")),
+                      point.modes ? ";\nfundamental: share of mode (0,0) in what leaves" : ""),
           {{"port", ""}, {"enters", "W", 8}, {"leaves", "W", 8}, {"open", ""}},
           {}};
-  for (PortPower const& p : point.ports) s.rows.push_back({p.port, p.in, p.out, std::string(p.open ? "open" : "")});
+  if (point.modes) s.columns.push_back({"fundamental", "", 8});
+  for (PortPower const& p : point.ports) {
+    s.rows.push_back({p.port, p.in, p.out, std::string(p.open ? "open" : "")});
+    if (point.modes) s.rows.back().emplace_back(p.out > 0 ? p.fundamental / p.out : not_a_number);
+  }
   return s;
 }
 
@@ -76,6 +81,78 @@ std::vector<Sheet> point_sheets(OperatingPoint const& point) {
   if (!point.cavities.empty()) all.push_back(cavities_sheet(point));
   all.push_back(ports_sheet(point));
   all.push_back(energy_sheet(point));
+  return all;
+}
+
+namespace {
+
+Sheet resonances_sheet(ModeTable const& table) {
+  Sheet s{
+      "resonances",
+      "Modes of cavities: stability (A + D)/2 of a round trip along x and y, lag per order; where the modes (1,0),\n"
+      "(0,1) and (2,0) resonate, in round trips beyond (0,0) (eq. N.10); basis: the network uses this mode.",
+      {{"cavity", ""},
+       {"start", ""},
+       {"stability_x", "", 8},
+       {"stability_y", "", 8},
+       angle("gouy_x"),
+       angle("gouy_y"),
+       {"at_10", "", 6},
+       {"at_01", "", 6},
+       {"at_20", "", 6},
+       {"basis", ""}},
+      {}};
+  for (Resonance const& r : table.resonances) {
+    auto const of_stable = [&](double v) { return r.stable ? v : not_a_number; };
+    auto const at = [&](int n, int m) { return of_stable(r.mode.phase_beyond(n, m) / (2 * pi)); };
+    s.rows.push_back({r.cavity, r.start, r.mode.stability[0], r.mode.stability[1], of_stable(r.mode.gouy[0]),
+                      of_stable(r.mode.gouy[1]), at(1, 0), at(0, 1), at(2, 0), std::string(r.basis ? "basis" : "")});
+  }
+  return s;
+}
+
+Sheet contents_sheet(ModeTable const& table) {
+  Sheet s{"content",
+          "Light that leaves the ports: radii of the basis, and shares of its power by order n + m.",
+          {{"port", ""}, {"power", "W", 8}, {"w_x", "m", 6}, {"w_y", "m", 6}},
+          {}};
+  for (int order = 0; order <= table.truncation.order; ++order)
+    s.columns.push_back({fmt::format("order_{}", order), "", 8});
+  for (BeamModes const& b : table.beams) {
+    std::vector<Sheet::Cell> row{b.port, b.power, b.w[0], b.w[1]};
+    for (double const share : b.share) row.emplace_back(share);
+    s.rows.push_back(std::move(row));
+  }
+  return s;
+}
+
+Sheet truncation_sheet(Truncation const& t) {
+  Sheet s{"truncation",
+          fmt::format("Do the modes suffice? change: of the power of a beam from order {} to {}, the largest; missing: "
+                      "light that\nthe modes do not take. Limit of both: {:g}.",
+                      t.lower, t.order, Truncation::most_change),
+          {{"order", ""}, {"beam", ""}, {"change", ""}, {"missing", "W"}, {"missing_share", ""}, {"verdict", ""}},
+          {}};
+  s.rows.push_back(
+      {double(t.order), t.beam, t.change, t.missing, t.missing / t.emitted,
+       std::string(t.converged() ? "converged" : "not converged: raise 'order', or use the wave model of the scene")});
+  return s;
+}
+
+}  // namespace
+
+std::vector<Sheet> mode_sheets(ModeTable const& table) {
+  std::vector<Sheet> all{resonances_sheet(table)};
+  if (!table.mismatches.empty()) {
+    Sheet s{"mismatch",
+            "Where bases meet: share of the power of 00 that goes to other modes, 1 - |K_00|^2 (eq. N.7).",
+            {{"from", ""}, {"to", ""}, {"mismatch", ""}},
+            {}};
+    for (BasisMismatch const& m : table.mismatches) s.rows.push_back({m.from, m.to, m.mismatch});
+    all.push_back(std::move(s));
+  }
+  all.push_back(contents_sheet(table));
+  all.push_back(truncation_sheet(table.truncation));
   return all;
 }
 

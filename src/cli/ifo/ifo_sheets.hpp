@@ -3,6 +3,7 @@
 #pragma once
 
 #include "ifo/control_loops.hpp"
+#include "ifo/layout/mode_table.hpp"
 #include "ifo/layout/noise_budget.hpp"
 #include "ifo/layout/operating_point.hpp"
 #include "ifo/layout/parameters.hpp"
@@ -13,6 +14,7 @@
 namespace straytrace::cli {
 
 std::vector<Sheet> point_sheets(OperatingPoint const&);
+std::vector<Sheet> mode_sheets(ModeTable const&);
 Sheet scan_sheet(NetworkModel const&, NetworkScan const&);
 Sheet errors_sheet(std::vector<ErrorSignal> const&);
 Sheet transfer_sheet(NetworkCause const&, NamedReadout const& effect, std::vector<double> const& hz,

@@ -17,7 +17,8 @@ double vacuum_noise(Network const& network, SteadyField const& field, Readout co
   for (std::size_t n = 0; n < carriers.size(); ++n)
     for (double const beat : {r.hz, -r.hz})
       if (!carrier_at(carriers, carriers[n] + beat))
-        outside += std::norm(r.leaving ? field.out(r.port, n) : field.in(r.port, n));
+        for (std::size_t mode = 0; mode < field.modes(); ++mode)
+          outside += std::norm(r.leaving ? field.out(r.port, n, mode) : field.in(r.port, n, mode));
   return of_carriers + hbar * network.wavenumber() * speed_of_light / 2 * outside;
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using Component = Network::Component;
 
-// W lost in a component by its stated losses; of a modulator: in bands beyond its order.
+// W lost in a component by its stated losses; of a modulator: in bands beyond its order; of an aperture: what it stops.
 double lost_in(Component const& c, SteadyField const& f) {
   auto const entering = [&](std::uint32_t p) { return f.power_in(c.first_port + p); };
   if (auto const* p = std::get_if<MirrorParameters>(&c.stated)) {
@@ -21,7 +21,7 @@ double lost_in(Component const& c, SteadyField const& f) {
   }
   if (auto const* p = std::get_if<IsolatorParameters>(&c.stated))
     return (1 - p->transmission) * entering(0) + (1 - p->isolation) * entering(1);
-  if (c.kind != Component::Kind::modulator) return 0;
+  if (c.kind != Component::Kind::modulator && c.kind != Component::Kind::aperture) return 0;
   return entering(0) + entering(1) - f.power_out(c.first_port) - f.power_out(c.first_port + 1);
 }
 
@@ -48,10 +48,12 @@ void add_energy(Network const& n, SteadyField const& f, OperatingPoint& into) {
 OperatingPoint operating_point(NetworkModel const& model) {
   Network const& n = model.network;
   SteadyField const f(n);
-  OperatingPoint point{.carriers = f.carriers()};
+  OperatingPoint point{.carriers = f.carriers(), .modes = f.bases() != nullptr};
   auto const other = neighbours(n);
-  for (std::uint32_t p = 0; p < n.ports(); ++p)
+  for (std::uint32_t p = 0; p < n.ports(); ++p) {
     point.ports.push_back({n.port_name(p), f.power_in(p), f.power_out(p), other[p].first == n.ports()});
+    for (std::size_t c = 0; c < f.carriers().size(); ++c) point.ports.back().fundamental += std::norm(f.out(p, c));
+  }
   add_energy(n, f, point);
   for (NetworkCavity& c : cavities_of(n)) {
     double const power = f.power_out(c.beams.front());

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ifo/layout/cavities.hpp"
+#include "ifo/cavities.hpp"
 #include "ifo/network_model.hpp"
 
 namespace straytrace::ifo {
@@ -14,6 +14,7 @@ struct PortPower {
   std::string port;
   double in = 0, out = 0;  // W that enters and leaves the component there
   bool open = false;       // without a space
+  double fundamental = 0;  // W of mode 00 that leaves
 };
 struct CavityPower {
   NetworkCavity cavity;
@@ -36,7 +37,8 @@ struct OperatingPoint {
   std::vector<CavityPower> cavities{};
   std::vector<EnergyRow> energy{};
   std::vector<ReadoutValue> readouts{};
-  double emitted = 0, missing = 0;  // W; missing: emitted less all others, the error of the solution
+  double emitted = 0, missing = 0;  // W; missing: emitted less all others, the error of the solution and of the modes
+  bool modes = false;               // not plane waves
 };
 OperatingPoint operating_point(NetworkModel const&);
 

@@ -31,11 +31,24 @@ constexpr Member stated(std::string_view name, Dimension dimension, double low, 
           [](Component& c, double to, double) { std::get<Parameters>(c.stated).*member = to; }};
 }
 
+template <std::size_t axis>
+Member tilt_about(std::string_view name) {
+  return {name,
+          dim::angle,
+          -0.1,
+          0.1,
+          [](Component const& c, double) { return std::get<MirrorParameters>(c.stated).tilt[axis]; },
+          [](Component& c, double to, double) { std::get<MirrorParameters>(c.stated).tilt[axis] = to; }};
+}
+
 std::vector<Member> members_of(Component const& c) {
   if (c.interface())
     return {stated<MirrorParameters, &MirrorParameters::transmission>("transmission", dim::plain, 0, 1),
             stated<MirrorParameters, &MirrorParameters::loss>("loss", dim::plain, 0, 1),
             stated<MirrorParameters, &MirrorParameters::displacement>("displacement", dim::length, -1e-3, 1e-3),
+            stated<MirrorParameters, &MirrorParameters::curvature>("curvature", dim::per_metre, -1e3, 1e3),
+            tilt_about<0>("tilt_x"),
+            tilt_about<1>("tilt_y"),
             {"tuning", dim::angle, -1e6, 1e6,
              [](Component const& m, double wavelength) {
                return std::get<MirrorParameters>(m.stated).displacement * 2 * pi / wavelength;

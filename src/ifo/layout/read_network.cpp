@@ -9,6 +9,7 @@
 #include <map>
 
 #include "ifo/layout/signals.hpp"
+#include "ifo/mode_bases.hpp"
 
 namespace straytrace::ifo {
 namespace {
@@ -16,14 +17,26 @@ namespace {
 using Component = Network::Component;
 using Kind = Component::Kind;
 
-constexpr std::array<std::string_view, 7> kinds = {"mirror",   "splitter",  "laser", "dump",
-                                                   "isolator", "modulator", "lens"};
-constexpr std::size_t most_carriers = 400;
+constexpr std::array<std::string_view, 8> kinds = {"mirror",   "splitter",  "laser", "dump",
+                                                   "isolator", "modulator", "lens",  "aperture"};
+constexpr std::size_t most_carriers = 400, most_modes = 2000;  // of all carriers
+constexpr int most_order = 16;
 
 bool is_name(std::string const& name) {
   return !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
     return (c < 128 && std::isalnum(c) != 0) || c == '_' || c == '-';
   });
+}
+
+// Two numbers of one kind; zeros where there are none.
+std::array<double, 2> read_pair(Node const& t, char const* key, Dimension dimension, double most) {
+  if (!t.has(key)) return {};
+  std::vector<double> const both = t[key].as_numbers(dimension, 2);
+  if (both.size() != 2) return {};
+  for (double const v : both)
+    if (!(std::fabs(v) <= most))
+      t[key].problem(fmt::format("{:g} is out of range", v), fmt::format("keep it within {:g} in SI units", most));
+  return {both[0], both[1]};
 }
 
 MirrorParameters read_mirror(Node const& t, double wavelength, bool splitter) {
@@ -33,6 +46,8 @@ MirrorParameters read_mirror(Node const& t, double wavelength, bool splitter) {
   double const tuning = t.number("tuning", dim::angle, 0, -1e6, 1e6);
   p.displacement = tuning / (2 * pi) * wavelength + t.number("displacement", dim::length, 0, -1e-3, 1e-3);
   if (splitter) p.incidence = t.number("incidence", dim::angle, required, 0, 89.9 * pi / 180);
+  p.curvature = t.number("curvature", dim::per_metre, 0, -1e3, 1e3);
+  p.tilt = read_pair(t, "tilt", dim::angle, 0.1);
   p.suspension.mass = t.number("mass", dim::mass, infinity, 1e-9, 1e12);
   p.suspension.resonance = t.number("pendulum_frequency", dim::frequency, 0, 0, 1e3);
   if (p.transmission + p.loss > 1 + 1e-12)
@@ -60,6 +75,17 @@ ModulatorParameters read_modulator(Node const& t) {
   return p;
 }
 
+std::optional<LaserMode> read_laser_mode(Node const& laser) {
+  if (!laser.has("mode")) return {};
+  Node const t = laser.table("mode");
+  if (!t) return {};
+  LaserMode const mode{t.number("radius", dim::length, required, 1e-9, 1e3),
+                       t.number("wavefront_curvature", dim::per_metre, 0, -1e3, 1e3)};
+  t.refuse_unknown("the mode of a laser");
+  if (!(mode.radius > 0)) return {};
+  return mode;
+}
+
 Component read_kind(std::string const& name, Node const& t, Kind kind, double wavelength) {
   switch (kind) {
     case Kind::mirror:
@@ -70,7 +96,7 @@ Component read_kind(std::string const& name, Node const& t, Kind kind, double wa
       return Network::modulator(name, read_modulator(t));
     case Kind::laser: {
       LaserParameters const p{t.number("power", dim::power, required, 0, 1e30),
-                              t.number("phase", dim::angle, 0, -1e3, 1e3)};
+                              t.number("phase", dim::angle, 0, -1e3, 1e3), read_laser_mode(t)};
       t.refuse_unknown("a laser of a network");
       return Network::laser(name, p);
     }
@@ -84,6 +110,12 @@ Component read_kind(std::string const& name, Node const& t, Kind kind, double wa
       LensParameters const p{t.number("focal_length", dim::length, required, -1e12, 1e12)};
       t.refuse_unknown("a lens of a network");
       return Network::lens(name, p);
+    }
+    case Kind::aperture: {
+      ApertureParameters const p{t.number("radius", dim::length, required, 1e-9, 1e3),
+                                 read_pair(t, "offset", dim::length, 1e3)};
+      t.refuse_unknown("an aperture of a network");
+      return Network::aperture(name, p);
     }
     case Kind::dump:
       t.refuse_unknown("a dump of a network");
@@ -115,9 +147,29 @@ std::optional<Component> read_component(std::string const& name, Node const& nod
   return read_kind(name, t, Kind(given[0]), wavelength);
 }
 
+// {mirror: {curvature: ..., tilt: ...}} of a mirror or splitter of the preset, which keeps all else.
+std::optional<NetworkChanges::Shape> read_shape(std::string const& name, Node const& node, Network const& base) {
+  auto const id = base.search(name);
+  if (!id || !base.at(*id).interface() || node.kind() != Node::Kind::table) return {};
+  std::string_view const kind = kinds[std::size_t(base.at(*id).kind)];
+  if (node.items().size() != 1 || !node.has(kind)) return {};
+  Node const t = node.table(kind);
+  bool const alone = std::ranges::all_of(
+      t.items(), [](auto const& item) { return item.first == "curvature" || item.first == "tilt"; });
+  if (!alone || t.items().empty()) return {};
+  NetworkChanges::Shape shape{name};
+  if (t.has("curvature")) shape.curvature = t.number("curvature", dim::per_metre, required, -1e3, 1e3);
+  if (t.has("tilt")) shape.tilt = read_pair(t, "tilt", dim::angle, 0.1);
+  return shape;
+}
+
 void read_components(Node const& table, Network const& base, NetworkChanges& into) {
   for (auto const& [name, node] : table.items()) {
     if (name == "override") continue;
+    if (auto shape = read_shape(name, node, base)) {
+      into.shapes.push_back(std::move(*shape));
+      continue;
+    }
     auto component = read_component(name, node, base.wavelength());
     if (!component) continue;
     if (auto const id = base.search(name); id && base.at(*id).kind != component->kind) {
@@ -412,6 +464,43 @@ void limit_carriers(Node const& table, Network const& network, NetworkChanges& c
     if (c.kind == Kind::modulator) c = Network::modulator(c.name, {.index = 0, .hz = 1, .order = 0});
 }
 
+std::vector<std::vector<std::string>> read_cavities(Node const& modes, Network const& network) {
+  std::vector<std::vector<std::string>> cavities;
+  std::vector<std::string> known;
+  for (Component const& c : network.components()) known.push_back(c.name);
+  for (Node const& cavity : modes.has("cavities") ? modes.list("cavities") : std::vector<Node>{}) {
+    std::vector<std::string>& names = cavities.emplace_back();
+    for (Node const& name : cavity.as_list()) {
+      names.push_back(name.as_word());
+      if (!network.search(names.back()))
+        name.problem(fmt::format("the network has no component '{}'", names.back()),
+                     did_you_mean(names.back(), known, "name mirrors of the cavity: [PRM, ITM]"));
+    }
+  }
+  return cavities;
+}
+
+// Modes in place of plane waves. Tries the bases, so that a scene without them gets an error at 'modes'.
+std::optional<ModeSettings> read_modes(Node const& table, Network network) {
+  Node const modes = table.table("modes");
+  if (!modes) return {};
+  constexpr std::array<std::string_view, 2> parities = {"all", "even"};
+  ModeSettings settings{int(modes.whole("order", 0, 0, most_order)),
+                        modes.choice("parity", parities, parities[0]) == "even", read_cavities(modes, network)};
+  modes.refuse_unknown("the modes of a network");
+  if (settings.order == 0 || !table.healthy()) return {};
+  network.use_modes(settings);
+  try {
+    std::size_t const count = ModeBases(network).count() * network.carriers().size();
+    if (count > most_modes)
+      modes.problem(fmt::format("the carriers have {} modes together", count),
+                    "reduce 'order', or the carriers of the modulators");
+  } catch (ModeError const& e) {
+    modes.problem(e.reason, e.remedy);
+  }
+  return settings;
+}
+
 }  // namespace
 
 std::optional<NetworkBeam> read_beam(Node const& node, Network const& network) {
@@ -440,6 +529,9 @@ NetworkChanges read_network_changes(Node const& network, Network const& base) {
   apply(changes, changed);
   warn_of_loose_ends(network, base, changed);
   limit_carriers(network, changed, changes);
+  changed = base;
+  apply(changes, changed);
+  changes.modes = read_modes(network, changed);
   return changes;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A network in the language of scenes.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "ifo/network_model.hpp"
 
@@ -15,10 +16,16 @@ std::string mass_text(Suspension const& s) {
          (s.resonance > 0 ? fmt::format(", pendulum_frequency: {} Hz", s.resonance) : "");
 }
 
+std::string pair_text(std::array<double, 2> const& p, char const* unit) {
+  return fmt::format("[{} {}, {} {}]", p[0], unit, p[1], unit);
+}
+
 std::string mirror_text(MirrorParameters const& p, bool splitter) {
   std::string text = fmt::format("transmission: {}, loss: {}", p.transmission, p.loss);
   if (p.displacement != 0) text += fmt::format(", displacement: {} m", p.displacement);
   if (splitter) text += fmt::format(", incidence: {} rad", p.incidence);
+  if (p.curvature != 0) text += fmt::format(", curvature: {} /m", p.curvature);
+  if (p.tilt != std::array<double, 2>{}) text += ", tilt: " + pair_text(p.tilt, "rad");
   return text + mass_text(p.suspension);
 }
 
@@ -39,8 +46,11 @@ std::string component_text(Component const& c) {
       return fmt::format("splitter: {{{}}}", mirror_text(std::get<MirrorParameters>(c.stated), true));
     case Kind::laser: {
       auto const& p = std::get<LaserParameters>(c.stated);
-      return fmt::format("laser: {{power: {} W{}}}", p.power,
-                         p.phase != 0 ? fmt::format(", phase: {} rad", p.phase) : "");
+      std::string const mode = p.mode ? fmt::format(", mode: {{radius: {} m, wavefront_curvature: {} /m}}",
+                                                    p.mode->radius, p.mode->curvature)
+                                      : "";
+      return fmt::format("laser: {{power: {} W{}{}}}", p.power,
+                         p.phase != 0 ? fmt::format(", phase: {} rad", p.phase) : "", mode);
     }
     case Kind::isolator: {
       auto const& p = std::get<IsolatorParameters>(c.stated);
@@ -50,6 +60,11 @@ std::string component_text(Component const& c) {
       return fmt::format("modulator: {{{}}}", modulator_text(std::get<ModulatorParameters>(c.stated)));
     case Kind::lens:
       return fmt::format("lens: {{focal_length: {} m}}", std::get<LensParameters>(c.stated).focal_length);
+    case Kind::aperture: {
+      auto const& p = std::get<ApertureParameters>(c.stated);
+      return fmt::format("aperture: {{radius: {} m{}}}", p.radius,
+                         p.offset != std::array<double, 2>{} ? ", offset: " + pair_text(p.offset, "m") : "");
+    }
     case Kind::dump:
       return "dump: {}";
   }
@@ -73,13 +88,29 @@ std::string noise_text(NamedNoise const& noise) {
   return fmt::format("asd: {} {}/sqrt(Hz), at: {} Hz, exponent: {}", noise.level, unit, noise.at, noise.exponent);
 }
 
+std::string modes_text(ModeSettings const& m) {
+  std::string text = fmt::format("{{order: {}", m.order);
+  if (m.even) text += ", parity: even";
+  if (!m.cavities.empty()) {
+    std::vector<std::string> cavities;
+    for (auto const& names : m.cavities) cavities.push_back(fmt::format("[{}]", fmt::join(names, ", ")));
+    text += fmt::format(", cavities: [{}]", fmt::join(cavities, ", "));
+  }
+  return text + "}";
+}
+
 }  // namespace
+
+std::string wave_text(Network const& n) {
+  return n.modes() ? fmt::format("modes up to order {}", n.modes()->order) : "plane waves";
+}
 
 std::string network_text(NetworkModel const& model) {
   Network const& n = model.network;
   std::string text =
       fmt::format("straytrace: 1\ninterferometer:\n  preset: none\n  network:\n    wavelength: {} m\n", n.wavelength());
   if (n.polarisation() == Polarisation::p) text += "    polarisation: p\n";
+  if (n.modes()) text += fmt::format("    modes: {}\n", modes_text(*n.modes()));
   text += "    components:\n";
   for (Component const& c : n.components()) text += fmt::format("      {}: {{{}}}\n", c.name, component_text(c));
   if (!n.spaces().empty()) text += "    spaces:\n";

@@ -17,7 +17,8 @@ using ::testing::HasSubstr;
 
 std::string const cavity = source_folder + "/examples/ifo_cavity.yaml",
                   dual = source_folder + "/examples/ifo_dual.yaml", loops = source_folder + "/examples/ifo_loops.yaml",
-                  places = source_folder + "/examples/ifo_places.yaml";
+                  places = source_folder + "/examples/ifo_places.yaml",
+                  modes = source_folder + "/examples/ifo_modes.yaml";
 
 json answer(Words words) {
   words.insert(words.begin(), "ifo");
@@ -75,6 +76,30 @@ TEST(IfoCommand, StrayLight) {
   EXPECT_GT(all.size(), 10u);
   json const beam = answer({cavity, "--show", "stray", "ITM.back.in"})["stray_10Hz"];
   EXPECT_EQ(beam[0]["relative_to"], "ITM.back.out");
+}
+
+// Eq. N.6 to N.10; the Gouy phase of a cavity of two mirrors is 2 acos(-sqrt(g1 g2)).
+TEST(IfoCommand, Modes) {
+  json const found = answer({modes, "--show", "modes"});
+  double const g = std::sqrt((1 - 3000 / 1420.0) * (1 - 3000 / 1683.0));
+  EXPECT_NEAR(found["resonances"][0]["gouy_x"].get<double>(), 2 * std::acos(-g), 1e-9);
+  EXPECT_EQ(found["resonances"][0]["basis"], "basis");
+  EXPECT_EQ(found["truncation"][0]["verdict"], "converged");
+  EXPECT_GT(found["mismatch"].size(), 0u);
+  double sum = 0;
+  for (int order = 0; order <= 4; ++order) sum += found["content"][4]["order_" + std::to_string(order)].get<double>();
+  EXPECT_NEAR(sum, 1, 1e-12);
+  json const point = answer({modes})["ports"];
+  EXPECT_LT(point[4]["fundamental"].get<double>(), 0.999);
+  EXPECT_TRUE(answer({cavity})["ports"][0]["fundamental"].is_null()) << "plane waves";
+}
+
+TEST(IfoCommand, PrintedNetworkOfModesIsAScene) {
+  Folder const folder;
+  Finished const printed = straytrace({"ifo", modes, "--show", "network"});
+  write_text(folder / "net.yaml", printed.out);
+  EXPECT_EQ(straytrace({"ifo", folder / "net.yaml", "--show", "network"}).out, printed.out);
+  EXPECT_EQ(answer({modes})["ports"], answer({folder / "net.yaml"})["ports"]);
 }
 
 TEST(IfoCommand, PrintedNetworkIsAScene) {
@@ -149,6 +174,7 @@ TEST(IfoCommand, WrongInput) {
            {{cavity, "--show", "noise", "PDX"}, "no read-out 'PDX'", "did you mean 'PDH'?"},
            {{cavity, "--show", "noise", "PDH", "--referred-to", "L"}, "no degree of freedom 'L'", "LENGTH"},
            {{cavity, "--referred-to", "LENGTH"}, "--referred-to is for a noise", "--show noise READOUT"},
+           {{cavity, "--show", "modes"}, "solved in plane waves", "'modes: {order: 2}'"},
            {{cavity, "--show", "loops"}, "only a dual-recycled detector has loops", "preset"},
            {{cavity, "--html", folder / "a.png"}, "does not have a known ending", "end it with .html"},
            {{cavity, "--show", "scan", "LENGTH", "0", "1nm", "LENGTH", "0", "1nm"},

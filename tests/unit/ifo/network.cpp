@@ -64,6 +64,50 @@ TEST(NetworkTable, IsReadInSI) {
   EXPECT_EQ(b.model->readouts[2].readout.angle, pi / 2) << "the light of the laser has phase zero";
 }
 
+std::string const curved = R"(    components:
+      laser: {laser: {power: 1 W, mode: {radius: 50 mm, wavefront_curvature: -1/(1420 m)}}}
+      stop: {aperture: {radius: 1 m, offset: [1 mm, 2 mm]}}
+      ITM: {mirror: {transmission: 2 %, curvature: -1/(1420 m)}}
+      ETM: {mirror: {transmission: 0.4 %, curvature: 1/(1683 m), tilt: [1 urad, -2 urad]}}
+    spaces:
+      - {from: laser, to: stop.in, length: 0 m}
+      - {from: stop.out, to: ITM.front, length: 0 m}
+      - {from: ITM.back, to: ETM.front, length: 3 km, phase: -90 deg}
+)";
+
+TEST(NetworkTable, Modes) {
+  Bare const b = bare("    modes: {order: 2, parity: all, cavities: [[ITM, ETM]]}\n" + curved);
+  ASSERT_TRUE(b.model) << b.problems;
+  Network const& n = b.model->network;
+  ASSERT_TRUE(n.modes());
+  EXPECT_EQ(n.modes()->order, 2);
+  EXPECT_EQ(n.modes()->cavities.at(0).at(1), "ETM");
+  auto const etm = std::get<MirrorParameters>(n.at(n.find("ETM")).stated);
+  EXPECT_NEAR(etm.curvature, 1 / 1683.0, 1e-18);
+  EXPECT_EQ(etm.tilt[1], -2e-6);
+  EXPECT_EQ(std::get<ApertureParameters>(n.at(n.find("stop")).stated).offset[1], 2e-3);
+  EXPECT_EQ(std::get<LaserParameters>(n.at(n.find("laser")).stated).mode->radius, 0.05);
+  EXPECT_FALSE(bare("    modes: {order: 0}\n" + curved).model->network.modes()) << "plane waves";
+}
+
+TEST(NetworkTable, ModesThatCannotBe) {
+  struct Row {
+    std::string modes, from, to;
+    char const *reason, *remedy;
+  };
+  for (Row const& row : std::vector<Row>{
+           {"{order: 2}", "1/(1683 m)", "1/(1500 m)", "the cavity ITM-ETM is unstable: (A + D)/2", "other curvatures"},
+           {"{order: 2, cavities: [[ITM, ETN]]}", "", "", "no component 'ETN'", "did you mean 'ETM'?"},
+           {"{order: 2, cavities: [[ITM, stop]]}", "", "", "no cavity with ITM, stop", "it has: ITM-ETM"},
+           {"{order: 17}", "", "", "'order'", "16"},
+           {"{orders: 2}", "", "", "'orders'", "order"}}) {
+    std::string text = curved;
+    if (!row.from.empty()) text.replace(text.find(row.from), row.from.size(), row.to);
+    Bare const b = bare("    modes: " + row.modes + "\n" + text);
+    EXPECT_THAT(b.problems, AllOf(HasSubstr(row.reason), HasSubstr(row.remedy)));
+  }
+}
+
 // Eq. N.2: the phase of the largest slope, which is positive.
 TEST(NetworkTable, BestPhase) {
   Bare const b = bare(cavity);
@@ -197,6 +241,30 @@ TEST(NetworkOfPreset, ReplacedMirrorChangesTheStrain) {
                replaced = strain("preset: adv, network: {components: {SRM: {mirror: {transmission: 40 %}}}}");
   EXPECT_NEAR(replaced / stated, 1, 1e-12);
   EXPECT_GT(std::fabs(stated / plain - 1), 1e-3) << "control: the mirror matters";
+}
+
+// A mirror of which only curvature and tilt are stated keeps its transmission, displacement and mass.
+TEST(NetworkOfPreset, ModesAndCurvatures) {
+  std::string const curvatures =
+      "components: {ITMx: {mirror: {curvature: -1/(1420 m)}}, ITMy: {mirror: {curvature: -1/(1420 m)}}, "
+      "ETMx: {mirror: {curvature: 1/(1683 m), tilt: [0 rad, 1 nrad]}}, ETMy: {mirror: {curvature: 1/(1683 m)}}, "
+      "PRM: {mirror: {curvature: -1/(1431.5 m)}}, SRM: {mirror: {curvature: 1/(1431.5 m)}}}";
+  Detector const d =
+      detector("preset: adv, network: {modes: {order: 2, cavities: [[ITMx, ETMx], [ITMy, ETMy]]}, " + curvatures + "}");
+  ASSERT_THAT(d.problems, IsEmpty());
+  auto const etm = [](Detector const& of) {
+    Network const& n = of.ifo->network()->network;
+    return std::get<MirrorParameters>(n.at(n.find("ETMx")).stated);
+  };
+  Detector const plain = detector("preset: adv");
+  EXPECT_EQ(etm(d).displacement, etm(plain).displacement);
+  EXPECT_EQ(etm(d).suspension.mass, etm(plain).suspension.mass);
+  EXPECT_EQ(etm(d).transmission, etm(plain).transmission);
+  EXPECT_NEAR(etm(d).tilt[1], 1e-9, 1e-20);
+  EXPECT_THAT(d.ifo->description(), HasSubstr("modes up to order 2 with radiation pressure"));
+  EXPECT_THAT(detector("preset: adv, network: {modes: {order: 2}}").problems,
+              AllOf(HasSubstr("is unstable"), HasSubstr("other curvatures")))
+      << "flat mirrors";
 }
 
 TEST(NetworkOfPreset, OtherProblemsDoNotMakeItsKeyUnknown) {

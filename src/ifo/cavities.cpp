@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ifo/layout/cavities.hpp"
+#include "ifo/cavities.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The Hermite-Gauss modes of every beam of a network, and how its components couple them
+// (docs/theory/interferometer.md, eq. N.6 to N.11).
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <complex>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/errors.hpp"
+#include "ifo/cavities.hpp"
+#include "ifo/network.hpp"
+
+namespace straytrace::ifo {
+
+// Complex curvatures 1/RoC + i wavelength/(pi w^2) along x and y of a beam in its own frame, 1/m. x lies in the planes
+// of incidence; the frame of the light that runs back has x turned round.
+using BeamCurvature = std::array<std::complex<double>, 2>;
+
+// Eigenmode of a resonator, where the light of its first beam leaves.
+struct CavityMode {
+  NetworkCavity cavity;
+  std::array<double, 2> stability{};  // (A + D)/2 of a round trip; of a stable one between -1 and 1
+  BeamCurvature curvature{};
+  std::array<double, 2> gouy{};  // lag per order and round trip, rad in [0, 2 pi)
+  bool turned = false;           // x is turned round on a round trip: odd n get half a turn more (eq. N.10)
+  bool stable() const { return std::abs(stability[0]) < 1 && std::abs(stability[1]) < 1; }
+  double radius(int axis, double wavelength) const { return std::sqrt(wavelength / (pi * curvature[axis].imag())); }
+  double phase_beyond(int n, int m) const;  // rad in [0, 2 pi), of a mode per round trip, beyond that of 00
+};
+// Without modes where it is not stable.
+CavityMode mode_of(Network const&, NetworkCavity const&);
+
+// Power that a way takes from the fundamental mode of one basis into others.
+struct BasisMismatch {
+  std::string from, to;  // ports: where the light enters and leaves
+  double mismatch = 0;   // 1 - |K_00|^2, of the curvatures alone
+};
+
+// A network has no modes to use: no settings, an unstable cavity, a beam that none reaches.
+class ModeError : public NumericalError {
+ public:
+  ModeError(std::string what, std::string remedy)
+      : NumericalError(what + ": " + remedy), reason(what), remedy(remedy) {}
+  std::string reason, remedy;
+};
+
+class ModeBases {
+ public:
+  // ModeError where there are none.
+  explicit ModeBases(Network const&);
+
+  std::size_t count() const { return orders_.size(); }
+  std::array<int, 2> orders(std::size_t mode) const { return orders_[mode]; }
+  std::string name(std::size_t mode) const;  // "(1,0)"
+  BeamCurvature const& leaving(std::uint32_t port) const { return leaving_[port]; }
+  BeamCurvature entering(std::uint32_t port) const;                      // the light that runs back
+  std::vector<CavityMode> const& cavities() const { return cavities_; }  // those whose modes are bases
+  std::vector<BasisMismatch> const& mismatches() const { return mismatches_; }
+
+  // Amplitudes of the modes that leave at `out`, a port of the network, for those that enter at number `in` of the
+  // component.
+  Eigen::MatrixXcd const& coupling(std::uint32_t out, std::uint32_t in) const {
+    return couplings_[std::size_t(out) * most_ports + in];
+  }
+  // Factor of a mode along a space, e^{-i(n psi_x + m psi_y)}: the phase of 00 is part of that of the space.
+  Phasor turn(std::size_t space, std::size_t mode) const { return turns_[space][Eigen::Index(mode)]; }
+  // Unit vector of the light of a laser.
+  Eigen::VectorXcd emitted(Network::Component const&) const;
+
+ private:
+  static constexpr std::size_t most_ports = 4;
+  Eigen::MatrixXcd coupled(Network::Component const&, std::uint32_t out, std::uint32_t in) const;
+  Eigen::MatrixXcd kept(Eigen::MatrixXcd const& all) const;  // the modes in use, of all with n + m <= order
+
+  double wave_number_;
+  int order_;
+  std::vector<std::array<int, 2>> orders_;
+  std::vector<BeamCurvature> leaving_;  // by port
+  std::vector<CavityMode> cavities_;
+  std::vector<BasisMismatch> mismatches_;
+  std::vector<Eigen::MatrixXcd> couplings_;
+  std::vector<Eigen::VectorXcd> turns_;  // by space
+};
+
+// The curvature of the light that leaves a component at `out` for what enters at `in`, both numbers of its ports.
+BeamCurvature through(Network::Component const&, std::uint32_t out, std::uint32_t in, BeamCurvature const&);
+
+}  // namespace straytrace::ifo
