@@ -119,8 +119,9 @@ ControlLoop read_loop(Node const& node, std::string const& length, NetworkModel 
   if (NamedReadout const* r = model.readout(sensor)) {
     loop.sensor = *r;
     if (!r->is_power() && !r->is_demodulated())
-      node["sensor"].problem(fmt::format("'{}' is a homodyne detector, which no loop of a length uses", sensor),
-                             "name a read-out of kind 'power' or 'demodulate'");
+      node["sensor"].problem(
+          fmt::format("'{}' is a homodyne detector, and a length loop needs a power or a demodulated signal", sensor),
+          "name a read-out of kind 'power' or 'demodulate'");
   } else if (!sensor.empty()) {
     std::vector<std::string> names;
     for (NamedReadout const& other : model.readouts) names.push_back(other.name);

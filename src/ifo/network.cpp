@@ -119,6 +119,13 @@ std::vector<Phasor> phase_bands(ModulatorParameters const& p) {
   return bands;
 }
 
+// All light passes, both ways.
+Eigen::MatrixXcd straight() {
+  Eigen::MatrixXcd s = Eigen::MatrixXcd::Zero(2, 2);
+  s(1, 0) = s(0, 1) = 1;
+  return s;
+}
+
 }  // namespace
 
 Network::Component Network::mirror(std::string name, MirrorParameters const& p) {
@@ -154,24 +161,21 @@ Network::Component Network::isolator(std::string name, IsolatorParameters const&
 Network::Component Network::lens(std::string name, LensParameters const& p) {
   Component c;
   c.stated = p;
-  c.scattering = Eigen::MatrixXcd::Zero(2, 2);
-  c.scattering(1, 0) = c.scattering(0, 1) = 1;
+  c.scattering = straight();
   return finished(std::move(c), std::move(name), Component::Kind::lens);
 }
 
 Network::Component Network::aperture(std::string name, ApertureParameters const& p) {
   Component c;
   c.stated = p;
-  c.scattering = Eigen::MatrixXcd::Zero(2, 2);
-  c.scattering(1, 0) = c.scattering(0, 1) = 1;
+  c.scattering = straight();
   return finished(std::move(c), std::move(name), Component::Kind::aperture);
 }
 
 Network::Component Network::modulator(std::string name, ModulatorParameters const& p) {
   Component c;
   c.stated = p;
-  c.scattering = Eigen::MatrixXcd::Zero(2, 2);
-  c.scattering(1, 0) = c.scattering(0, 1) = 1;  // of the bands below
+  c.scattering = straight();  // of the bands below
   c.modulation = p.hz;
   c.carrier_alone = p.of == ModulatorParameters::Of::carrier;
   if (p.kind == ModulatorParameters::Kind::phase) {

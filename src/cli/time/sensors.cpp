@@ -13,6 +13,7 @@
 #include "cli/options.hpp"
 #include "cli/time/time_options.hpp"
 #include "noise/project/sensor_noise.hpp"
+#include "noise/project/static_phase.hpp"
 #include "results/results.hpp"
 #include "results/text/sheets.hpp"
 #include "spectra/files/series_file.hpp"
@@ -82,7 +83,7 @@ Sheet sensor_sheet(TimeInputs const& in, Answers const& a, Kind const& kind) {
   Sheet s{
       "sensors",
       fmt::format(
-          "{} by stray light, one-sided ASD with one standard error, mean over static phases; -: unknown.\n"
+          "{} by stray light, one-sided ASD with one standard error, mean over random static phases; -: unknown.\n"
           "light: main light to which the couplings of the port refer; bound: lower bound where routes are unresolved.",
           kind.signal),
       {{"sensor", ""}, {"light", "W", 4}},
@@ -147,7 +148,9 @@ CurveSheet curves_of(TimeInputs const& in, Answers const& a, Kind const& kind) {
 
 void write_channels(SensorOptions const& o, TimeInputs const& in) {
   TimeDomainSettings s;
-  s.paths = {in.routes, o.per_route, o.time.seed, 0, {}};
+  s.paths = {in.routes, o.per_route, o.time.seed, 0,
+             known_phases(in.coupling(), in.model.motion, in.model.noise.static_phases,
+                          SensorResponse(PortId{0}, SensorKind::power))};
   s.start = in.start;
   s.duration = in.duration;
   s.rate = o.time.rate;

@@ -108,7 +108,7 @@ bool has_normals(S const& s) {
   else
     return false;
 }
-// Of shapes with normals at the corners of their pieces, between these; of others the normal.
+// Interpolated between the normals at the corners of a piece, where the shape has them; otherwise the normal itself.
 template <class S>
 STRAY_HD Vec3 smooth_normal_of(S const& s, Vec3 p, std::uint32_t piece) {
   if constexpr (requires { s.smooth_normal(p, piece); })

@@ -89,10 +89,6 @@ Eigen::MatrixXcd mode_coupling(AxisCoupling const& x, AxisCoupling const& y, dou
   return coupling;
 }
 
-Eigen::VectorXd missing_power(Eigen::MatrixXcd const& coupling) {
-  return Eigen::VectorXd::Ones(coupling.cols()) - coupling.cwiseAbs2().colwise().sum().transpose();
-}
-
 Eigen::MatrixXd stop_coupling(CircularStop const& stop, std::array<double, 2> w, int order) {
   double const sx = std::sqrt(2.0) / w[0], sy = std::sqrt(2.0) / w[1];
   // With y = radius sin(angle) the integrand is analytic and of period pi: the midpoint rule converges exponentially.

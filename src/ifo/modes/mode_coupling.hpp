@@ -31,9 +31,6 @@ Eigen::MatrixXcd axis_coupling(AxisCoupling const&, double wave_number, int orde
 // Product of two axes for the modes n + m <= order.
 Eigen::MatrixXcd mode_coupling(AxisCoupling const& x, AxisCoupling const& y, double wave_number, int order);
 
-// Power of each incoming mode that the modes n + m <= order do not take: 1 - sum over n of |K(n, m)|^2.
-Eigen::VectorXd missing_power(Eigen::MatrixXcd const& coupling);
-
 // Stop of radius `radius`, open inside, its centre at `offset` along x and y from the axis of the beam; all in m.
 struct CircularStop {
   double radius = 0;

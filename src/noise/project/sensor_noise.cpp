@@ -26,6 +26,7 @@ SensorNoise sensor_noise(CouplingTable const& table, MotionSet const& motion, No
   SensorNoise noise{port, {}, {}};
   bool const diffuse = kind == SensorKind::quadrant;
   settings.compare.clear();
+  if (diffuse) settings.static_phases.clear();  // of the mode itself, not of the one with a half reversed
   CouplingTable own = table;
   own.classes.clear();
   for (std::uint32_t i = 0; i < table.classes.size(); ++i)
@@ -58,6 +59,7 @@ SensorSeries sensor_series(CouplingTable const& table, MotionSet const& motion, 
   for (auto const& [what, draw] : {std::pair{"X", of_x}, std::pair{"Y", of_y}}) {
     PathChoice choice = settings.paths;
     choice.realisation += draw;
+    choice.phases.clear();
     std::erase_if(choice.routes, [&](std::uint32_t r) { return table.classes[r].deterministic(); });
     std::vector<StrayPath> const paths = stray_paths(table, every, choice);
     add(stray_fields(paths, light.motion, settings.delay, settings.threads, settings.direct), what, amplitude);

@@ -122,7 +122,7 @@ std::string explanation(PathTable const& table, bool shortened) {
   text += "; (n): one standard error, last digits.\nEach row is one ordered route";
   text += table.reverse_routes ? "; C_rev, in h but not in coupling, adds its reverse in amplitude.\n"
                                : "; reverse routes are not added in amplitude (C_rev off).\n";
-  if (table.has_noise) text += "h: one-sided strain ASD in 1/sqrt(Hz), mean over static phases.\n";
+  if (table.has_noise) text += "h: one-sided strain ASD in 1/sqrt(Hz), mean over random static phases.\n";
   auto const mirrored = std::count_if(table.rows.begin(), table.rows.end(), [](auto& row) { return row.by_reverse; });
   if (mirrored > 0)
     text += fmt::format("{} {} taken from the reversed route (reciprocity).\n", mirrored,

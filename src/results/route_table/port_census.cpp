@@ -73,7 +73,7 @@ std::vector<TableColumn<ObjectLine>> columns_of(PathTable const& table) {
     .as_text = [](ObjectLine const& r) { return percent_text(r.met.share); }});
   for (std::size_t k = 0; table.has_noise && k < table.frequencies.size(); ++k)
     all.push_back({.key = strain_key(table.frequencies[k]), .kind = ColumnKind::estimate, .unit = "1/√Hz",
-      .help = "one-sided strain ASD, mean over static phases",
+      .help = "one-sided strain ASD, mean over random static phases",
       .value = [k](ObjectLine const& r) { return r.met.strain[k]; },
       .text = {30, fmt::format("h({:g} Hz)", table.frequencies[k])},
       .csv = {30, fmt::format("h_{:g}Hz", table.frequencies[k])}});

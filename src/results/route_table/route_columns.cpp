@@ -143,7 +143,7 @@ void add_kind(RouteList& all, bool kinds) {
 void add_strain(RouteList& all, std::size_t i, double hz) {
   std::string const at = fmt::format("h_{:g}Hz", hz);
   all.push_back({.key = strain_key(hz), .kind = ColumnKind::estimate, .title = strain_title(hz), .unit = strain_unit,
-    .help = "one-sided strain ASD, mean over static phases",
+    .help = "one-sided strain ASD, mean over random static phases",
     .value = [i](RouteRow const& r) { return r.row.strain[i]; },
     .text = {80, strain_title(hz)}, .csv = {100, at}, .page = {120}, .shown_first = true,
     .as_text = [i](RouteRow const& r) { return strain_text(r.row, r.row.strain[i]); }});

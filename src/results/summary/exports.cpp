@@ -144,8 +144,8 @@ std::string dumped(Json const& j) { return j.dump(2, ' ', false, Json::error_han
 std::string path_csv(PathTable const& table, RunContent const& run) {
   std::string text =
       file_header(run) + "# one row per ordered route; coupling: recoupled power fraction [1], C_rev not included\n";
-  text +=
-      "# h: one-sided strain ASD [1/sqrt(Hz)], mean over static phases; " + reverse_words(table.reverse_routes) + "\n";
+  text += "# h: one-sided strain ASD [1/sqrt(Hz)], mean over random static phases; " +
+          reverse_words(table.reverse_routes) + "\n";
   text +=
       fmt::format("# share_percent: of the resolved strain noise power between {} and {} Hz\n", table.low, table.high);
   text +=
@@ -228,7 +228,7 @@ static std::string bound_lines(NoiseBudget const& b) {
 std::string asd_text(RunContent const& run) {
   if (!run.noise) throw InputError("this run has no noise yet", "write straytrace noise RUN_FILE -o FOLDER");
   NoiseBudget const& b = *run.noise;
-  std::string text = file_header(run) + "# one-sided strain ASD, mean over static phases\n# " +
+  std::string text = file_header(run) + "# one-sided strain ASD, mean over random static phases\n# " +
                      reverse_words(run.trace->coupling.reverse_routes) + "\n";
   text += "# h_low, h_high: one standard error of the Monte Carlo\n";
   text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open\n";

@@ -115,7 +115,7 @@ std::string strain_table(RunContent const& run, PathTable const& table) {
     c.rows.push_back(std::move(row));
   }
   text += aligned(c) +
-          "\nOne-sided amplitude spectral density, mean over static phases. Errors: one standard error, "
+          "\nOne-sided amplitude spectral density, mean over random static phases. Errors: one standard error, "
           "Monte Carlo only.\n";
   text += error_table(b, table.frequencies);
   text += lines_text(table);
@@ -161,7 +161,7 @@ std::string assumed(RunContent const& run, std::vector<std::string> const& more)
                      ? "A route and its reverse add in amplitude (C_rev on); all other routes add in power."
                      : "Reverse routes are not added in amplitude (C_rev off); routes add in power.");
   text += bullet("The geometry is frozen: motion changes phases, not which paths exist or how strong they are.");
-  text += bullet("h is the mean over static phases; one realisation of the speckle scatters around it.");
+  text += bullet("h is the mean over random static phases; one realisation of the speckle scatters around it.");
   if (!run.interferometer.empty()) text += bullet("Interferometer: " + run.interferometer);
   for (std::string const& line : more) text += bullet(line);
   return text;

@@ -374,7 +374,9 @@ std::string scan_text(ScanTable const& t) {
   for (ScanPoint const& p : t.points) c.rows.push_back(row_of(p, compared));
   std::string text = aligned(c);
   if (compared) text += fmt::format("\nline: {}; above 1 the total exceeds it.", t.line);
-  text += "\nh: one-sided strain ASD in 1/sqrt(Hz), mean over static phases; (n): one standard error, last digits.\n";
+  text +=
+      "\nh: one-sided strain ASD in 1/sqrt(Hz), mean over random static phases; (n): one standard error, last "
+      "digits.\n";
   if (std::any_of(t.points.begin(), t.points.end(), has_upper_bounds))
     text +=
         "'at most': an upper bound, since routes of kind edge contribute; 'about': no bound, since others are "

@@ -7,6 +7,7 @@
 
 #include "physics/ifo/network_support.hpp"
 #include "physics/ifo/support.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::ifo_control {
 namespace {
