@@ -519,6 +519,23 @@ std::optional<NetworkBeam> read_beam(Node const& node, Network const& network) {
   return beam;
 }
 
+namespace {
+
+// Apertures and tilts that plane waves leave out.
+void warn_of_plane_waves(Node const& table, NetworkChanges const& changes) {
+  if (changes.modes) return;
+  for (Component const& c : changes.components) {
+    auto const* mirror = std::get_if<MirrorParameters>(&c.stated);
+    bool const tilted = mirror && (mirror->tilt[0] != 0 || mirror->tilt[1] != 0);
+    if (tilted || c.kind == Kind::aperture)
+      table["components"][c.name].warning(
+          fmt::format("plane waves leave out the {} of '{}'", tilted ? "tilt" : "aperture", c.name),
+          "add 'modes: {order: 2}' to the network");
+  }
+}
+
+}  // namespace
+
 NetworkChanges read_network_changes(Node const& network, Network const& base) {
   NetworkChanges changes;
   read_components(network.table("components"), base, changes);
@@ -532,6 +549,7 @@ NetworkChanges read_network_changes(Node const& network, Network const& base) {
   changed = base;
   apply(changes, changed);
   changes.modes = read_modes(network, changed);
+  warn_of_plane_waves(network, changes);
   return changes;
 }
 

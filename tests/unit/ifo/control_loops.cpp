@@ -66,5 +66,11 @@ TEST(ControlLoopTables, WarnsOfLoopsNearInstability) {
   EXPECT_THAT(warnings("{gain: 1000, poles: [20 Hz, 20 Hz, 20 Hz]}"), HasSubstr("unstable"));
 }
 
+TEST(NetworkWarnings, PlaneWavesLeaveOutAperturesAndTilts) {
+  std::string const stop = "preset: adv, network: {components: {stop: {aperture: {radius: 1 mm}}}";
+  EXPECT_THAT(detector(stop + "}").scene.warnings(), HasSubstr("plane waves leave out the aperture of 'stop'"));
+  EXPECT_THAT(detector("preset: adv").scene.warnings(), IsEmpty());
+}
+
 }  // namespace
 }  // namespace straytrace::ifo_loop_tables
