@@ -213,7 +213,8 @@ std::string project_text(TimeDomainSummary const& r) {
   text +=
       fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe frequency plus a margin of {:.4g} Hz)\n",
                   r.rule.least(), r.rule.margin);
-  text += fmt::format("neglected (eq. 2.6): second order about {:.2g} rad, tilt of the rays, ", r.second_order);
+  text += fmt::format("neglected (eq. 2.6): second order about {:.2g} rad, ", r.second_order);
+  if (r.ray_tilt > 0) text += fmt::format("tilt of the rays about {:.2g} rad, ", r.ray_tilt);
   if (r.retarded)
     text += fmt::format("deviations of the delays from half of a path: up to {:.1g} of h at 100 Hz\n", r.delay_error);
   else
@@ -242,6 +243,7 @@ std::string project_json(TimeDomainSummary const& r) {
                               {"largest_fringe_gps", r.fastest.time},
                               {"largest_fringe_route", r.fastest_route},
                               {"second_order_phase", r.second_order},
+                              {"ray_tilt_phase", r.ray_tilt},
                               {"longest_delay", r.delay},
                               {"retarded", r.retarded},
                               {"delay_error_100Hz", r.delay_error},

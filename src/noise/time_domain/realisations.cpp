@@ -88,26 +88,43 @@ BandLevel nothing(double hz) {
   return {hz, hz, hz, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number};
 }
 
-// Second-order effects (eq. 2.6) neglected for this route if the largest translation of a body on each path were
-// transverse to its mean leg; mean over the paths by power.
-double second_order_of(CouplingTable const& table, StrayLight const& light) {
+// Second-order phases [rad] that frozen geometry neglects on a route, means over its paths by power.
+struct SecondOrder {
+  double transverse = 0;  // eq. 2.6, if the largest translation of a body on the path were transverse to its mean leg
+  double ray_tilt = 0;    // eq. N.28, if its largest rotation were that of a mirror between two mean legs
+};
+
+SecondOrder second_order_of(CouplingTable const& table, StrayLight const& light) {
   CouplingClass const& c = table.classes[light.moving.route];
   double const legs = c.steps.size() > 2 ? double(c.steps.size() - 1) : 1;
-  std::map<std::uint32_t, double> largest;  // m, by body
-  for (MovingCoordinate const& m : light.motion.coordinates)
-    for (double x : m.position)
-      if (!is_rotation(m.axis)) largest[m.body.value] = std::max(largest[m.body.value], std::fabs(x));
-  double phase = 0, power = 0;
+  // A row of many routes may hold reflections.
+  bool const reflects =
+      c.steps.empty() || std::ranges::find(c.steps, Event::reflect, &PathStep::event) != c.steps.end();
+  struct Largest {
+    double translation = 0, rotation = 0;  // m, rad
+  };
+  std::map<std::uint32_t, Largest> by_body;
+  for (MovingCoordinate const& m : light.motion.coordinates) {
+    Largest& body = by_body[m.body.value];
+    double& largest = is_rotation(m.axis) ? body.rotation : body.translation;
+    for (double x : m.position) largest = std::max(largest, std::fabs(x));
+  }
+  SecondOrder sum;
+  double power = 0;
   for (PathRecord const& record : c.records) {
     if (!(record.path_length > 0)) continue;
-    double motion = 0;
+    Largest moved;
     for (PhaseSensitivity const& phase_sensitivity : record.phase_sensitivities)
-      if (auto const at = largest.find(phase_sensitivity.body.value); at != largest.end())
-        motion = std::max(motion, at->second);
-    phase += record.weight * second_order_phase(motion, record.path_length / legs, table.wavelength);
+      if (auto const at = by_body.find(phase_sensitivity.body.value); at != by_body.end()) {
+        moved.translation = std::max(moved.translation, at->second.translation);
+        moved.rotation = std::max(moved.rotation, at->second.rotation);
+      }
+    double const leg = record.path_length / legs;
+    sum.transverse += record.weight * second_order_phase(moved.translation, leg, table.wavelength);
+    if (reflects) sum.ray_tilt -= record.weight * ray_tilt_phase(moved.rotation, leg, leg, table.wavelength);
     power += record.weight;
   }
-  return power > 0 ? phase / power : 0;
+  return power > 0 ? SecondOrder{sum.transverse / power, sum.ray_tilt / power} : SecondOrder{};
 }
 
 // Uncertainty of h at 100 Hz due to the delays, relative to the noise of one body. `retarded`: half of the path is the
@@ -158,7 +175,9 @@ TimeDomainSummary summarise(CouplingTable const& table, MotionSet const& motion,
   r.fastest = light.fastest;
   r.fastest_route = light.fastest_route;
   r.delay = light.longest_delay;
-  r.second_order = second_order_of(table, light);
+  SecondOrder const neglected = second_order_of(table, light);
+  r.second_order = neglected.transverse;
+  r.ray_tilt = neglected.ray_tilt;
   r.retarded = s.delay == Delay::half_path;
   r.delay_error = delay_error_of(table, routes, r.retarded);
   r.band_low = s.band_low;

@@ -46,6 +46,7 @@ struct TimeDomainSummary {
   FastestFringe fastest;
   std::string fastest_route;
   double delay = 0, second_order = 0;  // s; rad
+  double ray_tilt = 0;                 // rad, magnitude; 0: no specular reflection, or no body on the route rotates
   double delay_error = 0;              // of h at 100 Hz, relative, at most (eq. 2.6)
   bool retarded = false, recorded = false;
   double band_low = 0, band_high = 0;

@@ -149,6 +149,10 @@ double second_order_phase(double motion, double distance, double wavelength) {
   return pi / wavelength * motion * motion / distance;
 }
 
+double ray_tilt_phase(double angle, double before, double after, double wavelength) {
+  return -4 * pi / wavelength * angle * angle * before * after / (before + after);
+}
+
 double delay_cycles(double hz, double path_length) { return hz * path_length / speed_of_light; }
 
 namespace {

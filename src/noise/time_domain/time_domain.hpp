@@ -124,6 +124,10 @@ std::vector<double> strain(std::span<PortField const>, Interferometer const&, do
 // Size of the effects neglected by frozen geometry (eq. 2.6).
 // Phase [rad] of a transverse motion of this size [m] seen from this distance [m].
 double second_order_phase(double motion, double distance, double wavelength);
+// Phase [rad] that the path from one point to another over a flat mirror loses when the mirror turns by this angle
+// [rad] in the plane of incidence about the point it is hit at, so far [m] from both (eq. N.28). To first order the
+// length of a specular path is stationary.
+double ray_tilt_phase(double angle, double before, double after, double wavelength);
 // Phase error [cycles] at frequency hz of light that takes this path [m].
 double delay_cycles(double hz, double path_length);
 

@@ -158,6 +158,26 @@ TEST(FringesInTime, SizeOfTheNeglectedTerms) {  // R4.07, eq. 2.6
   EXPECT_NEAR(delay_cycles(1000, 6000), 0.0200, 0.00005);
 }
 
+// Eq. N.28, R4.07: two points 1.5 km before and after a flat mirror that turns by 1 urad.
+TEST(FringesInTime, TiltOfTheRaysIsOfSecondOrderN28) {
+  EXPECT_NEAR(ray_tilt_phase(1e-6, 1500, 1500, wavelength), -8.8579e-3, 1e-7);
+  // The exact length, by the image of the first point in the mirror, at an angle that resolves it; any incidence.
+  double const before = 0.7, after = 1.9, still = before + after, k = 2 * pi / wavelength;
+  for (double const incidence : {0.0, 0.6, 1.2})
+    for (double const angle : {2e-3, -2e-3, 4e-3}) {
+      double const nx = std::sin(angle), nz = std::cos(angle);
+      double x = before * std::sin(incidence), z = before * std::cos(incidence);
+      double const depth = x * nx + z * nz;
+      x -= 2 * depth * nx;
+      z -= 2 * depth * nz;
+      double const turned = std::hypot(x + after * std::sin(incidence), z - after * std::cos(incidence));
+      double const exact = k * (turned - still);
+      EXPECT_NEAR(ray_tilt_phase(angle, before, after, wavelength) / exact, 1, 2 * angle * angle) << incidence;
+      EXPECT_GT(std::fabs(ray_tilt_phase(angle, before + after, before + after, wavelength) / exact - 1), 1)
+          << "control: both legs as long as the path";
+    }
+}
+
 // A bright route that hardly moves, a faint one of 2.5 rad rms that makes the noise, and a fainter one that moves most:
 // p (1 - exp(-phi^2)) is 1e-6 of 1, 0.00998 of 0.01, 0.0001 of 0.0001.
 TEST(FringesInTime, RmsPhaseIsThatOfTheRouteWithTheLargestMovingPower) {
