@@ -31,6 +31,7 @@ PARTS = (
                                "Progress")),
     ("Paths", "straytrace", ("Paths", "Path", "PathColumn")),
     ("Scans", "straytrace", ("scan", "Scan", "ScanPoint")),
+    ("Interferometers", "straytrace", ("Interferometer",)),
     ("Errors", "straytrace", ("Problem", "InputError", "RunError", "NumericalError", "StraytraceWarning")),
     ("FINESSE", "straytrace.finesse", ("response", "Response")),
     ("pygwinc", "straytrace.pygwinc", ("StrayLight", "read_strain")),

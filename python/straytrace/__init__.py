@@ -26,12 +26,13 @@ from .run import Run, open_run
 from .wave import Irradiance, SeamCheck, Wave, WaveRing
 
 if TYPE_CHECKING:
+    from .ifo import Interferometer
     from .model import Check, Model
     from .scans import Scan, ScanPoint, scan
     from .tree import Items, Table, quantity
 
 # Loaded on demand: the pictures of the program need neither these modules nor their packages.
-_LATER = {"Check": "model", "Model": "model", "Scan": "scans", "ScanPoint": "scans", "scan": "scans", "Items": "tree",
+_LATER = {"Check": "model", "Interferometer": "ifo", "Model": "model", "Scan": "scans", "ScanPoint": "scans", "scan": "scans", "Items": "tree",
           "Table": "tree", "quantity": "tree"}
 
 open = open_run
@@ -73,6 +74,6 @@ def run(model: Model | Mapping[str, Any] | str | os.PathLike[str], out: str | os
     return _model(model).run(out, **options)
 
 
-__all__ = ["Bands", "Check", "Curve", "InputError", "Irradiance", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Path", "PathColumn", "Paths",
+__all__ = ["Bands", "Check", "Curve", "InputError", "Interferometer", "Irradiance", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Path", "PathColumn", "Paths",
            "Problem", "Progress", "Receiver", "Receivers", "Routes", "Run", "RunError", "Scan", "ScanPoint",
            "SeamCheck", "StraytraceWarning", "Table", "Wave", "WaveRing", "check", "open", "open_run", "quantity", "run", "scan", "trace"]

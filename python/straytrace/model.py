@@ -16,8 +16,7 @@ from typing import Any
 from . import engine
 from .errors import InputError, Problem, StraytraceWarning
 from .progress import Shown, shown
-from .run import Run, open_run
-from .scratch import Scratch
+from .run import Run, Scratch, open_run
 from .tree import SCALARS, Table, plain, scene_tree
 from .yaml_text import YAMLError, dump, load
 

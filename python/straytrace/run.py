@@ -8,7 +8,9 @@ import json
 import os
 import pathlib
 import shutil
+import tempfile
 import warnings
+import weakref
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -20,7 +22,6 @@ from .curves import Noise
 from .errors import RunError, StraytraceWarning
 from .paths import Paths, Where, paths_from
 from .routes import EnergyBalance, Receiver, Receivers, Routes
-from .scratch import Scratch
 from .wave import SeamCheck, Wave, WaveRing, seam_of, wave_of, wave_ring_of
 
 if TYPE_CHECKING:
@@ -28,7 +29,19 @@ if TYPE_CHECKING:
 
     from .model import Model
 
-__all__ = ["Run", "RunError", "open_run"]
+__all__ = ["Run", "RunError", "Scratch", "open_run"]
+
+
+class Scratch:
+    """A temporary folder that lives as long as this object."""
+
+    def __init__(self) -> None:
+        self.folder = tempfile.mkdtemp(prefix="straytrace-")
+        weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
+
+    def file(self, name: str) -> str:
+        """The path of a file in it."""
+        return str(pathlib.Path(self.folder, name))
 
 
 @dataclass

@@ -18,8 +18,7 @@ import numpy as np
 from . import engine
 from .errors import StraytraceWarning
 from .model import Model, overrides, trace_words, traced
-from .run import Run, open_run
-from .scratch import Scratch
+from .run import Run, Scratch, open_run
 
 if TYPE_CHECKING:
     import pandas
