@@ -54,6 +54,10 @@ class Interferometer:
         """Error signals by read-out and degree of freedom: value, slope, best phase of demodulation, linear range, offset."""
         return self._one("errors").set_index(["readout", "freedom"])
 
+    def slopes(self, readout: str) -> pandas.DataFrame:
+        """Slope of a read-out of power with respect to each number of the network, per SI unit, with value and units. Index: parameter."""
+        return self._one("slopes", readout, index="parameter")
+
     def sensing(self, at: Quantity = "10 Hz") -> pandas.DataFrame:
         """Response of each read-out (row) to each degree of freedom (column) at one frequency, complex."""
         return _complex(self._one("sensing", at=at, index="readout"))

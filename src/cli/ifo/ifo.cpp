@@ -39,10 +39,11 @@ struct Request {
   std::vector<char const*> words;
   bool optional = false;  // the words may be left out
 };
-std::array<Request, 10> const& requests() {
-  static std::array<Request, 10> const all = {{{"point", {}},
+std::array<Request, 11> const& requests() {
+  static std::array<Request, 11> const all = {{{"point", {}},
                                                {"scan", {"PARAMETER", "FROM", "TO"}},
                                                {"errors", {}},
+                                               {"slopes", {"READOUT"}},
                                                {"transfer", {"FROM", "TO"}},
                                                {"sensing", {}},
                                                {"noise", {"READOUT"}},
@@ -127,20 +128,30 @@ Sheet transferred(NetworkModel const& model, IfoOptions const& options) {
   return transfer_sheet(*cause, *effect, hz, transfer_function(model, *cause, *effect, hz));
 }
 
+NamedReadout const& readout_of(NetworkModel const& model, std::string const& name) {
+  if (NamedReadout const* const readout = model.readout(name)) return *readout;
+  std::vector<std::string> names;
+  for (NamedReadout const& r : model.readouts) names.push_back(r.name);
+  throw unknown("read-out", name, names);
+}
+
+Sheet slopes_of_readout(NetworkModel const& model, IfoOptions const& options) {
+  NamedReadout const& readout = readout_of(model, options.show[1]);
+  if (!readout.is_power() && !readout.is_demodulated())
+    throw InputError(fmt::format("'{}' is a homodyne detector, and slopes are those of a power", readout.name),
+                     "name a read-out of kind 'power' or 'demodulate', or write --show transfer FROM TO");
+  return slopes_sheet(readout, parameter_slopes(model, readout.readout));
+}
+
 Sheet noise_of_readout(NetworkModel const& model, IfoOptions const& options) {
-  NamedReadout const* const readout = model.readout(options.show[1]);
-  if (!readout) {
-    std::vector<std::string> names;
-    for (NamedReadout const& r : model.readouts) names.push_back(r.name);
-    throw unknown("read-out", options.show[1], names);
-  }
+  NamedReadout const& readout = readout_of(model, options.show[1]);
   NamedFreedom const* const freedom = options.referred.empty() ? nullptr : model.freedom(options.referred);
   if (!freedom && !options.referred.empty()) {
     std::vector<std::string> names;
     for (NamedFreedom const& f : model.freedoms) names.push_back(f.name);
     throw unknown("degree of freedom", options.referred, names);
   }
-  return noise_sheet(*readout, freedom, noise_of(model, *readout, freedom, frequencies(options)));
+  return noise_sheet(readout, freedom, noise_of(model, readout, freedom, frequencies(options)));
 }
 
 std::vector<Sheet> loops_of(NetworkModel const& model, IfoOptions const& options) {
@@ -200,6 +211,7 @@ std::vector<Sheet> sheets_of(NetworkModel const& model, IfoOptions const& option
   if (what == "loops") return loops_of(model, options);
   if (what == "scan") return {scan_sheet(model, scanned(model, options))};
   if (what == "errors") return {errors_sheet(error_signals(model))};
+  if (what == "slopes") return {slopes_of_readout(model, options)};
   if (what == "transfer") return {transferred(model, options)};
   if (what == "noise") return {noise_of_readout(model, options)};
   if (what == "stray") return stray_sheets(model, options);
@@ -305,9 +317,9 @@ void add_ifo(CLI::App& app, int& exit_code) {
   add_scene_options(*command, o);
   command
       ->add_option("--show", o.show,
-                   "point (default), scan PARAMETER FROM TO (once or twice), errors, transfer FROM TO, sensing, noise "
-                   "READOUT, loops, stray (also stray all, stray ENTRANCE, stray ENTRANCE READOUT), modes, or network: "
-                   "the scene of the network")
+                   "point (default), scan PARAMETER FROM TO (once or twice), errors, slopes READOUT, transfer FROM TO, "
+                   "sensing, noise READOUT, loops, stray (also stray all, stray ENTRANCE, stray ENTRANCE READOUT), "
+                   "modes, or network: the scene of the network")
       ->expected(1, 7)
       ->allow_extra_args(false);
   command

@@ -180,6 +180,22 @@ Sheet scan_sheet(NetworkModel const& model, NetworkScan const& scan) {
   return s;
 }
 
+Sheet slopes_sheet(NamedReadout const& readout, std::vector<ParameterSlope> const& slopes) {
+  Sheet s{"slopes",
+          fmt::format("Slope of '{}' with respect to the numbers of the network (eq. N.3), per SI unit; -: rounding.",
+                      readout.name),
+          {{"parameter", ""}, {"value", ""}, {"unit", ""}, {"slope", ""}, {"slope_unit", ""}},
+          {}};
+  for (ParameterSlope const& p : slopes) {
+    Dimension const d = p.parameter.dimension;
+    std::string const unit = d == dim::plain ? "" : d == dim::angle ? "rad" : example_unit(d);
+    std::string per = unit_of(readout.readout);
+    if (!unit.empty()) per += unit.find('/') == unit.npos ? "/" + unit : "/(" + unit + ")";
+    s.rows.push_back({p.parameter.name, p.parameter.value, unit, p.slope, per});
+  }
+  return s;
+}
+
 Sheet errors_sheet(std::vector<ErrorSignal> const& signals) {
   Sheet s{"errors",
           signals.empty() ? "No read-out of power responds to a degree of freedom of the network."

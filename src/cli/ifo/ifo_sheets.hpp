@@ -17,6 +17,7 @@ std::vector<Sheet> point_sheets(OperatingPoint const&);
 std::vector<Sheet> mode_sheets(ModeTable const&);
 Sheet scan_sheet(NetworkModel const&, NetworkScan const&);
 Sheet errors_sheet(std::vector<ErrorSignal> const&);
+Sheet slopes_sheet(NamedReadout const&, std::vector<ParameterSlope> const&);
 Sheet transfer_sheet(NetworkCause const&, NamedReadout const& effect, std::vector<double> const& hz,
                      std::vector<Phasor> const& response);
 Sheet sensing_sheet(SensingMatrix const&);

@@ -93,6 +93,82 @@ std::vector<ErrorSignal> error_signals(NetworkModel const& model) {
   return all;
 }
 
+namespace {
+
+// The number of a space that a parameter is, by the name of the port it leaves; spaces.size(): none.
+std::size_t space_of(Network const& n, std::string const& port) {
+  std::size_t i = 0;
+  while (i < n.spaces().size() && n.port_name(n.spaces()[i].from) != port) ++i;
+  return i;
+}
+
+std::optional<double> adjoint_slope(NetworkModel const& model, AdjointSlope const& slope, std::string const& name) {
+  Network const& n = model.network;
+  if (NamedFreedom const* freedom = model.freedom(name)) {
+    double sum = 0;
+    for (auto const& [id, factor] : freedom->moves) sum += factor * slope.to_displacement(id);
+    return sum;
+  }
+  std::size_t const dot = name.rfind('.');
+  std::string const owner = name.substr(0, dot), what = name.substr(dot + 1);
+  if (auto const id = n.search(owner)) {
+    if (what == "transmission") return slope.to_transmission(*id);
+    if (what == "loss") return slope.to_loss(*id);
+    if (what == "displacement") return slope.to_displacement(*id);
+    if (what == "tuning") return slope.to_displacement(*id) / n.wavenumber();
+    if (what == "power") return slope.to_power(*id);
+  }
+  std::size_t const space = space_of(n, owner);
+  if (space == n.spaces().size()) return {};
+  if (what == "length") return slope.to_length(space);
+  return what == "phase" ? std::optional(slope.to_phase(space)) : std::nullopt;
+}
+
+// Steps of central differences, far below what changes the light and far above its rounding. Zero: no such number.
+double step_of(NetworkModel const& model, std::string const& name) {
+  if (name.ends_with(".index")) return 1e-5;
+  if (!model.network.modes()) return 0;
+  if (name.ends_with(".curvature")) return 1e-8;                              // 1/m
+  return name.ends_with(".tilt_x") || name.ends_with(".tilt_y") ? 1e-10 : 0;  // rad
+}
+
+double central_difference(NetworkModel const& model, Readout const& r, NetworkParameter const& p, double step) {
+  double value[2];
+  for (int side : {0, 1}) {
+    NetworkModel moved = model;
+    p.set(moved, p.value + (side == 0 ? -step : step));
+    value[side] = value_of(r, SteadyField(moved.network));
+  }
+  return (value[1] - value[0]) / (2 * step);
+}
+
+// Below this a slope is rounding; `power`: at the read-out, times the largest gain of power in the network.
+double least_slope(NetworkModel const& model, NetworkParameter const& p, double step, double power) {
+  constexpr double rounding = 1e-12;  // of a solution
+  if (step > 0) return rounding * power / step;
+  if (p.dimension == dim::length) return blind * power * model.network.wavenumber();
+  if (p.dimension == dim::power) return p.value > 0 ? blind * power / p.value : 0;
+  return blind * power;
+}
+
+}  // namespace
+
+std::vector<ParameterSlope> parameter_slopes(NetworkModel const& model, Readout const& r) {
+  SteadyField const f(model.network);
+  AdjointSlope const slope(model.network, f, r);
+  double const power = power_of_beam(r, f) * largest_gain(model.network, f);
+  std::vector<ParameterSlope> all;
+  for (std::string const& name : parameter_names(model)) {
+    NetworkParameter const p = *find_parameter(model, name);
+    double const step = step_of(model, name);
+    std::optional<double> const found =
+        step > 0 ? central_difference(model, r, p, step) : adjoint_slope(model, slope, name);
+    if (!found) continue;
+    all.push_back({p, std::fabs(*found) > least_slope(model, p, step, power) ? *found : not_a_number});
+  }
+  return all;
+}
+
 char const* NetworkCause::unit() const {
   constexpr char const* units[] = {"m", "N", "1", "rad", "Hz"};
   return units[std::size_t(kind)];

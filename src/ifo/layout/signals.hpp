@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "ifo/layout/parameters.hpp"
 #include "ifo/network_model.hpp"
 
 namespace straytrace::ifo {
@@ -24,6 +25,16 @@ struct ErrorSignal {
 };
 // Without those whose slope is rounding.
 std::vector<ErrorSignal> error_signals(NetworkModel const&);
+
+// Slope of a read-out of power, demodulated or not, with respect to a number of the network, per SI unit of it; not a
+// number: rounding. By one adjoint solution (eq. N.3); for modulation indices, and for curvatures and tilts in modes,
+// by central differences.
+struct ParameterSlope {
+  NetworkParameter parameter;
+  double slope = 0;
+};
+// Of all numbers but frequencies of modulators.
+std::vector<ParameterSlope> parameter_slopes(NetworkModel const&, Readout const&);
 
 std::vector<std::string> cause_names(NetworkModel const&);
 std::optional<NetworkCause> find_cause(NetworkModel const&, std::string const& name);

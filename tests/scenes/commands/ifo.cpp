@@ -2,8 +2,10 @@
 // straytrace ifo from the command line: the examples, all forms of output, wrong input.
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <sstream>
 
 #include "scenes/program.hpp"
@@ -54,6 +56,42 @@ TEST(IfoCommand, ErrorsScansAndResponses) {
   EXPECT_LT(transfer[0]["im"].get<double>() * transfer[0]["re"].get<double>(), 0) << "exp(+iwt): it lags";
   json const sensing = answer({dual, "--show", "sensing", "--at", "10 Hz"})["sensing_10Hz"];
   EXPECT_NEAR(sensing[3]["DARM"].get<double>() / std::hypot(3.2658980e9, 1.5161194e10), 1, 1e-4);  // case T15, 42 kg
+}
+
+// Eq. N.3 against closed forms and against a scan.
+TEST(IfoCommand, Slopes) {
+  auto const slopes_of = [](std::string const& readout) {
+    std::map<std::string, json> rows;
+    json const all = answer({cavity, "--show", "slopes", readout});
+    for (json const& row : all["slopes"]) rows[row["parameter"]] = row;
+    return rows;
+  };
+  std::map<std::string, json> slope = slopes_of("transmitted");
+  double const watts = answer({cavity})["readouts"][0]["value"].get<double>();
+  EXPECT_NEAR(slope["laser.power"]["slope"].get<double>() / watts, 1, 1e-9);
+  EXPECT_EQ(slope["laser.power"]["slope_unit"], "W/W");
+  // P is proportional to J_0(m)^2: d ln P/dm = -2 J_1/J_0 at m = 0.1; its sidebands add 1e-4.
+  EXPECT_NEAR(slope["EOM.index"]["slope"].get<double>() / watts, -2 * 0.0499375260 / 0.9975015620, 3e-4);
+  // At resonance, r_1 and r_2 without other loss: P = J_0^2 T_1 T_2/(1 - r_1 r_2)^2.
+  double const t1 = 0.02, t2 = 0.004, r1 = std::sqrt(1 - t1), r2 = std::sqrt(1 - t2);
+  EXPECT_NEAR(slope["ITM.transmission"]["slope"].get<double>() / watts, 1 / t1 - r2 / (r1 * (1 - r1 * r2)), 5e-3);
+  EXPECT_NEAR(slope["ETM.transmission"]["slope"].get<double>() / watts, 1 / t2 - r1 / (r2 * (1 - r1 * r2)), 1e-2);
+  EXPECT_GT(std::fabs(slope["ETM.transmission"]["slope"].get<double>() / watts - 1 / t2), 50) << "control: no build-up";
+  EXPECT_TRUE(slope["LENGTH"]["slope"].is_null()) << "at the top of the resonance";
+  EXPECT_FALSE(slope.contains("EOM.frequency"));
+  // Off resonance, against a step.
+  json const scan = answer({cavity, "--show", "scan", "LENGTH", "-0.1 pm", "0.1 pm", "--points", "3"})["scan"];
+  slope = slopes_of("PDH");
+  double const stepped = (scan[2]["PDH"].get<double>() - scan[0]["PDH"].get<double>()) / 0.2e-12;
+  EXPECT_NEAR(slope["LENGTH"]["slope"].get<double>() / stepped, 1, 1e-5);
+  EXPECT_NEAR(slope["ETM.tuning"]["slope"].get<double>() / slope["ETM.displacement"]["slope"].get<double>(),
+              1064e-9 / (2 * M_PI), 1e-15);
+  Finished const wrong = straytrace({"ifo", cavity, "--show", "slopes", "PDHH"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, AllOf(HasSubstr("no read-out 'PDHH'"), HasSubstr("did you mean 'PDH'")));
+  // In modes the curvatures of the mirrors count too.
+  json const curved = answer({modes, "--show", "slopes", "transmitted"})["slopes"];
+  EXPECT_TRUE(std::ranges::any_of(curved, [](json const& r) { return r["parameter"] == "ETM.curvature"; }));
 }
 
 // Cases T21 and T23: one row per entrance and read-out; the gain of eq. N.19; curves of one entrance.

@@ -59,6 +59,11 @@ class Cavity(unittest.TestCase):
         expected = self.ifo.errors().slope["PDH", "LENGTH"] * (1 - r) * lag / (1 - r * lag**2)
         np.testing.assert_allclose(response, expected, rtol=5e-4)        # signals on the sidebands: 3e-4 at 1 kHz
 
+    def test_slopes(self):
+        slopes = self.ifo.slopes("transmitted")
+        self.assertAlmostEqual(slopes.slope["laser.power"], self.ifo.operating_point()["readouts"]["value"]["transmitted"], places=9)
+        self.assertEqual(slopes.unit["laser.power"], "W")
+
     def test_noise(self):
         noise = self.ifo.noise("PDH", referred_to="LENGTH", band=("100 Hz", "1 kHz"), points=2)
         watts = self.ifo.noise("PDH", band=("100 Hz", "1 kHz"), points=2)
