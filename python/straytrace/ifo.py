@@ -124,6 +124,8 @@ class Interferometer:
         if at is not None:
             words += ["--at", _text(at, "at", "Hz")]
         if band is not None:
+            if isinstance(band, str) or len(band) != 2:
+                raise TypeError(f"band is {band!r}; write two frequencies: ('1 Hz', '10 kHz')")
             low, high = band
             words += ["--band", f"{_text(low, 'band', 'Hz')}, {_text(high, 'band', 'Hz')}"]
         if points is not None:

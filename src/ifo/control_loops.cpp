@@ -179,13 +179,29 @@ std::string describe(std::vector<ControlledLength> const& controlled) {
 
 namespace {
 
-// The band, with all corner frequencies well inside it, as far as the function is known.
+// The band, with all corner frequencies well inside it and up to where the gain is small, as far as the function is
+// known.
 Band around_corners(TransferFunction const& open_loop, Band band) {
-  constexpr double beyond = 1000;
+  constexpr double beyond = 1000, small = 0.03, highest = 1e9;  // Hz
   for (double const hz : open_loop.features())
     if (hz > 0) band = {std::fmin(band.low, hz / beyond), std::fmax(band.high, hz * beyond)};
   Band const known = open_loop.range();
+  while (band.high < std::fmin(known.high, highest) && std::abs(open_loop(band.high)) > small) band.high *= 10;
   return {std::fmax(band.low, known.low), std::fmin(band.high, known.high)};
+}
+
+}  // namespace
+
+namespace {
+
+// How far 1 + G of a stable loop of positive gain turns from the low to the high end of the band, rad: n integrators
+// begin at n pi/2 and end at 0. One that is unstable differs by pi, half of what both signs of the frequency turn.
+double turn_of_stable(TransferFunction const& open_loop, Band const& band) {
+  double const next = std::fmin(1.1 * band.low, band.high);
+  Phasor const low = open_loop(band.low), above = open_loop(next);
+  if (!(std::abs(low) > 1)) return 0;
+  double const slope = std::log(std::abs(low) / std::abs(above)) / std::log(next / band.low);
+  return -std::max(0.0, std::round(slope)) * pi / 2;
 }
 
 }  // namespace
@@ -209,8 +225,7 @@ LoopMargins loop_margins(TransferFunction const& open_loop, Band const& noise_ba
     before = g;
     last = hz;
   }
-  // Positive and negative frequencies together turn twice as far; a stable loop with two integrators turns by pi here.
-  m.encircles = std::fabs(turned) > 1.5 * pi;
+  m.encircles = std::fabs(turned - turn_of_stable(open_loop, band)) > 0.75 * pi;
   return m;
 }
 

@@ -131,7 +131,7 @@ std::size_t SteadyField::carrier(double hz) const {
 double value_of(Readout const& r, SteadyField const& field) {
   double sum = 0;
   if (r.kind == Readout::Kind::homodyne)
-    return 2 * std::real(field_at(field, r, field.carrier(0), 0) * std::polar(1.0, -r.angle));
+    return std::real(field_at(field, r, field.carrier(0), 0) * std::polar(1.0, -r.angle));
   for (std::size_t mode = 0; mode < field.modes(); ++mode) {
     auto const at = [&](std::size_t n) { return field_at(field, r, n, mode); };
     if (r.kind == Readout::Kind::power)

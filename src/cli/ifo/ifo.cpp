@@ -24,7 +24,7 @@
 namespace straytrace::cli {
 namespace {
 
-constexpr std::size_t points_of_curve = 201, points_of_map = 41;
+constexpr std::size_t points_of_curve = 201, points_of_map = 41, most_points = 1000000;
 
 struct IfoOptions : SceneOptions {
   std::vector<std::string> show = {"point"};
@@ -86,7 +86,8 @@ double value_of_parameter(NetworkParameter const& p, std::string const& text) {
   double const value = plain ? number->value : to_si(number->value, *unit);
   if (!(value >= p.low && value <= p.high))
     throw InputError(fmt::format("'{}' is outside the range of '{}'", text, p.name),
-                     fmt::format("stay between {:g} and {:g} {}", p.low, p.high, example_unit(p.dimension)));
+                     fmt::format("stay between {:g} and {:g} {}", p.low, p.high,
+                                 p.dimension == dim::angle ? "rad" : example_unit(p.dimension)));
   return value;
 }
 
@@ -103,6 +104,8 @@ NetworkScan scanned(NetworkModel const& model, IfoOptions const& options) {
   std::span<std::string const> const words(options.show);
   bool const map = words.size() == 7;
   std::size_t const points = options.points ? options.points : map ? points_of_map : points_of_curve;
+  if (map && points * points > most_points)
+    throw InputError(fmt::format("a map of {0} by {0} points is too large", points), "write --points 1000 or less");
   std::vector<ScanAxis> axes = {axis_of(model, words.subspan(1, 3), points)};
   if (map) axes.push_back(axis_of(model, words.subspan(4, 3), points));
   if (map && axes[0].parameter.name == axes[1].parameter.name)
@@ -290,9 +293,21 @@ void draw(std::vector<Sheet> const& sheets, IfoOptions const& options) {
   write_file(options.plot, picture);
 }
 
+// Light that higher modes would hold is in no table.
+void warn_of_missing_modes(NetworkModel const& model) {
+  if (!model.network.modes()) return;
+  OperatingPoint const point = operating_point(model);
+  if (point.missing > Truncation::most_change * point.emitted)
+    std::cerr << fmt::format(
+        "warning: the modes up to order {} do not take {:.2g} of the light\n  raise 'order', or "
+        "match the beams: --show modes says where they do not match\n",
+        model.network.modes()->order, point.missing / point.emitted);
+}
+
 int ifo(IfoOptions const& options) {
   check(options);
   OpticalNetwork const network = read_optical_network(options);
+  if (!options.quiet) warn_of_missing_modes(network.model);
   if (options.show.front() == "network") {
     std::cout << network_text(network.model);
     return done;

@@ -24,18 +24,22 @@ BeamModes modes_at(Network const& n, SteadyField const& f, std::uint32_t port) {
 Truncation truncation_of(NetworkModel const& model, SteadyField const& f) {
   Network const& n = model.network;
   Truncation t{.order = n.modes()->order, .lower = std::max(0, n.modes()->order - 2)};
-  Network coarse = n;
-  ModeSettings settings = *n.modes();
-  settings.order = t.lower;
-  coarse.use_modes(settings);
-  SteadyField const g(coarse);
   double most = 0;
   for (std::uint32_t p = 0; p < n.ports(); ++p) most = std::max(most, f.power_out(p));
-  for (std::uint32_t p = 0; p < n.ports(); ++p) {
-    double const power = f.power_out(p);
-    if (!(power > Truncation::least_power * most)) continue;
-    double const change = std::fabs(g.power_out(p) / power - 1);
-    if (change > t.change || t.beam.empty()) t.change = change, t.beam = n.port_name(p) + ".out";
+  for (int const less : {2, 4}) {  // one order alone may couple to nothing, as at some radii of an aperture
+    Network coarse = n;
+    ModeSettings settings = *n.modes();
+    settings.order = std::max(0, t.order - less);
+    if (less > 2 && settings.order < 2) continue;  // the fundamental mode is no comparison
+    coarse.use_modes(settings);
+    SteadyField const g(coarse);
+    for (std::uint32_t p = 0; p < n.ports(); ++p) {
+      double const power = f.power_out(p);
+      if (!(power > Truncation::least_power * most)) continue;
+      double const change = std::fabs(g.power_out(p) / power - 1);
+      if (change > t.change || t.beam.empty())
+        t.change = change, t.beam = n.port_name(p) + ".out", t.lower = settings.order;
+    }
   }
   OperatingPoint const point = operating_point(model);
   t.missing = point.missing;

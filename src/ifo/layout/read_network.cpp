@@ -108,6 +108,8 @@ Component read_kind(std::string const& name, Node const& t, Kind kind, double wa
     }
     case Kind::lens: {
       LensParameters const p{t.number("focal_length", dim::length, required, -1e12, 1e12)};
+      if (std::fabs(p.focal_length) < 1e-6)
+        t["focal_length"].problem("a lens cannot focus within 1 um", "write its focal length, for example 500 mm");
       t.refuse_unknown("a lens of a network");
       return Network::lens(name, p);
     }

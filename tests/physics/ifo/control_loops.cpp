@@ -163,6 +163,13 @@ TEST(ControlLoops, Margins) {
   EXPECT_FALSE(loop_margins({{}, {1, 1, 1}, 7}, {0.001, 1e4}).encircles);
   LoopMargins const three = loop_margins({{}, {1, 1, 1}, 9}, {0.001, 1e4});
   EXPECT_TRUE(three.encircles);
+  // The wrong sign of a gain above 1, with and without an integrator at low frequencies, and the stable loops of the
+  // other sign. One pole at f_p: 1 - g/(1 + i f/f_p) vanishes at a growing frequency for g > 1.
+  for (double const gain : {-15.0, 15.0}) {
+    EXPECT_EQ(loop_margins({{}, {1}, gain}, {0.001, 1e4}).encircles, gain < 0) << gain;
+    EXPECT_EQ(loop_margins({{}, {1e-6}, 1e6 * gain}, {0.001, 1e4}).encircles, gain < 0) << gain;
+  }
+  EXPECT_FALSE(loop_margins({{}, {1}, -0.9}, {0.001, 1e4}).encircles) << "below 1, either sign is stable";
   EXPECT_LT(three.phase_margin, 0);
   EXPECT_FALSE(loop_margins({{1}, {0, 0}, 100}, {0.001, 1e4}).encircles) << "two integrators";
   EXPECT_NEAR(loop_margins({{}, {}, -0.9}, {1, 100}).least, 0.1, 1e-12);

@@ -102,6 +102,26 @@ TEST(Response, Squeezing) {
   EXPECT_NEAR(most, 10, 0.3);
 }
 
+// The value of a homodyne detector is the quadrature of the carrier of which it gives the response: their squares sum
+// to the power, and a step of a mirror changes it as the response at low frequency says.
+TEST(Response, HomodyneValueAndResponseAreOneQuadrature) {
+  Network n(1064e-9);
+  ComponentId const laser = n.add_laser("laser", 4), one = n.add_mirror("one", {.transmission = 0.25}),
+                    two = n.add_mirror("two", {.transmission = 0.25});
+  n.link({laser, 0}, {one, 0}, 0);
+  n.link({one, 1}, {two, 0}, 1, 0.3);
+  std::uint32_t const out = n.number_of({two, 1});
+  auto const value = [&](double angle) { return value_of(Readout::homodyne(out, angle).of_leaving(), SteadyField(n)); };
+  SteadyField const f(n);
+  EXPECT_NEAR(std::hypot(value(0.2), value(0.2 + pi / 2)) / std::sqrt(f.power_out(out)), 1, 1e-12);
+  double const step = 1e-13;
+  LinearResponse const r(n, f, Readout::homodyne(out, 0.2).of_leaving(), 1e-3);
+  n.move(two, step);
+  double const moved = value(0.2);
+  n.move(two, -step);
+  EXPECT_NEAR((moved - value(0.2)) / (2 * step) / std::real(r.to_displacement(two)), 1, 1e-5);
+}
+
 // Eq. 9.1 to 9.4, A14: stray light inside an arm and behind its end mirror, as arm length, through the dark port.
 TEST(Response, InjectionPointsA14) {
   double const length = 3000, te = 4.4e-6, hz = 1;
