@@ -190,10 +190,6 @@ Band around_corners(TransferFunction const& open_loop, Band band) {
   return {std::fmax(band.low, known.low), std::fmin(band.high, known.high)};
 }
 
-}  // namespace
-
-namespace {
-
 // How far 1 + G of a stable loop of positive gain turns from the low to the high end of the band, rad: n integrators
 // begin at n pi/2 and end at 0. One that is unstable differs by pi, half of what both signs of the frequency turn.
 double turn_of_stable(TransferFunction const& open_loop, Band const& band) {

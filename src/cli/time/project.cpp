@@ -243,7 +243,7 @@ std::string project_json(TimeDomainSummary const& r) {
                               {"largest_fringe_gps", r.fastest.time},
                               {"largest_fringe_route", r.fastest_route},
                               {"second_order_phase", r.second_order},
-                              {"ray_tilt_phase", r.ray_tilt},
+                              {"ray_tilt_phase", number(r.ray_tilt > 0 ? r.ray_tilt : not_a_number)},
                               {"longest_delay", r.delay},
                               {"retarded", r.retarded},
                               {"delay_error_100Hz", r.delay_error},

@@ -16,11 +16,13 @@ constexpr double blind = 1e-8;
 constexpr double linear = 0.1;  // change of the slope at the ends of the linear range
 
 // Slope of a read-out along a degree of freedom, W/m, in a network with its light.
-double slope_along(Network const& n, SteadyField const& f, Readout const& r, NamedFreedom const& freedom) {
-  AdjointSlope const slope(n, f, r);
+double slope_along(AdjointSlope const& slope, NamedFreedom const& freedom) {
   double sum = 0;
   for (auto const& [id, factor] : freedom.moves) sum += factor * slope.to_displacement(id);
   return sum;
+}
+double slope_along(Network const& n, SteadyField const& f, Readout const& r, NamedFreedom const& freedom) {
+  return slope_along(AdjointSlope(n, f, r), freedom);
 }
 
 // Distance, m, in direction `sign` to where the slope has changed by 10 %; not a number within half a wavelength.
@@ -104,11 +106,7 @@ std::size_t space_of(Network const& n, std::string const& port) {
 
 std::optional<double> adjoint_slope(NetworkModel const& model, AdjointSlope const& slope, std::string const& name) {
   Network const& n = model.network;
-  if (NamedFreedom const* freedom = model.freedom(name)) {
-    double sum = 0;
-    for (auto const& [id, factor] : freedom->moves) sum += factor * slope.to_displacement(id);
-    return sum;
-  }
+  if (NamedFreedom const* freedom = model.freedom(name)) return slope_along(slope, *freedom);
   std::size_t const dot = name.rfind('.');
   std::string const owner = name.substr(0, dot), what = name.substr(dot + 1);
   if (auto const id = n.search(owner)) {

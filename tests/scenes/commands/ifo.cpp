@@ -188,6 +188,19 @@ TEST(IfoCommand, NoiseAndLoops) {
   EXPECT_GT(found["stray_20Hz"][10]["total"].get<double>(), 100 * found["stray_20Hz"][10]["held"].get<double>());
 }
 
+// The light of a mismatched and tilted cavity fits into modes up to order 4, and not up to order 1.
+TEST(IfoCommand, WarnsOfMissingModes) {
+  EXPECT_EQ(straytrace({"ifo", modes}).err, "");
+  Folder const folder;
+  std::string text = text_of(modes);
+  text.replace(text.find("order: 4"), 8, "order: 1");
+  write_text(folder / "a.yaml", text);
+  Finished const few = straytrace({"ifo", folder / "a.yaml"});
+  EXPECT_EQ(few.code, 0);
+  EXPECT_THAT(few.err, HasSubstr("the modes up to order 1 do not take"));
+  EXPECT_EQ(straytrace({"ifo", folder / "a.yaml", "--quiet"}).err, "");
+}
+
 TEST(IfoCommand, WrongInput) {
   struct Row {
     Words words;
@@ -198,8 +211,17 @@ TEST(IfoCommand, WrongInput) {
              "straytrace: 1\ninterferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, "
              "input_transmission: 1.4 %, arm_power: 1 kW}\n");
   write_text(folder / "none.yaml", "straytrace: 1\nnoise: {band: [5 Hz, 10 Hz]}\n");
+  write_text(
+      folder / "lens.yaml",
+      "straytrace: 1\ninterferometer: {preset: none, network: {components: {laser: {laser: {power: 1 W}}, L: {lens: "
+      "{focal_length: 0 m}}}, spaces: [{from: laser, to: L.in, length: 0 m}]}}\n");
   for (Row const& row : std::vector<Row>{
            {{cavity, "--show", "scan", "LENGTH"}, "--show scan takes 3 words, got 1", "--show scan PARAMETER FROM TO"},
+           {{cavity, "--show", "scan", "LENGTH", "0 m", "1nm", "EOM.index", "0", "1", "--points", "2000"},
+            "a map of 2000 by 2000 points is too large",
+            "--points 1000"},
+           {{modes, "--show", "scan", "ETM.tilt_x", "-0.2rad", "0.2rad"}, "'-0.2rad' is outside the range", "0.1 rad"},
+           {{folder / "lens.yaml"}, "lens.yaml:2:", "a lens cannot focus within 1 um"},
            {{cavity, "--show", "scn"}, "--show cannot be 'scn'", "did you mean 'scan'?"},
            {{cavity, "--show", "scan", "ETM.tunings", "0", "1deg"}, "no parameter 'ETM.tunings'", "'ETM.tuning'"},
            {{cavity, "--show", "scan", "ETM.tuning", "1 m", "2 m"}, "'1 m' is not a value of 'ETM.tuning'", "0.1 deg"},
