@@ -35,11 +35,9 @@ struct Named {
 };
 
 std::vector<Named> named_apertures(Model const& model) {
-  std::vector<std::string> beams;
-  for (auto const& [name, node] : model.scene.table("beams").items()) beams.push_back(name);
   std::vector<Named> all;
   for (BeamAperture const& a : apertures_of(model.world))
-    all.push_back({a, beams.at(a.beam), model.world.groups()[a.group.value]});
+    all.push_back({a, model.world.beams.at(a.beam).name, model.world.groups()[a.group.value]});
   std::stable_sort(all.begin(), all.end(),
                    [](Named const& a, Named const& b) { return a.aperture.clipped > b.aperture.clipped; });
   return all;

@@ -51,6 +51,13 @@ struct TracedPort {
   double cavity_length = 0;                              // m, between the mirrors of its beam; 0: no cavity
   // `lit` followed its light through a mirror of the cavity: the coupling holds the transmission already, twice.
   bool through_mirror = false;
+  // Of a beam of the network: its name, "ITMx.front.out". Light that is scattered joins the beam of the opposite
+  // direction, unless the table says otherwise; `along`: the beam itself.
+  std::string light{};
+  std::string lit_by{};  // the light that is scattered, where it is another beam of the network
+  bool along = false;
+  // Geometric mean of the powers of that light and of the beam of the port, over the power that couplings refer to.
+  double reference = 1;
 };
 
 // Numbers of the arms and of recycling that characterise a detector. NaN: not known.

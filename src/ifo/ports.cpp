@@ -94,8 +94,24 @@ bool is_in_an_arm(Network const& network, NetworkBeam b) {
          });
 }
 
+// "BS.3.out" -> "BS.3.in".
+std::string opposite(std::string const& beam) {
+  return beam.substr(0, beam.rfind('.')) + (beam.ends_with(".out") ? ".in" : ".out");
+}
+
+// Of a port as the beams of the scene state it.
+PortEntry entry_of(TracedPort const& p, double copies) {
+  PortEntry entry{.name = p.name, .injection_point = p.injection_point, .copies = copies};
+  if (p.light.empty()) return entry;
+  entry.copies = 1;
+  entry.field_share = 1 / p.reference;
+  entry.at = p.along ? p.light : opposite(p.light);
+  entry.lit_by = p.along ? p.light : p.lit_by;
+  return entry;
+}
+
 PortEntry read_entry(Node const& node, TracedPort const& port, double arms) {
-  PortEntry entry{.name = port.name, .injection_point = port.injection_point};
+  PortEntry entry = entry_of(port, 1);
   if (node.kind() != Node::Kind::table) {
     node.problem(fmt::format("port '{}' must be a table", entry.name), "write {at: end-bench}");
     return entry;
@@ -103,14 +119,14 @@ PortEntry read_entry(Node const& node, TracedPort const& port, double arms) {
   std::string const word = node.has("at") ? node["at"].text() : "";
   if (word.find('.') != word.npos || std::ranges::find(beam_synonyms, word, &BeamSynonym::name) != beam_synonyms.end())
     entry.at = node.word("at");
-  else
-    entry.injection_point = read_injection_point(node, port);
+  else if (entry.at.empty() || !word.empty())
+    entry.at.clear(), entry.injection_point = read_injection_point(node, port);
   for (char const* key : {"lit_by", "distance", "lit_distance"})
     if (node.has(key) && entry.at.empty())
       node[key].problem(fmt::format("'{}' needs a beam of the network in 'at'", key),
                         "write for example {at: ITMx.front.in, lit_by: ITMx.front.out}");
-  entry.field_share = node.number("pick_off", dim::plain, 1, faintest, 1) *
-                      std::sqrt(node.number("isolation", dim::plain, 1, faintest, 1));
+  entry.field_share *= node.number("pick_off", dim::plain, 1, faintest, 1) *
+                       std::sqrt(node.number("isolation", dim::plain, 1, faintest, 1));
   bool const of_an_arm = entry.at.empty() && is_of_an_arm(entry.injection_point);
   entry.copies = node.number("copies", dim::plain, of_an_arm ? arms : 1, 1, 1e6);
   node.refuse_unknown(fmt::format("port '{}'", entry.name));
@@ -192,8 +208,7 @@ class MeasuredResponses final : public Interferometer {
 std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector<TracedPort> const& ports,
                                          double arms) {
   std::vector<PortEntry> entries;
-  for (TracedPort const& p : ports)
-    entries.push_back({.name = p.name, .injection_point = p.injection_point, .copies = arms});
+  for (TracedPort const& p : ports) entries.push_back(entry_of(p, arms));
   if (Node const table = interferometer.table("ports"))
     for (auto const& [name, node] : table.items()) {
       auto const at = find(ports, name);
@@ -206,26 +221,59 @@ std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector
   return entries;
 }
 
+namespace {
+
+std::optional<BeamPlace> place_of(Network const& network, std::string const& beam) {
+  auto const found = find_beam(network, beam);
+  return found ? std::optional(BeamPlace{*found}) : std::nullopt;
+}
+
+// The same light where it enters the next component.
+BeamPlace far_end(Network const& network, BeamPlace const& place) {
+  for (Network::Space const& s : network.spaces())
+    for (auto const& [from, to] : {std::pair{s.from, s.to}, std::pair{s.to, s.from}})
+      if (place.beam.leaving && from == place.beam.port) return {{to, false}};
+  return place;
+}
+
+// The beams that a port names, or that the beams of the scene are; nothing with a problem. Completes the text of its
+// place.
+std::optional<StrayWay> stated_way(Node const& node, Network const& network, PortEntry& e) {
+  bool const stated = node && node["at"];
+  auto const fed = stated ? read_place(node["at"], node, "distance", network) : place_of(network, e.at);
+  if (!fed) return {};
+  StrayWay way = returning(fed->beam, fed->distance);
+  if (auto const lit = place_of(network, e.lit_by)) {
+    bool const along = e.lit_by == e.at;
+    way.lit = *lit;
+    if (along) way.fed = far_end(network, *fed);
+    e.at += along ? ", along it" : " lit by " + e.lit_by;
+  }
+  if (!node) return way;
+  if (Node const lit = node["lit_by"]) {
+    auto const place = read_place(lit, node, "lit_distance", network);
+    if (!place) return {};
+    way.lit = *place;
+    e.at += " lit by " + lit.text();
+  } else if (node.has("lit_distance")) {
+    node["lit_distance"].problem("'lit_distance' needs a beam in 'lit_by'", "remove it");
+  }
+  return way;
+}
+
+}  // namespace
+
 void resolve_beams(Node const& interferometer, Network const& network, double arms, std::vector<PortEntry>& entries) {
   std::optional<SteadyField> field;
   for (PortEntry& e : entries) {
     if (e.at.empty()) continue;
-    Node const node = interferometer["ports"][e.name];
-    auto const fed = read_place(node["at"], node, "distance", network);
-    if (!fed) continue;
-    StrayWay way = returning(fed->beam, fed->distance);
-    if (Node const lit = node["lit_by"]) {
-      auto const place = read_place(lit, node, "lit_distance", network);
-      if (!place) continue;
-      way.lit = *place;
-      e.at += " lit by " + lit.text();
-    } else if (node.has("lit_distance")) {
-      node["lit_distance"].problem("'lit_distance' needs a beam in 'lit_by'", "remove it");
-    }
-    if (!node.has("copies") && is_in_an_arm(network, fed->beam)) e.copies = arms;
+    Node const ports = interferometer["ports"], node = ports ? ports[e.name] : Node();
+    auto way = stated_way(node, network, e);
+    if (!way) continue;
+    if (!(node && node.has("copies")) && is_in_an_arm(network, way->fed.beam)) e.copies = arms;
     if (!interferometer.healthy()) continue;
     if (!field) field.emplace(network);
-    turn_to_local_light(way, network, *field);
+    turn_to_local_light(*way, network, *field);
     e.way = way;
   }
 }

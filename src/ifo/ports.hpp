@@ -26,6 +26,7 @@ struct PortEntry {
   double field_share = 1;         // pick-off (eq. 9.8: its power ratio) and isolation (its root) on the way back
   double copies = 2;              // equal, independent ones of the traced port; powers add
   std::string at{};               // a beam of the network or its synonym, instead of the injection point
+  std::string lit_by{};           // the light that is scattered, stated by the beams of the scene
   std::optional<StrayWay> way{};  // from it, once the network is known
 
   bool is_inside_an_arm() const { return at.empty() && ifo::is_inside_an_arm(injection_point); }

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "session/light/ghost_noise.hpp"
@@ -36,6 +37,25 @@ double cavity_length(World const& world, std::uint32_t beam) {
   return mirrors.size() == 2 ? length(mirrors[1] - mirrors[0]) : 0;
 }
 
+// Ports of beams of the network, and those of light between them.
+void add_network_lights(World const& world, std::vector<TracedPort>& ports) {
+  for (Footprint const& f : world.footprints()) {
+    if (!f.port.valid() || world.beams[f.beam].network.empty()) continue;
+    ports[f.port.value].light = world.beams[f.beam].network;
+    ports[f.port.value].reference = world.beams[f.beam].share;
+  }
+  for (World::PortPair const& pair : world.port_pairs()) {
+    LightBeam const& from = world.beams[pair.beam];
+    TracedPort const& to = ports[pair.to.value];
+    TracedPort& port = ports[pair.port.value];
+    port.lit_by = from.network;
+    port.light = to.light;
+    port.along = to.light == from.network;
+    port.reference = std::sqrt(from.share * to.reference);
+    port.power = world.beam_powers[pair.beam];
+  }
+}
+
 double power_of_beam(Scene const& scene, World const& world, std::string const& name) {
   auto const beams = scene.table("beams").items();
   for (std::size_t i = 0; i < beams.size(); ++i)
@@ -61,6 +81,7 @@ std::vector<TracedPort> traced_ports(Scene const& scene, World const& world) {
     port.cavity_length = cavity_length(world, f.beam);
     lit[f.port.value] = true;
   }
+  add_network_lights(world, ports);
   for (auto const& [name, node] : scene.table("ports").items())
     if (std::find(world.ports().begin(), world.ports().end(), name) == world.ports().end())
       ports.push_back({.name = name, .power = power_of_beam(scene, world, node["beam"].text())});
@@ -98,24 +119,23 @@ void refuse_input_mirrors(Scene const& scene, World const& world) {
                     "interferes there and is not followed",
                     lit.size() == 1 ? *lit.begin() + " is" : fmt::format("{} surfaces are", lit.size()), launch.name,
                     launch.passes),
-        fmt::format(
-            "write 'lit: {{except: [{}]}}', or name what stands behind the end mirror by 'only'; light the "
-            "splitter side, in a scene of its own, by a beam 'from' behind '{}' with 'network: ITMx.front.out', and "
-            "'at: short-arm' for its port",
-            fmt::join(lit, ", "), launch.name));
+        fmt::format("name the port of the network behind it, 'lit: {{behind: ITM.front}}', in an interferometer whose "
+                    "network is "
+                    "solved ('preset: dual-recycled', 'none'), or write 'lit: {{except: [{}]}}'",
+                    fmt::join(lit, ", ")));
   }
 }
 
 void warn_of_ghosts_left_out(Scene const& scene, World const& world) {
-  if (!read_ghosts(scene)) return;
+  auto const of_network = [](LightBeam const& b) { return !b.network.empty(); };
+  if (!read_ghosts(scene) || std::ranges::any_of(world.beams, of_network)) return;
   BeamSink nobody;
   for (BeamLaunch const& launch : launches(world)) {
     if (!launch.through_input_mirror() || grow_tree(world, launch, {0, 0, 1}, nobody).spots < 2) continue;
     scene.root()["ghosts"].warning(
         fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name),
-        fmt::format("for these write a scene of the splitter side: a beam 'from' behind '{}' with 'network: "
-                    "ITMx.front.out', and 'at: short-arm' for its port",
-                    launch.name));
+        "write 'lit' for its beam, in an interferometer whose network is solved: the light there then is that of the "
+        "network");
   }
 }
 

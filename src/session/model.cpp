@@ -201,7 +201,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
     model.detector = read_detector(model, model.scene.table("interferometer"));
   if (model.detector) {
     refuse_input_mirrors(model.scene, model.world);
-    check_network_beams(model.scene, model.world, *model.detector);
+    check_network_beams(model.scene, *model.detector);
   }
   if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
     model.scene.table("bodies").warning("no body moves, so there is no noise", "give a body a 'motion'");

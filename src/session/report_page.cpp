@@ -98,7 +98,7 @@ PageJson scene_part(Model const& model, std::vector<DrawnPath> const& paths, std
   j["lit"] = report::lit_json(model.world);
   j["ghosts"] = ghosts_json(ghosts);
   PageJson beams = PageJson::array();
-  for (auto const& [name, node] : model.scene.table("beams").items()) beams.push_back(name);
+  for (LightBeam const& beam : model.world.beams) beams.push_back(beam.name);
   j["beams"] = beams;
   return j;
 }

@@ -20,9 +20,9 @@ std::uint32_t group_of(World const& world, BeamStep const& step) {
   return world.surfaces()[step.surface.value].group.value;
 }
 
-std::string end_of(World const& world, Ghost const& g) {
+std::string end_of(World const& world, BeamLaunch const& launch, Ghost const& g) {
   if (g.end == BeamEnd::escaped) return "out";
-  if (g.end == BeamEnd::rejoined) return "cavity";
+  if (g.end == BeamEnd::rejoined) return launch.span ? "network" : "cavity";
   std::string const name = world.groups()[g.where.value];
   return name + (g.end == BeamEnd::landed  ? "·land"
                  : g.end == BeamEnd::faint ? "·faint"
@@ -31,11 +31,11 @@ std::string end_of(World const& world, Ghost const& g) {
 }
 
 // Departures, and the ways taken at splitters.
-std::string route_of(World const& world, Ghost const& g) {
+std::string route_of(World const& world, BeamLaunch const& launch, Ghost const& g) {
   std::string text = "main";
   for (BeamStep const& s : g.way)
     if (s.departure || s.split) text += fmt::format(" > {}·{}", world.groups()[group_of(world, s)], letter(s.event));
-  return text + " > " + end_of(world, g);
+  return text + " > " + end_of(world, launch, g);
 }
 
 // Calls f(group) once for each group that the ghost has left from its first departure to where it recouples.
@@ -74,18 +74,27 @@ std::optional<PortId> ghost_port(World const& world, BeamLaunch const& launch, M
 
 GhostFamilies::GhostFamilies(World const& world, BeamLaunch const& launch, MainBeam const& main,
                              std::optional<PortId> port, GhostSum sum)
-    : world_(world), main_(main), port_(port), sum_(sum), beam_share_(world.footprints()[launch.footprint].share) {}
+    : world_(world), main_(main), port_(port), sum_(sum), beam_share_(world.footprints()[launch.footprint].share) {
+  for (World::PortPair const& pair : world.port_pairs()) {
+    if (pair.beam != launch.beam || !pair.forward || !port) continue;
+    auto const to = std::ranges::find(world.footprints(), pair.to, &Footprint::port);
+    bool const other = to->beam != launch.beam;
+    forward_ = {pair.port, other ? world.beams[to->beam].share : beam_share_, other ? 0.5 : 1};
+  }
+}
+
+double GhostFamilies::factor(bool against) const { return beam_share_ * (against ? beam_share_ : forward_->share); }
 
 std::optional<double> GhostFamilies::share_at_port(Ghost const& g) const {
   Recoupling const& r = g.standing.recoupled;
-  if (!port_ || !r.any || !r.against || g.order == 0) return {};
-  return beam_share_ * beam_share_ * r.share();
+  if (!port_ || !r.any || g.order == 0 || (!r.against && !forward_)) return {};
+  return factor(r.against) * r.share();
 }
 
 // Phase sensitivities to a millionth of the wave number; those that cancel are none.
-GhostFamilies::Key GhostFamilies::key_of(std::vector<PhaseSensitivity> const& phase_sensitivities) const {
+GhostFamilies::Key GhostFamilies::key_of(bool against, std::vector<PhaseSensitivity> const& phase_sensitivities) const {
   double const unit = 1e-6 * 2 * pi / world_.wavelength;
-  Key key;
+  Key key = {against};
   for (PhaseSensitivity const& l : phase_sensitivities)
     for (int i = 0; i < 6; ++i)
       if (long long const n = std::llround(l.d[i] / unit); n != 0)
@@ -120,7 +129,7 @@ void GhostFamilies::add(Ghost const& g) {
   if (!share || !(*share > 0)) return;
   Recoupling const& r = g.standing.recoupled;
   std::vector<PhaseSensitivity> phase_sensitivities = main_.phase_sensitivities(r, g.way);
-  Key const key = key_of(phase_sensitivities);
+  Key const key = key_of(r.against, phase_sensitivities);
   auto at = place_.find(key);
   if (at == place_.end()) {
     if (families_.size() >= most) {
@@ -131,11 +140,14 @@ void GhostFamilies::add(Ghost const& g) {
     at = place_.emplace(key, families_.size()).first;
     families_.emplace_back().phase_sensitivities = std::move(phase_sensitivities);
     families_.back().sum = sum_;
+    families_.back().port = r.against ? *port_ : forward_->port;
   }
   GhostFamily& f = families_[at->second];
-  std::vector<PathStep> steps = there_and_back(g);
-  double const reverse = is_own_reverse(steps) ? 1 : 2;  // C_rev: the reverse is another ghost with the same phase
-  for (std::size_t i : {0, 1}) f.field[i] += beam_share_ * r.field[i];
+  std::vector<PathStep> steps = steps_of(g);
+  // C_rev: the reverse is another ghost with the same phase, or the same light found from the other beam.
+  double const reverse = !r.against ? forward_->reverse : is_own_reverse(steps) ? 1 : 2;
+  double const field = std::sqrt(factor(r.against) * (r.against ? 1 : reverse));
+  for (std::size_t i : {0, 1}) f.field[i] += field * r.field[i];
   f.incoherent += reverse * *share;
   f.root_sum += std::sqrt(*share);
   ++f.ghosts;
@@ -148,10 +160,11 @@ void GhostFamilies::add(Ghost const& g) {
   f.steps = std::move(steps);
 }
 
-std::vector<PathStep> GhostFamilies::there_and_back(Ghost const& g) const {
+std::vector<PathStep> GhostFamilies::steps_of(Ghost const& g) const {
   Recoupling const& r = g.standing.recoupled;
   std::vector<PathStep> steps;
   for (BeamStep const& s : g.way.first(r.steps)) steps.push_back({{group_of(world_, s)}, s.event});
+  if (!r.against) return steps;
   std::vector<BeamStep> const& back = main_.nodes()[r.node].way;  // along the main beam, to the launch
   for (auto s = back.rbegin(); s != back.rend(); ++s) steps.push_back({{group_of(world_, *s)}, s->event});
   return steps;
@@ -161,7 +174,8 @@ GhostStrain GhostFamilies::strain_of(Ghost const& g) const {
   GhostStrain strain = {not_a_number, not_a_number, not_a_number};
   auto const share = share_at_port(g);
   if (!share) return strain;
-  auto const at = place_.find(key_of(main_.phase_sensitivities(g.standing.recoupled, g.way)));
+  auto const at =
+      place_.find(key_of(g.standing.recoupled.against, main_.phase_sensitivities(g.standing.recoupled, g.way)));
   if (at == place_.end()) return strain;
   for (std::size_t i = 0; i < strain.size(); ++i)
     strain[i] = std::sqrt(*share) * families_[at->second].per_root_power[i];
@@ -175,8 +189,8 @@ GhostTable::GhostTable(World const& world, BeamLaunch const& launch, GhostFamili
 GhostRow GhostTable::row(Ghost const& g) const {
   GhostRow r;
   r.ghost = g;
-  r.route = route_of(world_, g);
-  r.end = end_of(world_, g);
+  r.route = route_of(world_, launch_, g);
+  r.end = end_of(world_, launch_, g);
   r.points.push_back(launch_.mode.origin);
   for (BeamStep const& s : g.way) {
     r.steps.push_back({{group_of(world_, s)}, s.event});

@@ -48,6 +48,7 @@ struct GhostPart {
 
 // Ghosts that return to the port with equal phase sensitivities: they move together (docs/theory/ghosts.md, eq. 10.5).
 struct GhostFamily {
+  PortId port;
   std::vector<PhaseSensitivity> phase_sensitivities;
   std::array<std::complex<double>, 2> field{};  // at the launch, relative to the main mode, by state of polarisation
   double incoherent = 0, root_sum = 0;          // sum of the shares times C_rev (eq. 1.5), and of their roots
@@ -76,7 +77,8 @@ class GhostFamilies {
   std::vector<GhostFamily>& all() { return families_; }
   std::vector<GhostFamily> const& all() const { return families_; }
   // Of the light that runs back along the main beam and counts at the port, as all couplings are: over the launched
-  // mode, times the square of its own share (eq. 1.2); nothing when it does not count.
+  // mode, times the square of its own share (eq. 1.2); nothing when it does not count. Light that runs along a beam of
+  // the network counts too (eq. N.18).
   std::optional<double> share_at_port(Ghost const&) const;
   GhostStrain strain_of(Ghost const&) const;  // of this ghost alone
   std::uint64_t left_out = 0;                 // ghosts beyond the most families, and
@@ -86,13 +88,20 @@ class GhostFamilies {
  private:
   using Key = std::vector<long long>;
   void add_part(GhostFamily&, GhostPart);
-  Key key_of(std::vector<PhaseSensitivity> const&) const;
-  std::vector<PathStep> there_and_back(Ghost const&) const;  // of one that comes back along the main beam
+  Key key_of(bool against, std::vector<PhaseSensitivity> const&) const;
+  std::vector<PathStep> steps_of(Ghost const&) const;  // to where it joins the main beam, and back along that
+  double factor(bool against) const;                   // of a share at the port
   World const& world_;
   MainBeam const& main_;
   std::optional<PortId> port_;
   GhostSum sum_;
   double beam_share_;  // q of the launched beam
+  struct Forward {
+    PortId port;
+    double share = 0;    // q of the beam of that port
+    double reverse = 1;  // C_rev: the tree of the other beam finds the same light
+  };
+  std::optional<Forward> forward_;  // of light that runs along the beam
   std::vector<GhostFamily> families_;
   std::map<Key, std::size_t> place_;
   std::size_t parts_ = 0;  // of all families

@@ -12,6 +12,10 @@ void port_columns(Column&& column) {
   column("through_mirror", yes_or_no, &TracedPort::through_mirror);
   column("power", "W", &TracedPort::power);
   column("cavity_length", "m", &TracedPort::cavity_length);
+  column("light", "", &TracedPort::light, std::string());  // these four since schema 2.4
+  column("lit_by", "", &TracedPort::lit_by, std::string());
+  column("along", yes_or_no, &TracedPort::along, false);
+  column("reference", "1", &TracedPort::reference, 1.0);
 }
 
 template <class Column>

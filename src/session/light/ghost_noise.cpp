@@ -161,19 +161,21 @@ GhostClasses ghosts_beside(World const& world, GhostSettings const& settings) {
   return all;
 }
 
-GhostClasses ghost_classes(GhostFamilies const& families) {
-  std::vector<GhostFamily const*> by_share;
-  for (GhostFamily const& f : families.all())
-    if (f.share() > 0) by_share.push_back(&f);
-  std::stable_sort(by_share.begin(), by_share.end(), [](auto* a, auto* b) { return a->share() > b->share(); });
+namespace {
+
+// Of the families of one port, the strongest first.
+void add_classes(std::vector<GhostFamily const*> const& by_share, PortId port, GhostClasses& all) {
   std::size_t const fields = coherent_of(by_share);
-  GhostClasses all;
-  if (fields > 0) all.classes.push_back(family_class(std::span(by_share).first(fields), *families.port()));
+  double summed = 0;
+  if (fields > 0) {
+    all.classes.push_back(family_class(std::span(by_share).first(fields), port));
+    summed = all.classes.back().coupling.mean;
+  }
   std::map<std::uint64_t, CouplingClass> apart;  // by route: families that share a name share a row, powers added
   double left = 0;
   for (GhostFamily const* f : std::span(by_share).subspan(fields)) {
     left += f->share();
-    for (CouplingClass const& made : classes_of(*f, *families.port())) {
+    for (CouplingClass const& made : classes_of(*f, port)) {
       auto const [at, added] = apart.try_emplace(made.hash, made);
       if (!added) merge_into(at->second, made);
     }
@@ -183,7 +185,20 @@ GhostClasses ghost_classes(GhostFamilies const& families) {
     all.warnings.push_back(
         fmt::format("{} different phase sensitivities: the fields of the strongest {} add; the others, {:.2g} of "
                     "the light, add in power; raise 'floor' or lower 'order' to leave them out",
-                    by_share.size(), fields, left / (left + all.classes.front().coupling.mean)));
+                    by_share.size(), fields, left / (left + summed)));
+}
+
+}  // namespace
+
+GhostClasses ghost_classes(GhostFamilies const& families) {
+  std::map<std::uint32_t, std::vector<GhostFamily const*>> by_port;
+  for (GhostFamily const& f : families.all())
+    if (f.share() > 0) by_port[f.port.value].push_back(&f);
+  GhostClasses all;
+  for (auto& [port, list] : by_port) {
+    std::stable_sort(list.begin(), list.end(), [](auto* a, auto* b) { return a->share() > b->share(); });
+    add_classes(list, {port}, all);
+  }
   return all;
 }
 
@@ -201,7 +216,7 @@ GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
     record.coupling = record.weight = 1;
     record.phase_sensitivities = families.all()[i].phase_sensitivities;
     CouplingClass one =
-        deterministic_class(ClassKind::ghost, families.all()[i].steps, *families.port(), 1, {record}, "");
+        deterministic_class(ClassKind::ghost, families.all()[i].steps, families.all()[i].port, 1, {record}, "");
     one.hash = i;
     table.classes.push_back(std::move(one));
   }

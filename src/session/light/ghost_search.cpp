@@ -18,8 +18,7 @@ std::string no_strain(Model const& model, BeamLaunch const& launch, std::optiona
   if (launch.through_input_mirror())
     return fmt::format(
         "Light from the splitter interferes behind '{}', which passes {:.2g}: its ghosts have no share at a port and "
-        "no "
-        "h. Launch the light there in a scene of its own, with 'at: short-arm' for its port.",
+        "no h. With 'lit' for its beam and an interferometer whose network is solved, they are those of the network.",
         launch.name, launch.passes);
   if (!port) return "This beam meets no port, so there is no h: see 'ports'.";
   if (!model.detector) return "The scene has no 'interferometer', so there is no h.";
@@ -174,7 +173,7 @@ void warn_of_uncounted_ghosts(Model const& model) {
     if (launch.through_input_mirror()) continue;
     GhostReport const r = ghost_report(search, launch, {});
     if (!(r.share > 0)) continue;
-    beams.at(launch.beam)
+    beams.at(model.world.beams[launch.beam].entry)
         .second.warning(
             fmt::format("ghost beams are not counted: to order {} they take {} of '{}', and bring {:.2g} of the main "
                         "mode back to port '{}'{}",

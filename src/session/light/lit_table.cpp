@@ -26,7 +26,6 @@ std::string lit_table(Model const& model) {
   World const& world = model.world;
   auto const followed = [](Feed const& feed) { return feed.propagated; };
   if (std::none_of(world.feeds().begin(), world.feeds().end(), followed)) return {};
-  auto const beams = model.scene.table("beams").items();
   Columns table{{"lit by", "surface", "order", "radius [mm]", "power", "beside", "path [m]", "incidence", "port"},
                 {true, true},
                 {}};
@@ -34,7 +33,7 @@ std::string lit_table(Model const& model) {
     Footprint const& f = world.footprints()[row.footprint];
     Feed const& feed = world.feeds()[row.footprint];
     bool const round = row.major - row.minor < 5e-4 * row.major;
-    table.rows.push_back({beams[f.beam].first, name_of(world, f), fmt::format("{}", feed.order),
+    table.rows.push_back({world.beams[f.beam].name, name_of(world, f), fmt::format("{}", feed.order),
                           round ? fmt::format("{:.4g}", 1e3 * row.major)
                                 : fmt::format("{:.4g} x {:.4g}", 1e3 * row.major, 1e3 * row.minor),
                           fmt::format("{:.4g}", f.share), beside(row), fmt::format("{:.6g}", feed.path_length),
@@ -49,12 +48,11 @@ std::string lit_table(Model const& model) {
 
 nlohmann::ordered_json lit_json(Model const& model) {
   World const& world = model.world;
-  auto const beams = model.scene.table("beams").items();
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (LitRow const& row : lit_rows(world)) {
     Footprint const& f = world.footprints()[row.footprint];
     Feed const& feed = world.feeds()[row.footprint];
-    nlohmann::ordered_json j = {{"beam", beams[f.beam].first},
+    nlohmann::ordered_json j = {{"beam", world.beams[f.beam].name},
                                 {"surface", name_of(world, f)},
                                 {"order", feed.order},
                                 {"radii_m", {row.major, row.minor}},

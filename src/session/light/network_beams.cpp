@@ -17,24 +17,40 @@ namespace straytrace::session {
 namespace {
 
 bool is_of_a_network(Node const& beam) { return beam.kind() == Node::Kind::table && beam.data()->find("network"); }
+bool lights_behind_mirrors(Node const& beam) {
+  return beam.kind() == Node::Kind::table && beam.data()->find("cavity") && beam.data()->find("lit");
+}
+
+void add_spaces(Network const& network, NetworkPowers& powers) {
+  for (Network::Space const& s : network.spaces())
+    for (auto const& [port, other] : {std::pair{s.from, s.to}, std::pair{s.to, s.from}})
+      powers.spaces[network.port_name(port)] = {beam_name(network, NetworkBeam{other, true}), s.length};
+}
 
 // Solved from a second reading, whose messages are those of the first.
 NetworkPowers powers_of_network(Scene const& scene) {
   auto const beams = scene.table("beams").items();
-  if (std::ranges::none_of(beams, [](auto const& beam) { return is_of_a_network(beam.second); })) return {};
+  if (std::ranges::none_of(
+          beams, [](auto const& beam) { return is_of_a_network(beam.second) || lights_behind_mirrors(beam.second); }))
+    return {};
   Scene const again = read_scene(scene.main_file(), scene.overrides(), &scene.files());
   Node const table = again.root()["interferometer"];
   if (table.kind() != Node::Kind::table) return {};
   double const wavelength =
       again.table("beams").items().front().second.number("wavelength", dim::length, 1.064e-6, 1e-7, 1e-4);
   std::optional<NetworkModel> const model = read_network_alone(table, wavelength);
-  NetworkPowers powers{.faulty = !table.healthy(), .watts = {}};
+  NetworkPowers powers;
+  powers.faulty = !table.healthy();
   if (!model) return powers;
+  add_spaces(model->network, powers);
+  if (model->preset != "none") powers.behind_input = "ITMx.front";
   SteadyField const field(model->network);
   for (std::uint32_t p = 0; p < model->network.ports(); ++p) {
     powers.watts[beam_name(model->network, NetworkBeam{p, false})] = field.power_in(p);
     powers.watts[beam_name(model->network, NetworkBeam{p, true})] = field.power_out(p);
   }
+  for (auto const& [name, node] : beams)
+    if (is_of_a_network(node)) powers.stated.insert(powers.named_where_it_leaves(node["network"].text()));
   return powers;
 }
 
@@ -49,7 +65,7 @@ std::optional<std::size_t> find_beam_of_scene(Scene const& scene, std::string co
 
 World build_lit_world(Scene const& scene) { return build_world(scene, powers_of_network(scene)); }
 
-void check_network_beams(Scene const& scene, World const& world, Interferometer const& detector) {
+void check_network_beams(Scene const& scene, Interferometer const& detector) {
   NetworkModel const* const model = detector.network();
   if (!model) return;
   Node const table = scene.table("interferometer");
@@ -66,17 +82,13 @@ void check_network_beams(Scene const& scene, World const& world, Interferometer 
       return w.name == name || w.name == key;
     });
     std::string const back = beam_name(model->network, reversed(*source));
-    if (!at || found == model->entrances.end() || !same_beam(model->network, found->way.lit.beam, *source))
+    if (!at) continue;
+    if (found == model->entrances.end() || !same_beam(model->network, found->way.lit.beam, *source))
       place_of_entrance(table, name)
           .problem(fmt::format("beam '{}' is the light '{}', and port '{}' is not relative to it", beam, light, name),
                    fmt::format("write 'ports: {{{}: {{at: {}}}}}' in the interferometer, or another beam 'at' with "
                                "'lit_by: {}'",
                                name, back, light));
-    else if (std::fabs(world.beam_powers[*number] / world.beam_power - 1) > 1e-9)
-      port.problem(
-          fmt::format("couplings are relative to the first beam, of {:.4g} W; the light of port '{}' has {:.4g} W",
-                      world.beam_power, name, world.beam_powers[*number]),
-          fmt::format("write a scene with beam '{}' and its ports alone", beam));
   }
 }
 

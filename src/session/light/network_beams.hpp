@@ -10,7 +10,7 @@ namespace straytrace::session {
 
 // The world of a scene; beams with `network` have the power of that beam of the interferometer.
 World build_lit_world(Scene const&);
-// Ports of such beams: their place must be stated, be lit by the beam, and have its power as reference.
-void check_network_beams(Scene const&, World const&, Interferometer const&);
+// A place that the table states for a port of such a beam must be lit by that beam.
+void check_network_beams(Scene const&, Interferometer const&);
 
 }  // namespace straytrace::session

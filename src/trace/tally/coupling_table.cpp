@@ -17,6 +17,16 @@ namespace straytrace::trace {
 
 namespace {
 
+// Light of one beam of a network that joins another. The response holds the reverse (docs/theory/interferometer.md, eq.
+// N.12), so that where both are traced they are two estimates of one coupling.
+void describe_pair(MadeClass& made, World const& world, Footprint const& source, Footprint const& goal) {
+  PortId const port = world.port_between(source, goal);
+  if (port == goal.port) return;
+  made.row.port = port;
+  bool const both = source.receives && source.port.valid() && goal.emits && !source.free && !goal.free;
+  if (both && world.reverse_routes) made.row.reverse = 0.5;
+}
+
 // Properties common to all paths of a route. A path that rejoins the mode it left adds in amplitude to its reverse.
 void describe(MadeClass& made, World const& world, ReplayedPath const& path) {
   CouplingClass& c = made.row;
@@ -25,6 +35,7 @@ void describe(MadeClass& made, World const& world, ReplayedPath const& path) {
   Footprint const* const goal = path.goal < beams.size() ? &beams[path.goal] : nullptr;
   bool const two_ways = path.vertices.size() > 1 && goal && source.beam == goal->beam;
   c.reverse = world.reverse_routes && two_ways ? 2 : 1;
+  if (goal && source.beam != goal->beam) describe_pair(made, world, source, *goal);
   made.beam = source.beam;
   made.back = source.port;
   if (path.other) return;
@@ -215,7 +226,12 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
   for (auto const& [hash, sums] : total.classes) made.push_back(make_class(steered, hash, sums, total, seed));
   mirror_poorly_sampled(made);
   std::ranges::sort(made, [](auto const& a, auto const& b) { return a.row.hash < b.row.hash; });
+  double unpaired = 0;
   for (auto& [c, moments, beam, back, reversible] : made) {
+    if (!c.port.valid()) {
+      unpaired += c.coupling.mean;
+      continue;
+    }
     off_list.take(c, table);
     bool const direct = c.steps.size() == 1 || c.steps.size() == 2;  // separate: mirror to mirror
     if (direct || (c.coupling.trusted && !c.steps.empty()))
@@ -231,6 +247,11 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
     std::sort(list->begin(), list->end(), [](auto const& a, auto const& b) { return a.hash < b.hash; });
   for (CouplingClass& c : table.received) c.port.value -= first_receiver_end;
   table.warnings = off_list.warnings(table);
+  if (unpaired > 0)
+    table.warnings.push_back(
+        fmt::format("{:.2g} of the light joins between beams of the interferometer's network and others, and is not "
+                    "counted: state 'network' for these beams",
+                    unpaired));
   return table;
 }
 

@@ -54,10 +54,34 @@ double read_power(Node const& beam, NetworkPowers const& network) {
   return not_a_number;
 }
 
+// Every beam of the network has a port; light that joins another of them counts at a port of its own.
+void open_network_ports(World& world, NetworkPowers const& network) {
+  std::vector<std::uint32_t> reverse(world.beams.size(), World::no_beam);
+  for (std::uint32_t b = 0; b < world.beams.size(); ++b) {
+    LightBeam const& beam = world.beams[b];
+    bool const lights = !beam.network.empty();
+    for (std::uint32_t other = 0; lights && other < world.beams.size(); ++other)
+      if (world.beams[other].network == network.reverse_of(beam.network)) reverse[b] = other;
+    std::vector<std::uint32_t> scatter, met;
+    bool open = !lights;
+    for (std::uint32_t i = 0; i < world.footprints().size(); ++i) {
+      Footprint const& f = world.footprints()[i];
+      if (f.beam != b) continue;
+      open = open || f.port.valid();
+      if (f.emits && !f.free) scatter.push_back(i);
+      if (world.feeds()[i].propagated) met.push_back(i);
+    }
+    // Ghosts join on surfaces that do not scatter, too.
+    if (!open) world.open_port(beam.name, scatter.empty() ? met : scatter);
+  }
+  world.pair_ports(reverse);
+}
+
 }  // namespace
 
 void read_beams(Scene const& scene, World& world, Registry const& names, NetworkPowers const& network) {
   Beams beams;
+  std::vector<BehindMirror> behind;
   bool first = true;
   for (auto const& [name, node] : scene.table("beams").items()) {
     double const wavelength = node.number("wavelength", dim::length, 1.064e-6, 1e-7, 1e-4);
@@ -65,14 +89,15 @@ void read_beams(Scene const& scene, World& world, Registry const& names, Network
       node.problem("all beams of a scene must have the same wavelength", "trace each wavelength in a separate scene");
     world.wavelength = wavelength;
     first = false;
-    Lighting light{name, std::uint32_t(beams.names.size())};
+    Lighting light{name, std::uint32_t(beams.names.size()), 1, &network, &behind};
+    world.beams.push_back({name, light.number, network.named_where_it_leaves(node["network"].text())});
     std::size_t const spots = world.footprints().size();
     world.beam_powers.push_back(0);
     if (node.has("power") || node.has("network")) {
       double const power = read_power(node, network);
       bool const wrong = std::isnan(power);
       if (world.beam_power == 0) world.beam_power = wrong ? 1 : power;
-      if (!wrong) light.power = power / world.beam_power;
+      if (!wrong) world.beams.back().share = light.power = power / world.beam_power;
       world.beam_powers.back() = wrong ? 1 : power;  // then it is not also a missing one
     }
     if (Node const cavity = node["cavity"])
@@ -89,7 +114,9 @@ void read_beams(Scene const& scene, World& world, Registry const& names, Network
     bool const unfollowed = node.has("lit") && !node.healthy();
     beams.broken.push_back(world.footprints().size() == spots || unfollowed);
   }
+  for (BehindMirror const& b : behind) light_behind(b, names, world, network);
   read_ports(scene, world, names, beams);
+  if (scene.root().healthy()) open_network_ports(world, network);
   warn_of_closed_ends(scene, world);
   if (scene.root().data()->misspelt) return;  // it may be the cause
   if (beams.names.empty())
@@ -291,6 +318,9 @@ void read_free(Node const& beam, Registry const& names, World& world, Lighting c
   f.origin = world.add_group(light.name);
   f.emits = !lit.wanted;  // then it is followed as a mode, not as rays
   world.add_footprint(f);
+  bool const known = light.network && !world.beams[light.number].network.empty();
+  if (known && beam.healthy() && f.profile == Profile::gaussian)
+    end_in_network(world, *light.network, world.beams[light.number].network);
   if (!lit.wanted) return;
   if (f.profile != Profile::gaussian)
     return beam["lit"].problem("only a Gaussian beam can propagate through the scene", "remove 'profile'");

@@ -14,6 +14,7 @@
 namespace straytrace::world {
 namespace {
 
+constexpr double least_watts = 1e-12;     // of a beam of the network
 constexpr std::size_t most_spots = 2000;  // every vertex connects to each of them
 
 // A part of a CAD file has many faces; the first bears its name, the others are NAME/face_2 and so on.
@@ -67,6 +68,7 @@ LitWish read_lit(Node const& beam, Registry const& names) {
   wish.order = std::uint32_t(lit.whole("order", wish.order, 0, 8));
   wish.only = patterns(lit, "only", names);
   wish.except = patterns(lit, "except", names);
+  if (lit.has("behind")) wish.behind = lit.word("behind");
   lit.refuse_unknown("'lit'");
   return wish;
 }
@@ -142,6 +144,32 @@ void warn_of_light_beside(Node const& beam, std::string const& name, World const
         "enlarge it or move it into the beam: light that misses it is ignored");
 }
 
+// Behind an input mirror of an arm the light is that of the network (docs/theory/recoupling.md). Remembers it for when
+// all beams are read.
+bool continues_in_network(BeamLaunch const& launch, Node const& beam, LitWish const& wish, Lighting const& light) {
+  if (!launch.through_input_mirror() || !light.network || !light.behind) return false;
+  NetworkPowers const& network = *light.network;
+  std::string const port = wish.behind.empty() ? network.behind_input : wish.behind;
+  auto const space = network.spaces.find(port);
+  if (space == network.spaces.end()) {
+    if (wish.behind.empty() || network.faulty) return false;
+    std::vector<std::string> known;
+    for (auto const& [name, way] : network.spaces) known.push_back(name);
+    beam["lit"]["behind"].problem(fmt::format("the interferometer has no port '{}' with a space", port),
+                                  known.empty() ? "its network is not solved: write 'preset: dual-recycled' or 'none'"
+                                                : did_you_mean(port, known, "name a port of a component: ITM.front"));
+    return true;
+  }
+  for (std::string const& name : {port + ".out", space->second.source})
+    if (network.watts.at(name) < least_watts) {
+      beam["lit"].problem(fmt::format("no light runs in the beam '{}' behind '{}'", name, launch.name),
+                          "name another port by 'behind', or write 'lit: {except: [...]}'");
+      return true;
+    }
+  light.behind->push_back({beam, light.number, wish, launch.footprint, port});
+  return true;
+}
+
 }  // namespace
 
 void light_up(Node const& beam, LitWish const& wish, Registry const& names, World& world, Lighting const& light) {
@@ -149,11 +177,16 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
   world.build_search();
   Wanted const wanted(wish, names);
   std::size_t const before = world.footprints().size();
+  bool in_network = false;
   for (BeamLaunch const& launch : launches(world)) {
     if (launch.beam != light.number) continue;
-    bool const cavity = !launch.cavity.empty();
-    Collector list(cavity, wanted, wish.floor);
+    bool const cavity = !launch.cavity.empty() && !launch.span;
+    Collector list(!launch.cavity.empty() && launch.arrives_at.valid(), wanted, wish.floor);
     grow_tree(world, launch, {wish.floor, wish.order}, list);
+    if (list.count > 0 && continues_in_network(launch, beam, wish, light)) {
+      in_network = true;
+      continue;
+    }
     if (list.count > most_spots)
       beam["lit"].problem(fmt::format("'{}' produces {} spots; the limit is {}", light.name, list.count, most_spots),
                           "raise 'floor', lower 'order', or restrict surfaces with 'only'");
@@ -165,9 +198,143 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
     for (auto const& [spot, way] : list.touched)
       add_lit_screen(world, light.number, share, cavity ? launch.footprint : Feed::none, spot, way);
   }
-  if (world.footprints().size() == before)
+  if (world.footprints().size() == before && !in_network)
     beam.warning(fmt::format("'lit' finds no surface in beam '{}'", light.name),
                  "a cavity needs a mirror that transmits; a free beam something that it meets");
+}
+
+namespace {
+
+// The light that leaves the mirror, from there to where its space of the network ends: at a splitter, or after the
+// length of the space; 1 % and 10 cm longer in a drawing.
+class SpanSink final : public BeamSink {
+ public:
+  explicit SpanSink(double longest) : longest_(longest) {}
+  void arrived(BeamSpot const& spot, std::uint32_t number, std::span<BeamStep const> way) override {
+    if (ended || spot.order > 0 || way.empty()) return;
+    if (spot.path_length > longest_) {
+      ended = true;
+      return;
+    }
+    last = spot;
+    before = leaving;
+    number_ = number;
+  }
+  void left(LeavingBeam const& beam, std::span<BeamStep const> way) override {
+    if (beam.order > 0 || way.empty()) return;
+    if (ended) return;
+    leaving = beam;
+    ended = split = way.back().split && way.back().spot == number_;
+  }
+  std::optional<BeamSpot> last;
+  LeavingBeam leaving, before;  // behind the last spot; before it
+  bool ended = false, split = false;
+
+ private:
+  double longest_;
+  std::uint32_t number_ = BeamSpot::none;
+};
+
+struct Reach {
+  Mode end;           // of the light, where its span ends
+  SurfaceId surface;  // there; invalid: in space
+  BeamField field;
+  double path_length = 0;   // m, optical, from the launch
+  double clearance = 1e-4;  // m: a beam launched the other way starts off a surface that is oblique to it
+  NetworkSpan::End end_of_span() const { return {surface, end.origin, end.travel, spot(end).major}; }
+};
+
+// The whole beam is off the surface, but at most half-way to the surface before it.
+double clearance_of(BeamSpot const& at, LeavingBeam const& before) {
+  double const incidence = angle_between(at.normal, -at.mode.travel);
+  double const wanted = 1e-4 + 4.5 * spot(at.mode).major * std::tan(incidence);
+  return std::fmin(wanted, 0.5 * length(at.mode.origin - before.mode.origin));
+}
+
+Reach reach_of(World const& world, BeamLaunch const& launch, double length) {
+  double const longest = 1.01 * length + 0.1;
+  SpanSink sink(longest);
+  grow_tree(world, launch, {1e-6, 0}, sink);
+  if (sink.last && (sink.split || sink.last->path_length > 0.99 * length - 0.1))
+    return {sink.last->mode, sink.last->surface, sink.last->field, sink.last->path_length,
+            clearance_of(*sink.last, sink.before)};
+  LeavingBeam const& free = sink.leaving;
+  double const further = std::fmax(length - free.path_length, 1e-3);
+  return {propagated(free.mode, further), {}, free.field, free.path_length + further};
+}
+
+// Power of a beam of the network over the reference of all couplings: the first beam with a stated power, or without
+// any the light on the other side of the mirror.
+double share_of(World const& world, NetworkPowers const& network, BehindMirror const& b, std::string const& light) {
+  double reference = world.beam_power;
+  std::string const component = b.port.substr(0, b.port.rfind('.'));
+  if (!(reference > 0))
+    for (auto const& [name, watts] : network.watts)
+      if (name.starts_with(component + ".") && name.ends_with(".out")) reference = std::fmax(reference, watts);
+  return network.watts.at(light) / reference;
+}
+
+// Returns the share of its power.
+double add_beam(World& world, BehindMirror const& b, std::string const& light, NetworkPowers const& network) {
+  double const share = share_of(world, network, b, light);
+  world.beams.push_back({light, b.number, light, share});
+  world.beam_powers.push_back(world.beam_power > 0 ? network.watts.at(light) : 0);
+  return share;
+}
+
+void light_span(BehindMirror const& b, Registry const& names, World& world, std::uint32_t number) {
+  Lighting light{world.beams[number].name, number};
+  light_up(b.beam, b.wish, names, world, light);
+}
+
+}  // namespace
+
+void light_behind(BehindMirror const& b, Registry const& names, World& world, NetworkPowers const& network) {
+  NetworkPowers::Space const& space = network.spaces.at(b.port);
+  std::string const out = b.port + ".out";
+  if (network.stated.contains(out) || network.stated.contains(space.source) || !b.beam.healthy()) return;
+  Footprint f = world.footprints()[b.mirror];
+  std::vector<SurfaceId> mirrors;
+  for (Footprint const& other : world.footprints())
+    if (other.standing && other.beam == f.beam) mirrors.push_back(other.surface);
+  f.standing = f.emits = f.receives = false;
+  f.port = {};
+  f.share = add_beam(world, b, out, network);
+  f.beam = std::uint32_t(world.beams.size() - 1);
+  world.spans.push_back({std::uint32_t(world.footprints().size()), b.mirror, mirrors, {}, infinity});
+  world.add_footprint(f);
+  Reach const reach = reach_of(world, launches(world).back(), space.length);
+  NetworkSpan::End const mirror{f.surface, f.centre, -f.travel, f.radius};
+  world.spans.back().ends = {reach.end_of_span(), mirror};
+  world.spans.back().longest = reach.path_length;
+  light_span(b, names, world, f.beam);
+
+  Mode const returns = reversed(reach.end);
+  Footprint in = footprint_of(propagated(returns, reach.clearance), world.wavelength / returns.wavelength);
+  in.polarisation = polarisation_of(reach.field);
+  in.free = true;
+  in.emits = in.receives = false;
+  in.share = add_beam(world, b, space.source, network);
+  in.beam = std::uint32_t(world.beams.size() - 1);
+  in.origin = world.add_group(space.source);
+  world.spans.push_back({std::uint32_t(world.footprints().size()),
+                         b.mirror,
+                         mirrors,
+                         {reach.end_of_span(), mirror},
+                         reach.path_length + 1e-3});
+  world.add_footprint(in);
+  light_span(b, names, world, in.beam);
+}
+
+void end_in_network(World& world, NetworkPowers const& network, std::string const& light) {
+  auto const space = network.spaces.find(light.substr(0, light.rfind('.')));
+  if (space == network.spaces.end()) return;
+  Footprint const& f = world.footprints().back();
+  world.spans.push_back({std::uint32_t(world.footprints().size() - 1), Feed::none, {}, {}, infinity});
+  world.build_search();
+  Reach const reach = reach_of(world, launches(world).back(), space->second.length);
+  world.spans.back().ends = {reach.end_of_span(), {{}, f.centre, -f.travel, f.radius}};
+  world.spans.back().longest = reach.path_length;
 }
 
 }  // namespace straytrace::world

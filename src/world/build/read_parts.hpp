@@ -94,11 +94,31 @@ std::vector<KnownMedium> known_media();
 
 // The pieces of read_beams: each reads one kind of beam, or the ports.
 
+// The key `lit` of a beam: whether it propagates through the scene, and which of its spots count.
+struct LitWish {
+  bool wanted = false;
+  double floor = 1e-9;                    // weakest beam followed, over the one launched
+  std::uint32_t order = 0;                // largest order of ghosts
+  std::vector<std::string> only, except;  // surfaces, by name or pattern
+  std::string behind;                     // port of the network behind the input mirror; empty: that of the preset
+};
+
+// A cavity mirror behind which the light is that of two beams of the network.
+struct BehindMirror {
+  Node beam;  // the cavity
+  std::uint32_t number = 0;
+  LitWish wish;
+  std::uint32_t mirror = 0;  // its footprint
+  std::string port;          // of the network, behind it
+};
+
 // Common properties of all footprints of a beam.
 struct Lighting {
   std::string name;
   std::uint32_t number = 0;
   double power = 1;  // over that of the first beam that states one (q of eq. 1.1)
+  NetworkPowers const* network = nullptr;
+  std::vector<BehindMirror>* behind = nullptr;  // receives the input mirrors whose network is known
 };
 
 // A cap or disk as a mirror of a cavity.
@@ -127,17 +147,16 @@ struct Beams {
 };
 void read_ports(Scene const&, World&, Registry const&, Beams const&);
 
-// The key `lit` of a beam: whether it propagates through the scene, and which of its spots count.
-struct LitWish {
-  bool wanted = false;
-  double floor = 1e-9;                    // weakest beam followed, over the one launched
-  std::uint32_t order = 0;                // of ghosts
-  std::vector<std::string> only, except;  // patterns of names; `only` empty: all
-};
 LitWish read_lit(Node const& beam, Registry const&);
 // Adds footprints on every surface that the beam meets, starting from its footprints so far. Does nothing while the
 // document has problems.
 void light_up(Node const& beam, LitWish const&, Registry const&, World&, Lighting const&);
+// The last footprint is the launch of this light of the network: ends it where the network continues.
+void end_in_network(World&, NetworkPowers const&, std::string const& light);
+// Two beams between the mirror and the next component: the light that leaves the mirror, and the light that comes to
+// it (docs/theory/recoupling.md). They become beams of the world, with the names of their light and ports of the same
+// names.
+void light_behind(BehindMirror const&, Registry const&, World&, NetworkPowers const&);
 
 // Places a stated spot on a surface that its light crosses more than once: tubes, spheres, boxes. Sets `backoff` of the
 // footprint so that its lines start after the crossing before the illuminated one, and moves its centre along the chief

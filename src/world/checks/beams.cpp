@@ -78,10 +78,10 @@ void warn_of_light_counted_twice(Scene const& scene, World const& world) {
   for (std::uint32_t i = 0; i < count; ++i)
     for (std::uint32_t j = 0; world.feeds()[i].propagated && j < count; ++j)
       if (same_light(world, i, j))
-        return beams[world.footprints()[i].beam].second.warning(
+        return beams[world.beams[world.footprints()[i].beam].entry].second.warning(
             fmt::format("'{}' is lit by beam '{}' too, along the same way",
                         world.groups()[world.surfaces()[world.footprints()[i].surface.value].group.value],
-                        beams[world.footprints()[j].beam].first),
+                        world.beams[world.footprints()[j].beam].name),
             "if it is the same light, keep one of them: it is counted twice");
 }
 
@@ -92,7 +92,8 @@ void warn_of_clipping(Scene const& scene, World const& world) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> said;
   for (MainLoss const& loss : main_losses(world)) {
     GroupId const group = world.surfaces()[loss.surface.value].group;
-    auto const& [name, node] = beams.at(loss.beam);
+    auto const& [name, entry, network, share] = world.beams.at(loss.beam);
+    Node const node = beams.at(entry).second;
     bool const lit = node.has("lit");
     if ((loss.beside && lit) || !said.insert({loss.beam, group.value}).second) continue;
     node.warning(fmt::format("beam '{}' loses {:.2g} % {} '{}'", name, 100 * loss.share, loss.beside ? "beside" : "on",

@@ -171,7 +171,7 @@ void warn_of_opaque_optics(Scene const& scene, World const& world, Registry cons
       if (found == opaque.end() || !told.insert(found->second->entry).second) continue;
       found->second->where.warning(
           fmt::format("'{}' is opaque: beam '{}' ends on it and is not refracted, as none of its faces lets light in",
-                      found->second->entry, scene.table("beams").items().at(launch.beam).first),
+                      found->second->entry, world.beams.at(launch.beam).name),
           "give its faces a material with 'specular: {reflect: ..., transmit: ...}', or write 'medium: none' where the "
           "beam should end");
     }

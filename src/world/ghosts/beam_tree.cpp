@@ -76,6 +76,8 @@ class Tree {
       scale(arriving.beam.field, kept);
     }
     pass_screens(arriving, hit);
+    if (joins_network(branch.beam, hit.surface.valid() ? hit.distance : infinity))
+      return end(BeamEnd::rejoined, energy_balance_.rejoined, arriving);
     if (!hit.surface.valid()) return end(BeamEnd::escaped, energy_balance_.escaped, arriving);
     arrive(arriving, hit);
   }
@@ -118,6 +120,28 @@ class Tree {
     return branch.step.event == Event::transmit && is_back_of_mirror(branch.step.surface, branch.step.front);
   }
 
+  // Whether a beam runs in line with the light of the network at one of its ends: on the surface that it meets, or in a
+  // plane before that.
+  static bool in_line(NetworkSpan::End const& e, Mode const& mode, Vec3 at) {
+    constexpr double least = 1e-4;  // rad
+    return angle_between(e.travel, mode.travel) < least && length(at - e.point) < e.radius;
+  }
+  bool joins_network(BeamSpot const& spot) const {
+    return launch_.span && std::ranges::any_of(launch_.span->ends, [&](NetworkSpan::End const& e) {
+             return e.surface == spot.surface && in_line(e, spot.mode, spot.mode.origin);
+           });
+  }
+  bool joins_network(LeavingBeam const& beam, double distance) const {
+    if (!launch_.span) return false;
+    double const index = view_.wavelength / beam.mode.wavelength;
+    if (beam.order == 0 && beam.path_length + index * distance > launch_.span->longest + 1e-3) return true;
+    return std::ranges::any_of(launch_.span->ends, [&](NetworkSpan::End const& e) {
+      double const along = dot(e.point - beam.mode.origin, beam.mode.travel);
+      return !e.surface.valid() && along > 0 && along < distance &&
+             in_line(e, beam.mode, beam.mode.origin + along * beam.mode.travel);
+    });
+  }
+
   void arrive(Branch const& branch, Hit const& hit) {
     bool const launched_here = branch.depth == 0 && launch_.arrives_at.valid();
     LeavingBeam const& beam = branch.beam;
@@ -146,6 +170,12 @@ class Tree {
     }
     auto const number = std::uint32_t(energy_balance_.spots++);
     sink_.arrived(spot, number, way_);
+    if (!launched_here && joins_network(spot)) {
+      energy_balance_.rejoined += spot.power;
+      ++energy_balance_.beams;
+      return sink_.ended(BeamEnd::rejoined, &spot, {spot.mode, spot.field, spot.path_length, spot.gouy, spot.order},
+                         way_);
+    }
     split(branch, spot, number, vertex, launched_here);
   }
 
@@ -227,7 +257,13 @@ class Tree {
     double const back = both[0].power, through = both[1].power;
     both[0].departure = back < weaker * through || back < slight * meets;
     both[1].departure = through < weaker * back && !both[0].departure;
-    if (cavity) {  // the mode itself is reflected; what passes is the main beam outside
+    if (cavity && launch_.span) {  // what passes is the light of the network, whatever the mirror reflects and loses
+      scale(both[1].field, both[1].power > 0 ? meets / both[1].power : 0);
+      scale(both[0].field, 0);
+      both[0].power = scattered = 0;
+      both[1].power = both[1].field.power();
+      both[1].departure = false;
+    } else if (cavity) {  // the mode itself is reflected; what passes is the main beam outside
       energy_balance_.rejoined += both[0].power;
       both[0].power = 0;
       both[1].departure = false;
@@ -395,6 +431,7 @@ std::vector<BeamLaunch> launches(World const& world) {
     Footprint const& f = world.footprints()[i];
     if (world.feeds()[i].propagated) continue;
     if (f.profile != Profile::gaussian && f.profile != Profile::astigmatic) continue;
+    if (std::ranges::find(world.spans, i, &NetworkSpan::mirror) != world.spans.end()) continue;
     BeamLaunch launch;
     launch.footprint = i;
     launch.beam = f.beam;
@@ -412,7 +449,14 @@ std::vector<BeamLaunch> launches(World const& world) {
       if (f.standing)
         for (Footprint const& other : world.footprints())
           if (other.standing && other.beam == f.beam) launch.cavity.push_back(other.surface);
-      if (!launch.cavity.empty()) launch.passes = passed_at_launch(world, launch);
+    }
+    auto const span = std::ranges::find(world.spans, i, &NetworkSpan::footprint);
+    if (span != world.spans.end()) {
+      launch.span = &*span;
+      launch.cavity = span->cavity;
+      launch.name = world.beams[f.beam].name;
+    } else if (!launch.cavity.empty()) {
+      launch.passes = passed_at_launch(world, launch);
     }
     all.push_back(std::move(launch));
   }

@@ -75,12 +75,16 @@ struct BeamLaunch {
   std::vector<SurfaceId> cavity;  // between these mirrors: the light reflected at `arrives_at` is the mode itself, and
                                   // light that passes into the cavity has rejoined it
   double passes = 1;              // share of the power that leaves the cavity through `arrives_at`; 1: no cavity
+  // Light of the network of an interferometer behind a mirror of the cavity: its power is that behind the mirror, and
+  // light that runs where the network continues ends there.
+  NetworkSpan const* span = nullptr;
 
   // Behind an input mirror the light interferes with light from the splitter (docs/theory/interferometer.md), which is
   // not launched. End mirrors transmit some ppm, input mirrors of detectors 0.4 % and more.
-  bool through_input_mirror() const { return !cavity.empty() && passes > 1e-3; }
+  bool through_input_mirror() const { return !span && !cavity.empty() && passes > 1e-3; }
 };
-// Every Gaussian beam of the scene in its order; a cavity is launched once through each of its mirrors.
+// Every Gaussian beam of the scene in its order, which lives as long as the world; a cavity is launched once through
+// each of its mirrors.
 std::vector<BeamLaunch> launches(World const&);
 
 struct TreeLimits {
@@ -127,7 +131,7 @@ struct ScreenSpot {
 enum class BeamEnd : std::uint8_t {
   landed,    // no beam keeps its order
   escaped,   // meets nothing
-  rejoined,  // back in the cavity it was launched from
+  rejoined,  // back in the cavity it was launched from, or where the network of the interferometer continues
   faint,     // below the floor
   longest,   // too many surfaces
   wide       // far wider than the surface

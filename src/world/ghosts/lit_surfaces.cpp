@@ -10,24 +10,6 @@
 namespace straytrace::world {
 namespace {
 
-// Mean over the states that an unpolarised beam consists of.
-Polarisation polarisation_of(BeamField const& field) {
-  Polarisation mean{field.axis, 0, 0, 0};
-  double power = 0;
-  for (int i = 0; i < field.states; ++i) {
-    double const share = norm(field.state[i].a) + norm(field.state[i].b);
-    if (!(share > 0)) continue;
-    Polarisation const one = stokes(field.state[i], field.axis);
-    mean.q += share * one.q;
-    mean.u += share * one.u;
-    mean.v += share * one.v;
-    power += share;
-  }
-  if (power > 0)
-    for (double* x : {&mean.q, &mean.u, &mean.v}) *x /= power;
-  return mean;
-}
-
 bool scatters(World const& world, SurfaceId surface, bool front) {
   Surface const& s = world.surfaces()[surface.value];
   return world.view().optics[front ? s.front : s.back].laws > 0;
@@ -46,6 +28,23 @@ double beside(WorldView const& view, Footprint const& f) {
 }
 
 }  // namespace
+
+Polarisation polarisation_of(BeamField const& field) {
+  Polarisation mean{field.axis, 0, 0, 0};
+  double power = 0;
+  for (int i = 0; i < field.states; ++i) {
+    double const share = norm(field.state[i].a) + norm(field.state[i].b);
+    if (!(share > 0)) continue;
+    Polarisation const one = stokes(field.state[i], field.axis);
+    mean.q += share * one.q;
+    mean.u += share * one.u;
+    mean.v += share * one.v;
+    power += share;
+  }
+  if (power > 0)
+    for (double* x : {&mean.q, &mean.u, &mean.v}) *x /= power;
+  return mean;
+}
 
 Footprint footprint_of(Mode const& mode, double index) {
   Footprint f;
@@ -115,7 +114,8 @@ std::vector<LitRow> lit_rows(World const& world) {
   std::vector<LitRow> rows;
   for (std::uint32_t i = 0; i < world.footprints().size(); ++i) {
     Footprint const& f = world.footprints()[i];
-    if (f.free) continue;
+    bool const launched = std::ranges::find(world.spans, i, &NetworkSpan::footprint) != world.spans.end();
+    if (f.free || launched) continue;
     Feed const& feed = world.feeds()[i];
     LitRow row{i, f.radius, f.radius};
     if (f.profile == Profile::astigmatic) {

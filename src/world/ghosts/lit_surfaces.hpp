@@ -10,6 +10,9 @@
 
 namespace straytrace::world {
 
+// Mean over the states that an unpolarised beam consists of.
+Polarisation polarisation_of(BeamField const&);
+
 // Place, profile and wavefront of a mode that arrives in a medium of this index.
 Footprint footprint_of(Mode const&, double index);
 

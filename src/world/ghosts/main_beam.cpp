@@ -175,7 +175,7 @@ std::vector<PhaseSensitivity> MainBeam::phase_sensitivities(Recoupling const& r,
   MainNode const& node = nodes_[r.node];
   if (r.against) {
     add(phase_sensitivities, node.phase_sensitivities, 1);  // the return path: each hit adds the same again
-    if (!launch_.cavity.empty())                            // the mode itself is reflected there
+    if (!launch_.cavity.empty() && !launch_.span)           // the mode itself is reflected there
       add_hit(phase_sensitivities, world_, launch_.arrives_at, launch_.mode.origin,
               -4 * pi / world_.wavelength * launch_.mode.travel);
   } else {

@@ -110,6 +110,34 @@ void World::open_port(std::string const& name, std::vector<std::uint32_t> const&
   }
 }
 
+void World::pair_ports(std::vector<std::uint32_t> const& reverse) {
+  std::vector<PortId> first(beams.size());  // port of each beam of the network
+  std::vector<std::uint32_t> beam_of(ports_.size());
+  for (Footprint const& f : lit_) {
+    if (!f.port.valid()) continue;
+    beam_of[f.port.value] = f.beam;
+    if (!beams[f.beam].network.empty() && !first[f.beam].valid()) first[f.beam] = f.port;
+  }
+  for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
+    if (!first[beam].valid()) continue;
+    for (std::uint32_t to = 0; to < beam_of.size(); ++to)
+      if (beam_of[to] != beam && !beams[beam_of[to]].network.empty())
+        pairs_.push_back(
+            {add_port(ports_[to] + " lit by " + beams[beam].name), beam, {to}, beam_of[to] == reverse[beam]});
+    if (reverse[beam] == no_beam || !first[reverse[beam]].valid())
+      pairs_.push_back({add_port(ports_[first[beam].value] + " along the beam"), beam, first[beam], true});
+  }
+}
+
+PortId World::port_between(Footprint const& source, Footprint const& goal) const {
+  if (source.beam == goal.beam || beams.empty()) return goal.port;
+  bool const from = !beams[source.beam].network.empty(), to = !beams[goal.beam].network.empty();
+  if (!from && !to) return goal.port;
+  auto const pair =
+      std::ranges::find_if(pairs_, [&](PortPair const& p) { return p.beam == source.beam && p.to == goal.port; });
+  return pair == pairs_.end() ? PortId{} : pair->port;
+}
+
 void World::anchor(BodyId id, Vec3 place) {
   if (!id.valid() || bodies_[id.value].pivot_given) return;
   auto const on_it = [id](Surface const& s) { return s.body.value == id.value; };

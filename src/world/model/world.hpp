@@ -40,6 +40,28 @@ struct EdgeSettings {
   Sum sum = Sum::independent;
 };
 
+// A beam: of the scene, or the light of the interferometer behind an input mirror.
+struct LightBeam {
+  std::string name;
+  std::uint32_t entry = 0;  // in `beams` of the scene: the beam itself, or the cavity that it leaves
+  std::string network;      // the beam of the network of the interferometer that it is; empty: none
+  double share = 1;         // of its power, over that of the first beam with a stated one (q of eq. 1.1)
+};
+
+// Where a beam of the network begins and ends: behind them the network continues.
+struct NetworkSpan {
+  struct End {
+    SurfaceId surface;   // invalid: a plane in space
+    Vec3 point, travel;  // m, unit: of light that ends there
+    double radius = 0;   // m
+  };
+  std::uint32_t footprint = 0;    // of the launch
+  std::uint32_t mirror = 0;       // footprint of the mirror of the cavity behind which it runs, or Feed::none
+  std::vector<SurfaceId> cavity;  // mirrors
+  std::vector<End> ends;
+  double longest = 0;  // m, optical: the beam itself goes no further
+};
+
 // Owns all arrays. Built from a scene by build_world, or piece by piece by tests.
 class World {
  public:
@@ -106,6 +128,14 @@ class World {
   // Lets light rejoin at every footprint of a beam on a surface; false: there is none.
   bool open_port(SurfaceId, std::uint32_t beam, std::string const& name);
   void open_port(std::string const& name, std::vector<std::uint32_t> const& footprints);
+  // A port for light of each beam of the network that joins another one, and for light that runs on along its own beam:
+  // that of the beam of the opposite direction (`reverse`, by beam), or where there is none one of its own. After all
+  // ports are open.
+  static constexpr std::uint32_t no_beam = 0xffffffffu;
+  void pair_ports(std::vector<std::uint32_t> const& reverse);
+  // Where light of one footprint that joins the mode of another counts. Invalid: it does not, since only one of them is
+  // light of the network.
+  PortId port_between(Footprint const& source, Footprint const& goal) const;
   void anchor(BodyId, Vec3 place);  // its pivot, m, when none is given and no surface is on it yet
   void settle_pivots();  // bodies without a stated pivot rotate about the reference point of their first surface
   void build_search();   // over all surfaces added so far
@@ -124,6 +154,13 @@ class World {
   std::vector<std::string> const& groups() const { return groups_; }
   std::string const& name_of(SurfaceId id) const { return groups_[surfaces_[id.value].group.value]; }
   std::vector<std::string> const& ports() const { return ports_; }
+  struct PortPair {
+    PortId port;
+    std::uint32_t beam = 0;  // that is scattered
+    PortId to;               // port of the beam that lights the way back, or of the beam itself
+    bool forward = false;    // joins the beam that is scattered
+  };
+  std::vector<PortPair> const& port_pairs() const { return pairs_; }
   std::vector<Receiver> const& receivers() const { return receivers_; }
   std::vector<std::string> const& receiver_names() const { return receiver_names_; }
   std::vector<std::string> body_names() const;
@@ -141,6 +178,8 @@ class World {
   std::uint64_t block_size = largest_block;
   double beam_power = 0;            // W, of the first beam with a stated power; 0: none. For reports, not for the trace
   std::vector<double> beam_powers;  // W, by beam; 0: not stated. For the interferometer
+  std::vector<LightBeam> beams;
+  std::vector<NetworkSpan> spans;
   std::vector<MaterialInfo> materials;  // in the order of the scene
   std::vector<std::string> notes;       // assumptions and intermediate results, for reports
 
@@ -167,6 +206,7 @@ class World {
   std::vector<std::string> receiver_names_;
   std::vector<Body> bodies_;
   std::vector<std::string> groups_, ports_;
+  std::vector<PortPair> pairs_;
   SearchTree tree_;
   std::size_t searched_ = 0;  // surfaces in it
   SteeringTables steering_;
