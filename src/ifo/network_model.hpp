@@ -62,7 +62,7 @@ struct BeamPlace {
 // was scattered there: the mirror takes the recoil.
 struct StrayWay {
   BeamPlace lit{}, fed{};
-  double delay = 0;    // s
+  double delay = 0;    // m, optical path besides the distances
   double turn = 0;     // rad
   bool alone = false;  // its reverse adds nothing: `lit` is but the reference of s
 };
