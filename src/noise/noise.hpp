@@ -90,7 +90,8 @@ struct StaticPhase {
 struct NoiseSettings {
   FrequencyGrid grid;
   std::vector<StaticPhase> static_phases{};  // all others are random
-  double margin = 0.1;                       // of the design curve (docs/theory/sensitivity.md)
+  bool delay = false;   // each hit acts as early as the light met it (docs/theory/time_domain.md, eq. N.29)
+  double margin = 0.1;  // of the design curve (docs/theory/sensitivity.md)
   std::vector<std::string> compare;          // design curves by name or file
 };
 

@@ -14,6 +14,7 @@
 #include "base/input/document.hpp"
 #include "ifo/ports.hpp"
 #include "noise/bands/speckle_band.hpp"
+#include "noise/classes/delayed_paths.hpp"
 #include "results/results.hpp"
 #include "scene/diagnostics.hpp"
 #include "session/compare/model_diff.hpp"
@@ -302,6 +303,13 @@ NoiseBudget ProjectionModel::project(CouplingTable const& coupling) const {
         "without an interferometer there is no noise to project",
         "add 'ports' and 'interferometer' to the scene, or look at the receivers: straytrace paths RUN --by receiver");
   NoiseBudget budget = project_noise(coupling, motion, *detector, noise);
+  if (!noise.delay)
+    if (DelayEffect const e = delay_effect(coupling, motion, *detector, budget); e.matters())
+      budget.warnings.push_back(fmt::format(
+          "light meets the bodies of a path at different times, which is neglected: it changes h by a factor {:.3g} at "
+          "{:.4g} Hz, to first order in the motion; 'delay: yes' in 'noise' includes it (docs/theory/time_domain.md, "
+          "eq. N.29)",
+          e.factor, e.hz));
   budget.design = design;
   budget.margin = noise.margin;
   return budget;
@@ -310,7 +318,13 @@ NoiseBudget ProjectionModel::project(CouplingTable const& coupling) const {
 NoiseBudget ProjectionModel::project_with_bands(CouplingTable const& coupling) const {
   NoiseBudget budget = project(coupling);
   add_input_band(budget, coupling, motion, *detector, noise, traced.materials);
-  if (noise.static_phases.empty()) add_speckle_band(budget, coupling, motion, *detector);
+  if (!noise.static_phases.empty()) return budget;
+  if (!noise.delay) {
+    add_speckle_band(budget, coupling, motion, *detector);
+  } else {
+    DelayedPaths const late = with_delays(coupling, motion, noise.grid.edges.back());
+    add_speckle_band(budget, late.table, late.motion, *detector);
+  }
   return budget;
 }
 
@@ -318,6 +332,8 @@ std::vector<std::string> ProjectionModel::assumptions() const {
   std::vector<std::string> lines = traced.notes;
   if (detector) {
     lines.push_back("frozen geometry: paths do not move while the surfaces shake (docs/theory/phase.md, eq. 2.6)");
+    if (noise.delay)
+      lines.push_back("delays: light meets each body before it rejoins (docs/theory/time_domain.md, eq. N.29)");
     lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
     for (StaticPhase const& s : noise.static_phases)
       lines.push_back(

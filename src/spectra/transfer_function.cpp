@@ -45,6 +45,7 @@ TransferFunction TransferFunction::product(TransferFunction const& a, TransferFu
   append(both.oscillators_, b.oscillators_);
   append(both.tables_, b.tables_);
   both.gain_ *= b.gain_;
+  both.delay_ += b.delay_;
   return both;
 }
 
@@ -60,6 +61,7 @@ C TransferFunction::operator()(double hz) const {
     value *= above / (1 - x * x + drag);
   }
   for (Table const& t : tables_) value *= t(hz);
+  if (delay_ != 0) value *= std::polar(1.0, 2 * pi * hz * delay_);
   return value;
 }
 
@@ -73,6 +75,12 @@ C TransferFunction::Table::operator()(double f) const {
   auto const b = std::size_t(above), a = b - 1;
   double const share = log_share(f, hz[a], hz[b]);
   return std::polar(std::exp(std::lerp(log_modulus[a], log_modulus[b], share)), std::lerp(phase[a], phase[b], share));
+}
+
+TransferFunction TransferFunction::delayed(double seconds) const {
+  TransferFunction t = *this;
+  t.delay_ += seconds;
+  return t;
 }
 
 TransferFunction TransferFunction::holding_ends() const {

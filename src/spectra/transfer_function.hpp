@@ -33,7 +33,9 @@ class TransferFunction {
 
   std::complex<double> operator()(double hz) const;
   bool operator==(TransferFunction const&) const = default;
-  TransferFunction holding_ends() const;  // tables keep their first and last value beyond their ends
+  TransferFunction delayed(double seconds) const;  // its output so much later: exp(2 pi i f t), exact
+  double delay() const { return delay_; }          // s, sum of these
+  TransferFunction holding_ends() const;           // tables keep their first and last value beyond their ends
   Band range() const;                     // Hz, range of validity: 0 to infinity without tables
   std::vector<double> features() const;   // corner frequencies, Hz, not sorted; samples of tables
 
@@ -54,7 +56,7 @@ class TransferFunction {
   };
 
   std::vector<double> zeros_, poles_;
-  double gain_ = 0;
+  double gain_ = 0, delay_ = 0;
   std::vector<Oscillator> oscillators_;
   std::vector<Table> tables_;
 };

@@ -39,6 +39,16 @@ enum class Event : std::uint8_t { emit, scatter, reflect, couple, transmit, rece
 struct PhaseSensitivity {
   BodyId body;
   double d[6] = {};
+  // First moment over the delays: sum over the hits of their part of d times the time [s] from the hit to where the
+  // light rejoins (docs/theory/time_domain.md, eq. N.29). NaN: not known.
+  double moment[6] = {};
+
+  void add(PhaseSensitivity const& other, double factor) {
+    for (int i = 0; i < 6; ++i) {
+      d[i] += factor * other.d[i];
+      moment[i] += factor * other.moment[i];
+    }
+  }
 };
 
 // Sizes of the blocks in which histories are assigned to sources and summed. Part of the run-file schema, because the

@@ -10,6 +10,7 @@
 #include "cli/options.hpp"
 #include "cli/time/time_options.hpp"
 #include "motion/series_motion.hpp"
+#include "noise/classes/delayed_paths.hpp"
 #include "noise/time_domain/time_domain.hpp"
 #include "results/text/columns.hpp"
 #include "spectra/files/gps.hpp"
@@ -45,6 +46,10 @@ FringePrediction from_run(FringesOptions const& o) {
   FringeCurves found = fringe_curves(in.coupling(), in.routes, motion, o.show);
   if (found.curves.empty())
     throw InputError("no body of these routes moves", "give --motion, or --body, --axis and --channel");
+  if (in.model.noise.delay) {
+    DelayedPaths const late = with_delays(in.coupling(), in.model.motion, in.model.noise.grid.edges.back());
+    take_frequencies(found, late.table, draw_motion(late.motion, motion.times, o.time.seed));
+  }
   FringePrediction p{motion.times, in.coupling().wavelength, {}, std::move(found.largest), found.left_out};
   for (FringeCurve& curve : found.curves) {
     std::vector<std::string> seen;

@@ -58,7 +58,10 @@ TimeDomainSettings settings_of(ProjectOptions const& o, TimeInputs const& in) {
   s.rate = o.time.rate;
   s.band_low = in.model.noise.grid.edges.front();
   s.band_high = in.model.noise.grid.edges.back();
-  s.delay = o.retarded ? Delay::half_path : Delay::none;
+  if (o.retarded && in.model.noise.delay)
+    throw InputError("--retarded delays all motion by half of a path, and 'delay: yes' in 'noise' each hit by its own time",
+                     "remove --retarded, or 'delay' from 'noise'");
+  s.delay = o.retarded ? Delay::half_path : in.model.noise.delay ? Delay::by_hit : Delay::none;
   s.threads = o.threads;
   s.direct = phase_summer(o.backend);
   return s;
@@ -215,7 +218,11 @@ std::string project_text(TimeDomainSummary const& r) {
                   r.rule.least(), r.rule.margin);
   text += fmt::format("neglected (eq. 2.6): second order about {:.2g} rad, ", r.second_order);
   if (r.ray_tilt > 0) text += fmt::format("tilt of the rays about {:.2g} rad, ", r.ray_tilt);
-  if (r.retarded)
+  if (r.delay_by_hit)
+    text += fmt::format(
+        "delays included but for bodies that light meets again within a path: up to {:.1g} of h at 100 Hz\n",
+        r.delay_error);
+  else if (r.retarded)
     text += fmt::format("deviations of the delays from half of a path: up to {:.1g} of h at 100 Hz\n", r.delay_error);
   else
     text += fmt::format("delays up to {:.2g} ms: up to {:.1g} of h at 100 Hz where bodies interfere\n", 1e3 * r.delay,
@@ -246,6 +253,7 @@ std::string project_json(TimeDomainSummary const& r) {
                               {"ray_tilt_phase", number(r.ray_tilt > 0 ? r.ray_tilt : not_a_number)},
                               {"longest_delay", r.delay},
                               {"retarded", r.retarded},
+                              {"delay", r.delay_by_hit},
                               {"delay_error_100Hz", r.delay_error},
                               {"band", {r.band_low, r.band_high}}};
   for (BandLevel const& b : r.levels)

@@ -155,6 +155,8 @@ void write_channels(SensorOptions const& o, TimeInputs const& in) {
   s.duration = in.duration;
   s.rate = o.time.rate;
   s.band_low = in.model.noise.grid.edges.front();
+  s.band_high = in.model.noise.grid.edges.back();
+  s.delay = in.model.noise.delay ? Delay::by_hit : Delay::none;
   s.threads = o.threads;
   SensorSeries const series = sensor_series(in.coupling(), in.model.motion, s);
   if (o.out.ends_with(".hdf5") || o.out.ends_with(".h5")) {

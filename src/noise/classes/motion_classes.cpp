@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <tuple>
 
@@ -29,10 +30,19 @@ Spectrum seen_through(Spectrum const& s, Transfer const& t) {
            : s;
 }
 
+// 4 sin^2(pi f (t_a - t_b)) |H|^2 of one system with two delays; none of two systems.
+std::function<double(double)> difference_of_delays(Transfer const& a, Transfer const& b) {
+  TransferFunction const unchanged({}, {}, 1), of_a = a ? *a : unchanged, of_b = b ? *b : unchanged;
+  if (of_a.delayed(-of_a.delay()) != of_b.delayed(-of_b.delay())) return {};
+  double const between = of_a.delay() - of_b.delay();
+  return [of_a, between](double f) { return std::norm(2 * std::sin(pi * f * between) * of_a(f)); };
+}
+
 Spectrum of_difference(Spectrum const& s, Transfer const& a, Transfer const& b) {
   std::vector<double> features = a ? a->features() : std::vector<double>();
   std::vector<double> const more = b ? b->features() : std::vector<double>();
   features.insert(features.end(), more.begin(), more.end());
+  if (auto const by_delay = difference_of_delays(a, b)) return filtered(s, by_delay, features);
   return filtered(
       s, [&](double f) { return std::norm(at(a, f) - at(b, f)); }, features,
       [&](double f) { return std::norm(at(a, f)) + std::norm(at(b, f)); });
@@ -142,7 +152,7 @@ std::vector<KappaSum> kappa_sums(MotionSet const& motion, std::vector<MotionClas
       }
     }
     for (double const x : out[c].of) sum += x;
-    out[c].known = !products.empty() && (size == 0 || std::fabs(sum) > rounding * size);
+    out[c].known = std::fabs(sum) > rounding * size;
   }
   return out;
 }

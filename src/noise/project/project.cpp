@@ -13,6 +13,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "noise/classes/delayed_paths.hpp"
 #include "noise/interpolate/spectrum_interpolator.hpp"
 #include "noise/noise.hpp"
 #include "noise/project/route_noise.hpp"
@@ -228,10 +229,9 @@ void add_draws(NoiseTrace& trace, DrawBand const& draws, Bins const& to_strain) 
   }
 }
 
-}  // namespace
-
-NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
-                          NoiseSettings const& settings) {
+// `phases`: of the static phases of the routes.
+NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
+                            NoiseSettings const& settings, std::vector<std::optional<double>> const& phases) {
   auto const start = std::chrono::steady_clock::now();
   std::size_t const bins = settings.grid.size();
   PhaseSpectra const spectra(group_by_shape(motion), settings.grid);
@@ -240,7 +240,6 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   for (std::size_t i = 0; i < strengths.size(); ++i) strength.push_back(spectra.mean_square_phase(strengths.of(i)));
   SpectrumInterpolator const nodes(spectra, strengths);
   std::vector<Response> const response = responses(ifo, table.ports.size(), settings.grid);
-  std::vector<std::optional<double>> const phases = known_phases(table, motion, settings.static_phases, ifo);
 
   NoiseBudget budget;
   budget.grid = settings.grid;
@@ -301,6 +300,16 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   return budget;
 }
 
+}  // namespace
+
+NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
+                          NoiseSettings const& settings) {
+  std::vector<std::optional<double>> const phases = known_phases(table, motion, settings.static_phases, ifo);
+  if (!settings.delay) return project_at_once(table, motion, ifo, settings, phases);
+  DelayedPaths const late = with_delays(table, motion, settings.grid.edges.back());
+  return project_at_once(late.table, late.motion, ifo, settings, phases);
+}
+
 // Which curves are upper bounds (docs/theory/diffraction.md, eq. 8.11: rims as one smooth wave; speckle lowers that).
 
 void find_bounds(NoiseBudget& b, CouplingTable const& table) {
@@ -350,6 +359,7 @@ NoiseSettings read_noise_settings(Node const& table) {
     }
     for (auto const& [body, phase] : table.table("static_phase").items())
       if (body != "override") settings.static_phases.push_back({body, phase.as_number(dim::angle, -1e6, 1e6)});
+    settings.delay = table.flag("delay", settings.delay);
     density = table.number("points_per_decade", dim::plain, density, 1, 1000);
     settings.margin = table.number("margin", dim::plain, settings.margin, 1e-6, 1e6);
     for (Node const& name : table.list("compare")) settings.compare.push_back(name.as_word());

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "noise/classes/delayed_paths.hpp"
+
 namespace straytrace::noise {
 namespace {
 
@@ -43,6 +45,12 @@ SensorNoise sensor_noise(CouplingTable const& table, MotionSet const& motion, No
 }
 
 SensorSeries sensor_series(CouplingTable const& table, MotionSet const& motion, TimeDomainSettings const& settings) {
+  if (settings.delay == Delay::by_hit) {
+    TimeDomainSettings at_once = settings;
+    at_once.delay = Delay::none;
+    DelayedPaths const late = with_delays(table, motion, settings.band_high);
+    return sensor_series(late.table, late.motion, at_once);
+  }
   OneCopy const every;
   StrayLight const light = stray_light(table, motion, every, settings);
   SensorSeries series{{}, light.fastest, light.times};

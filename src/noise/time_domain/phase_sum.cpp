@@ -275,6 +275,14 @@ FringeCurves fringe_curves(CouplingTable const& table, std::span<std::uint32_t c
   return out;
 }
 
+void take_frequencies(FringeCurves& found, CouplingTable const& table, MotionSeries const& motion) {
+  found.largest.assign(motion.times.samples, 0);
+  for (FringeCurve& curve : found.curves) {
+    curve.hz = fringe_curve(table, curve.route, motion).hz;
+    for (std::size_t i = 0; i < curve.hz.size(); ++i) found.largest[i] = std::max(found.largest[i], curve.hz[i]);
+  }
+}
+
 std::vector<FringeStride> by_stride(std::span<double const> hz, SampleTimes const& times, double stride,
                                     double threshold) {
   auto const n = std::max<std::size_t>(1, std::size_t(std::llround(stride * times.rate)));

@@ -64,6 +64,8 @@ struct FringeCurves {
 // The curves of `most` of these routes.
 FringeCurves fringe_curves(CouplingTable const&, std::span<std::uint32_t const> routes, MotionSeries const&,
                            std::size_t most);
+// The frequencies of the same routes from another table and motion: those of with_delays().
+void take_frequencies(FringeCurves&, CouplingTable const&, MotionSeries const&);
 
 // A frequency in one stride of time.
 struct FringeStride {

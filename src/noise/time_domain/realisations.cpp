@@ -127,17 +127,20 @@ SecondOrder second_order_of(CouplingTable const& table, StrayLight const& light)
   return power > 0 ? SecondOrder{sum.transverse / power, sum.ray_tilt / power} : SecondOrder{};
 }
 
-// Uncertainty of h at 100 Hz due to the delays, relative to the noise of one body. `retarded`: half of the path is the
-// mean delay over a path and its reverse. A path without its reverse is delayed by anything from nothing to its whole
-// length (docs/theory/time_domain.md).
-double delay_error_of(CouplingTable const& table, std::vector<std::uint32_t> const& routes, bool retarded) {
+// Uncertainty of h at 100 Hz due to the delays, relative to the noise of one body. Half of the path is the mean delay
+// over a path and its reverse. A path without its reverse is delayed by anything from nothing to its whole length. By
+// hit: hits on one body act together, none farther from the mean than half of the path (docs/theory/time_domain.md).
+double delay_error_of(CouplingTable const& table, std::vector<std::uint32_t> const& routes, Delay delay) {
   double largest = 0;
   for (std::uint32_t const r : routes) {
     CouplingClass const& c = table.classes[r];
     bool const with_reverse = c.kind == ClassKind::ghost || c.reverse > 1;
     for (PathRecord const& record : c.records) {
       double const half = pi * delay_cycles(delay_hz, std::max(0.0, record.path_length));
-      largest = std::max(largest, !retarded ? 2 * half : with_reverse ? half * half : half);
+      double const of_half = with_reverse ? half * half : half;
+      largest = std::max(largest, delay == Delay::none     ? 2 * half
+                                  : delay == Delay::by_hit ? half * half / 2
+                                                           : of_half);
     }
   }
   return largest;
@@ -179,7 +182,8 @@ TimeDomainSummary summarise(CouplingTable const& table, MotionSet const& motion,
   r.second_order = neglected.transverse;
   r.ray_tilt = neglected.ray_tilt;
   r.retarded = s.delay == Delay::half_path;
-  r.delay_error = delay_error_of(table, routes, r.retarded);
+  r.delay_by_hit = s.delay == Delay::by_hit;
+  r.delay_error = delay_error_of(table, routes, s.delay);
   r.band_low = s.band_low;
   r.band_high = std::min(s.band_high, light.times.rate / 2);
   for (MotionInput const& input : motion.inputs) r.recorded |= input.recorded && !input.gains.empty();

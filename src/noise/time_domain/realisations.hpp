@@ -48,7 +48,7 @@ struct TimeDomainSummary {
   double delay = 0, second_order = 0;  // s; rad
   double ray_tilt = 0;                 // rad, magnitude; 0: no specular reflection, or no body on the route rotates
   double delay_error = 0;              // of h at 100 Hz, relative, at most (eq. 2.6)
-  bool retarded = false, recorded = false;
+  bool retarded = false, delay_by_hit = false, recorded = false;
   double band_low = 0, band_high = 0;
   std::vector<BandLevel> levels;            // at 10, 30, 100 Hz, +- 10 %
   std::vector<BandLevel> spectrum;          // line by line

@@ -11,6 +11,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
+#include "noise/classes/delayed_paths.hpp"
 #include "noise/time_domain/motion_series.hpp"
 
 namespace straytrace::noise {
@@ -63,6 +64,12 @@ void draw_by_rule(StrayLight& light, MotionSet const& motion, std::span<StrayPat
           fmt::format("fringes of {:.4g} Hz need {:.4g} samples per second, more than 2^20", light.fastest.hz, rate));
     draw(light, motion, paths, s, rate);
   }
+}
+
+// The motion of the bodies themselves.
+StrayLight without_copies(StrayLight light, std::size_t bodies) {
+  std::erase_if(light.motion.coordinates, [&](MovingCoordinate const& c) { return c.body.value >= bodies; });
+  return light;
 }
 
 }  // namespace
@@ -122,6 +129,12 @@ std::vector<double> strain(std::span<PortField const> fields, Interferometer con
 
 StrayLight stray_light(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
                        TimeDomainSettings const& s) {
+  if (s.delay == Delay::by_hit) {
+    TimeDomainSettings at_once = s;
+    at_once.delay = Delay::none;
+    DelayedPaths const late = with_delays(table, motion, s.band_high);
+    return without_copies(stray_light(late.table, late.motion, ifo, at_once), motion.bodies.size());
+  }
   std::vector<StrayPath> const paths = stray_paths(table, ifo, s.paths);
   if (paths.empty())
     throw InputError("the selected routes have no stored paths, so there is nothing to sum", "choose other routes");

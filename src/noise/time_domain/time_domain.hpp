@@ -47,10 +47,11 @@ struct PathChoice {
 // principal state of polarisation and realisation (eq. 10.5).
 std::vector<StrayPath> stray_paths(CouplingTable const&, Interferometer const&, PathChoice const&);
 
-enum class Delay : std::uint8_t { none, half_path };
-// Input of phase_sum, for paths of one motion; coordinates that move none of them are left out. `half_path`: each
-// path sees the motion delayed by half of its optical length, to first order in the delay (docs/theory/phase.md,
-// eq. 2.6).
+// `half_path`: each path sees the motion delayed by half of its optical length, to first order in the delay
+// (docs/theory/phase.md, eq. 2.6); `by_hit`: each hit by its own delay (docs/theory/time_domain.md, eq. N.29).
+enum class Delay : std::uint8_t { none, half_path, by_hit };
+// Input of phase_sum, for paths of one motion; coordinates that move none of them are left out. Not `by_hit`: that is
+// the motion of with_delays().
 PhaseTerms phase_terms(std::span<StrayPath const>, MotionSeries const&, Delay = Delay::none);
 
 // Largest instantaneous fringe frequency |dphi/dt|/2pi (eq. 7.1) and where it is.
@@ -83,7 +84,7 @@ struct TimeDomainSettings {
   double duration = 0;                 // s
   double rate = 0;                     // Hz; 0: by the rule, from realisation 0
   double band_low = 3, band_high = 0;  // Hz, where responses are used, h(t) is zero elsewhere; high 0: up to rate/2
-  Delay delay = Delay::none;
+  Delay delay = Delay::none;           // `by_hit` needs band_high
   unsigned threads = 0;  // 0: all cores; the same bits for any number
   DirectSum direct;      // see phase_sum.hpp
   SumProgress progress;  // completed share of the sums over paths, port after port

@@ -102,6 +102,14 @@ GhostFamilies::Key GhostFamilies::key_of(bool against, std::vector<PhaseSensitiv
   return key;
 }
 
+// The delays of a family are those of its strongest ghost. A body that only one of both lists moves no phase.
+void take_moments(std::vector<PhaseSensitivity>& to, std::vector<PhaseSensitivity> const& from) {
+  for (PhaseSensitivity& s : to) {
+    auto const at = std::ranges::find(from, s.body, &PhaseSensitivity::body);
+    if (at != from.end()) std::ranges::copy(at->moment, s.moment);
+  }
+}
+
 // A weaker route makes room for a stronger one and joins the rest.
 void GhostFamilies::add_part(GhostFamily& f, GhostPart part) {
   auto const same = std::ranges::find(f.parts, part.steps, &GhostPart::steps);
@@ -138,7 +146,7 @@ void GhostFamilies::add(Ghost const& g) {
       return;
     }
     at = place_.emplace(key, families_.size()).first;
-    families_.emplace_back().phase_sensitivities = std::move(phase_sensitivities);
+    families_.emplace_back().phase_sensitivities = phase_sensitivities;
     families_.back().sum = sum_;
     families_.back().port = r.against ? *port_ : forward_->port;
   }
@@ -157,6 +165,7 @@ void GhostFamilies::add(Ghost const& g) {
   f.largest = *share;
   f.strongest = g.number;
   f.path_length = g.standing.difference;
+  take_moments(f.phase_sensitivities, phase_sensitivities);
   f.steps = std::move(steps);
 }
 

@@ -95,6 +95,11 @@ template <class Column>
 void phase_sensitivity_columns(Column&& column) {
   column("_body", "row of /names/bodies", through(&PhaseSensitivity::body, &BodyId::value));
   column("", "3 x rad/m, 3 x rad/rad", &PhaseSensitivity::d);
+  column("_delay", {"3 x s rad/m, 3 x s rad/rad", "sum over the hits of phase sensitivity times delay"},
+         Converted{[](PhaseSensitivity const& s) { return std::to_array(s.moment); },
+                   [](PhaseSensitivity& s, std::array<double, 6> const& m) { std::ranges::copy(m, s.moment); }},
+         std::array{not_a_number, not_a_number, not_a_number, not_a_number, not_a_number,
+                    not_a_number});  // since schema 2.4
 }
 
 // Of light to ports only.

@@ -214,6 +214,7 @@ GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
   for (std::size_t i = 0; i < families.all().size(); ++i) {
     PathRecord record;
     record.coupling = record.weight = 1;
+    record.path_length = families.all()[i].path_length;
     record.phase_sensitivities = families.all()[i].phase_sensitivities;
     CouplingClass one =
         deterministic_class(ClassKind::ghost, families.all()[i].steps, families.all()[i].port, 1, {record}, "");

@@ -44,8 +44,9 @@ void add_edge_records(std::vector<PathRecord>& records, EdgeWave const& wave, do
     for (EdgeWave::Gradient const& g : wave.gradient) {
       PhaseSensitivity phase_sensitivity{g.body, {}};
       for (int i = 0; i < 6; ++i) {
-        Complex const relative = turn * g.d[i] / root;
+        Complex const relative = turn * g.d[i] / root, moment = turn * g.moment[i] / root;
         phase_sensitivity.d[i] = std::sqrt(2.0) * (phase ? relative.imag() : relative.real());
+        phase_sensitivity.moment[i] = std::sqrt(2.0) * (phase ? moment.imag() : moment.real());
       }
       record.phase_sensitivities.push_back(phase_sensitivity);
     }
@@ -66,7 +67,10 @@ EdgeWave sum_of(std::vector<EdgeWave> const& waves) {
     for (EdgeWave::Gradient const& g : wave.gradient) {
       auto at = std::ranges::find_if(sum.gradient, [&](auto& s) { return s.body == g.body; });
       if (at == sum.gradient.end()) at = sum.gradient.insert(at, {g.body, {}});
-      for (int i = 0; i < 6; ++i) at->d[i] += g.d[i];
+      for (int i = 0; i < 6; ++i) {
+        at->d[i] += g.d[i];
+        at->moment[i] += g.moment[i];
+      }
     }
   }
   sum.path_length = weights > 0 ? sum.path_length / weights : waves.front().path_length;
@@ -252,7 +256,10 @@ void add_gradient(EdgeWave& wave, std::vector<PhaseSensitivity> const& phase_sen
   for (PhaseSensitivity const& phase_sensitivity : phase_sensitivities) {
     auto at = std::ranges::find_if(wave.gradient, [&](auto& g) { return g.body == phase_sensitivity.body; });
     if (at == wave.gradient.end()) at = wave.gradient.insert(at, {phase_sensitivity.body, {}});
-    for (int i = 0; i < 6; ++i) at->d[i] += Field{0, 1} * phase_sensitivity.d[i] * field;
+    for (int i = 0; i < 6; ++i) {
+      at->d[i] += Field{0, 1} * phase_sensitivity.d[i] * field;
+      at->moment[i] += Field{0, 1} * phase_sensitivity.moment[i] * field;
+    }
   }
 }
 

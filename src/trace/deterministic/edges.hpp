@@ -16,11 +16,11 @@ namespace straytrace::trace {
 
 // Coupling by one rim from footprint `source` to footprint `goal`. `amplitude`: recoupled field over that of the mode,
 // its phase against the straight way from mirror to mirror. `gradient`: its derivative by the six coordinates of each
-// body, as those of a Phase sensitivity.
+// body and the moment over the delays, as those of a Phase sensitivity.
 struct EdgeWave {
   struct Gradient {
     BodyId body;
-    std::complex<double> d[6] = {};
+    std::complex<double> d[6] = {}, moment[6] = {};
   };
   std::complex<double> amplitude;
   std::vector<Gradient> gradient;

@@ -90,9 +90,10 @@ void add_weighted(PathRecord& sum, PathRecord const& one) {
   }
   for (PhaseSensitivity& s : sum.phase_sensitivities) {
     auto const at = std::ranges::find(one.phase_sensitivities, s.body, &PhaseSensitivity::body);
+    PhaseSensitivity const other = at == one.phase_sensitivities.end() ? PhaseSensitivity{s.body} : *at;
     for (int i = 0; i < 6; ++i) {
-      double const other = at == one.phase_sensitivities.end() ? 0 : at->d[i];
-      s.d[i] += share * (other - s.d[i]);
+      s.d[i] += share * (other.d[i] - s.d[i]);
+      s.moment[i] += share * (other.moment[i] - s.moment[i]);
     }
   }
   sum.path_length += share * (one.path_length - sum.path_length);

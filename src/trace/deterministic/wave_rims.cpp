@@ -32,7 +32,13 @@ class BodyGradient {
     BodyId const body = world_.surfaces()[surface.value].body;
     if (body.valid()) add({body, {0, 0, 0, about.x, about.y, about.z}}, lever);
   }
-  std::vector<EdgeWave::Gradient> const& values() const { return values_; }
+  // For light that takes a way of this length [m], by both directions: each body after half of it, in the mean.
+  std::vector<EdgeWave::Gradient> values(double length) const {
+    std::vector<EdgeWave::Gradient> all = values_;
+    for (EdgeWave::Gradient& g : all)
+      for (int i = 0; i < 6; ++i) g.moment[i] = g.d[i] * length / (2 * speed_of_light);
+    return all;
+  }
 
  private:
   Vec3 along(int axis) const { return axis == 0 ? arm_.frame.x : axis == 1 ? arm_.frame.y : arm_.frame.z; }
@@ -90,8 +96,8 @@ void add_solved(std::vector<PathRecord>& records, World const& world, ArmCavity 
       add_relative(gradient, arm, rim.surface, rim.centre, levers);
       EdgeWave wave;
       wave.amplitude = draw.clipped;
-      wave.gradient = gradient.values();
       wave.path_length = way_by(arm, rim);
+      wave.gradient = gradient.values(wave.path_length);
       std::size_t const first = records.size();
       add_edge_records(records, wave, share * edge_power(wave));
       for (std::size_t r = first; r < records.size(); ++r) {
@@ -117,8 +123,8 @@ void add_expected(std::vector<PathRecord>& records, World const& world, ArmCavit
     add_relative(gradient, arm, rim.surface, rim.centre, levers);
     EdgeWave wave;
     wave.amplitude = std::sqrt(means.field / 5);
-    wave.gradient = gradient.values();
     wave.path_length = way_by(arm, rim);
+    wave.gradient = gradient.values(wave.path_length);
     add_edge_records(records, wave, edge_power(wave));
   }
 }
@@ -139,8 +145,8 @@ std::vector<PathRecord> mirror_records(World const& world, ArmWaves const& waves
       add_relative(gradient, arm, arm.mirrors[i].surface, {0, 0, i == 0 ? 0 : arm.cavity.length}, levers);
     }
     EdgeWave wave;
-    wave.gradient = gradient.values();
     wave.path_length = 2 * arm.cavity.length;
+    wave.gradient = gradient.values(wave.path_length);
     std::size_t const first = records.size();
     add_edge_records(records, wave, edge_power(wave) / double(waves.draws.size()));
     for (std::size_t r = first; r < records.size(); ++r) {

@@ -34,7 +34,7 @@ void describe(MadeClass& made, World const& world, ReplayedPath const& path) {
   Footprint const& source = beams[path.source];
   Footprint const* const goal = path.goal < beams.size() ? &beams[path.goal] : nullptr;
   bool const two_ways = path.vertices.size() > 1 && goal && source.beam == goal->beam;
-  c.reverse = world.reverse_routes && two_ways ? 2 : 1;
+  c.reverse = has_reverse(world, path.vertices, path.source, path.goal) ? 2 : 1;
   if (goal && source.beam != goal->beam) describe_pair(made, world, source, *goal);
   made.beam = source.beam;
   made.back = source.port;

@@ -191,33 +191,87 @@ std::uint32_t mirror_of(World const& world, std::uint32_t end) {
   return world.footprints()[end].standing ? end : world.feeds()[end].mirror;
 }
 
+// Times [s] from the hits of a path to where its light rejoins the main mode. A path and its reverse add as fields and
+// meet a body as long before the end as after the start: both together after half of the way, to first order.
+class Delays {
+ public:
+  Delays(World const& world, std::vector<PassedVertex> const& vertices, std::uint32_t source, std::uint32_t goal)
+      : reverse_(has_reverse(world, vertices, source, goal)), left_(vertices.size()) {
+    bool const rejoins = goal < world.footprints().size();
+    double left = rejoins ? world.feeds()[goal].path_length : 0;
+    for (std::size_t i = vertices.size(); i-- > 0;) {
+      if (i + 1 < vertices.size()) left += vertices[i].n_out * length(vertices[i + 1].point - vertices[i].point);
+      left_[i] = left / speed_of_light;
+    }
+    whole_ = (left + world.feeds()[source].path_length) / speed_of_light;
+  }
+  double of_vertex(std::size_t i) const { return reverse_ ? whole_ / 2 : left_[i]; }
+  // The moment of a hit on the way of the beam to the lit surface, or on its way back, from that since its start.
+  double there(double d, double since_start) const { return reverse_ ? d * whole_ / 2 : d * whole_ - since_start; }
+  double back(double d, double since_start) const { return reverse_ ? d * whole_ / 2 : since_start; }
+  double whole() const { return whole_; }
+  // Of the main mode that arrives now, at a mirror it left this time ago: with the reverse it arrives there as well.
+  double of_main(double ago) const { return reverse_ ? ago / 2 : ago; }
+
+ private:
+  bool reverse_;
+  std::vector<double> left_;
+  double whole_ = 0;
+};
+
+void add_feed(std::vector<PhaseSensitivity>& sum, Feed const& feed, double k, auto const& moment) {
+  for (PhaseSensitivity const& fed : feed.phase_sensitivities) {
+    PhaseSensitivity at{fed.body};
+    for (int i = 0; i < 6; ++i) {
+      at.d[i] = fed.d[i];
+      at.moment[i] = moment(fed.d[i], fed.moment[i]);
+    }
+    phase_sensitivity_of(sum, fed.body).add(at, k);
+  }
+}
+
+// The main mode itself bounces on the mirrors of a cavity: only what differs from it counts (eq. 2.5). On the mirror
+// where the light rejoins it bounces without delay (eq. N.30); from another mirror of the cavity it came as light does.
+void subtract_main(std::vector<PhaseSensitivity>& sum, World const& world, std::uint32_t source, std::uint32_t goal,
+                   double k, Delays const& delays) {
+  std::uint32_t const from = mirror_of(world, source), to = mirror_of(world, goal);
+  double apart = to == Feed::none ? delays.whole() : 0;
+  if (from != Feed::none && to != Feed::none)
+    apart = length(world.footprints()[to].centre - world.footprints()[from].centre) / speed_of_light;
+  auto const subtract = [&](std::uint32_t mirror, double delay) {
+    if (mirror == Feed::none) return;
+    Footprint const& f = world.footprints()[mirror];
+    add_hit(sum, world, f.surface, f.centre, -2 * k * f.travel, delay);
+  };
+  subtract(from, delays.of_main(apart));
+  if (to != from) subtract(to, from == Feed::none ? 0 : apart - delays.of_main(apart));
+}
+
 }  // namespace
+
+bool has_reverse(World const& world, std::vector<PassedVertex> const& vertices, std::uint32_t source,
+                 std::uint32_t goal) {
+  auto const& beams = world.footprints();
+  return world.reverse_routes && vertices.size() > 1 && goal < beams.size() && beams[source].beam == beams[goal].beam;
+}
 
 std::vector<PhaseSensitivity> phase_sensitivities_of(World const& world, std::vector<PassedVertex> const& vertices,
                                                      std::uint32_t source, std::uint32_t goal) {
   double const k = 2 * pi / world.wavelength;
-  std::vector<PhaseSensitivity> phase_sensitivities;
-  for (PassedVertex const& v : vertices)
+  Delays const delays(world, vertices, source, goal);
+  std::vector<PhaseSensitivity> sum;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    PassedVertex const& v = vertices[i];
     if (v.surface.valid())
-      add_hit(phase_sensitivities, world, v.surface, v.point, k * (v.n_in * v.in - v.n_out * v.out));
+      add_hit(sum, world, v.surface, v.point, k * (v.n_in * v.in - v.n_out * v.out), delays.of_vertex(i));
+  }
   // The path of the beam to the lit surface and, for light that rejoins, the path back.
-  for (std::uint32_t const end : ends_of(world, source, goal))
-    for (PhaseSensitivity const& fed : world.feeds()[end].phase_sensitivities) {
-      PhaseSensitivity& phase_sensitivity = phase_sensitivity_of(phase_sensitivities, fed.body);
-      for (int i = 0; i < 6; ++i) phase_sensitivity.d[i] += k * fed.d[i];
-    }
-  // The main mode itself bounces on the mirrors of a cavity: only what differs from it counts (eq. 2.5).
-  auto const subtract_main = [&](std::uint32_t mirror) {
-    if (mirror == Feed::none) return;
-    Footprint const& f = world.footprints()[mirror];
-    add_hit(phase_sensitivities, world, f.surface, f.centre, -2 * k * f.travel);
-  };
-  std::uint32_t const from = mirror_of(world, source), to = mirror_of(world, goal);
-  subtract_main(from);
-  if (to != from) subtract_main(to);
-  std::ranges::sort(phase_sensitivities,
-                    [](PhaseSensitivity const& a, PhaseSensitivity const& b) { return a.body < b.body; });
-  return phase_sensitivities;
+  add_feed(sum, world.feeds()[source], k, [&](double d, double since) { return delays.there(d, since); });
+  if (goal < world.footprints().size())
+    add_feed(sum, world.feeds()[goal], k, [&](double d, double since) { return delays.back(d, since); });
+  subtract_main(sum, world, source, goal, k, delays);
+  std::ranges::sort(sum, [](PhaseSensitivity const& a, PhaseSensitivity const& b) { return a.body < b.body; });
+  return sum;
 }
 
 std::optional<ReplayedPath> replay(SteeredWorld const& world, std::uint64_t seed, std::uint64_t history,

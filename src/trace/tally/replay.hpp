@@ -36,8 +36,12 @@ struct ReplayedPath {
 std::optional<ReplayedPath> replay(SteeredWorld const& world, std::uint64_t seed, std::uint64_t history,
                                    std::uint32_t event, std::uint32_t connection);
 
-// Phase Jacobians of a path relative to the main mode (eq. 2.3, 2.5). k in rad/m.
+// Phase Jacobians of a path relative to the main mode (eq. 2.3, 2.5), with their moments over the delays (eq. N.29,
+// N.30). k in rad/m.
 std::vector<PhaseSensitivity> phase_sensitivities_of(World const& world, std::vector<PassedVertex> const& vertices,
                                                      std::uint32_t source, std::uint32_t goal);
+
+// Whether the path adds in amplitude to a distinct reverse (eq. 1.5).
+bool has_reverse(World const&, std::vector<PassedVertex> const&, std::uint32_t source, std::uint32_t goal);
 
 }  // namespace straytrace::trace

@@ -74,7 +74,8 @@ Footprint footprint_of(Mode const& mode, double index) {
 std::vector<PhaseSensitivity> phase_sensitivities_of_way(World const& world, std::span<BeamStep const> way, double k) {
   std::vector<PhaseSensitivity> phase_sensitivities;
   for (BeamStep const& s : way)
-    add_hit(phase_sensitivities, world, s.surface, s.point, k * (s.n_in * s.in - s.n_out * s.out));
+    add_hit(phase_sensitivities, world, s.surface, s.point, k * (s.n_in * s.in - s.n_out * s.out),
+            s.path_length / speed_of_light);
   return phase_sensitivities;
 }
 

@@ -17,7 +17,7 @@ Polarisation polarisation_of(BeamField const&);
 Footprint footprint_of(Mode const&, double index);
 
 // Phase sensitivities of a beam to the surfaces on its way, k (n_in in - n_out out) for each hit, by body
-// (eq. 2.2, 2.3); over the wave number unless k [1/m] is given.
+// (eq. 2.2, 2.3); over the wave number unless k [1/m] is given. Their moments count time from the launch.
 std::vector<PhaseSensitivity> phase_sensitivities_of_way(World const&, std::span<BeamStep const>, double k = 1);
 
 // Adds the footprint of a spot. `share`: q of the launched beam; `mirror`: footprint of the cavity mirror that the beam

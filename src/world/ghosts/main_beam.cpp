@@ -91,10 +91,21 @@ class MainSink final : public BeamSink {
 };
 
 void add(std::vector<PhaseSensitivity>& to, std::vector<PhaseSensitivity> const& what, double factor) {
-  for (PhaseSensitivity const& l : what) {
-    PhaseSensitivity& at = phase_sensitivity_of(to, l.body);
-    for (int i = 0; i < 6; ++i) at.d[i] += factor * l.d[i];
-  }
+  for (PhaseSensitivity const& l : what) phase_sensitivity_of(to, l.body).add(l, factor);
+}
+
+// Moments of a way of this length with the time to its end, from those with the time since its start.
+std::vector<PhaseSensitivity> until_the_end(std::vector<PhaseSensitivity> way, double length) {
+  for (PhaseSensitivity& s : way)
+    for (int i = 0; i < 6; ++i) s.moment[i] = s.d[i] * length / speed_of_light - s.moment[i];
+  return way;
+}
+
+// A ghost and its reverse add as fields and meet a body as long before the end as after the start: in the mean after
+// half of the way (docs/theory/time_domain.md).
+void delay_by_half(std::vector<PhaseSensitivity>& way, double length) {
+  for (PhaseSensitivity& s : way)
+    for (int i = 0; i < 6; ++i) s.moment[i] = s.d[i] * length / (2 * speed_of_light);
 }
 
 }  // namespace
@@ -173,13 +184,17 @@ std::vector<PhaseSensitivity> MainBeam::phase_sensitivities(Recoupling const& r,
   if (!r.any) return {};
   auto phase_sensitivities = phase_sensitivities_of_way(world_, way.first(r.steps), 2 * pi / world_.wavelength);
   MainNode const& node = nodes_[r.node];
+  double const length = r.steps > 0 ? way[r.steps - 1].path_length : 0;
   if (r.against) {
     add(phase_sensitivities, node.phase_sensitivities, 1);  // the return path: each hit adds the same again
-    if (!launch_.cavity.empty() && !launch_.span)           // the mode itself is reflected there
+    delay_by_half(phase_sensitivities, length + node.spot.path_length);
+    if (!launch_.cavity.empty() && !launch_.span)  // the mode itself is reflected there
       add_hit(phase_sensitivities, world_, launch_.arrives_at, launch_.mode.origin,
               -4 * pi / world_.wavelength * launch_.mode.travel);
   } else {
-    add(phase_sensitivities, node.ways[r.way].phase_sensitivities, -1);
+    phase_sensitivities = until_the_end(std::move(phase_sensitivities), length);
+    MainNode::Way const& main = node.ways[r.way];
+    add(phase_sensitivities, until_the_end(main.phase_sensitivities, main.beam.path_length), -1);
   }
   std::ranges::sort(phase_sensitivities,
                     [](PhaseSensitivity const& a, PhaseSensitivity const& b) { return a.body < b.body; });

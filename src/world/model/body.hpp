@@ -40,7 +40,7 @@ struct Body {
 PhaseSensitivity& phase_sensitivity_of(std::vector<PhaseSensitivity>&, BodyId);
 
 // Adds kappa [rad/m], its moment about the pivot of the body, and kappa . psi for each elastic mode of it. A surface
-// without a body (a measuring plane) adds nothing.
-void add_hit(std::vector<PhaseSensitivity>&, World const&, SurfaceId, Vec3 point, Vec3 kappa);
+// without a body (a measuring plane) adds nothing. `delay` [s]: weighs the part of PhaseSensitivity::moment.
+void add_hit(std::vector<PhaseSensitivity>&, World const&, SurfaceId, Vec3 point, Vec3 kappa, double delay = 0);
 
 }  // namespace straytrace::world

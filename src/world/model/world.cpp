@@ -218,17 +218,23 @@ PhaseSensitivity& phase_sensitivity_of(std::vector<PhaseSensitivity>& phase_sens
 }
 
 void add_hit(std::vector<PhaseSensitivity>& phase_sensitivities, World const& world, SurfaceId surface, Vec3 point,
-             Vec3 kappa) {
+             Vec3 kappa, double delay) {
   BodyId const id = world.surfaces()[surface.value].body;
   if (!id.valid()) return;
   Body const& body = world.bodies()[id.value];
   Vec3 const turn = cross(point - body.pivot, kappa);
   double const rigid[6] = {kappa.x, kappa.y, kappa.z, turn.x, turn.y, turn.z};
   PhaseSensitivity& phase_sensitivity = phase_sensitivity_of(phase_sensitivities, id);
-  for (int i = 0; i < 6; ++i) phase_sensitivity.d[i] += rigid[i];
-  for (ElasticMode const& mode : body.modes)
-    phase_sensitivity_of(phase_sensitivities, mode.id).d[0] +=
-        dot(kappa, mode.shape->at(point - (mode.origin_given ? mode.origin : body.pivot)));
+  for (int i = 0; i < 6; ++i) {
+    phase_sensitivity.d[i] += rigid[i];
+    phase_sensitivity.moment[i] += delay * rigid[i];
+  }
+  for (ElasticMode const& mode : body.modes) {
+    PhaseSensitivity& of_mode = phase_sensitivity_of(phase_sensitivities, mode.id);
+    double const d = dot(kappa, mode.shape->at(point - (mode.origin_given ? mode.origin : body.pivot)));
+    of_mode.d[0] += d;
+    of_mode.moment[0] += delay * d;
+  }
 }
 
 }  // namespace straytrace::world

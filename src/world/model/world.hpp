@@ -24,7 +24,8 @@ struct Feed {
   static constexpr std::uint32_t none = 0xffffffffu;
   bool propagated = false;                            // found by propagation; false: stated in the scene
   double path_length = 0;                             // optical, m
-  std::vector<PhaseSensitivity> phase_sensitivities;  // of the surfaces passed, over the wave number: 1 and m, by body
+  // Of the surfaces passed, over the wave number: 1 and m, by body; moments with the time since the beam started.
+  std::vector<PhaseSensitivity> phase_sensitivities;
   std::uint32_t mirror = none;  // footprint of the cavity mirror that the beam leaked through: the reference of eq. 2.5
   std::uint32_t order = 0;      // of the ghost; 0: the beam itself
   double clipped = 0;           // share of the light that passes beside the surface

@@ -205,6 +205,27 @@ TEST_F(ReportRunFile, ReadsSchema1) {
   EXPECT_THROW((void)run_of(of_schema_1(contents, "cellar"), file), InputError);  // negative control: no such name
 }
 
+// Before schema 2.4 files had no delays: their moments are not known, and nothing else differs.
+TEST_F(ReportRunFile, ReadsFilesWithoutDelays) {
+  std::string const file = written();
+  std::ifstream in(file, std::ios::binary);
+  hdf5::Contents contents = hdf5::contents_of(unsealed({std::istreambuf_iterator<char>(in), {}}, file));
+  ASSERT_EQ(contents.erase("/records/phase_sensitivity_delay"), 1u);
+  RunFile then = run_of(contents, file);
+  EXPECT_FALSE(same(trace.coupling, then.trace.coupling));
+  std::size_t unknown = 0;
+  for (std::size_t c = 0; c < then.trace.coupling.classes.size(); ++c)
+    for (std::size_t r = 0; r < then.trace.coupling.classes[c].records.size(); ++r) {
+      auto& list = then.trace.coupling.classes[c].records[r].phase_sensitivities;
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        unknown += std::isnan(list[i].moment[0]) && std::isnan(list[i].moment[5]);
+        std::ranges::copy(trace.coupling.classes[c].records[r].phase_sensitivities[i].moment, list[i].moment);
+      }
+    }
+  EXPECT_GT(unknown, 10u);
+  EXPECT_TRUE(same(trace.coupling, then.trace.coupling));
+}
+
 TEST_F(ReportRunFile, ResumesToTheSameBits) {
   RunFile half;
   TraceResult first;

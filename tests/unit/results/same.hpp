@@ -80,7 +80,10 @@ inline bool same(PathRecord const& a, PathRecord const& b) {
                a.phase_sensitivities.size() == b.phase_sensitivities.size();
   for (std::size_t i = 0; equal && i < a.phase_sensitivities.size(); ++i)
     equal = a.phase_sensitivities[i].body == b.phase_sensitivities[i].body &&
-            std::memcmp(a.phase_sensitivities[i].d, b.phase_sensitivities[i].d, sizeof a.phase_sensitivities[i].d) == 0;
+            std::memcmp(a.phase_sensitivities[i].d, b.phase_sensitivities[i].d, sizeof a.phase_sensitivities[i].d) ==
+                0 &&
+            std::ranges::equal(a.phase_sensitivities[i].moment, b.phase_sensitivities[i].moment,
+                               [](double x, double y) { return same_bits(x, y); });
   return equal;
 }
 

@@ -84,7 +84,7 @@ inline PathRecord record(std::size_t c, std::size_t k) {
   r.coupling = 1e-20 * spread(k);
   r.weight = 1e-22 * (1 + spread(k + c));
   r.path_length = 200.0 * double(c + 1) + 3 * spread(k);
-  r.phase_sensitivities.push_back({{0}, {1e5 * spread(k), 2e5 * spread(k + 1), 1.18e7, 0, 3, 4}});
+  r.phase_sensitivities.push_back({{0}, {1e5 * spread(k), 2e5 * spread(k + 1), 1.18e7, 0, 3, 4}, {1, 2, spread(k)}});
   if (c % 2 == 0) r.phase_sensitivities.push_back({{1}, {1e4, 2e4, -1.18e7 * spread(k), 1, 2, 0}});
   return r;
 }

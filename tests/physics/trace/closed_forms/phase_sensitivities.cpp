@@ -201,6 +201,68 @@ TEST(PhaseSensitivities, CavityMirrorBaffleMirror) {
   EXPECT_GT(std::fabs(on_body(there_and_back(running, 0.03), running.one).d[2] + 2 * k), k);
 }
 
+// eq. N.30: the light left the mirror 2 l/c ago and met the ring l/c ago; the mode is reflected now. Control: without
+// the reflection of the mode, the mirror counts twice, in the mean l/c ago.
+TEST(PhaseSensitivities, DelaysOfMirrorAndBaffleN30) {
+  Cavity const c, running(false);
+  double const ago = std::hypot(400, 0.03) / speed_of_light;
+  auto const z_ago = [](std::vector<PhaseSensitivity> const& all, BodyId body) {
+    PhaseSensitivity const s = on_body(all, body);
+    return s.moment[2] / s.d[2];
+  };
+  auto const all = there_and_back(c, 0.03);
+  EXPECT_NEAR(z_ago(all, c.ring) / ago, 1, 1e-7);
+  EXPECT_NEAR(z_ago(all, c.one) / ago, 2, 1e-7);
+  EXPECT_NEAR(z_ago(there_and_back(running, 0.03), running.one) / ago, 1, 1e-7);
+}
+
+// eq. N.29: each hit after the rest of the way. A path that adds to its reverse: after half of the way. Control: each
+// is what the other is not.
+TEST(PhaseSensitivities, DelayOfEachHitN29) {
+  RandomPaths random;
+  World alone = bodies_world({0, 1, 2, 3}, {{}, {}, {}, {}});
+  World const both = alone;
+  alone.reverse_routes = false;
+  for (int i = 0; i < 100; ++i) {
+    auto const hits = random.path(4);
+    double left = 0, whole = 0;
+    for (std::size_t h = 1; h < 4; ++h) whole += length(hits[h].point - hits[h - 1].point) / speed_of_light;
+    auto const one_way = phase_sensitivities_of(alone, hits, 0, 0), two_ways = phase_sensitivities_of(both, hits, 0, 0);
+    for (std::size_t h = 4; h-- > 0;) {
+      if (h < 3) left += length(hits[h + 1].point - hits[h].point) / speed_of_light;
+      Vec3 const kappa = k * (hits[h].in - hits[h].out);
+      for (int axis = 0; axis < 3; ++axis) {
+        double const of_axis = axis == 0 ? kappa.x : axis == 1 ? kappa.y : kappa.z;
+        ASSERT_NEAR(one_way[h].moment[axis], of_axis * left, 1e-12 * k * whole);
+        ASSERT_NEAR(two_ways[h].moment[axis], of_axis * whole / 2, 1e-12 * k * whole);
+      }
+    }
+    ASSERT_GT(std::fabs(one_way[3].moment[0] - two_ways[3].moment[0]), 1e-12 * k * whole) << "negative control";
+  }
+}
+
+// The beam meets a body 4 m after its start and lights a surface after 10 m. Light scattered there and over 3 m to
+// another beam felt the body 9 m ago; light of the other beam that rejoins this one feels it 4 m ago.
+TEST(PhaseSensitivities, DelayOnTheWayOfTheBeam) {
+  World world;
+  std::uint32_t const black = black_optic(world);
+  BodyId const lens = world.add_body("lens", {});
+  SurfaceId const lit = world.add_surface(Disk{}, black, black, world.add_body("lit", {}), world.add_group("lit"));
+  Feed feed{true, 10, {{lens, {0, 0, 2}, {0, 0, 2 * 4 / speed_of_light}}}};
+  world.add_footprint(spot(lit, {}, {0, 0, -1}, Profile::gaussian, 1e-3), feed);
+  world.add_footprint(spot(lit, {0, 0, 3}, {0, 0, -1}, Profile::gaussian, 1e-3, {}, 1));
+  world.finish();
+  std::vector<PassedVertex> const there{{lit, {}, {0, 0, -1}, {0, 0, 1}, Event::emit},
+                                        {lit, {0, 0, 3}, {0, 0, 1}, {0, 0, 1}, Event::couple}};
+  auto const ago = [&](std::uint32_t source, std::uint32_t goal) {
+    PhaseSensitivity const s = on_body(phase_sensitivities_of(world, there, source, goal), lens);
+    return s.moment[2] / s.d[2] * speed_of_light;
+  };
+  EXPECT_NEAR(ago(0, 1), 9, 1e-12);
+  EXPECT_NEAR(ago(1, 0), 4, 1e-12);
+  EXPECT_NEAR(ago(0, 0), 11.5, 1e-12);  // there and back, with the reverse: half of 23 m
+}
+
 // A path straight from mirror to mirror moves with the main mode: zero phase sensitivity on both.
 TEST(PhaseSensitivities, CavityMirrorToMirrorIsTheMode) {
   Cavity const c, running(false);
