@@ -13,6 +13,7 @@
 #include "base/math/rng.hpp"
 #include "noise/classes/delayed_paths.hpp"
 #include "noise/time_domain/motion_series.hpp"
+#include "spectra/fourier.hpp"
 
 namespace straytrace::noise {
 namespace {
