@@ -92,7 +92,7 @@ struct NoiseSettings {
   std::vector<StaticPhase> static_phases{};  // all others are random
   bool delay = false;   // each hit acts as early as the light met it (docs/theory/time_domain.md, eq. N.29)
   double margin = 0.1;  // of the design curve (docs/theory/sensitivity.md)
-  std::vector<std::string> compare;          // design curves by name or file
+  std::vector<std::string> compare;  // design curves by name or file
 };
 
 struct NoiseBudget {

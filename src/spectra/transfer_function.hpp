@@ -36,8 +36,8 @@ class TransferFunction {
   TransferFunction delayed(double seconds) const;  // its output so much later: exp(2 pi i f t), exact
   double delay() const { return delay_; }          // s, sum of these
   TransferFunction holding_ends() const;           // tables keep their first and last value beyond their ends
-  Band range() const;                     // Hz, range of validity: 0 to infinity without tables
-  std::vector<double> features() const;   // corner frequencies, Hz, not sorted; samples of tables
+  Band range() const;                              // Hz, range of validity: 0 to infinity without tables
+  std::vector<double> features() const;            // corner frequencies, Hz, not sorted; samples of tables
 
  private:
   struct Oscillator {

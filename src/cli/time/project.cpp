@@ -59,8 +59,9 @@ TimeDomainSettings settings_of(ProjectOptions const& o, TimeInputs const& in) {
   s.band_low = in.model.noise.grid.edges.front();
   s.band_high = in.model.noise.grid.edges.back();
   if (o.retarded && in.model.noise.delay)
-    throw InputError("--retarded delays all motion by half of a path, and 'delay: yes' in 'noise' each hit by its own time",
-                     "remove --retarded, or 'delay' from 'noise'");
+    throw InputError(
+        "--retarded delays all motion by half of a path, and 'delay: yes' in 'noise' each hit by its own time",
+        "remove --retarded, or 'delay' from 'noise'");
   s.delay = o.retarded ? Delay::half_path : in.model.noise.delay ? Delay::by_hit : Delay::none;
   s.threads = o.threads;
   s.direct = phase_summer(o.backend);

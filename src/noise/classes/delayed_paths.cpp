@@ -30,7 +30,7 @@ class DelayedBodies {
  public:
   DelayedBodies(DelayLattice lattice, std::size_t bodies) : lattice_(lattice), copy_(bodies) {}
   std::vector<PhaseSensitivity> split(std::vector<PhaseSensitivity> const&);  // into copies, by body
-  MotionSet moved(MotionSet) const;  // all copies made so far follow
+  MotionSet moved(MotionSet) const;                                           // all copies made so far follow
 
  private:
   BodyId copy(BodyId, std::size_t node);
@@ -142,7 +142,8 @@ MotionSet DelayedBodies::moved(MotionSet motion) const {
         } else if (!input.drift) {  // a delayed drift has another static phase
           auto& shared = made[{gain.transfer.get(), node}];
           if (!shared)
-            shared = std::make_shared<TransferFunction const>((gain.transfer ? *gain.transfer : unchanged).delayed(delay));
+            shared =
+                std::make_shared<TransferFunction const>((gain.transfer ? *gain.transfer : unchanged).delayed(delay));
           late.transfer = shared;
         }
         input.gains.push_back(late);
@@ -154,7 +155,8 @@ MotionSet DelayedBodies::moved(MotionSet motion) const {
 DelayedPaths with_delays(CouplingTable const& table, MotionSet const& motion, double highest_hz) {
   DelayedPaths out{table, {}};
   out.table.received.clear();
-  DelayedBodies bodies(DelayLattice(longest_path(table) / speed_of_light, highest_hz), std::max(table.bodies.size(), motion.bodies.size()));
+  DelayedBodies bodies(DelayLattice(longest_path(table) / speed_of_light, highest_hz),
+                       std::max(table.bodies.size(), motion.bodies.size()));
   for (CouplingClass& c : out.table.classes)
     for (PathRecord& r : c.records) {
       if (std::ranges::any_of(r.phase_sensitivities, unknown))
@@ -227,7 +229,8 @@ DelayEffect delay_effect(CouplingTable const& table, MotionSet const& motion, In
     PhaseAt const phase(motion, std::max(table.bodies.size(), motion.bodies.size()), hz);
     PhasePower sum;
     for (CouplingClass const& c : table.classes) {
-      double const strain = std::norm(ifo.strain_per_phase(c.port, hz)) + std::norm(ifo.strain_per_amplitude(c.port, hz));
+      double const strain =
+          std::norm(ifo.strain_per_phase(c.port, hz)) + std::norm(ifo.strain_per_amplitude(c.port, hz));
       std::size_t const every = 1 + c.records.size() / sampled;
       for (std::size_t i = 0; i < c.records.size(); i += every) {
         PhasePower const one = phase.of(c.records[i]);

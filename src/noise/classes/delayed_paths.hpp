@@ -46,9 +46,9 @@ struct DelayedPaths {
 };
 DelayedPaths with_delays(CouplingTable const&, MotionSet const&, double highest_hz);
 
-// What a budget without delays neglects (eq. 2.6), where it is largest: ASD of h with delays over that without, to first
-// order in the motion of the frequency; slower motion that wraps the fringes is taken as it is. No frequency: nothing
-// moves, or the table has no delays.
+// What a budget without delays neglects (eq. 2.6), where it is largest: ASD of h with delays over that without, to
+// first order in the motion of the frequency; slower motion that wraps the fringes is taken as it is. No frequency:
+// nothing moves, or the table has no delays.
 struct DelayEffect {
   double hz = 0, factor = 1;
   bool matters() const { return factor < 0.99 || factor > 1.01; }

@@ -138,9 +138,7 @@ double delay_error_of(CouplingTable const& table, std::vector<std::uint32_t> con
     for (PathRecord const& record : c.records) {
       double const half = pi * delay_cycles(delay_hz, std::max(0.0, record.path_length));
       double const of_half = with_reverse ? half * half : half;
-      largest = std::max(largest, delay == Delay::none     ? 2 * half
-                                  : delay == Delay::by_hit ? half * half / 2
-                                                           : of_half);
+      largest = std::max(largest, delay == Delay::none ? 2 * half : delay == Delay::by_hit ? half * half / 2 : of_half);
     }
   }
   return largest;

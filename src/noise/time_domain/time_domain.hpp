@@ -85,9 +85,9 @@ struct TimeDomainSettings {
   double rate = 0;                     // Hz; 0: by the rule, from realisation 0
   double band_low = 3, band_high = 0;  // Hz, where responses are used, h(t) is zero elsewhere; high 0: up to rate/2
   Delay delay = Delay::none;           // `by_hit` needs band_high
-  unsigned threads = 0;  // 0: all cores; the same bits for any number
-  DirectSum direct;      // see phase_sum.hpp
-  SumProgress progress;  // completed share of the sums over paths, port after port
+  unsigned threads = 0;                // 0: all cores; the same bits for any number
+  DirectSum direct;                    // see phase_sum.hpp
+  SumProgress progress;                // completed share of the sums over paths, port after port
 };
 
 struct PortField {

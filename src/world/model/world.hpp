@@ -22,8 +22,8 @@ namespace straytrace::world {
 // eq. 2.2 with the same phase sensitivities.
 struct Feed {
   static constexpr std::uint32_t none = 0xffffffffu;
-  bool propagated = false;                            // found by propagation; false: stated in the scene
-  double path_length = 0;                             // optical, m
+  bool propagated = false;  // found by propagation; false: stated in the scene
+  double path_length = 0;   // optical, m
   // Of the surfaces passed, over the wave number: 1 and m, by body; moments with the time since the beam started.
   std::vector<PhaseSensitivity> phase_sensitivities;
   std::uint32_t mirror = none;  // footprint of the cavity mirror that the beam leaked through: the reference of eq. 2.5

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Delay of each body (docs/theory/time_domain.md, eq. N.29, N.30): bodies that move alike interfere.
 #include "noise/classes/delayed_paths.hpp"
-
 #include "physics/noise/time_domain/time_support.hpp"
 
 namespace straytrace::testing::noise_delay {
@@ -107,9 +106,9 @@ TEST(Delay, EffectIsTheRatioOfBothBudgets) {
   EXPECT_TRUE(e.matters());
   EXPECT_NEAR(late.total.asd[bin] / frozen.total.asd[bin], e.factor, 1e-3 * e.factor);
   EXPECT_GT(e.factor, 1.04);
-  EXPECT_FALSE(delay_effect(known_table({known_class(1, 1, {path(3000, {{1, 1, 1500}})})}), motion, UnitDetector(),
-                            frozen)
-                   .matters())
+  EXPECT_FALSE(
+      delay_effect(known_table({known_class(1, 1, {path(3000, {{1, 1, 1500}})})}), motion, UnitDetector(), frozen)
+          .matters())
       << "negative control: one body";
 }
 

@@ -79,11 +79,11 @@ inline bool same(PathRecord const& a, PathRecord const& b) {
                same_bits(a.path_length, b.path_length) && a.field == b.field && a.member == b.member &&
                a.phase_sensitivities.size() == b.phase_sensitivities.size();
   for (std::size_t i = 0; equal && i < a.phase_sensitivities.size(); ++i)
-    equal = a.phase_sensitivities[i].body == b.phase_sensitivities[i].body &&
-            std::memcmp(a.phase_sensitivities[i].d, b.phase_sensitivities[i].d, sizeof a.phase_sensitivities[i].d) ==
-                0 &&
-            std::ranges::equal(a.phase_sensitivities[i].moment, b.phase_sensitivities[i].moment,
-                               [](double x, double y) { return same_bits(x, y); });
+    equal =
+        a.phase_sensitivities[i].body == b.phase_sensitivities[i].body &&
+        std::memcmp(a.phase_sensitivities[i].d, b.phase_sensitivities[i].d, sizeof a.phase_sensitivities[i].d) == 0 &&
+        std::ranges::equal(a.phase_sensitivities[i].moment, b.phase_sensitivities[i].moment,
+                           [](double x, double y) { return same_bits(x, y); });
   return equal;
 }
 
