@@ -148,7 +148,7 @@ class BothQuadratures final : public Interferometer {
   std::string description() const override { return "both quadratures"; }
 };
 
-// Series against spectra, Gaussian motion that wraps fringes, both bodies on one ground: as without delays.
+// Series against spectra, Gaussian motion of 0.9 rad rms, both bodies on one ground.
 TEST(Delay, SeriesAgreeWithSpectra) {
   MotionSet motion = alike(false, 1000);
   motion.inputs[0].spectrum = Spectrum({0.5, 5, 120}, {1e-13, 1e-15, 1e-15});
