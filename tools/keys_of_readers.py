@@ -8,7 +8,7 @@ import subprocess
 import yaml
 
 # A role that contains a name of the user, as "beam 'arm'".
-NAMED = re.compile(r"^(beam|port|receiver|material|medium|body|mode|part|scene entry|the limits of|the motion of body|"
+NAMED = re.compile(r"^(beam|port|receiver|sensor|material|medium|body|mode|part|scene entry|the limits of|the motion of body|"
                    r"the responses of port|a face that uses part|parameter|component|read-out) '.*'$", re.S)
 WORDS = "schema/words.yaml"
 PAGES = {"BSDF model": "scatter", "shape": "shapes"}

@@ -160,7 +160,7 @@ class Maker:
 
     def schema(self):
         defs = {c: self.definition(c) for c in sorted(self.facts.contexts) if c != "a model"}
-        for named in ("material", "medium", "body", "part", "beam", "port", "receiver", "parameter"):
+        for named in ("material", "medium", "body", "part", "beam", "port", "receiver", "sensor", "parameter"):
             defs[named]["properties"]["override"] = SWITCH
         for single in ("'edges'", "'wave'", "'ghosts'", "'trace'", "'noise'", "'report'"):
             defs[single]["properties"]["override"] = SWITCH

@@ -11,6 +11,7 @@
 
 #include "base/input/table.hpp"
 #include "base/memory/ids.hpp"
+#include "motion/light_modulation.hpp"
 #include "motion/motion_files.hpp"
 #include "spectra/series.hpp"
 #include "spectra/spectrum.hpp"
@@ -46,6 +47,7 @@ class MotionSet {
   std::vector<MotionInput> inputs;
   std::vector<std::string> bodies;  // names; BodyId = position
   std::vector<MotionFile> files;    // measured motion, one entry for each coordinate that it moves
+  LightModulation light;            // of beams
 
   // |sum over bodies and axes of phase sensitivity times gain times transfer function|^2: factor from the PSD of input
   // i at a frequency to the PSD of the phase of a path (rad^2/m^2); for a tone, at any frequency, the square of its

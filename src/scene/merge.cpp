@@ -33,6 +33,7 @@ constexpr std::array top_keys{
     TopKey{"beams", "beam", Section::named},
     TopKey{"ports", "port", Section::named},
     TopKey{"receivers", "receiver", Section::named},
+    TopKey{"sensors", "sensor", Section::named},
     TopKey{"edges", "", Section::single},
     TopKey{"wave", "", Section::single},
     TopKey{"ghosts", "", Section::single},

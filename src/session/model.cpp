@@ -15,6 +15,7 @@
 #include "ifo/ports.hpp"
 #include "noise/bands/speckle_band.hpp"
 #include "noise/classes/delayed_paths.hpp"
+#include "noise/classes/modulated_light.hpp"
 #include "results/results.hpp"
 #include "scene/diagnostics.hpp"
 #include "session/compare/model_diff.hpp"
@@ -23,6 +24,7 @@
 #include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
 #include "session/light/network_beams.hpp"
+#include "session/records/sensors.hpp"
 #include "session/report_page.hpp"
 #include "wave/arm/arm_cavity.hpp"
 #include "world/model/material.hpp"
@@ -89,6 +91,18 @@ std::vector<bool> with_surfaces(World const& world) {
 
 MotionSet read_bodies(Node const& bodies, ProjectionInputs const& traced, bool of_run) {
   return read_motion(bodies, traced.bodies, of_run, traced.meets_light);
+}
+
+std::vector<std::string> names_in(Node const& table) {
+  std::vector<std::string> names;
+  for (auto const& [name, node] : table.items()) names.push_back(name);
+  return names;
+}
+
+void read_light(ProjectionModel& model) {
+  std::vector<std::string> ports;
+  for (TracedPort const& port : model.traced.ports) ports.push_back(port.name);
+  model.motion.light = read_modulation(model.scene.table("beams"), model.scene.table("ports"), ports);
 }
 
 std::unique_ptr<Interferometer> read_detector(ProjectionModel const& model, Node const& table) {
@@ -187,6 +201,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   model.world = build_lit_world(model.scene);
   model.traced = bodies_and_ports(model.scene, model.world);
   model.motion = read_bodies(model.scene.table("bodies"), model.traced, false);
+  read_light(model);
   plan_waves(model);
   read_noise(model, model.scene);
   bool const noiseless = model.world.ports().empty() && model.scene.root().has("receivers") &&
@@ -204,10 +219,11 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
     refuse_input_mirrors(model.scene, model.world);
     check_network_beams(model.scene, *model.detector);
   }
-  if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
+  if (model.detector && model.motion.inputs.empty() && model.motion.light.tones.empty() && model.scene.table("bodies"))
     model.scene.table("bodies").warning("no body moves, so there is no noise", "give a body a 'motion'");
   read_orders(model);
   read_report(model);
+  read_sensors(model.scene, names_in(model.scene.table("ports")), names_in(model.scene.table("receivers")));
   read_ghosts(model.scene);
   warn_of_ghosts_left_out(model.scene, model.world);
   if (Node const table = model.scene.root()["scan"])
@@ -228,6 +244,7 @@ ProjectionModel read_projection_model(std::string const& file, std::vector<std::
   model.scene = read_scene(file, overrides, &texts);
   model.traced = traced;
   model.motion = read_bodies(model.scene.table("bodies"), traced, false);
+  read_light(model);
   read_noise(model, model.scene);
   if (Node const table = model.scene.table("interferometer")) model.detector = read_detector(model, table);
   read_report(model);
@@ -262,7 +279,11 @@ void replace_motion(ProjectionModel& model, std::string const& file, FileTexts c
                     bool responses) {
   Scene const other = read_scene(file, {}, texts);
   Node const bodies = other.table("bodies"), noise = other.table("noise");
-  if (bodies) model.motion = read_bodies(bodies, model.traced, true);
+  if (bodies) {
+    LightModulation light = std::move(model.motion.light);  // of the beams, which stay
+    model.motion = read_bodies(bodies, model.traced, true);
+    model.motion.light = std::move(light);
+  }
   if (noise) read_noise(model, other);
   Node const interferometer = other.table("interferometer");
   if (interferometer)
@@ -317,12 +338,13 @@ NoiseBudget ProjectionModel::project(CouplingTable const& coupling) const {
 
 NoiseBudget ProjectionModel::project_with_bands(CouplingTable const& coupling) const {
   NoiseBudget budget = project(coupling);
-  add_input_band(budget, coupling, motion, *detector, noise, traced.materials);
+  ModulatedLight const light(coupling, motion);
+  add_input_band(budget, light.table(), light.motion(), *detector, noise, traced.materials);
   if (!noise.static_phases.empty()) return budget;
   if (!noise.delay) {
-    add_speckle_band(budget, coupling, motion, *detector);
+    add_speckle_band(budget, light.table(), light.motion(), *detector);
   } else {
-    DelayedPaths const late = with_delays(coupling, motion, noise.grid.edges.back());
+    DelayedPaths const late = with_delays(light.table(), light.motion(), noise.grid.edges.back());
     add_speckle_band(budget, late.table, late.motion, *detector);
   }
   return budget;

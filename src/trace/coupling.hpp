@@ -47,6 +47,7 @@ struct Estimate {
 };
 
 constexpr std::uint32_t no_member = 0xffffffff;
+constexpr std::uint32_t beam_of_port = 0xffffffff;
 
 // One stored path: its address and the results of its replay.
 struct PathRecord {
@@ -63,6 +64,9 @@ struct PathRecord {
   // In a row `other`: its route, by position in the `members` of the row; no_member: its row names it, or it is not
   // known, as from files before schema 2.1.
   std::uint32_t member = no_member;
+  // The beam that its light leaves, by position in the table `beams` of the scene; beam_of_port: that of its port, as
+  // of computed routes and in files before schema 2.4.
+  std::uint32_t beam = beam_of_port;
 };
 
 // Most paths that a class keeps in so many blocks; part of the run-file schema.

@@ -54,9 +54,10 @@ FringePrediction from_run(FringesOptions const& o) {
   for (FringeCurve& curve : found.curves) {
     std::vector<std::string> seen;
     for (Multiplicity const& m : curve.bodies)
-      seen.push_back(fmt::format(
-          "{} {}", in.model.motion.bodies[m.body.value],
-          m.spread > 5e-4 * m.bounces ? with_brackets(m.bounces, m.spread) : fmt::format("{:.3f}", m.bounces)));
+      seen.push_back(m.bounces > 0 ? fmt::format("{} {}", in.model.motion.bodies[m.body.value],
+                                                 m.spread > 5e-4 * m.bounces ? with_brackets(m.bounces, m.spread)
+                                                                             : fmt::format("{:.3f}", m.bounces))
+                                   : in.model.motion.bodies[m.body.value]);
     p.lines.push_back({curve.name, fmt::format("{}", fmt::join(seen, ", ")), std::move(curve.hz)});
   }
   return p;

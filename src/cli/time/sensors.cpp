@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace sensors: what photodiodes and quadrants on the beams of a run read of its stray light.
+#include "session/records/sensors.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iostream>
 #include <memory>
 
@@ -74,83 +77,174 @@ void add_level_columns(Sheet& sheet, char const* unit, std::vector<double> const
   }
 }
 
+// The signals of one port: of the beat with the main light, and of light without overlap on its receiver.
+struct Answer {
+  SensorNoise beat;
+  Sensor sensor;
+  double light = not_a_number;  // W, main light on the sensor
+  std::vector<CouplingClass const*> incoherent = {};
+  double watts = not_a_number;              // of the main mode, unit of couplings to receivers
+  std::vector<double> incoherent_asd = {};  // over the main light; empty: this kind does not read it
+};
+
 struct Answers {
-  std::vector<SensorNoise> sensors;
+  std::vector<Answer> sensors;
   std::vector<double> hz;
 };
 
-Sheet sensor_sheet(TimeInputs const& in, Answers const& a, Kind const& kind) {
-  Sheet s{
-      "sensors",
-      fmt::format(
-          "{} by stray light, one-sided ASD with one standard error, mean over random static phases; -: unknown.\n"
-          "light: main light to which the couplings of the port refer; bound: lower bound where routes are unresolved.",
-          kind.signal),
-      {{"sensor", ""}, {"light", "W", 4}},
-      {}};
+// ASD of a source without overlap over the main light of the sensor.
+std::vector<double> relative_asd(TimeInputs const& in, Answer const& a, std::span<CouplingClass const* const> light) {
+  std::vector<double> asd = asd_of(source_lines(light, in.model.motion.light), a.beat.budget.grid);
+  for (double& x : asd) x *= a.watts / a.light;
+  return asd;
+}
+
+Answer answer_of(TimeInputs const& in, CouplingTable const& table, Sensor const& sensor, SensorKind kind) {
+  Answer a{sensor_noise(table, in.model.motion, in.model.noise, sensor.port, kind), sensor};
+  if (in.file.about.beam_power > 0) a.watts = in.file.about.beam_power;
+  a.light = a.watts * sensor.share * sensor.caught;
+  if (!sensor.receiver) return a;
+  if (std::isnan(a.watts))
+    throw InputError(fmt::format("no beam states its power, so the light on the receiver of sensor '{}' cannot be "
+                                 "compared with its main light",
+                                 sensor.name),
+                     "write 'power' for the main beam and for that of the sensor");
+  for (CouplingClass const& c : table.received)
+    if (c.port.value == *sensor.receiver) a.incoherent.push_back(&c);
+  if (kind == SensorKind::power) a.incoherent_asd = relative_asd(in, a, a.incoherent);
+  return a;
+}
+
+// Of the sum in power with the beat; the errors of lines without overlap are those of their watts and left out.
+NoiseTrace total_of(Answer const& a) {
+  NoiseTrace t = a.beat.budget.total;
+  for (std::size_t i = 0; i < t.asd.size() && !a.incoherent_asd.empty(); ++i) {
+    double const beat = t.asd[i];
+    t.asd[i] = std::hypot(beat, a.incoherent_asd[i]);
+    if (t.asd[i] > 0 && i < t.sigma.size()) t.sigma[i] *= beat / t.asd[i];
+  }
+  return t;
+}
+
+Sheet sensor_sheet(Answers const& a, Kind const& kind) {
+  Sheet s{"sensors",
+          fmt::format(
+              "{} by stray light, one-sided ASD with one standard error, mean over random static phases; -: unknown.\n"
+              "light: main light on the sensor; bound: lower bound where routes are unresolved.",
+              kind.signal),
+          {{"sensor", ""}, {"light", "W", 4}},
+          {}};
   add_level_columns(s, kind.unit, a.hz);
   s.columns.push_back({"bound", ""});
-  for (SensorNoise const& n : a.sensors) {
-    double const power = in.model.traced.ports.at(n.port.value).power;
-    std::vector<Sheet::Cell> row{in.coupling().ports[n.port.value], power > 0 ? power : not_a_number};
-    add_levels(row, n.budget.total, n.budget.grid, a.hz);
-    row.emplace_back(std::string(n.budget.unresolved.empty() ? "" : "lower bound"));
+  for (Answer const& n : a.sensors) {
+    NoiseBudget const& b = n.beat.budget;
+    std::vector<Sheet::Cell> row{n.sensor.name, n.light};
+    add_levels(row, total_of(n), b.grid, a.hz);
+    row.emplace_back(std::string(b.unresolved.empty() ? "" : "lower bound"));
     s.rows.push_back(std::move(row));
   }
   return s;
 }
 
-// The loudest sources of each sensor at the first frequency.
-Sheet source_sheet(TimeInputs const& in, Answers const& a, Kind const& kind, std::size_t most) {
+// A row of the table of sources, with the power of its signal in the first bin.
+struct Source {
+  double psd;
+  std::vector<Sheet::Cell> row;
+};
+
+Source beat_source(CouplingTable const& table, Answer const& n, std::size_t i, std::vector<double> const& hz,
+                   double all) {
+  CouplingClass const& c = table.classes[n.beat.routes[i]];
+  NoiseTrace const& t = n.beat.budget.routes[i];
+  std::size_t const bin = std::min(t.asd.size() - 1, n.beat.budget.grid.bin_of(hz.front()));
+  double const coupling = c.reverse * c.coupling.mean;
+  std::vector<Sheet::Cell> row{n.sensor.name,
+                               route_name(table, c),
+                               std::string("beat"),
+                               coupling * n.light,
+                               c.reverse * c.coupling.std_error * n.light,
+                               coupling,
+                               t.psd(bin) / all};
+  add_levels(row, t, n.beat.budget.grid, hz);
+  row.emplace_back(t.resolved ? std::string(t.upper_bound ? "upper bound" : "") : "unresolved: " + t.why_not);
+  return {std::isnan(t.psd(bin)) ? -1 : t.psd(bin), std::move(row)};
+}
+
+Source incoherent_source(TimeInputs const& in, CouplingTable const& table, Answer const& n, CouplingClass const& c,
+                         std::vector<double> const& hz, double all) {
+  CouplingClass const* const one = &c;
+  NoiseTrace t;
+  t.asd = relative_asd(in, n, {&one, 1});
+  double const relative_error = c.coupling.mean > 0 ? c.coupling.std_error / c.coupling.mean : 0;
+  for (double const x : t.asd) t.sigma.push_back(x * relative_error);
+  std::size_t const bin = std::min(t.asd.size() - 1, n.beat.budget.grid.bin_of(hz.front()));
+  std::vector<Sheet::Cell> row{n.sensor.name,
+                               received_name(table, c),
+                               std::string("power"),
+                               c.coupling.mean * n.watts,
+                               c.coupling.std_error * n.watts,
+                               not_a_number,
+                               t.psd(bin) / all};
+  add_levels(row, t, n.beat.budget.grid, hz);
+  row.emplace_back(c.coupling.trusted ? std::string() : "unresolved: " + c.coupling.why_not);
+  return {t.psd(bin), std::move(row)};
+}
+
+// The loudest sources of each sensor at the first frequency; of light without overlap the brightest.
+Sheet source_sheet(TimeInputs const& in, CouplingTable const& table, Answers const& a, Kind const& kind,
+                   std::size_t most) {
   Sheet s{"sources",
           fmt::format("Sources by sensor; share: of the power of the signal at {:g} Hz; coupling: mean, to the mode of "
-                      "the sensor.",
+                      "the sensor.\nbeat: light in the mode of the main light; power: light without overlap, as steady "
+                      "as its source.",
                       a.hz.front()),
-          {{"sensor", ""}, {"source", ""}, {"coupling", "", 4}, {"share", "", 3}},
+          {{"sensor", ""},
+           {"source", ""},
+           {"signal", ""},
+           {"power", "W", 4},
+           {"power_error", "W", 2},
+           {"coupling", "", 4},
+           {"share", "", 3}},
           {}};
   add_level_columns(s, kind.unit, a.hz);
   s.columns.push_back({"status", ""});
-  for (SensorNoise const& n : a.sensors) {
-    std::size_t const bin = std::min(n.budget.grid.bin_of(a.hz.front()), n.budget.grid.size() - 1);
-    std::vector<std::size_t> order(n.routes.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    auto const psd = [&](std::size_t i) {
-      double const x = n.budget.routes[i].psd(bin);
-      return std::isnan(x) ? -1 : x;
-    };
-    std::ranges::stable_sort(order, [&](std::size_t i, std::size_t j) { return psd(i) > psd(j); });
-    for (std::size_t k = 0; k < std::min(most, order.size()); ++k) {
-      CouplingClass const& c = in.coupling().classes[n.routes[order[k]]];
-      NoiseTrace const& t = n.budget.routes[order[k]];
-      std::vector<Sheet::Cell> row{in.coupling().ports[n.port.value], route_name(in.coupling(), c),
-                                   c.reverse * c.coupling.mean, t.psd(bin) / n.budget.total.psd(bin)};
-      add_levels(row, t, n.budget.grid, a.hz);
-      row.emplace_back(t.resolved ? std::string(t.upper_bound ? "upper bound" : "") : "unresolved: " + t.why_not);
-      s.rows.push_back(std::move(row));
+  for (Answer const& n : a.sensors) {
+    FrequencyGrid const& grid = n.beat.budget.grid;
+    double const all = total_of(n).psd(std::min(grid.bin_of(a.hz.front()), grid.size() - 1));
+    std::vector<Source> beat, power;
+    for (std::size_t i = 0; i < n.beat.routes.size(); ++i) beat.push_back(beat_source(table, n, i, a.hz, all));
+    std::vector<CouplingClass const*> bright;
+    if (!n.incoherent_asd.empty()) bright = n.incoherent;
+    std::ranges::stable_sort(bright, [](auto x, auto y) { return x->coupling.mean > y->coupling.mean; });
+    for (CouplingClass const* c : bright) power.push_back(incoherent_source(in, table, n, *c, a.hz, all));
+    for (std::vector<Source>* list : {&beat, &power}) {
+      std::ranges::stable_sort(*list, std::greater{}, &Source::psd);
+      for (std::size_t k = 0; k < std::min(most, list->size()); ++k) s.rows.push_back(std::move((*list)[k].row));
     }
   }
   return s;
 }
 
-CurveSheet curves_of(TimeInputs const& in, Answers const& a, Kind const& kind) {
+CurveSheet curves_of(Answers const& a, Kind const& kind) {
   CurveSheet sheet;
   sheet.title = fmt::format("{} by stray light", kind.signal);
   sheet.x = {"frequency", "Hz", {}};
-  FrequencyGrid const& grid = a.sensors.front().budget.grid;
+  FrequencyGrid const& grid = a.sensors.front().beat.budget.grid;
   for (std::size_t i = 0; i < grid.size(); ++i) sheet.x.values.push_back(grid.centre(i));
-  for (SensorNoise const& n : a.sensors) {
-    std::string const name = in.coupling().ports[n.port.value];
-    sheet.y.push_back({name, kind.unit, n.budget.total.asd});
-    sheet.y.push_back({name + "_error", kind.unit, n.budget.total.sigma, "hidden"});
+  for (Answer const& n : a.sensors) {
+    NoiseTrace const total = total_of(n);
+    sheet.y.push_back({n.sensor.name, kind.unit, total.asd});
+    sheet.y.push_back({n.sensor.name + "_error", kind.unit, total.sigma, "hidden"});
   }
   return sheet;
 }
 
-void write_channels(SensorOptions const& o, TimeInputs const& in) {
+// Channels have the names of sensors; that of the power has the light without overlap too.
+void write_channels(SensorOptions const& o, TimeInputs const& in, CouplingTable table, Answers const& a) {
   TimeDomainSettings s;
-  s.paths = {in.routes, o.per_route, o.time.seed, 0,
-             known_phases(in.coupling(), in.model.motion, in.model.noise.static_phases,
-                          SensorResponse(PortId{0}, SensorKind::power))};
+  s.paths = {
+      in.routes, o.per_route, o.time.seed, 0,
+      known_phases(table, in.model.motion, in.model.noise.static_phases, SensorResponse(PortId{0}, SensorKind::power))};
   s.start = in.start;
   s.duration = in.duration;
   s.rate = o.time.rate;
@@ -158,7 +252,12 @@ void write_channels(SensorOptions const& o, TimeInputs const& in) {
   s.band_high = in.model.noise.grid.edges.back();
   s.delay = in.model.noise.delay ? Delay::by_hit : Delay::none;
   s.threads = o.threads;
-  SensorSeries const series = sensor_series(in.coupling(), in.model.motion, s);
+  for (Answer const& n : a.sensors) table.ports[n.sensor.port.value] = n.sensor.name;
+  SensorSeries series = sensor_series(table, in.model.motion, s);
+  for (Answer const& n : a.sensors)
+    for (TimeSeries& channel : series.channels)
+      if (channel.name == n.sensor.name + " power" && !n.incoherent.empty())
+        add_lines(channel, source_lines(n.incoherent, in.model.motion.light), n.watts / n.light);
   if (o.out.ends_with(".hdf5") || o.out.ends_with(".h5")) {
     write_file(o.out, series_hdf5(series.channels));
     return;
@@ -181,22 +280,28 @@ int sensors(SensorOptions const& o) {
   TimeInputs const in(request_of(o.time));
   if (!o.quiet) std::cerr << (o.json() ? in.model.warnings_json : in.model.warnings);
   Answers a{{}, frequencies_of(o, in.model.noise.grid)};
-  for (std::uint32_t p = 0; p < in.coupling().ports.size(); ++p) {
+  double const main = in.file.about.beam_power;
+  std::vector<double> power;
+  for (TracedPort const& port : in.model.traced.ports)  // `power` of light between two beams is that of the first
+    power.push_back(port.lit_by.empty() ? port.power : std::pow(main * port.reference, 2) / port.power);
+  std::vector<Sensor> const sensors = sensors_of_ports(in.model.scene, in.coupling(), power, main);
+  CouplingTable const table = cut_by(sensors, in.coupling());
+  for (std::uint32_t p = 0; p < table.ports.size(); ++p) {
     bool const chosen =
-        std::ranges::any_of(in.routes, [&](std::uint32_t r) { return in.coupling().classes[r].port.value == p; });
-    if (chosen) a.sensors.push_back(sensor_noise(in.coupling(), in.model.motion, in.model.noise, PortId{p}, kind.kind));
+        std::ranges::any_of(in.routes, [&](std::uint32_t r) { return table.classes[r].port.value == p; });
+    if (chosen) a.sensors.push_back(answer_of(in, table, sensors[p], kind.kind));
   }
   std::size_t left_out = 0;
-  for (SensorNoise const& n : a.sensors) left_out += n.left_out;
+  for (Answer const& n : a.sensors) left_out += n.beat.left_out;
   if (left_out > 0)
     std::cerr << fmt::format(
         "warning: {} of ghosts, halo or edges left out: their pattern across a quadrant is not known\n"
         "  write --kind power for all light\n",
         counted(left_out, "route"));
-  std::vector<Sheet> const sheets = {sensor_sheet(in, a, kind), source_sheet(in, a, kind, o.show)};
+  std::vector<Sheet> const sheets = {sensor_sheet(a, kind), source_sheet(in, table, a, kind, o.show)};
   std::cout << (o.json() ? json_of(sheets).dump() + "\n" : o.csv ? csv_of(sheets) : text_of(sheets));
-  if (!o.asd.empty()) write_curves({o.asd}, curves_of(in, a, kind));
-  if (!o.out.empty()) write_channels(o, in);
+  if (!o.asd.empty()) write_curves({o.asd}, curves_of(a, kind));
+  if (!o.out.empty()) write_channels(o, in, table, a);
   return done;
 }
 

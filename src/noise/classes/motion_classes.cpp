@@ -89,6 +89,14 @@ double kappa_of(MotionInput const& input, MotionClass::Member const& member,
   return (first.value() * std::conj(all.value())).real();
 }
 
+// Whether it contains phases of light, of which no second moments are kept.
+bool of_light(MotionSet const& motion, MotionClass const& c) {
+  return std::ranges::any_of(c.members, [&](MotionClass::Member const& m) {
+    return std::ranges::any_of(motion.inputs[m.input].gains,
+                               [&](Gain const& g) { return g.body.value >= motion.light.first_body; });
+  });
+}
+
 // The coefficients by which kappa of a class is linear in the products of phase sensitivities of two bodies.
 std::array<double, 36> coefficients(MotionSet const& motion, MotionClass const& c, BodyId first, BodyId second) {
   std::array<double, 36> out = {};
@@ -152,7 +160,7 @@ std::vector<KappaSum> kappa_sums(MotionSet const& motion, std::vector<MotionClas
       }
     }
     for (double const x : out[c].of) sum += x;
-    out[c].known = std::fabs(sum) > rounding * size;
+    out[c].known = !of_light(motion, classes[c]) && std::fabs(sum) > rounding * size;
   }
   return out;
 }

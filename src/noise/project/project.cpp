@@ -14,6 +14,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "noise/classes/delayed_paths.hpp"
+#include "noise/classes/modulated_light.hpp"
 #include "noise/interpolate/spectrum_interpolator.hpp"
 #include "noise/noise.hpp"
 #include "noise/project/route_noise.hpp"
@@ -229,9 +230,11 @@ void add_draws(NoiseTrace& trace, DrawBand const& draws, Bins const& to_strain) 
   }
 }
 
-// `phases`: of the static phases of the routes.
+// `sidebands`: of each route with light of modulated amplitude, their class; of such a class there is no curve. `phases`:
+// of the static phases of the routes.
 NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
-                            NoiseSettings const& settings, std::vector<std::optional<double>> const& phases) {
+                            NoiseSettings const& settings, std::span<std::optional<std::size_t> const> sidebands,
+                            std::vector<std::optional<double>> const& phases) {
   auto const start = std::chrono::steady_clock::now();
   std::size_t const bins = settings.grid.size();
   PhaseSpectra const spectra(group_by_shape(motion), settings.grid);
@@ -240,27 +243,37 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
   for (std::size_t i = 0; i < strengths.size(); ++i) strength.push_back(spectra.mean_square_phase(strengths.of(i)));
   SpectrumInterpolator const nodes(spectra, strengths);
   std::vector<Response> const response = responses(ifo, table.ports.size(), settings.grid);
+  auto const spectrum_of = [&](std::size_t r) {
+    CouplingClass const& c = table.classes[r];
+    std::size_t const first = strengths.first[r];
+    RouteSpectrum route = c.adds_fields() ? family_spectrum(spectra, motion, c, std::span(strength).subspan(first))
+                                          : route_spectrum(table, c, first, nodes, strength,
+                                                           {spectra, motion, table, c, strengths, first});
+    route.psd.resize(bins);
+    route.linear.resize(bins);
+    return route;
+  };
 
   NoiseBudget budget;
   budget.grid = settings.grid;
   budget.margin = settings.margin;
   PowerSum total(bins), unresolved(bins), faint(bins);
   std::vector<std::pair<std::size_t, PowerSum>> doubtful;
-  for (std::size_t r = 0, first = 0; r < table.classes.size(); first += table.classes[r++].records.size()) {
+  for (std::size_t r = 0; r < sidebands.size(); ++r) {
     CouplingClass const& c = table.classes[r];
-    RouteSpectrum route = c.adds_fields() ? family_spectrum(spectra, motion, c, std::span(strength).subspan(first))
-                                          : route_spectrum(table, c, first, nodes, strength,
-                                                           {spectra, motion, table, c, strengths, first});
-    route.psd.resize(bins);
-    route.linear.resize(bins);
+    RouteSpectrum const route = spectrum_of(r);
     Response const& random = response.at(c.port.value);
     Response const t = phases[r] ? with_static_phase(random, phase_relation(spectra, motion, c), *phases[r]) : random;
     std::string const name = route_name(table, c), why_not = objection(table, c, route);
     PowerSum own(bins);
     double const factor = c.reverse * ifo.copies(c.port);
-    own.add(route, t, factor, c.coupling.mean);
+    auto const add_to = [&](PowerSum& sum) {
+      sum.add(route, t, factor, c.coupling.mean);
+      if (sidebands[r]) sum.add(spectrum_of(*sidebands[r]), random, factor, 0);
+    };
+    add_to(own);
     if (why_not.empty())
-      total.add(route, t, factor, c.coupling.mean);
+      add_to(total);
     else if (!never_scored(c))
       doubtful.emplace_back(r, own);
     budget.routes.push_back(finished(name, why_not.empty() ? own : hint_of(own)));
@@ -268,7 +281,7 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
     if (c.mixes_routes()) trace.mean_square_phase = route.mean_square_phase_of_noise;
     Bins to_strain;
     for (std::size_t i = 0; i < bins; ++i) to_strain.push_back(factor * t.both(i));
-    add_draws(trace, draw_band(c, first, nodes), to_strain);
+    add_draws(trace, draw_band(c, strengths.first[r], nodes), to_strain);
     trace.hash = c.hash;
     trace.resolved = why_not.empty();
     trace.why_not = why_not;
@@ -304,10 +317,13 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
 
 NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
                           NoiseSettings const& settings) {
-  std::vector<std::optional<double>> const phases = known_phases(table, motion, settings.static_phases, ifo);
-  if (!settings.delay) return project_at_once(table, motion, ifo, settings, phases);
-  DelayedPaths const late = with_delays(table, motion, settings.grid.edges.back());
-  return project_at_once(late.table, late.motion, ifo, settings, phases);
+  ModulatedLight const light(table, motion);
+  AmplitudeSidebands const all = amplitude_sidebands(light.table(), light.motion());
+  std::vector<std::optional<double>> const phases =
+      known_phases(light.table(), light.motion(), settings.static_phases, ifo);
+  if (!settings.delay) return project_at_once(all.table, all.motion, ifo, settings, all.of, phases);
+  DelayedPaths const late = with_delays(all.table, all.motion, settings.grid.edges.back());
+  return project_at_once(late.table, late.motion, ifo, settings, all.of, phases);
 }
 
 // Which curves are upper bounds (docs/theory/diffraction.md, eq. 8.11: rims as one smooth wave; speckle lowers that).

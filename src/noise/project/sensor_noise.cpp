@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+
+#include "base/math/constants.hpp"
 
 #include "noise/classes/delayed_paths.hpp"
 
@@ -22,6 +25,66 @@ class OneCopy final : public ifo::Interferometer {
 };
 
 }  // namespace
+
+CouplingTable cut_by(std::span<Sensor const> sensors, CouplingTable const& table) {
+  CouplingTable out = table;
+  for (CouplingClass& c : out.classes) {
+    auto const on = std::ranges::find_if(sensors, [&](Sensor const& s) { return s.port.value == c.port.value; });
+    if (on == sensors.end()) continue;
+    double const factor = 1 / (on->share * on->share * (c.deterministic() ? 1 : on->caught));
+    c.coupling.mean *= factor;
+    c.coupling.std_error *= factor;
+    for (double& x : c.replica_sum) x *= factor;
+    for (PathRecord& r : c.records) {
+      r.coupling *= factor;
+      r.weight *= factor;
+      for (std::complex<double>& field : r.field) field *= std::sqrt(factor);
+    }
+    for (PhaseSensitivityProduct& p : c.phase_sensitivities)
+      for (double& x : p.sum) x *= factor;
+  }
+  return out;
+}
+
+namespace {
+
+// Of the power of a route by one tone, relative to it: 2a times the mean of exp(-2 pi i f tau) over its paths.
+std::complex<double> line_of(CouplingClass const& c, LightTone const& tone) {
+  std::complex<double> sum = 0;
+  double weight = 0;
+  for (PathRecord const& r : c.records) {
+    weight += r.weight;
+    if (r.beam != tone.beam) continue;
+    double const turns = tone.frequency * r.path_length / speed_of_light;
+    sum += std::polar(r.weight, tone.start - 2 * pi * (turns - std::floor(turns)));
+  }
+  return weight > 0 ? 2 * tone.amplitude * sum / weight : 0;
+}
+
+}  // namespace
+
+SourceLines source_lines(std::span<CouplingClass const* const> received, LightModulation const& light) {
+  SourceLines lines;
+  for (LightTone const& tone : light.tones)
+    for (CouplingClass const* c : received) lines[tone.frequency] += c->coupling.mean * line_of(*c, tone);
+  return lines;
+}
+
+std::vector<double> asd_of(SourceLines const& lines, FrequencyGrid const& grid) {
+  std::vector<double> asd(grid.size());
+  for (auto const& [hz, peak] : lines)
+    if (std::size_t const bin = grid.bin_of(hz); bin < grid.size()) asd[bin] += std::norm(peak) / 2 / grid.width(bin);
+  for (double& x : asd) x = std::sqrt(x);
+  return asd;
+}
+
+void add_lines(TimeSeries& series, SourceLines const& lines, double factor) {
+  for (auto const& [hz, peak] : lines)
+    for (std::size_t i = 0; i < series.samples.size(); ++i) {
+      double const cycles = hz * double(i) / series.rate;
+      series.samples[i] += factor * (peak * std::polar(1.0, 2 * pi * (cycles - std::floor(cycles)))).real();
+    }
+}
 
 SensorNoise sensor_noise(CouplingTable const& table, MotionSet const& motion, NoiseSettings settings, PortId port,
                          SensorKind kind) {

@@ -3,7 +3,11 @@
 // interferometer (docs/theory/time_domain.md, eq. N.22 to N.24).
 #pragma once
 
+#include <complex>
 #include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,6 +41,29 @@ class SensorResponse final : public ifo::Interferometer {
   PortId port_;
   SensorKind kind_;
 };
+
+// A sensor on the beam of a port.
+struct Sensor {
+  std::string name;
+  PortId port;
+  double caught = 1;                           // eta of eq. N.22: share of its main light that falls on it
+  std::optional<std::uint32_t> receiver = {};  // where its watts are counted, by position
+  double share = 1;  // its main light, as far as the mode reaches, over that of the main mode of the table
+};
+
+// The table with |s_D|^2 as couplings (eq. N.22, N.23). Couplings of the table hold the share of the beam at the port
+// (eq. 1.2), as light that returns into a tapped beam does; over the main light of the sensor it counts as 1/share^2.
+// That of scattered light is over eta too, which is exact for a radiance that is the same all over the sensor. Computed
+// routes keep it, as light in the mode of the main light does.
+CouplingTable cut_by(std::span<Sensor const>, CouplingTable const&);
+
+// Light on a receiver that does not overlap with the main light (P_in of eq. N.22) is as steady as its sources: with
+// tones a of the amplitude of their fields it has those of 2a. By frequency [Hz], in the unit of the coupling: the
+// power of these routes varies by Re(line exp(2 pi i f t)).
+using SourceLines = std::map<double, std::complex<double>>;
+SourceLines source_lines(std::span<CouplingClass const* const> received, LightModulation const&);
+std::vector<double> asd_of(SourceLines const&, FrequencyGrid const&);  // one-sided, averaged over bins
+void add_lines(TimeSeries&, SourceLines const&, double factor);        // tones begin with the record
 
 struct SensorNoise {
   PortId port;

@@ -177,6 +177,7 @@ double highest(MotionInput const& input) {
 double highest_motion(MotionSet const& motion) {
   double hz = 0;
   for (MotionInput const& input : motion.inputs) hz = std::max(hz, highest(input));
+  for (LightTone const& tone : motion.light.tones) hz = std::max(hz, tone.frequency);
   return hz;
 }
 
@@ -189,7 +190,9 @@ MotionSeries draw_motion(MotionSet const& motion, SampleTimes const& times, std:
                        fmt::format("write a rate above {:g} Hz", 2 * highest(input)));
   Drawing drawing(times, seed, realisation);
   for (std::uint32_t i = 0; i < motion.inputs.size(); ++i) drawing.add(motion.inputs[i], i);
-  return drawing.finished();
+  MotionSeries series = drawing.finished();
+  series.light = motion.light;
+  return series;
 }
 
 std::vector<double> made_periodic(std::span<double const> x, std::size_t period) {

@@ -31,6 +31,7 @@ struct MovingCoordinate {
 struct MotionSeries {
   SampleTimes times;
   std::vector<MovingCoordinate> coordinates;  // all moving ones, by body and axis
+  LightModulation light = {};                 // of amplitudes
 };
 
 // Gaussian inputs: Fourier coefficients of independent normal real and imaginary parts, of a period of at least the

@@ -239,15 +239,16 @@ FringeCurve fringe_curve(CouplingTable const& table, std::uint32_t route, Motion
   double const two_k = 4 * pi / table.wavelength;
   for (auto const& [body, s] : phase_sensitivity_sums(c, weight)) {
     bool moves = false;
+    bool const light = body >= motion.light.first_body;
     for (MovingCoordinate const& m : motion.coordinates) {
       if (m.body.value != body) continue;
-      moves = moves || m.axis < 3;
+      moves = moves || light || m.axis < 3;
       double const turns = s.mean[m.axis] / weight / (2 * pi);
       for (std::size_t i = 0; i < out.hz.size(); ++i) out.hz[i] += turns * m.velocity[i];
     }
     double const mean = s.size / weight;
     double const spread = std::sqrt(std::max(0.0, s.square / weight - mean * mean));
-    if (moves && mean > 0) out.bodies.push_back({BodyId{body}, mean / two_k, spread / two_k});
+    if (moves && (light || mean > 0)) out.bodies.push_back({BodyId{body}, mean / two_k, spread / two_k});
   }
   for (double& f : out.hz) f = std::fabs(f);
   std::ranges::stable_sort(out.bodies,

@@ -45,7 +45,7 @@ std::vector<double> fringe_frequency(std::span<double const> velocity, double wa
 // standard deviation over its paths by power.
 struct Multiplicity {
   BodyId body;
-  double bounces = 0, spread = 0;
+  double bounces = 0, spread = 0;  // 0 of modulated light
 };
 
 struct FringeCurve {

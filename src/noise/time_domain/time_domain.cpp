@@ -12,6 +12,7 @@
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 #include "noise/classes/delayed_paths.hpp"
+#include "noise/classes/modulated_light.hpp"
 #include "noise/time_domain/motion_series.hpp"
 #include "spectra/fourier.hpp"
 
@@ -73,6 +74,34 @@ StrayLight without_copies(StrayLight light, std::size_t bodies) {
   return light;
 }
 
+std::complex<double> still_sum(std::span<StrayPath const> paths) {
+  std::complex<double> sum = 0;
+  for (StrayPath const& p : paths) sum += std::polar(p.amplitude, 2 * pi * p.turns);
+  return sum;
+}
+
+// The factors m cos(2 pi f (t - tau_j) + start) of eq. N.25, as sums over paths with the factors cos and sin of
+// 2 pi f tau_j - start.
+void add_amplitude(std::vector<std::complex<double>>& field, std::span<StrayPath const> paths, LightTone const& tone,
+                   MotionSeries const& motion, auto const& sum_of) {
+  std::vector<StrayPath> in_phase, in_quadrature;
+  for (StrayPath const& p : paths) {
+    if (source_beam(motion.light, p.beam, p.port) != tone.beam) continue;
+    double const turns = tone.frequency * p.length / speed_of_light;
+    double const a = 2 * pi * (turns - std::floor(turns)) - tone.start;
+    for (auto const& [factor, list] : {std::pair{std::cos(a), &in_phase}, std::pair{std::sin(a), &in_quadrature}}) {
+      list->push_back(p);
+      list->back().amplitude *= tone.amplitude * factor;
+    }
+  }
+  if (in_phase.empty()) return;
+  std::vector<std::complex<double>> const c = sum_of(in_phase), s = sum_of(in_quadrature);
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    double const cycles = tone.frequency * double(i) / motion.times.rate, a = 2 * pi * (cycles - std::floor(cycles));
+    field[i] += std::cos(a) * c[i] + std::sin(a) * s[i];
+  }
+}
+
 }  // namespace
 
 double SamplingRule::automatic() const {
@@ -93,13 +122,16 @@ std::vector<PortField> stray_fields(std::span<StrayPath const> paths, MotionSeri
     auto const of_all = [&](double share) {
       if (progress) progress((double(done) + share * double(by_port[port].size())) / double(paths.size()));
     };
-    PortField field{PortId{port}, phase_sum(phase_terms(by_port[port], motion, delay), threads, direct, of_all)};
+    auto const sum = [&](std::span<StrayPath const> some, SumProgress const& of_some) {
+      std::vector<std::complex<double>> s = phase_sum(phase_terms(some, motion, delay), threads, direct, of_some);
+      if (s.empty()) s.assign(motion.times.samples, still_sum(some));
+      return s;
+    };
+    PortField field{PortId{port}, sum(by_port[port], of_all)};
     done += by_port[port].size();
-    if (field.field.empty()) {  // static
-      std::complex<double> still = 0;
-      for (StrayPath const& p : by_port[port]) still += std::polar(p.amplitude, 2 * pi * p.turns);
-      field.field.assign(motion.times.samples, still);
-    }
+    for (LightTone const& tone : motion.light.tones)
+      add_amplitude(field.field, by_port[port], tone, motion,
+                    [&](std::span<StrayPath const> some) { return sum(some, {}); });
     fields.push_back(std::move(field));
   }
   return fields;
@@ -301,7 +333,8 @@ std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer co
       for (std::size_t p = 0; p < picks.size(); ++p) {
         PathRecord const& r = c.records[picks[p].record];
         repeat = p > 0 && picks[p - 1].record == picks[p].record ? repeat + 1 : 0;
-        StrayPath path{c.port, 0, 0, r.path_length, r.phase_sensitivities, route, std::uint32_t(picks[p].record)};
+        StrayPath path{c.port, 0, 0, r.path_length, r.phase_sensitivities, route, std::uint32_t(picks[p].record),
+                       r.beam};
         path.amplitude = std::sqrt(c.reverse * c.coupling.mean * picks[p].share * copies / drawn);
         if (known) {
           path.turns = *known / (2 * pi);
@@ -334,8 +367,11 @@ PhaseTerms phase_terms(std::span<StrayPath const> paths, MotionSeries const& mot
     t.amplitude.push_back(paths[j].amplitude);
     t.turns.push_back(paths[j].turns);
     for (std::size_t c : used) t.phase_sensitivity.push_back(all[j][c]);
-    for (std::size_t c : used)
-      if (delay == Delay::half_path) t.phase_sensitivity.push_back(-all[j][c] * paths[j].length / (2 * speed_of_light));
+    for (std::size_t c : used) {
+      bool const light = motion.coordinates[c].body.value >= motion.light.first_body;  // delayed already (eq. N.25)
+      if (delay == Delay::half_path)
+        t.phase_sensitivity.push_back(light ? 0 : -all[j][c] * paths[j].length / (2 * speed_of_light));
+    }
   }
   return t;
 }

@@ -27,6 +27,7 @@ struct StrayPath {
   double length = 0;                                      // m, optical
   std::span<PhaseSensitivity const> phase_sensitivities;  // in the table
   std::uint32_t route = 0, record = 0;
+  std::uint32_t beam = beam_of_port;  // as PathRecord::beam
 };
 
 struct PathChoice {

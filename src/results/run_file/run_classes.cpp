@@ -109,6 +109,12 @@ void member_column(Column&& column) {
          &PathRecord::member, no_member);  // since schema 2.1
 }
 
+template <class Column>
+void beam_column(Column&& column) {
+  column("beam", {"1", "that the light leaves, by position in the table 'beams'; 2^32 - 1: the beam of the port"},
+         &PathRecord::beam, beam_of_port);  // since schema 2.4
+}
+
 // Real and imaginary part of both states.
 Converted const field_column{[](auto const& r) {
                                auto const& [a, b] = r.field;
@@ -187,6 +193,7 @@ void write_records(hdf5::Writer& out, Section const& at, CouplingTable const& ta
               [](auto&& list) { phase_sensitivity_columns(list); });
   column("field", "1", field_column);
   if (at.list == to_ports.list) member_column(column);
+  beam_column(column);
 }
 
 template <class Row>
@@ -250,6 +257,7 @@ void read_records(hdf5::Reader const& in, Section const& at, CouplingTable& tabl
              [](auto&& list) { phase_sensitivity_columns(list); });
   column("field", "1", field_column, std::array<double, 4>{});  // since schema 1.6
   if (at.list == to_ports.list) member_column(column);
+  beam_column(column);
   for (std::size_t i = 0; i < records.size(); ++i) {
     for (PhaseSensitivity const& s : records[i].phase_sensitivities)
       if (s.body.value >= table.bodies.size()) damaged_run("a body without a name");

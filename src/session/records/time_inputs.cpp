@@ -12,6 +12,7 @@
 #include "base/text/words.hpp"
 #include "motion/axis_motion.hpp"
 #include "motion/series_motion.hpp"
+#include "noise/classes/modulated_light.hpp"
 #include "noise/time_domain/time_domain.hpp"
 #include "session/session.hpp"
 #include "spectra/files/series_file.hpp"
@@ -208,6 +209,7 @@ TimeInputs::TimeInputs(TimeRequest const& o) : OpenRun(o.run, o.motion) {
   replace_motions(o, *this);
   model.warnings += warnings_of_channels(o, *this);
   choose_times(o, *this);
+  add_phase_modulation(file.trace.coupling, model.motion);
   exact = model.project(coupling());
   choose_routes(o, *this);
 }

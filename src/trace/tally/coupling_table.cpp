@@ -49,8 +49,9 @@ bool turns_round(World const& world, MadeClass const& made, ReplayedPath const& 
   return source.receives && source.port.valid() && source.port == made.back && goal.emits && !goal.free;
 }
 
-MadeClass make_class(SteeredWorld const& world, std::uint64_t hash, ClassSums const& sums, BlockSums const& total,
+MadeClass make_class(SteeredWorld const& steered, std::uint64_t hash, ClassSums const& sums, BlockSums const& total,
                      std::uint64_t seed) {
+  World const& world = steered;
   MadeClass made;
   made.moments = sums.moments;
   CouplingClass& c = made.row;
@@ -62,7 +63,7 @@ MadeClass make_class(SteeredWorld const& world, std::uint64_t hash, ClassSums co
   double weights = 0;
   for (ScoreAddress const& kept : sums.kept) weights += std::max(kept.coupling, sums.threshold);
   for (ScoreAddress const& kept : sums.kept) {
-    auto const path = replay(world, seed, kept.history, kept.event, kept.connection);
+    auto const path = replay(steered, seed, kept.history, kept.event, kept.connection);
     if (!path || path->coupling != kept.coupling)
       throw NumericalError(
           fmt::format("history {} event {} does not replay to the same score", kept.history, kept.event));
@@ -71,6 +72,8 @@ MadeClass make_class(SteeredWorld const& world, std::uint64_t hash, ClassSums co
     c.records.push_back({kept.history, kept.event, kept.connection, kept.coupling,
                          std::max(kept.coupling, sums.threshold) / weights * c.coupling.mean, path->path_length,
                          path->phase_sensitivities});
+    std::uint32_t const beam = world.footprints()[path->source].beam;
+    c.records.back().beam = beam < world.beams.size() ? world.beams[beam].entry : beam;
   }
   c.phase_sensitivities =
       phase_sensitivity_moments(c, sums.phase_sensitivities, sums.threshold == 0, total.histories, world.block_size);

@@ -93,6 +93,7 @@ void read_beams(Scene const& scene, World& world, Registry const& names, Network
     world.beams.push_back({name, light.number, network.named_where_it_leaves(node["network"].text())});
     std::size_t const spots = world.footprints().size();
     world.beam_powers.push_back(0);
+    node["modulation"];  // read with the motion
     if (node.has("power") || node.has("network")) {
       double const power = read_power(node, network);
       bool const wrong = std::isnan(power);

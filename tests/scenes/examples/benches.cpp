@@ -3,6 +3,7 @@
 // docs/theory/spectra.md and docs/theory/interferometer.md).
 #include "scenes/benches.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <complex>
@@ -86,7 +87,7 @@ TEST(VibratingMirror, LensByRays) {
 
 TEST(VibratingMirror, FringesOfTheChiefRayE2b) {
   Folder const folder;
-  RunFile const run = traced_in(folder, "a.h5", {benches + "vibrating_mirror.yaml"});
+  RunFile const run = traced_in(folder, "a.h5", {benches + "vibrating_mirror.yaml", "-p", "tones=0"});
   char const* const route = "probe·B > lens/front·T > lens/back·T > mirror·R > screen·S";
   CouplingClass const& c = route_of(run, route);
   // beta lambda^2 |u(0)|^2 of a ray on the axis of a mode of 1 mm (eq. 1.7), behind two perfect faces.
@@ -103,6 +104,34 @@ TEST(VibratingMirror, FringesOfTheChiefRayE2b) {
   EXPECT_EQ(slow.code, 2);
   EXPECT_THAT(slow.err, HasSubstr("reaches 1240.1 Hz"));
   EXPECT_THAT(slow.err, HasSubstr("write a rate of 8192 Hz"));
+}
+
+// E.2b: three tones on the phase of the light, which the reader does not share, and a still mirror (eq. N.25):
+// first-order lines of Im s, mean over the static phase, of amplitude m. Controls: amplitudes as rms; a reader that
+// shares the light.
+TEST(VibratingMirror, TonesOfTheLightE2b) {
+  Folder const folder;
+  RunFile const run = traced_in(folder, "a.h5", {benches + "vibrating_mirror.yaml", "-p", "shake=0 um"});
+  auto const said = nlohmann::json::parse(
+      expect_done({"sensors", folder / "a.h5", "--kind", "phase", "--at", "40 Hz, 110 Hz, 120 Hz", "--format", "json"})
+          .out);
+  double light = 0;
+  for (CouplingClass const& c : run.trace.coupling.classes) light += c.reverse * c.coupling.mean;
+  FrequencyGrid const grid = logarithmic_grid(4, 2000, 60);
+  struct Tone {
+    double hz, amplitude;
+  };
+  for (Tone const& t : {Tone{40, 0.051}, {110, 0.1}, {120, 0.01}}) {
+    double const asd = said["sensors"][0][fmt::format("asd_{:g}Hz", t.hz)].get<double>();
+    double const line = 2 * asd * std::sqrt(grid.width(grid.bin_of(t.hz)) / light);
+    EXPECT_NEAR(line / t.amplitude, 1, 0.01) << t.hz;
+    EXPECT_GT(std::fabs(line / t.amplitude - std::sqrt(0.5)), 0.25) << t.hz;
+  }
+  // Both at once: the fringes of the mirror, and 2 pi f m of each tone at most.
+  traced_in(folder, "b.h5", {benches + "vibrating_mirror.yaml"});
+  double const fastest = fastest_fringe_of(folder / "b.h5");
+  EXPECT_GT(fastest, 1240.10 + 0.1 * 110);
+  EXPECT_LT(fastest, 1240.10 + 0.051 * 40 + 0.1 * 110 + 0.01 * 120 + 0.01);
 }
 
 // E.2c: both tones and each alone: 4 pi A f/lambda (eq. 7.2). 360 Hz are more than twice the fringe frequency, but less

@@ -166,6 +166,9 @@ TEST_F(ReportRunFile, ComparisonSeesOneBit) {
   CouplingTable others = trace.coupling;
   others.classes[6].records[1].member = no_member;
   EXPECT_FALSE(same(trace.coupling, others));
+  CouplingTable lit = trace.coupling;
+  lit.classes[2].records[7].beam = beam_of_port;
+  EXPECT_FALSE(same(trace.coupling, lit));
   NoiseBudget louder = noise;
   louder.routes[3].sigma[9] = std::nextafter(louder.routes[3].sigma[9], 1);
   EXPECT_FALSE(same(noise, louder));
@@ -270,6 +273,15 @@ TEST_F(ReportRunFile, ReadsSchema2_0) {
   CouplingClass const then = run_of(unlisted, file).trace.coupling.classes[6];
   EXPECT_TRUE(then.members.empty());
   EXPECT_EQ(then.records[1].member, no_member);
+}
+
+// Files before schema 2.4 do not state the beam that the light of a path leaves.
+TEST_F(ReportRunFile, ReadsSchema2_3) {
+  std::string const file = written();
+  hdf5::Contents contents = hdf5::contents_of(unsealed(read_file(file), file));
+  EXPECT_EQ(run_of(contents, file).trace.coupling.classes[2].records[7].beam, 3u);
+  contents.erase("/records/beam");
+  EXPECT_EQ(run_of(contents, file).trace.coupling.classes[2].records[7].beam, beam_of_port);
 }
 
 // Files without the columns of schema 1.2: what is not known is not judged.

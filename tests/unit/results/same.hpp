@@ -77,7 +77,7 @@ inline bool same(PathRecord const& a, PathRecord const& b) {
   bool equal = a.history == b.history && a.event == b.event && a.connection == b.connection &&
                same_bits(a.coupling, b.coupling) && same_bits(a.weight, b.weight) &&
                same_bits(a.path_length, b.path_length) && a.field == b.field && a.member == b.member &&
-               a.phase_sensitivities.size() == b.phase_sensitivities.size();
+               a.beam == b.beam && a.phase_sensitivities.size() == b.phase_sensitivities.size();
   for (std::size_t i = 0; equal && i < a.phase_sensitivities.size(); ++i)
     equal =
         a.phase_sensitivities[i].body == b.phase_sensitivities[i].body &&

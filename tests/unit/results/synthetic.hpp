@@ -121,6 +121,7 @@ inline CouplingTable coupling_table() {
                          {78, t.classes[2].steps, 4e-24, 3e-24, false, "only 14 histories have scored"}};
   t.classes[6].members = {{t.classes[2].steps}, {}};
   for (std::size_t r = 0; r < t.classes[6].records.size(); ++r) t.classes[6].records[r].member = std::uint32_t(r % 2);
+  t.classes[2].records[7].beam = 3;
   t.classes[4].coupling.trusted = false;
   t.classes[4].coupling.why_not = "one history carries 31 % of the sum";
   return t;
