@@ -129,10 +129,13 @@ class Reader:
     def shape(self, element: Any) -> str:
         """Curvature and tilt of a surface."""
         radii = _value(element.Rcx), _value(element.Rcy)
-        if radii[0] != radii[1]:
-            raise InputError(f"'{element.name}' has two radii of curvature, which a network does not: give it one Rc")
+        curvatures = [number(1 / radius) if math.isfinite(radius) and radius else "0" for radius in radii]
         tilt = _value(element.xbeta), _value(element.ybeta)
-        text = f", curvature: {number(1 / radii[0])} /m" if math.isfinite(radii[0]) and radii[0] else ""
+        text = ""
+        if radii[0] != radii[1]:
+            text = f", curvature: [{curvatures[0]} /m, {curvatures[1]} /m]"
+        elif curvatures[0] != "0":
+            text = f", curvature: {curvatures[0]} /m"
         return text + (f", tilt: [{number(tilt[0])} rad, {number(tilt[1])} rad]" if any(tilt) else "")
 
     def surface(self, element: Any, kind: str) -> str:
@@ -290,7 +293,10 @@ class Writer:
     def surface(self, name: str, kind: str, p: dict[str, Any]) -> None:
         phi = -_quantity(p.get("displacement")) / self.wavelength * 360
         values = f"T={number(_quantity(p['transmission']))} L={number(_quantity(p['loss']))} phi={number(phi)}"
-        if curvature := _quantity(p.get("curvature")):
+        if isinstance(p.get("curvature"), list):
+            x, y = (number(1 / c) if c else "inf" for c in map(_quantity, p["curvature"]))
+            values += f" Rc=[{x},{y}]"
+        elif curvature := _quantity(p.get("curvature")):
             values += f" Rc={number(1 / curvature)}"
         if "tilt" in p:
             x, y = map(_quantity, p["tilt"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -58,7 +59,7 @@ class Interferometer:
         """Slope of a read-out of power with respect to each number of the network, per SI unit, with value and units. Index: parameter."""
         return self._one("slopes", readout, index="parameter")
 
-    def sensing(self, at: Quantity = "10 Hz") -> pandas.DataFrame:
+    def sensing(self, at: Quantity | None = "10 Hz") -> pandas.DataFrame:
         """Response of each read-out (row) to each degree of freedom (column) at one frequency, complex."""
         return _complex(self._one("sensing", at=at, index="readout"))
 
@@ -68,6 +69,8 @@ class Interferometer:
 
         band: "1 Hz" to "10 kHz" unless given.
         points: 201 unless given."""
+        if cause.startswith("stray:"):
+            raise ValueError(f"cause is {cause!r}; a stray field has two quadratures: use stray_transfer")
         table = self._one("transfer", cause, readout, band=band, points=points, index="frequency")
         response = (table["re"] + 1j * table["im"]).rename(f"{readout} per {cause}")
         response.attrs = {"unit": table.attrs["units"]["re"]}
@@ -82,12 +85,21 @@ class Interferometer:
         words = [] if referred_to is None else ["--referred-to", referred_to]
         return self._one("noise", readout, band=band, points=points, index="frequency", words=words)
 
-    def loops(self, at: Quantity = "10 Hz") -> dict[str, pandas.DataFrame]:
+    def loops(self, at: Quantity | None = "10 Hz") -> dict[str, pandas.DataFrame]:
         """`loops`: plant, open-loop gain (complex), suppression and margins of each; `stray`: strain per relative stray field at each entrance,
-        with lengths held and by each loop. At one frequency."""
+        with lengths held and by each loop; `noise`: of the strain, so too; `filters` of subtracted channels. At one frequency."""
         return {name: _complex(table) for name, table in self._tables("loops", at=at).items()}
 
-    def stray(self, entrance: str | None = None, at: Quantity = "10 Hz") -> pandas.DataFrame:
+    def suppression(self, *, band: tuple[Quantity, Quantity] | None = None, points: int | None = None) -> pandas.DataFrame:
+        """|1/(1 + G)| of each loop, with its open-loop gain (complex). Index: frequency [Hz]; arguments as for `transfer`."""
+        return _complex(self._tables("loops", "suppression", band=band, points=points, index={"suppression": "frequency"})["suppression"])
+
+    def strain_noise(self, *, band: tuple[Quantity, Quantity] | None = None, points: int | None = None) -> pandas.DataFrame:
+        """One-sided ASDs of the strain by source and their total, with all loops and subtractions acting. Index: frequency [Hz]; arguments
+        as for `transfer`."""
+        return self._tables("loops", "noise", band=band, points=points, index={"strain_noise": "frequency"})["strain_noise"]
+
+    def stray(self, entrance: str | None = None, at: Quantity | None = "10 Hz") -> pandas.DataFrame:
         """Response of all read-outs to a relative stray field: per Im s (`phase`) and per Re s (`amplitude`), complex, at one frequency.
 
         entrance: one of the named entrances, "all" beams of the network, or None: all named ones."""
@@ -95,8 +107,8 @@ class Interferometer:
 
     def stray_transfer(self, entrance: str, readout: str, *, band: tuple[Quantity, Quantity] | None = None,
                        points: int | None = None) -> pandas.DataFrame:
-        """The same for one entrance and read-out over frequency [Hz]; arguments as for `transfer`."""
-        return _complex(self._one("stray", entrance, readout, band=band, points=points, index="frequency"))
+        """The same for one entrance and read-out, a mirror or `h` over frequency [Hz]; arguments as for `transfer`."""
+        return _complex(self._one("transfer", f"stray:{entrance}", readout, band=band, points=points, index="frequency"))
 
     def modes(self) -> dict[str, pandas.DataFrame]:
         """Of a network with Hermite-Gauss modes: `resonances`, `mismatch`, `content` of beams by order, and `truncation`."""
@@ -134,7 +146,9 @@ class Interferometer:
         units = answer.pop("units")
         found = {}
         for key, rows in answer.items():
-            name = key.split("_")[0] if at is not None else key      # sensing_10Hz
+            name = re.sub(r"_[^_]*Hz$", "", key)      # sensing_10Hz
+            if name in found:
+                raise ValueError(f"at is {at!r}; write one frequency")
             table = pandas.DataFrame({c: _column([row[c] for row in rows]) for c in (rows[0] if rows else {})})
             if index and name in index and len(table):
                 table = table.set_index(index[name])

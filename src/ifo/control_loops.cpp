@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ifo/control_loops.hpp"
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "ifo/layout/signals.hpp"
+
 namespace straytrace::ifo {
 namespace {
 
 constexpr double close_to_unstable = 0.3;  // |1 + G|
 constexpr double dark = 1e-24;             // of the largest power: no light
-
-Phasor along(LinearResponse const& r, NamedFreedom const& freedom) {
-  Phasor sum = 0;
-  for (auto const& [id, factor] : freedom.moves) sum += factor * r.to_displacement(id);
-  return sum;
-}
 
 double largest_power(Network const& network, SteadyField const& field) {
   double most = 0;
@@ -28,76 +23,10 @@ double largest_power(Network const& network, SteadyField const& field) {
 
 }  // namespace
 
-Eigen::MatrixXcd CalibratedStrain::responses(std::vector<LinearResponse> const& readouts,
-                                             std::vector<ControlledLength> const& controlled) const {
-  auto const size = Eigen::Index(controlled.size());
-  Eigen::MatrixXcd m(size, size);
-  for (Eigen::Index i = 0; i < size; ++i)
-    for (Eigen::Index j = 0; j < size; ++j)
-      m(i, j) = along(readouts[std::size_t(i)], controlled[std::size_t(j)].freedom);
-  return m;
-}
-
-// Actuators move by u, the loops sense y = R u + T s, and u = -C y, where C = G/R_pp of a closed loop. A held length
-// has y = 0 with itself as sensor: the row R u = -T s without the term u.
-CalibratedStrain::CalibratedStrain(Network const& network, SteadyField const& field, StrainScale const& scale,
-                                   std::vector<ControlledLength> const& controlled, double hz)
-    : network_(network), field_(field), scale_(scale), hz_(hz), read_(network, field, scale.readout, hz) {
-  using Kind = ControlLoop::Kind;
-  auto const size = Eigen::Index(controlled.size());
-  seen_.resize(size);
-  for (ControlledLength const& c : controlled) {
-    seen_[Eigen::Index(lengths_.size())] = along(read_, c.freedom);
-    lengths_.emplace_back(network, field, c.length, hz);
-    bool const closed = c.loop.kind == Kind::closed;
-    sensors_.push_back(closed ? LinearResponse(network, field, c.loop.sensor.readout, hz) : lengths_.back());
-  }
-  move_ = responses(lengths_, controlled);
-  per_length_ = seen_;
-  if (size > 0) per_length_ = seen_ * move_.inverse();
-  Eigen::MatrixXcd equations = responses(sensors_, controlled), sensed = Eigen::MatrixXcd::Identity(size, size);
-  kept_ = seen_;
-  for (Eigen::Index i = 0; i < size; ++i) {
-    ControlLoop const& loop = controlled[std::size_t(i)].loop;
-    if (loop.kind == Kind::held) continue;
-    Phasor const control = loop.kind == Kind::free ? 0.0 : loop.open_loop(hz) / equations(i, i);
-    equations.row(i) *= control;
-    equations(i, i) += 1.0;
-    sensed(i, i) = control;
-    kept_[i] *= 1.0 - loop.feedforward(hz);
-  }
-  actuate_ = equations;
-  if (size > 0) actuate_ = equations.inverse() * sensed;
-  weight_ = kept_ * actuate_;
-  per_metre_ = to([&](LinearResponse const& r) { return along(r, scale_.freedom); });
-}
-
-Phasor CalibratedStrain::to(Cause const& cause) const {
-  Phasor sum = cause(read_);
-  for (std::size_t i = 0; i < sensors_.size(); ++i) sum -= weight_[Eigen::Index(i)] * cause(sensors_[i]);
+Phasor to_freedom(LinearResponse const& r, NamedFreedom const& freedom) {
+  Phasor sum = 0;
+  for (auto const& [id, factor] : freedom.moves) sum += factor * r.to_displacement(id);
   return sum;
-}
-StrayResponse CalibratedStrain::to_stray(StrayWay const& way) const {
-  auto const of = [&](LinearResponse const& r) { return stray_response(r, network_, field_, way, hz_); };
-  StrayResponse sum = of(read_);
-  for (std::size_t i = 0; i < sensors_.size(); ++i) sum = sum + of(sensors_[i]) * -weight_[Eigen::Index(i)];
-  return sum;
-}
-
-CalibratedStrain::Parts CalibratedStrain::parts(Cause const& cause) const {
-  auto const size = Eigen::Index(lengths_.size());
-  Eigen::VectorXcd sensed(size), lengths(size);
-  for (Eigen::Index i = 0; i < size; ++i) {
-    sensed[i] = cause(sensors_[std::size_t(i)]);
-    lengths[i] = cause(lengths_[std::size_t(i)]);
-  }
-  Eigen::VectorXcd const actuators = -actuate_ * sensed, residual = lengths + move_ * actuators;
-  Parts p{.held = cause(read_)};
-  for (Eigen::Index i = 0; i < size; ++i) {
-    p.held -= per_length_[i] * lengths[i];
-    p.by_length.push_back(per_length_[i] * residual[i] - (seen_[i] - kept_[i]) * actuators[i]);
-  }
-  return p;
 }
 
 namespace {
@@ -140,6 +69,10 @@ ControlLoop read_loop(Node const& node, std::string const& length, NetworkModel 
   return loop;
 }
 
+bool same_beam_of(Readout const& a, Readout const& b) {
+  return a.port == b.port && a.leaving == b.leaving && a.angle == b.angle && a.hz == b.hz;
+}
+
 }  // namespace
 
 void read_control_loops(Node const& interferometer, NetworkModel& model, Band const& band) {
@@ -161,9 +94,78 @@ void read_control_loops(Node const& interferometer, NetworkModel& model, Band co
   }
 }
 
-std::string describe(std::vector<ControlledLength> const& controlled) {
-  std::vector<std::string> held, others;
-  for (ControlledLength const& c : controlled) {
+namespace {
+
+std::optional<SubtractedChannel> read_subtracted(Node const& node, NetworkModel const& model, Band const& band) {
+  if (node.kind() != Node::Kind::table) {
+    node.problem("a subtracted channel must be a table", "write {channel: POP_I, filter: best}");
+    return {};
+  }
+  SubtractedChannel s;
+  std::string const name = node.word("channel");
+  Node const filter = node["filter"];
+  if (!filter)
+    node.lack("filter", "the subtraction has no 'filter'", "write 'filter: best', or a transfer function");
+  else if (filter.kind() == Node::Kind::table)
+    s.filter = read_transfer_function(filter, band);
+  else if (filter.text() != "best")
+    filter.problem(fmt::format("a filter cannot be '{}'", filter.text()),
+                   "write 'best', or a transfer function {gain: 2, poles: [1 Hz]} in units of the read-out of strain "
+                   "per unit of the channel");
+  node.refuse_unknown("a subtracted channel");
+  NamedReadout const* const channel = model.readout(name);
+  if (!channel) {
+    std::vector<std::string> names;
+    for (NamedReadout const& other : model.readouts) names.push_back(other.name);
+    if (!name.empty())
+      node["channel"].problem(fmt::format("the network has no read-out '{}'", name),
+                              did_you_mean(name, names, "add it to 'readouts' of the 'network'"));
+    return {};
+  }
+  s.channel = *channel;
+  return s;
+}
+
+}  // namespace
+
+void read_subtracted_channels(Node const& interferometer, NetworkModel& model, Band const& band) {
+  for (Node const& node : interferometer.has("subtract") ? interferometer.list("subtract") : std::vector<Node>{}) {
+    auto read = read_subtracted(node, model, band);
+    if (!read) continue;
+    std::string const& name = read->channel.name;
+    if (std::ranges::any_of(model.subtracted, [&](auto const& s) { return s.channel.name == name; }))
+      node.problem(fmt::format("'{}' is subtracted twice", name), "remove one of them");
+    else if (read->channel.readout.kind == model.strain->readout.kind &&
+             same_beam_of(read->channel.readout, model.strain->readout))
+      node["channel"].problem(fmt::format("'{}' is the read-out of strain itself", name), "name another channel");
+    if (!read->filter && model.noises.empty())
+      node["filter"].problem("the best filter is that of the stated noises, and the network states none",
+                             "add 'noises' to the network, or write a transfer function");
+    for (NamedNoise const& n : model.noises)
+      if (!read->filter && (std::isnan(n.asd(band.low)) || std::isnan(n.asd(band.high))))
+        node["filter"].problem(
+            fmt::format("the noise of '{}' is not known from {:g} to {:g} Hz", n.cause.name, band.low, band.high),
+            "give a file that covers the band");
+    model.subtracted.push_back(*std::move(read));
+  }
+}
+
+namespace {
+
+// "A, B and C"
+std::string listed(std::vector<std::string> const& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " and ") + names[i];
+  return text;
+}
+
+}  // namespace
+
+std::string describe(NetworkModel const& model) {
+  std::vector<std::string> held, others, subtracted;
+  for (SubtractedChannel const& s : model.subtracted) subtracted.push_back(s.channel.name);
+  for (ControlledLength const& c : model.controlled) {
     if (c.loop.kind == ControlLoop::Kind::held)
       held.push_back(c.freedom.name);
     else if (c.loop.kind == ControlLoop::Kind::free)
@@ -171,10 +173,9 @@ std::string describe(std::vector<ControlledLength> const& controlled) {
     else
       others.push_back(fmt::format("{} controlled by {}", c.freedom.name, c.loop.sensor.name));
   }
-  std::string text;
-  for (std::size_t i = 0; i < held.size(); ++i) text += (i == 0 ? "" : i + 1 < held.size() ? ", " : " and ") + held[i];
-  if (!held.empty()) others.insert(others.begin(), text + " held");
-  return fmt::format("{}", fmt::join(others, ", "));
+  if (!held.empty()) others.insert(others.begin(), listed(held) + " held");
+  return fmt::format("{}{}", fmt::join(others, ", "),
+                     subtracted.empty() ? "" : ", " + listed(subtracted) + " subtracted");
 }
 
 namespace {
@@ -230,10 +231,11 @@ bool sees(Network const& network, SteadyField const& field, Readout const& r, Na
   bool const power = r.kind == Readout::Kind::power, homodyne = r.kind == Readout::Kind::homodyne;
   double const light = homodyne ? 0 : power_of_beam(r, field);
   if (!homodyne && !(light > dark * largest_power(network, field))) return false;
+  SmallSignals const signals(network, field, hz);
   auto const size = [&](double turn) {
     Readout turned = r;
     turned.angle += turn;
-    return std::abs(along(LinearResponse(network, field, turned, hz), freedom));
+    return std::abs(to_freedom(LinearResponse(signals, turned), freedom));
   };
   // A response is compared with that in the other quadrature and, of a power, with what all its light could give.
   return size(0) > blind * std::fmax(light * network.wavenumber(), power ? 0 : size(pi / 2));
@@ -264,8 +266,7 @@ void check_control_loops(Node const& interferometer, NetworkModel const& model, 
 
 namespace {
 
-LoopRow row_of(NetworkModel const& model, SteadyField const& field, CalibratedStrain const& r, std::size_t i, double hz,
-               Band const& band) {
+LoopRow row_of(NetworkModel const& model, CalibratedStrain const& r, std::size_t i, double hz, Band const& band) {
   ControlledLength const& c = model.controlled[i];
   LoopRow row{.length = c.freedom.name};
   if (c.loop.kind != ControlLoop::Kind::closed) {
@@ -273,7 +274,7 @@ LoopRow row_of(NetworkModel const& model, SteadyField const& field, CalibratedSt
     return row;
   }
   row.sensor = c.loop.sensor.name;
-  row.plant = std::conj(along(LinearResponse(model.network, field, c.loop.sensor.readout, hz), c.freedom));
+  row.plant = std::conj(to_freedom(LinearResponse(r.signals(), c.loop.sensor.readout), c.freedom));
   row.open_loop = std::conj(c.loop.open_loop(hz));
   row.suppressed = suppression(row.open_loop);
   row.noise_to_strain = std::conj(r.to_sensor_noise(i) / r.calibration());
@@ -298,16 +299,82 @@ StrayByLoop by_loop(NetworkModel const& model, SteadyField const& field, Calibra
   return s;
 }
 
+std::vector<NoiseByLoop> noises_by_loop(NetworkModel const& model, CalibratedStrain const& r, double hz) {
+  std::vector<CalibratedStrain::Sum> const parts = r.part_sums();
+  CalibratedStrain::Sum const whole = r.whole();
+  double const per_strain = 1 / std::abs(r.calibration());
+  auto const row = [&](std::string name, auto const& asd) {
+    NoiseByLoop n{std::move(name), per_strain * asd(parts[0])};
+    for (std::size_t i = 0; i < model.controlled.size(); ++i)
+      if (model.controlled[i].loop.kind != ControlLoop::Kind::held)
+        n.by_length.push_back(per_strain * asd(parts[i + 1]));
+    n.total = per_strain * asd(whole);
+    return n;
+  };
+  using Sum = CalibratedStrain::Sum;
+  std::vector<NoiseByLoop> all{
+      row("vacuum", [&](Sum const& s) { return std::sqrt(std::fmax(0, std::real(r.vacuum(s, s)))); })};
+  for (NamedNoise const& n : model.noises)
+    all.push_back(row(n.cause.name, [&](Sum const& s) {
+      return std::abs(response_to(s.response, model.network, n.cause, hz)) * n.asd(hz);
+    }));
+  return all;
+}
+
 }  // namespace
+
+std::vector<LoopCurve> loop_curves(NetworkModel const& model, std::vector<double> const& hz) {
+  std::vector<LoopCurve> curves;
+  for (ControlledLength const& c : model.controlled) {
+    if (c.loop.kind != ControlLoop::Kind::closed) continue;
+    LoopCurve& curve = curves.emplace_back(LoopCurve{c.freedom.name});
+    Band const known = c.loop.open_loop.range();
+    for (double const f : hz) {
+      bool const inside = f >= known.low && f <= known.high;
+      curve.open_loop.push_back(inside ? std::conj(c.loop.open_loop(f)) : not_a_number);
+      curve.suppressed.push_back(inside ? suppression(curve.open_loop.back()) : not_a_number);
+    }
+  }
+  return curves;
+}
+
+StrainNoise strain_noise(NetworkModel const& model, std::vector<double> const& hz) {
+  SteadyField const field(model.network);
+  NetworkModel read = model;
+  read.subtracted.clear();
+  StrainNoise noise{.hz = hz, .names = {"vacuum"}};
+  for (NamedNoise const& n : model.noises) noise.names.push_back(n.cause.name);
+  noise.asd.resize(noise.names.size());
+  auto const asd = [](CalibratedStrain const& r) {
+    CalibratedStrain::Sum const whole = r.whole();
+    return std::sqrt(std::real(r.spectrum(whole, whole))) / std::abs(r.calibration());
+  };
+  for (double const f : hz) {
+    CalibratedStrain const strain(model, field, f);
+    CalibratedStrain::Sum const whole = strain.whole();
+    double const per_strain = 1 / std::abs(strain.calibration());
+    noise.asd[0].push_back(per_strain * std::sqrt(std::real(strain.vacuum(whole, whole))));
+    for (std::size_t i = 0; i < model.noises.size(); ++i)
+      noise.asd[i + 1].push_back(per_strain * model.noises[i].asd(f) *
+                                 std::abs(response_to(whole.response, model.network, model.noises[i].cause, f)));
+    noise.total.push_back(asd(strain));
+    if (!model.subtracted.empty()) noise.as_read.push_back(asd(CalibratedStrain(read, field, f)));
+  }
+  return noise;
+}
 
 LoopTable loop_table(NetworkModel const& model, double hz, Band const& band) {
   SteadyField const field(model.network);
   CalibratedStrain const r(model, field, hz);
   LoopTable table{.hz = hz};
   for (std::size_t i = 0; i < model.controlled.size(); ++i) {
-    table.loops.push_back(row_of(model, field, r, i, hz, band));
+    table.loops.push_back(row_of(model, r, i, hz, band));
     if (table.loops.back().sensor != "held") table.lengths.push_back(table.loops.back().length);
   }
+  table.noise = noises_by_loop(model, r, hz);
+  for (std::size_t i = 0; i < model.subtracted.size(); ++i)
+    table.subtracted.push_back(
+        {model.subtracted[i].channel.name, !model.subtracted[i].filter, std::conj(r.filters()[Eigen::Index(i)])});
   double const least = dark * largest_power(model.network, field);
   for (NamedWay const& w : model.entrances)
     for (bool const phase : {true, false})

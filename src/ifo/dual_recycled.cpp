@@ -436,8 +436,8 @@ std::string RecycledInterferometer::description() const {
              "{:g} nm, L {:g} m, P {:.5g} W per arm from "
              "{:.4g} W, M {:g} kg, signal recycling {:g} % tuned to {:g} deg, at {:g} Hz Gamma of "
              "eq. 9.2 {:.4g} and gain of a field in the arm without radiation pressure {:.4g}, f_p {:.4g} Hz",
-             name_, wave_text(model_->network()), readout, describe(asked_.controlled), p.wavelength * 1e9,
-             p.arm_length, model_->arm_power(), p.input_power, p.mirror_mass, 100 * p.signal_recycling_transmission,
+             name_, wave_text(model_->network()), readout, describe(asked_), p.wavelength * 1e9, p.arm_length,
+             model_->arm_power(), p.input_power, p.mirror_mass, 100 * p.signal_recycling_transmission,
              p.signal_recycling_tuning * 180 / pi, hz, gain, std::abs(model_->stray_gain(hz)), model_->pole()) +
          (model_->changed() ? ", network changed by the scene" : "") + describe(ports_, *this, band_);
 }
@@ -524,6 +524,7 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   std::string const readout = read_by(table, asked, *solved->detector);
   refuse_a_blind_readout(table, model, band);
   read_control_loops(table, asked, band);
+  read_subtracted_channels(table, asked, band);
   if (table.healthy()) check_control_loops(table, asked, model.field(), band);
   warn_of_other_arms(table, ports, entries, model.arm_power(), p.arm_length);
   auto ifo = std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(solved->detector), entries,

@@ -92,7 +92,8 @@ std::vector<NamedWay> DualRecycled::entrances() const {
   return all;
 }
 
-Injection DualRecycled::injection(InjectionPoint injection_point) const {
+std::optional<Injection> injection_in(Network const& network, SteadyField const& field,
+                                      InjectionPoint injection_point) {
   struct Way {
     char const* component;
     std::uint32_t port;
@@ -113,14 +114,29 @@ Injection DualRecycled::injection(InjectionPoint injection_point) const {
                                                             {"PRM", 0, false, true, 0},
                                                             {"PRM", 0, false, false, 0}}};
   Way const& way = ways[std::size_t(injection_point)];
-  std::uint32_t const port = network_.number_of({network_.find(way.component), way.port});
-  Injection i{port, way.joins_leaving, way.of_leaving, way.turn};
+  auto const id = network.search(way.component);
+  if (!id || way.port >= network.at(*id).ports) return {};
+  Injection i{network.number_of({*id, way.port}), way.joins_leaving, way.of_leaving, way.turn};
   if (is_at_the_splitter(injection_point)) {
     StrayWay back = way_of(i);
-    turn_to_local_light(back, network_, *field_);
+    turn_to_local_light(back, network, field);
     i.turn = back.turn;
   }
   return i;
 }
+
+std::optional<NamedWay> entrance_in(Network const& network, SteadyField const& field, InjectionPoint e) {
+  auto const i = injection_in(network, field, e);
+  if (!i) return {};
+  NamedWay way{std::string(entrance_names[std::size_t(e)]), way_of(*i)};
+  if (e == InjectionPoint::through_end) {
+    auto const* end = std::get_if<MirrorParameters>(&network.at(network.owner_of(i->port)).stated);
+    if (!end) return {};
+    way.share = 1 / end->transmission;
+  }
+  return way;
+}
+
+Injection DualRecycled::injection(InjectionPoint e) const { return injection_in(network_, *field_, e).value(); }
 
 }  // namespace straytrace::ifo

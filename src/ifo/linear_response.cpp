@@ -93,13 +93,11 @@ class System {
       add_space(s, network.spaces()[s].to, network.spaces()[s].from);
     }
   }
-  Layout const& layout() const { return at_; }
-  Eigen::VectorXcd weights(Eigen::VectorXcd const& readout) const {
+  Sparse matrix() const {
     Sparse matrix(size_, size_);
     matrix.setFromTriplets(entries_.begin(), entries_.end());
-    return solved(matrix, readout, "small signals");
+    return matrix;
   }
-  Eigen::Index size() const { return size_; }
 
  private:
   void depends(Eigen::Index what, Eigen::Index on, Phasor factor) { entries_.emplace_back(on, what, -factor); }
@@ -208,10 +206,14 @@ Eigen::MatrixXcd with_modes(Eigen::MatrixXcd const& ports, Network::Component co
 
 }  // namespace
 
-LinearResponse::LinearResponse(Network const& network, SteadyField const& field, Readout const& readout, double hz)
-    : network_(network), field_(field) {
-  System const system(network, field, hz);
-  weight_ = system.weights(row_of(readout, field, system.layout(), system.size()));
+SmallSignals::SmallSignals(Network const& network, SteadyField const& field, double hz)
+    : network_(network),
+      field_(field),
+      solver_(std::make_shared<SparseSolver>(System(network, field, hz).matrix(), "small signals")) {}
+
+Eigen::VectorXcd SmallSignals::weights(Readout const& r) const {
+  Layout const at(network_, field_);
+  return solver_->solve(row_of(r, field_, at, at.displacement(network_.components().size())));
 }
 
 Phasor LinearResponse::to_displacement(ComponentId id) const {
@@ -245,23 +247,34 @@ double LinearResponse::seen_quadrature(std::uint32_t port) const {
   return -std::arg(of_leaving(port, 0) * std::conj(of_leaving(port, 1))) / 2;
 }
 
-double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const {
+// Calls port(start, size) of the weights at every open port, and loss(start, size, missing) where losses of a component
+// add vacuum: 1 - S S*.
+template <class Port, class Loss>
+void LinearResponse::each_vacuum(Port const& port, Loss const& loss) const {
   Layout const at(network_, field_);
   std::vector<bool> open(network_.ports(), true);
   for (Network::Space const& s : network_.spaces()) open[s.from] = open[s.to] = false;
-  double sum = 0;
   for (int side : {0, 1})
     for (std::size_t n = 0; n < field_.carriers().size(); ++n) {
       for (std::uint32_t p = 0; p < network_.ports(); ++p)
-        if (open[p]) sum += weight_.segment(at.field(false, side, n, p, 0), at.modes).squaredNorm();
-      for (Network::Component const& c : network_.components()) {  // losses add vacuum: 1 - S S*
+        if (open[p]) port(at.field(false, side, n, p, 0), at.modes);
+      for (Network::Component const& c : network_.components()) {
         if (!c.bands.empty()) continue;
         Eigen::MatrixXcd const s = with_modes(network_.scattering(c, field_.carriers()[n]), c, field_.bases());
         Eigen::MatrixXcd const missing = Eigen::MatrixXcd::Identity(s.rows(), s.rows()) - s * s.adjoint();
-        Eigen::VectorXcd const y = weight_.segment(at.field(true, side, n, c.first_port, 0), s.rows()).conjugate();
-        sum += std::real(y.dot((side == 0 ? missing : missing.conjugate()) * y));
+        loss(at.field(true, side, n, c.first_port, 0), s.rows(),
+             Eigen::MatrixXcd(side == 0 ? missing : missing.conjugate()));
       }
     }
+}
+
+double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const {
+  double sum = 0;
+  each_vacuum([&](Eigen::Index start, Eigen::Index size) { sum += weight_.segment(start, size).squaredNorm(); },
+              [&](Eigen::Index start, Eigen::Index size, Eigen::MatrixXcd const& missing) {
+                Eigen::VectorXcd const y = weight_.segment(start, size).conjugate();
+                sum += std::real(y.dot(missing * y));
+              });
   for (Squeezing const& s : squeezed) {
     Phasor const upper = of_leaving(s.port, 0) * std::polar(1.0, s.angle),
                  lower = of_leaving(s.port, 1) * std::polar(1.0, -s.angle);
@@ -269,6 +282,18 @@ double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const 
     sum += std::real(Phasor(quadratures * s.covariance * quadratures.adjoint())) - quadratures.squaredNorm();
   }
   // Each sideband of the vacuum has half a quantum per Hz; a read-out D has the one-sided PSD |D|^2/2.
+  return hbar * network_.wavenumber() * speed_of_light / 4 * sum;
+}
+
+Phasor LinearResponse::vacuum_correlation(LinearResponse const& other) const {
+  Phasor sum = 0;
+  each_vacuum([&](Eigen::Index start,
+                  Eigen::Index size) { sum += other.weight_.segment(start, size).dot(weight_.segment(start, size)); },
+              [&](Eigen::Index start, Eigen::Index size, Eigen::MatrixXcd const& missing) {
+                Eigen::VectorXcd const a = weight_.segment(start, size).conjugate(),
+                                       b = other.weight_.segment(start, size).conjugate();
+                sum += a.dot(missing * b);
+              });
   return hbar * network_.wavenumber() * speed_of_light / 4 * sum;
 }
 

@@ -33,7 +33,7 @@ std::array<double, 2> focusing(Component const& c, std::uint32_t out, std::uint3
   if (!c.reflects(out, in)) return {0, 0};
   auto const& p = std::get<MirrorParameters>(c.stated);
   double const cosine = std::cos(p.incidence), side = in < c.ports / 2 ? 1 : -1;
-  return {side * 2 * p.curvature / cosine, side * 2 * p.curvature * cosine};
+  return {side * 2 * p.curvature / cosine, side * 2 * p.curvature_across.value_or(p.curvature) * cosine};
 }
 
 struct RayMatrix2 {
@@ -268,32 +268,43 @@ Eigen::MatrixXcd ModeBases::kept(Eigen::MatrixXcd const& all) const {
 
 // In the frame of the leaving light. A turn about y takes the light of both sides toward +x of its frame; one about x
 // takes that of the back the other way.
-Eigen::MatrixXcd ModeBases::coupled(Component const& c, std::uint32_t out, std::uint32_t in) const {
+Eigen::MatrixXcd ModeBases::changed_basis(Component const& c, std::uint32_t out, std::uint32_t in) const {
   auto const count = Eigen::Index(orders_.size());
   BeamCurvature brought = through(c, out, in, entering(c.first_port + in));
   BeamCurvature const& basis = leaving_[c.first_port + out];
-  bool const matched = same(brought, basis), reflects = c.reflects(out, in);
+  bool const matched = same(brought, basis);
   std::array<double, 2> kick{};
-  if (reflects) {
+  if (c.reflects(out, in)) {
     auto const& p = std::get<MirrorParameters>(c.stated);
     double const side = in < c.ports / 2 ? 1 : -1;
     kick = {2 * wave_number_ * p.tilt[0], side * 2 * wave_number_ * std::cos(p.incidence) * p.tilt[1]};
   }
-  Eigen::MatrixXcd k = Eigen::MatrixXcd::Identity(count, count);
   if (matched) brought = basis;
-  if (!matched || kick[0] != 0 || kick[1] != 0)
-    k = kept(mode_coupling({brought[0], basis[0], kick[0]}, {brought[1], basis[1], kick[1]}, wave_number_, order_));
-  if (auto const* stop = std::get_if<ApertureParameters>(&c.stated); stop && stop->radius < infinity) {
-    auto const w = [&](int axis) { return std::sqrt(2 / (wave_number_ * basis[axis].imag())); };
-    double const side = in == 0 ? 1 : -1;  // the light that runs back has x turned round
-    k = kept(stop_coupling({stop->radius, {side * stop->offset[0], stop->offset[1]}}, {w(0), w(1)}, order_)
-                 .cast<Complex>()) *
-        k;
-  }
-  if (reflects)
-    for (Eigen::Index j = 0; j < count; ++j)
-      if (orders_[j][0] % 2 != 0) k.col(j) = -k.col(j);
+  if (matched && kick[0] == 0 && kick[1] == 0) return Eigen::MatrixXcd::Identity(count, count);
+  return kept(mode_coupling({brought[0], basis[0], kick[0]}, {brought[1], basis[1], kick[1]}, wave_number_, order_));
+}
+
+Eigen::MatrixXcd ModeBases::passed(Component const& c, std::uint32_t in) const {
+  auto const& stop = std::get<ApertureParameters>(c.stated);
+  BeamCurvature const& basis = leaving_[c.first_port + 1 - in];
+  auto const w = [&](int axis) { return std::sqrt(2 / (wave_number_ * basis[axis].imag())); };
+  double const side = in == 0 ? 1 : -1;  // the light that runs back has x turned round
+  return kept(
+      stop_coupling({stop.radius, {side * stop.offset[0], stop.offset[1]}}, {w(0), w(1)}, order_).cast<Complex>());
+}
+
+Eigen::MatrixXcd ModeBases::coupled(Component const& c, std::uint32_t out, std::uint32_t in) const {
+  Eigen::MatrixXcd k = changed_basis(c, out, in);
+  if (c.kind == Component::Kind::aperture) k = passed(c, in) * k;
+  if (c.reflects(out, in))
+    for (Eigen::Index j = 0; j < k.cols(); ++j)
+      if (orders_[std::size_t(j)][0] % 2 != 0) k.col(j) = -k.col(j);
   return k;
+}
+
+double ModeBases::stopped(Component const& c, std::uint32_t in, Eigen::VectorXcd const& entering) const {
+  Eigen::VectorXcd const a = changed_basis(c, 1 - in, in) * entering;
+  return a.squaredNorm() - std::real(a.dot(passed(c, in) * a));
 }
 
 Eigen::VectorXcd ModeBases::emitted(Component const& c) const {

@@ -69,12 +69,18 @@ class ModeBases {
   }
   // Factor of a mode along a space, e^{-i(n psi_x + m psi_y)}: the phase of 00 is part of that of the space.
   Phasor turn(std::size_t space, std::size_t mode) const { return turns_[space][Eigen::Index(mode)]; }
+  // W that an aperture keeps of the light that enters at `in`, what it scatters to higher modes counted as passed: of
+  // modes a on the open area, |a|^2 - a* S a (eq. N.11).
+  double stopped(Network::Component const&, std::uint32_t in, Eigen::VectorXcd const& entering) const;
   // Unit vector of the light of a laser.
   Eigen::VectorXcd emitted(Network::Component const&) const;
 
  private:
   static constexpr std::size_t most_ports = 4;
   Eigen::MatrixXcd coupled(Network::Component const&, std::uint32_t out, std::uint32_t in) const;
+  // Modes of the basis that leaves, of those that enter: without an aperture and the turn of x of a reflection.
+  Eigen::MatrixXcd changed_basis(Network::Component const&, std::uint32_t out, std::uint32_t in) const;
+  Eigen::MatrixXcd passed(Network::Component const& aperture, std::uint32_t in) const;
   Eigen::MatrixXcd kept(Eigen::MatrixXcd const& all) const;  // the modes in use, of all with n + m <= order
 
   double wave_number_;

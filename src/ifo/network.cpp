@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ifo/network.hpp"
 
-#include <Eigen/SparseLU>
-
 #include <algorithm>
 #include <optional>
 #include <stdexcept>
@@ -12,14 +10,16 @@
 
 namespace straytrace::ifo {
 
-Eigen::VectorXcd solved(Sparse const& matrix, Eigen::VectorXcd const& right, char const* what) {
-  Eigen::SparseLU<Sparse> solver;
-  solver.compute(matrix);
+SparseSolver::SparseSolver(Sparse matrix, char const* what) : matrix_(std::move(matrix)), what_(what) {
+  factors_.compute(matrix_);
+}
+
+Eigen::VectorXcd SparseSolver::solve(Eigen::VectorXcd const& right) const {
   Eigen::VectorXcd x;
-  if (solver.info() == Eigen::Success) x = solver.solve(right);
-  bool const good = solver.info() == Eigen::Success && x.allFinite() &&
-                    (matrix * x - right).norm() <= 1e-12 * (matrix.norm() * x.norm() + right.norm());
-  if (!good) throw NumericalError(std::string("the network has no unique solution for ") + what);
+  if (factors_.info() == Eigen::Success) x = factors_.solve(right);
+  bool const good = factors_.info() == Eigen::Success && x.allFinite() &&
+                    (matrix_ * x - right).norm() <= 1e-12 * (matrix_.norm() * x.norm() + right.norm());
+  if (!good) throw NumericalError(std::string("the network has no unique solution for ") + what_);
   return x;
 }
 
@@ -229,8 +229,10 @@ void Network::move(ComponentId id, double displacement) {
   if (auto* p = std::get_if<MirrorParameters>(&c.stated)) p->displacement = displacement;
 }
 
-void Network::shape(ComponentId id, std::optional<double> curvature, std::optional<std::array<double, 2>> tilt) {
+void Network::shape(ComponentId id, std::optional<double> curvature, std::optional<std::array<double, 2>> tilt,
+                    std::optional<double> curvature_across) {
   auto& p = std::get<MirrorParameters>(components_.at(id.value).stated);
+  if (curvature) p.curvature_across = curvature_across;
   p.curvature = curvature.value_or(p.curvature);
   p.tilt = tilt.value_or(p.tilt);
 }

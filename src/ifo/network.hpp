@@ -49,6 +49,7 @@ struct MirrorParameters {
   Suspension suspension{};
   // Without effect on plane waves. 1/RoC, 1/m: positive when concave seen from the front.
   double curvature = 0;
+  std::optional<double> curvature_across{};  // across the plane of incidence, where it is another one
   // rad, about y and about x: the light that the front reflects turns by twice as much along x and y of its own frame.
   // The plane of incidence is that of x.
   std::array<double, 2> tilt{};
@@ -155,7 +156,8 @@ class Network {
   void change(std::size_t space, double length, double phase);
   void move(ComponentId, double displacement);  // m, sets MirrorParameters::displacement
   // Curvature and tilt of a mirror or splitter; what is not given stays.
-  void shape(ComponentId, std::optional<double> curvature, std::optional<std::array<double, 2>> tilt);
+  void shape(ComponentId, std::optional<double> curvature, std::optional<std::array<double, 2>> tilt,
+             std::optional<double> curvature_across = {});
   void hold();                                      // nothing yields to forces
   ComponentId find(std::string const& name) const;  // throws std::out_of_range
   std::optional<ComponentId> search(std::string const& name) const;
@@ -195,7 +197,8 @@ class Network {
   std::optional<ModeSettings> modes_;
 };
 
-class ModeBases;  // ifo/mode_bases.hpp
+class ModeBases;     // ifo/mode_bases.hpp
+class SparseSolver;  // ifo/network_ways.hpp
 
 // The steady light in a network.
 class SteadyField {
@@ -321,10 +324,27 @@ struct Injection {
   double turn = 0;
 };
 
+// The equations of small signals at one frequency, factored: shared by all read-outs.
+class SmallSignals {
+ public:
+  SmallSignals(Network const&, SteadyField const&, double hz);
+  Eigen::VectorXcd weights(Readout const&) const;  // of every equation in the read-out
+  Network const& network() const { return network_; }
+  SteadyField const& field() const { return field_; }
+
+ private:
+  Network const& network_;
+  SteadyField const& field_;
+  std::shared_ptr<SparseSolver const> solver_;
+};
+
 class LinearResponse {
  public:
   // One solution gives the response to every cause.
-  LinearResponse(Network const&, SteadyField const&, Readout const&, double hz);
+  LinearResponse(Network const& n, SteadyField const& f, Readout const& r, double hz)
+      : LinearResponse(SmallSignals(n, f, hz), r) {}
+  LinearResponse(SmallSignals const& s, Readout const& r)
+      : network_(s.network()), field_(s.field()), weight_(s.weights(r)) {}
 
   Phasor to_displacement(ComponentId) const;  // per m that an actuator or the ground adds
   // Stray field s (docs/theory/interferometer.md), of the light entering this port of a component by default: s = i
@@ -340,8 +360,14 @@ class LinearResponse {
   double seen_quadrature(std::uint32_t port) const;
   // One-sided PSD of the read-out from the vacuum that enters at losses and open ports, squared units per Hz.
   double quantum_noise(std::span<Squeezing const> = {}) const;
+  // One-sided cross spectrum with another read-out at the same frequency from that vacuum, <this other*>.
+  Phasor vacuum_correlation(LinearResponse const& other) const;
+  // Becomes the response of this read-out plus `factor` times the other.
+  void add(Phasor factor, LinearResponse const& other) { weight_ += factor * other.weight_; }
 
  private:
+  template <class Port, class Loss>
+  void each_vacuum(Port const& port, Loss const& loss) const;
   Phasor injected(Injection const&, Phasor upper, Phasor lower) const;
   Phasor of_leaving(std::uint32_t port, int side) const;  // weight around carrier 0
 

@@ -44,8 +44,9 @@ std::string NetworkInterferometer::description() const {
   StrainScale const& s = *model_.strain;
   return fmt::format(
              "network of the scene, {} with radiation pressure: read-out '{}' calibrated as '{}' over {:g} m, "
-             "no length held; lambda {:g} nm",
-             wave_text(model_.network), readout_, s.freedom.name, s.length, model_.network.wavelength() * 1e9) +
+             "no length held{}; lambda {:g} nm",
+             wave_text(model_.network), readout_, s.freedom.name, s.length, describe(model_),
+             model_.network.wavelength() * 1e9) +
          describe(ports_, *this, band_);
 }
 
@@ -85,7 +86,7 @@ std::optional<Stated> read_strain(Node const& interferometer, NetworkModel const
 // What a port of a network without a preset needs.
 void refuse_ports_without_beams(Node const& table, std::vector<PortEntry> const& entries) {
   for (PortEntry const& e : entries)
-    if (e.at.empty() && !has_response_files(table, e.name))
+    if (e.at.empty() && !table["ports"][e.name].has("at") && !has_response_files(table, e.name))
       place_of_entrance(table, e.name)
           .problem(fmt::format("the network does not say where light of port '{}' joins", e.name),
                    fmt::format("name the beam that it joins: 'ports: {{{}: {{at: ITM.front.in}}}}'", e.name));
@@ -101,6 +102,15 @@ void refuse_dark_places(Node const& table, NetworkInterferometer const& ifo, std
           .problem(fmt::format("no light comes from '{}', so a relative stray field is not defined",
                                beam_name(ifo.network()->network, e.way->lit.beam)),
                    "name the beam whose light is scattered by 'lit_by'");
+}
+
+// Without a response to the degree of freedom nothing becomes strain.
+void refuse_blind_strain(Node const& strain, NetworkInterferometer const& ifo, Band const& band) {
+  StrainScale const& s = *ifo.network()->strain;
+  if (!sees(ifo.network()->network, ifo.field(), s.readout, s.freedom, std::sqrt(band.low * band.high)))
+    strain["readout"].problem(
+        fmt::format("'{}' does not respond to '{}'", strain["readout"].text(), s.freedom.name),
+        "name a read-out with light that changes with it; at a dark fringe or the top of a resonance, state an offset");
 }
 
 }  // namespace
@@ -120,11 +130,14 @@ std::unique_ptr<Interferometer> read_network_interferometer(Node const& table, s
   if (!model || !table.healthy()) return nullptr;
   auto const strain = read_strain(table, *model);
   resolve_beams(table, model->network, 1, entries);
+  resolve_places(table, model->network, entries);
   if (!strain || !table.healthy()) return nullptr;
   model->strain = strain->scale;
   add_entrances(entries, *model);
+  read_subtracted_channels(table, *model, band);
   auto ifo = std::make_unique<NetworkInterferometer>(*std::move(model), strain->readout, entries, band);
   refuse_dark_places(table, *ifo, entries);
+  if (table.healthy()) refuse_blind_strain(table["strain"], *ifo, band);
   return table.healthy() ? std::move(ifo) : nullptr;
 }
 

@@ -73,7 +73,8 @@ void apply(NetworkChanges const& changes, Network& network) {
     else
       network.add(c);
   }
-  for (NetworkChanges::Shape const& s : changes.shapes) network.shape(network.find(s.component), s.curvature, s.tilt);
+  for (NetworkChanges::Shape const& s : changes.shapes)
+    network.shape(network.find(s.component), s.curvature, s.tilt, s.curvature_across);
   for (NetworkChanges::Space const& s : changes.spaces) {
     NetworkPort const from = port_of(network, s.from), to = port_of(network, s.to);
     for (NetworkPort const p : {from, to}) network.unlink(network.number_of(p));

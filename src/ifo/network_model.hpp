@@ -88,6 +88,13 @@ struct ControlLoop {
   // Share of the way from the actuator to the read-out of strain that a feed-forward filter subtracts; 1: all of it.
   spectra::TransferFunction feedforward{};
 };
+// A read-out whose signal, filtered, is added to that of strain.
+struct SubtractedChannel {
+  NamedReadout channel{};
+  // Read-out of strain per unit of the channel; nothing: the filter of the least noise, of the stated noises and the
+  // vacuum.
+  std::optional<spectra::TransferFunction> filter{};
+};
 struct ControlledLength {
   Readout length{};  // its displacement, m
   NamedFreedom freedom{};
@@ -103,6 +110,7 @@ struct NetworkModel {
   std::vector<NamedWay> entrances{};
   std::optional<StrainScale> strain{};
   std::vector<ControlledLength> controlled{};
+  std::vector<SubtractedChannel> subtracted{};
 
   NamedReadout const* readout(std::string const& name) const;
   NamedFreedom const* freedom(std::string const& name) const;
@@ -126,6 +134,7 @@ struct NetworkChanges {
     std::string component;
     std::optional<double> curvature{};
     std::optional<std::array<double, 2>> tilt{};
+    std::optional<double> curvature_across{};
   };
   std::vector<Network::Component> components;
   std::vector<Space> spaces;

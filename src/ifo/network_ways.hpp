@@ -2,7 +2,7 @@
 // All ways of light through the components and spaces of a network, and sparse linear systems. Inside the module.
 #pragma once
 
-#include <Eigen/SparseCore>
+#include <Eigen/SparseLU>
 
 #include <cmath>
 #include <cstdint>
@@ -99,7 +99,19 @@ void for_each_beat(std::span<double const> carriers, double hz, Beat const& beat
 using Sparse = Eigen::SparseMatrix<Phasor>;
 using Entries = std::vector<Eigen::Triplet<Phasor>>;
 
-// Solves for one right-hand side; checks the residual (a backward error).
-Eigen::VectorXcd solved(Sparse const& matrix, Eigen::VectorXcd const& right, char const* what);
+// A factored matrix. solve() checks the residual (a backward error); NumericalError names `what` has no solution.
+class SparseSolver {
+ public:
+  SparseSolver(Sparse matrix, char const* what);
+  Eigen::VectorXcd solve(Eigen::VectorXcd const& right) const;
+
+ private:
+  Sparse matrix_;
+  char const* what_;
+  Eigen::SparseLU<Sparse> factors_;
+};
+inline Eigen::VectorXcd solved(Sparse matrix, Eigen::VectorXcd const& right, char const* what) {
+  return SparseSolver(std::move(matrix), what).solve(right);
+}
 
 }  // namespace straytrace::ifo

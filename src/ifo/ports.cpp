@@ -286,6 +286,35 @@ void add_entrances(std::vector<PortEntry> const& entries, NetworkModel& model) {
   }
 }
 
+void resolve_places(Node const& interferometer, Network const& network, std::vector<PortEntry>& entries) {
+  if (!interferometer.healthy()) return;
+  std::optional<SteadyField> field;
+  for (PortEntry& e : entries) {
+    Node const at = interferometer["ports"][e.name]["at"];
+    if (!e.at.empty() || !at) continue;
+    if (!field) field.emplace(network);
+    auto const place = entrance_in(network, *field, e.injection_point);
+    if (!place) {
+      at.problem("this network has no such place", "name a beam of it: PRM.back.in");
+      continue;
+    }
+    e.at = place->name;
+    e.way = place->way;
+    e.field_share *= place->share;
+  }
+}
+
+void read_entrances(Node const& interferometer, std::vector<TracedPort> const& ports, NetworkModel& model) {
+  std::vector<PortEntry> entries = read_port_entries(interferometer, ports, 1);
+  for (PortEntry const& e : entries)
+    if (Node const entry = interferometer["ports"][e.name]; entry.kind() == Node::Kind::table && !entry.has("at"))
+      entry.lack("at", fmt::format("the entrance '{}' has no 'at'", e.name),
+                 "name the beam that light joins: ITM.front.in");
+  resolve_beams(interferometer, model.network, 1, entries);
+  resolve_places(interferometer, model.network, entries);
+  add_entrances(entries, model);
+}
+
 Node place_of_entrance(Node const& interferometer, std::string const& port) {
   Node const ports = interferometer["ports"], entry = ports ? ports[port] : Node(), at = entry ? entry["at"] : Node();
   return at ? at : entry ? entry : interferometer;

@@ -39,6 +39,13 @@ std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector
 void resolve_beams(Node const& interferometer, Network const&, double arms, std::vector<PortEntry>&);
 // Ports with beams become entrances of the model, in the place of those of their name.
 void add_entrances(std::vector<PortEntry> const&, NetworkModel&);
+// The place of a preset in any network that has its mirror; nothing where it has none.
+std::optional<Injection> injection_in(Network const&, SteadyField const&, InjectionPoint);
+std::optional<NamedWay> entrance_in(Network const&, SteadyField const&, InjectionPoint);
+// Ports of a network without a preset that name a place of a preset in `at`.
+void resolve_places(Node const& interferometer, Network const&, std::vector<PortEntry>&);
+// The entrances that the table `ports` of a network alone names.
+void read_entrances(Node const& interferometer, std::vector<TracedPort> const&, NetworkModel&);
 // The node that states where light of this port joins; the nearest table above when there is none.
 Node place_of_entrance(Node const& interferometer, std::string const& port);
 // Whether files give the response of this port instead of the model of the interferometer.

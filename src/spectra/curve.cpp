@@ -59,6 +59,14 @@ Curve parse_curve(std::string_view text, std::size_t frequency_column, std::size
   return curve_of(parse_numbers(text), frequency_column, value_column);
 }
 
+Curve read_two_columns(Node const& file, std::string const& remedy) {
+  auto const table = read_numbers(file, 2, remedy);
+  if (!table) return {};
+  Curve curve = curve_of(*table);
+  for (Problem const& p : curve.problems) file.file_problem(file.text(), p.place.line, p.place.column, p.what, remedy);
+  return curve;
+}
+
 Curve parse_named_curve(std::string_view text, std::span<std::string_view const> names) {
   NumberTable const table = parse_numbers(text, NonFinite::kept);
   if (!table.problems.empty() || table.column.size() <= 2) return parse_curve(text);

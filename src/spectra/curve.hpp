@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/errors.hpp"
+#include "base/input/table.hpp"
 
 namespace straytrace::io {
 struct NumberTable;  // io/delimited_text.hpp
@@ -34,6 +35,9 @@ struct Curve {
 // Columns are counted from 1.
 Curve curve_of(NumberTable const&, std::size_t frequency_column = 1, std::size_t value_column = 2);
 Curve parse_curve(std::string_view text, std::size_t frequency_column = 1, std::size_t value_column = 2);
+
+// A file that a scene names, of two columns and no more. Empty, with problems of the scene, where it is not.
+Curve read_two_columns(Node const& file, std::string const& remedy);
 
 // Columns of our own text files that hold an ASD of strain: of budget.txt and of h_asd.txt.
 constexpr std::string_view strain_columns[] = {"total_strain", "h_mean"};

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws a scan, a response, a noise or error signals of a network: python3 -m straytrace.plots.ifo ifo.json -o ifo.png"""
+"""Draws a scan, a response, a noise, loops or error signals of a network: python3 -m straytrace.plots.ifo ifo.json -o ifo.png"""
 
 import sys
 
@@ -89,17 +89,36 @@ def draw_map(rows, units):
     return figure, []
 
 
-def draw_noise(rows, units, words):
+def draw_noise(rows, units, of):
     figure, axes = plt.subplots(figsize=(9, 6), dpi=100)
     hz = [row["frequency"] for row in rows]
-    for i, name in enumerate(key for key in rows[0] if key not in ("frequency", "total")):
+    if "as_read" in rows[0]:
+        axes.loglog(hz, [row["as_read"] if row["as_read"] is not None else np.nan for row in rows], label="without subtraction",
+                    color="black", lw=1, ls="--")
+    for i, name in enumerate(key for key in rows[0] if key not in ("frequency", "total", "as_read")):
         axes.loglog(hz, [row[name] if row[name] is not None else np.nan for row in rows], label=name,
                     color=ROUTE_COLOURS[i % len(ROUTE_COLOURS)])
     axes.loglog(hz, [row["total"] if row["total"] is not None else np.nan for row in rows], label="total", color="black", lw=2)
     axes.set_xlabel("frequency [Hz]")
-    axes.set_ylabel(f"noise of {words[1]} [{units['total']}]")
+    axes.set_ylabel(f"noise of {of} [{units['total']}]")
     axes.legend()
     return figure, [axes]
+
+
+def draw_suppression(rows):
+    """Suppression of each loop, and its gain, over frequency."""
+    figure, panels = plt.subplots(2, 1, sharex=True, figsize=(9, 7), dpi=100)
+    hz = [row["frequency"] for row in rows]
+    lengths = [key.removeprefix("gain_") for key in rows[0] if key.startswith("gain_")]
+    for i, length in enumerate(lengths):
+        for axes, key in zip(panels, (length, f"gain_{length}")):
+            axes.loglog(hz, [row[key] if row[key] is not None else np.nan for row in rows], label=length,
+                        color=ROUTE_COLOURS[i % len(ROUTE_COLOURS)])
+    panels[0].set_ylabel("suppression |1/(1 + G)|")
+    panels[1].set_ylabel("open-loop gain |G|")
+    panels[1].set_xlabel("frequency [Hz]")
+    panels[0].legend(frameon=False)
+    return figure, panels
 
 
 def draw_radar(rows):
@@ -128,13 +147,19 @@ def draw_radar(rows):
 
 def draw(answer):
     words = answer["show"]
-    rows, units = answer[words[0]], answer["units"][words[0]] or {}
+    sheet = {"noise": "strain_noise"}.get(words[1], words[1]) if words[0] == "loops" else words[0]
+    rows, units = answer[sheet], answer["units"][sheet] or {}
     if words[0] == "errors":
         figure, panels = draw_radar(rows)
     elif words[0] == "noise":
-        figure, panels = draw_noise(rows, units, words)
+        figure, panels = draw_noise(rows, units, words[1])
+    elif sheet == "strain_noise":
+        figure, panels = draw_noise(rows, units, "the strain")
+    elif sheet == "suppression":
+        figure, panels = draw_suppression(rows)
     elif words[0] in ("transfer", "stray"):
-        figure, panels = (draw_stray if words[0] == "stray" else draw_transfer)(rows, units, words)
+        stray = words[0] == "stray" or words[1].startswith("stray:")
+        figure, panels = (draw_stray if stray else draw_transfer)(rows, units, [words[0], words[1].removeprefix("stray:"), words[2]])
     else:
         figure, panels = draw_map(rows, units) if len(words) == 7 else draw_scan(rows, units)
     for axes in panels:
@@ -144,7 +169,7 @@ def draw(answer):
 
 
 def main(arguments=None):
-    return draw_file(arguments, "ifo", "Draws a scan, a response, a noise or error signals of a network.",
+    return draw_file(arguments, "ifo", "Draws a scan, a response, a noise, loops or error signals of a network.",
                      "answer of straytrace ifo --format json with the key 'show'", draw)
 
 

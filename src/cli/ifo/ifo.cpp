@@ -19,17 +19,19 @@
 #include "results/curves/curve_file.hpp"
 #include "results/text/picture.hpp"
 #include "session/build_info.hpp"
+#include "session/diagnostics.hpp"
 #include "session/light/optical_network.hpp"
 
 namespace straytrace::cli {
 namespace {
 
+constexpr char const *whole_band = "1 Hz, 10 kHz", *usual_frequency = "10 Hz";
 constexpr std::size_t points_of_curve = 201, points_of_map = 41, most_points = 1000000;
 
 struct IfoOptions : SceneOptions {
   std::vector<std::string> show = {"point"};
-  std::string band = "1 Hz, 10 kHz", at = "10 Hz", plot, referred, page;
-  std::size_t points = 0;  // 0: as many as fit what is shown
+  std::string band, at, plot, referred, page;  // band, at: empty for the default
+  std::size_t points = 0;                      // 0: as many as fit what is shown
   bool csv = false;
 };
 
@@ -47,7 +49,7 @@ std::array<Request, 11> const& requests() {
                                                {"transfer", {"FROM", "TO"}},
                                                {"sensing", {}},
                                                {"noise", {"READOUT"}},
-                                               {"loops", {}},
+                                               {"loops", {"CURVE"}, true},
                                                {"stray", {"ENTRANCE", "READOUT"}, true},
                                                {"modes", {}},
                                                {"network", {}}}};
@@ -113,8 +115,15 @@ NetworkScan scanned(NetworkModel const& model, IfoOptions const& options) {
   return scan_network(model, std::move(axes));
 }
 
+std::vector<double> ends_of_band(IfoOptions const& options) {
+  return parse_band(options.band.empty() ? whole_band : options.band);
+}
+std::vector<double> places_in_band(IfoOptions const& options) {
+  return parse_frequencies(options.at.empty() ? usual_frequency : options.at, "--at");
+}
+
 std::vector<double> frequencies(IfoOptions const& options) {
-  std::vector<double> const ends = parse_band(options.band);
+  std::vector<double> const ends = ends_of_band(options);
   std::vector<double> hz;
   std::size_t const points = options.points ? options.points : points_of_curve;
   for (std::size_t i = 0; i < points; ++i)
@@ -122,7 +131,33 @@ std::vector<double> frequencies(IfoOptions const& options) {
   return hz;
 }
 
+NamedWay stray_way(NetworkModel const& model, std::string const& name) {
+  if (auto const way = find_way(model, name)) return *way;
+  std::vector<std::string> known = {"all"};
+  for (NamedWay const& w : model.entrances) known.push_back(w.name);
+  for (NamedWay const& w : ways_of_all_beams(model)) known.push_back(w.name);
+  throw unknown("entrance or beam", name, known);
+}
+
+// From a stray field, "stray:arm", to a read-out, a mirror or h.
+Sheet stray_transferred(NetworkModel const& model, IfoOptions const& options, std::string const& entrance) {
+  NamedWay const way = stray_way(model, entrance);
+  std::string const& to = options.show[2];
+  std::optional<NamedReadout> effect;
+  if (to != "h" || !model.strain) {
+    effect = find_effect(model, to);
+    if (!effect) throw unknown("read-out or mirror", to, effect_names(model));
+  }
+  std::vector<double> const hz = frequencies(options);
+  Sheet sheet = stray_curve(stray_transfer(model, way, effect, hz), to);
+  sheet.name = "transfer";
+  return sheet;
+}
+
 Sheet transferred(NetworkModel const& model, IfoOptions const& options) {
+  std::string const stray = "stray:";
+  if (options.show[1].starts_with(stray))
+    return stray_transferred(model, options, options.show[1].substr(stray.size()));
   auto const cause = find_cause(model, options.show[1]);
   if (!cause) throw unknown("cause", options.show[1], cause_names(model));
   auto const effect = find_effect(model, options.show[2]);
@@ -157,24 +192,30 @@ Sheet noise_of_readout(NetworkModel const& model, IfoOptions const& options) {
   return noise_sheet(readout, freedom, noise_of(model, readout, freedom, frequencies(options)));
 }
 
+// Over the band.
+Sheet curve_of_loops(NetworkModel const& model, IfoOptions const& options) {
+  std::vector<double> const hz = frequencies(options);
+  std::string const& curve = options.show[1];
+  if (curve == "noise") return strain_noise_sheet(strain_noise(model, hz));
+  if (curve != "suppression")
+    throw InputError(fmt::format("--show loops has no curve '{}'", curve), "write suppression, or noise of the strain");
+  std::vector<LoopCurve> const curves = loop_curves(model, hz);
+  if (curves.empty())
+    throw InputError("no loop is closed", "add 'loops: {PRCL: {sensor: ..., open_loop: ...}}' to the interferometer");
+  return suppression_sheet(hz, curves);
+}
+
 std::vector<Sheet> loops_of(NetworkModel const& model, IfoOptions const& options) {
   if (!model.strain || model.controlled.empty())
     throw InputError("only a dual-recycled detector has loops", "write --show loops with a scene of such a preset");
-  std::vector<double> const ends = parse_band(options.band);
+  if (options.show.size() == 2) return {curve_of_loops(model, options)};
+  std::vector<double> const ends = ends_of_band(options);
   std::vector<Sheet> all;
-  for (double const hz : parse_frequencies(options.at, "--at")) {
+  for (double const hz : places_in_band(options)) {
     std::vector<Sheet> const sheets = loop_sheets(loop_table(model, hz, {ends[0], ends[1]}));
     all.insert(all.end(), sheets.begin(), sheets.end());
   }
   return all;
-}
-
-NamedWay stray_way(NetworkModel const& model, std::string const& name) {
-  if (auto const way = find_way(model, name)) return *way;
-  std::vector<std::string> known = {"all"};
-  for (NamedWay const& w : model.entrances) known.push_back(w.name);
-  for (NamedWay const& w : ways_of_all_beams(model)) known.push_back(w.name);
-  throw unknown("entrance or beam", name, known);
 }
 
 // Named entrances, one, or every beam, at some frequencies; or one over the band into one read-out.
@@ -197,8 +238,7 @@ std::vector<Sheet> stray_sheets(NetworkModel const& model, IfoOptions const& opt
     throw InputError("the network names no entrances of stray light",
                      "write --show stray all, or --show stray BEAM with a beam of the network: ITM.front.in");
   std::vector<Sheet> sheets;
-  for (double const hz : parse_frequencies(options.at, "--at"))
-    sheets.push_back(stray_sheet(stray_rows(model, ways, {hz})));
+  for (double const hz : places_in_band(options)) sheets.push_back(stray_sheet(stray_rows(model, ways, {hz})));
   return sheets;
 }
 
@@ -221,22 +261,40 @@ std::vector<Sheet> sheets_of(NetworkModel const& model, IfoOptions const& option
   if (what == "modes") return modes_of(model);
   if (what == "point") return point_sheets(operating_point(model));
   std::vector<Sheet> all;
-  for (double const hz : parse_frequencies(options.at, "--at")) all.push_back(sensing_sheet(sensing_matrix(model, hz)));
+  for (double const hz : places_in_band(options)) all.push_back(sensing_sheet(sensing_matrix(model, hz)));
   return all;
+}
+
+// Options that have no effect on what is shown.
+void refuse_idle_options(IfoOptions const& options, std::string const& what) {
+  bool const page = !options.page.empty(), one_way = what == "stray" && options.show.size() == 3,
+             curve = what == "loops" && options.show.size() == 2;
+  bool const over_band = what == "transfer" || what == "noise" || one_way || curve;
+  auto const refuse = [&](bool given, bool of_use, char const* option, char const* shows) {
+    if (given && !of_use)
+      throw InputError(fmt::format("{} has no effect on --show {}", option, fmt::join(options.show, " ")),
+                       fmt::format("remove it; it is for --show {}", shows));
+  };
+  refuse(!options.band.empty(), over_band || what == "loops" || page, "--band",
+         "transfer, noise, stray ENTRANCE READOUT and loops");
+  refuse(!options.at.empty(), what == "sensing" || (what == "loops" && !curve) || (what == "stray" && !one_way) || page,
+         "--at", "sensing, loops and stray");
+  refuse(options.points > 0, over_band || what == "scan", "--points",
+         "scan, transfer, noise, stray ENTRANCE READOUT and loops CURVE");
+  refuse(!options.referred.empty(), what == "noise", "--referred-to", "noise READOUT");
 }
 
 void check(IfoOptions const& options) {
   refuse_two_formats(options.csv, options);
   std::string const what = request_of(options).what;
+  refuse_idle_options(options, what);
   bool const curve = what == "scan" || what == "transfer" || what == "noise" || what == "errors" ||
-                     (what == "stray" && options.show.size() == 3);
+                     (what == "stray" && options.show.size() == 3) || (what == "loops" && options.show.size() == 2);
   if (!options.plot.empty() && !curve)
     throw InputError("--plot draws a scan, a response, a noise or error signals",
                      "remove it, or write --show scan PARAMETER FROM TO, or --show stray ENTRANCE READOUT");
   if (!options.plot.empty()) check_ending(options.plot, {".png"}, "--plot");
   if (!options.page.empty()) check_ending(options.page, {".html"}, "--html");
-  if (!options.referred.empty() && what != "noise")
-    throw InputError("--referred-to is for a noise", "remove it, or write --show noise READOUT");
   if (what == "network" && (options.csv || options.json()))
     throw InputError("--show network prints a scene", "remove --csv and --format json");
 }
@@ -268,7 +326,7 @@ nlohmann::ordered_json page_json(OpticalNetwork const& network, IfoOptions const
                               {"backward", field.power_in(s.from)}});
   std::vector<Sheet> sheets = point_sheets(operating_point(network.model));
   sheets.push_back(errors_sheet(error_signals(network.model)));
-  for (double const hz : parse_frequencies(options.at, "--at")) {
+  for (double const hz : places_in_band(options)) {
     sheets.push_back(sensing_sheet(sensing_matrix(network.model, hz)));
   }
   if (!network.model.controlled.empty())
@@ -294,20 +352,21 @@ void draw(std::vector<Sheet> const& sheets, IfoOptions const& options) {
 }
 
 // Light that higher modes would hold is in no table.
-void warn_of_missing_modes(NetworkModel const& model) {
+void warn_of_missing_modes(NetworkModel const& model, IfoOptions const& options) {
   if (!model.network.modes()) return;
   OperatingPoint const point = operating_point(model);
   if (point.missing > Truncation::most_change * point.emitted)
-    std::cerr << fmt::format(
-        "warning: the modes up to order {} do not take {:.2g} of the light\n  raise 'order', or "
-        "match the beams: --show modes says where they do not match\n",
-        model.network.modes()->order, point.missing / point.emitted);
+    print_warning(
+        fmt::format("the modes up to order {} do not take {:.2g} of the light\n  raise 'order', or match the beams: "
+                    "--show modes says where they do not match",
+                    model.network.modes()->order, point.missing / point.emitted),
+        options);
 }
 
 int ifo(IfoOptions const& options) {
   check(options);
   OpticalNetwork const network = read_optical_network(options);
-  if (!options.quiet) warn_of_missing_modes(network.model);
+  if (!options.quiet) warn_of_missing_modes(network.model, options);
   if (options.show.front() == "network") {
     std::cout << network_text(network.model);
     return done;
@@ -332,8 +391,11 @@ void add_ifo(CLI::App& app, int& exit_code) {
   add_scene_options(*command, o);
   command
       ->add_option("--show", o.show,
-                   "point (default), scan PARAMETER FROM TO (once or twice), errors, slopes READOUT, transfer FROM TO, "
-                   "sensing, noise READOUT, loops, stray (also stray all, stray ENTRANCE, stray ENTRANCE READOUT), "
+                   "point (default), scan PARAMETER FROM TO (once or twice), errors, slopes READOUT, transfer FROM TO "
+                   "(also transfer "
+                   "stray:ENTRANCE TO), "
+                   "sensing, noise READOUT, loops (also loops suppression, loops noise), stray (also stray all, stray "
+                   "ENTRANCE, stray ENTRANCE READOUT), "
                    "modes, or network: the scene of the network")
       ->expected(1, 7)
       ->allow_extra_args(false);

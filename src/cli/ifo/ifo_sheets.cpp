@@ -332,7 +332,9 @@ Sheet noise_sheet(NamedReadout const& readout, NamedFreedom const* referred, Rea
   return s;
 }
 
-std::vector<Sheet> loop_sheets(LoopTable const& t) {
+namespace {
+
+Sheet loops_sheet(LoopTable const& t) {
   Sheet loops{
       fmt::format("loops_{:g}Hz", t.hz),
       fmt::format("Loops at {:g} Hz, for exp(+2 pi i f t). plant: sensor per m, without loops; gain: open loop G; "
@@ -359,6 +361,10 @@ std::vector<Sheet> loop_sheets(LoopTable const& t) {
                           std::abs(r.suppressed), m.unity_gain, m.phase_margin, closed ? m.least : not_a_number,
                           m.least_at, std::string(m.encircles ? "yes" : ""), std::abs(r.noise_to_strain)});
   }
+  return loops;
+}
+
+Sheet stray_by_loop_sheet(LoopTable const& t) {
   Sheet stray{fmt::format("stray_{:g}Hz", t.hz),
               "Strain per relative stray field (magnitudes): with all lengths held, by the motion of each length, and "
               "their complex sum.",
@@ -372,7 +378,85 @@ std::vector<Sheet> loop_sheets(LoopTable const& t) {
     row.emplace_back(std::abs(s.total));
     stray.rows.push_back(std::move(row));
   }
-  return {loops, stray};
+  return stray;
+}
+
+Sheet noise_by_loop_sheet(LoopTable const& t) {
+  Sheet s{
+      fmt::format("noise_{:g}Hz", t.hz),
+      "Noise of the strain, 1/sqrt(Hz): with all lengths held, by the motion of each length, and their sum, in which "
+      "the\nways of one noise interfere. The vacuum enters at open ports and losses.",
+      {{"noise", ""}, {"held", "1/sqrt(Hz)"}},
+      {}};
+  for (std::string const& length : t.lengths) s.columns.push_back({"by_" + length, "1/sqrt(Hz)"});
+  s.columns.push_back({"total", "1/sqrt(Hz)"});
+  for (NoiseByLoop const& n : t.noise) {
+    std::vector<Sheet::Cell> row{n.noise, n.held};
+    for (double const by : n.by_length) row.emplace_back(by);
+    row.emplace_back(n.total);
+    s.rows.push_back(std::move(row));
+  }
+  return s;
+}
+
+Sheet filters_sheet(LoopTable const& t) {
+  Sheet s{fmt::format("filters_{:g}Hz", t.hz),
+          "Channels that are added to the read-out of strain, through filters in its unit per unit of the channel, for "
+          "exp(+2 pi i f t)\n(eq. N.33); best: of the least noise.",
+          {{"channel", ""}, {"kind", ""}, {"filter", ""}, angle("arg_filter")},
+          {}};
+  for (SubtractedRow const& r : t.subtracted)
+    s.rows.push_back({r.channel, std::string(r.best ? "best" : "stated"), std::abs(r.filter), std::arg(r.filter)});
+  return s;
+}
+
+}  // namespace
+
+std::vector<Sheet> loop_sheets(LoopTable const& t) {
+  std::vector<Sheet> all{loops_sheet(t), stray_by_loop_sheet(t), noise_by_loop_sheet(t)};
+  if (!t.subtracted.empty()) all.push_back(filters_sheet(t));
+  return all;
+}
+
+Sheet suppression_sheet(std::vector<double> const& hz, std::vector<LoopCurve> const& curves) {
+  Sheet s{"suppression",
+          "Suppression 1/(1 + G) of the loops, and their open-loop gains G, for exp(+2 pi i f t).",
+          {{"frequency", "Hz"}},
+          {}};
+  for (LoopCurve const& c : curves) s.columns.push_back({c.length, "", 5});
+  for (LoopCurve const& c : curves) {
+    s.columns.push_back({"gain_" + c.length, "", 5});
+    s.columns.push_back(angle("arg_gain_" + c.length));
+  }
+  for (std::size_t i = 0; i < hz.size(); ++i) {
+    std::vector<Sheet::Cell> row{hz[i]};
+    for (LoopCurve const& c : curves) row.emplace_back(std::abs(c.suppressed[i]));
+    for (LoopCurve const& c : curves) {
+      row.emplace_back(std::abs(c.open_loop[i]));
+      row.emplace_back(std::arg(c.open_loop[i]));
+    }
+    s.rows.push_back(std::move(row));
+  }
+  return s;
+}
+
+Sheet strain_noise_sheet(StrainNoise const& noise) {
+  Sheet s{"strain_noise",
+          "Noise of the strain with all loops acting, one-sided. vacuum: quantum noise; total: with all stated noises" +
+              std::string(noise.as_read.empty() ? "." : "; as_read:\nthe total without subtracted channels."),
+          {{"frequency", "Hz"}},
+          {}};
+  for (std::string const& name : noise.names) s.columns.push_back({name, "1/sqrt(Hz)", 5});
+  s.columns.push_back({"total", "1/sqrt(Hz)", 5});
+  if (!noise.as_read.empty()) s.columns.push_back({"as_read", "1/sqrt(Hz)", 5});
+  for (std::size_t i = 0; i < noise.hz.size(); ++i) {
+    std::vector<Sheet::Cell> row{noise.hz[i]};
+    for (auto const& part : noise.asd) row.emplace_back(part[i]);
+    row.emplace_back(noise.total[i]);
+    if (!noise.as_read.empty()) row.emplace_back(noise.as_read[i]);
+    s.rows.push_back(std::move(row));
+  }
+  return s;
 }
 
 }  // namespace straytrace::cli

@@ -9,9 +9,12 @@
 
 namespace straytrace::ifo {
 
-double vacuum_noise(Network const& network, SteadyField const& field, Readout const& r, double hz) {
-  double const of_carriers = LinearResponse(network, field, r, hz).quantum_noise();
-  if (r.kind != Readout::Kind::demodulated) return of_carriers;
+double vacuum_beside_carriers(Network const& network, SteadyField const& field, Readout const& r,
+                              Readout const& other) {
+  constexpr auto demodulated = Readout::Kind::demodulated;
+  if (r.kind != demodulated || other.kind != demodulated || r.port != other.port || r.leaving != other.leaving ||
+      r.hz != other.hz)
+    return 0;
   double outside = 0;  // W: each carrier beats with the vacuum on either side
   std::vector<double> const& carriers = field.carriers();
   for (std::size_t n = 0; n < carriers.size(); ++n)
@@ -19,7 +22,11 @@ double vacuum_noise(Network const& network, SteadyField const& field, Readout co
       if (!carrier_at(carriers, carriers[n] + beat))
         for (std::size_t mode = 0; mode < field.modes(); ++mode)
           outside += std::norm(r.leaving ? field.out(r.port, n, mode) : field.in(r.port, n, mode));
-  return of_carriers + hbar * network.wavenumber() * speed_of_light / 2 * outside;
+  return hbar * network.wavenumber() * speed_of_light / 2 * outside * std::cos(r.angle - other.angle);
+}
+
+double vacuum_noise(Network const& network, SteadyField const& field, Readout const& r, double hz) {
+  return LinearResponse(network, field, r, hz).quantum_noise() + vacuum_beside_carriers(network, field, r, r);
 }
 
 namespace {

@@ -13,6 +13,9 @@ namespace straytrace::ifo {
 // frequencies one demodulation away from a carrier where no carrier is: at the detector that is the vacuum itself,
 // whatever the network (docs/theory/interferometer.md, eq. N.32).
 double vacuum_noise(Network const&, SteadyField const&, Readout const&, double hz);
+// The share of two read-outs in common that comes from the vacuum where no carrier is: one-sided cross spectrum. Of
+// signals demodulated at one frequency from one beam, with the cosine of the angle between their phases; else 0.
+double vacuum_beside_carriers(Network const&, SteadyField const&, Readout const&, Readout const&);
 
 struct ReadoutNoise {
   std::vector<double> hz;

@@ -4,12 +4,27 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ifo/mode_bases.hpp"
 #include "ifo/network_ways.hpp"
 
 namespace straytrace::ifo {
 namespace {
 
 using Component = Network::Component;
+
+// W that an aperture stops. What it scatters to modes beyond the order is not lost but missing.
+double stopped_by(Component const& c, SteadyField const& f) {
+  double sum = 0;
+  if (!f.bases()) return sum;
+  for (std::uint32_t in : {0u, 1u})
+    for (std::size_t n = 0; n < f.carriers().size(); ++n) {
+      Eigen::VectorXcd entering(Eigen::Index(f.modes()));
+      for (std::size_t mode = 0; mode < f.modes(); ++mode)
+        entering[Eigen::Index(mode)] = f.in(c.first_port + in, n, mode);
+      sum += f.bases()->stopped(c, in, entering);
+    }
+  return sum;
+}
 
 // W lost in a component by its stated losses; of a modulator: in bands beyond its order; of an aperture: what it stops.
 double lost_in(Component const& c, SteadyField const& f) {
@@ -21,7 +36,8 @@ double lost_in(Component const& c, SteadyField const& f) {
   }
   if (auto const* p = std::get_if<IsolatorParameters>(&c.stated))
     return (1 - p->transmission) * entering(0) + (1 - p->isolation) * entering(1);
-  if (c.kind != Component::Kind::modulator && c.kind != Component::Kind::aperture) return 0;
+  if (c.kind == Component::Kind::aperture) return stopped_by(c, f);
+  if (c.kind != Component::Kind::modulator) return 0;
   return entering(0) + entering(1) - f.power_out(c.first_port) - f.power_out(c.first_port + 1);
 }
 

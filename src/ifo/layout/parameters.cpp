@@ -6,6 +6,9 @@
 #include <cmath>
 #include <string_view>
 
+#include "base/errors.hpp"
+#include "ifo/mode_bases.hpp"
+
 namespace straytrace::ifo {
 namespace {
 
@@ -47,6 +50,12 @@ std::vector<Member> members_of(Component const& c) {
             stated<MirrorParameters, &MirrorParameters::loss>("loss", dim::plain, 0, 1),
             stated<MirrorParameters, &MirrorParameters::displacement>("displacement", dim::length, -1e-3, 1e-3),
             stated<MirrorParameters, &MirrorParameters::curvature>("curvature", dim::per_metre, -1e3, 1e3),
+            {"curvature_y", dim::per_metre, -1e3, 1e3,
+             [](Component const& m, double) {
+               auto const& p = std::get<MirrorParameters>(m.stated);
+               return p.curvature_across.value_or(p.curvature);
+             },
+             [](Component& m, double to, double) { std::get<MirrorParameters>(m.stated).curvature_across = to; }},
             tilt_about<0>("tilt_x"),
             tilt_about<1>("tilt_y"),
             {"tuning", dim::angle, -1e6, 1e6,
@@ -146,6 +155,48 @@ std::optional<NetworkParameter> find_parameter(NetworkModel const& model, std::s
   return of_space(n, name);
 }
 
+namespace {
+
+// Value of the parameter nearest to `without` that still has modes, between there and where the network stands.
+double last_with_modes(NetworkModel const& model, NetworkParameter const& p, double without) {
+  double with = p.value;
+  NetworkModel moved = model;
+  for (int i = 0; i < 60; ++i) {
+    double const middle = (with + without) / 2;
+    p.set(moved, middle);
+    try {
+      ModeBases const bases(moved.network);
+      with = middle;
+    } catch (ModeError const&) {
+      without = middle;
+    }
+  }
+  return with;
+}
+
+std::string value_text(NetworkParameter const& p, double value) {
+  if (p.dimension == dim::plain) return fmt::format("{:.6g}", value);
+  if (p.dimension == dim::angle) return fmt::format("{:.6g} rad", value);
+  return with_unit(fmt::format("{:.6g}", value), p.dimension);
+}
+
+InputError without_modes(NetworkModel const& model, std::vector<ScanAxis> const& axes,
+                         std::vector<double> const& values, ModeError const& e) {
+  std::string at;
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    at += fmt::format("{}'{}' = {}", i == 0 ? "" : " and ", axes[i].parameter.name,
+                      value_text(axes[i].parameter, values[i]));
+  NetworkParameter const& p = axes.front().parameter;
+  return InputError(
+      fmt::format("the scan has no modes at {}: {}", at, e.reason),
+      axes.size() > 1 ? "scan a smaller range"
+                      : fmt::format("end the scan on this side at {}: from {}, where the network stands, to there it "
+                                    "has modes",
+                                    value_text(p, last_with_modes(model, p, values.front())), value_text(p, p.value)));
+}
+
+}  // namespace
+
 NetworkScan scan_network(NetworkModel const& model, std::vector<ScanAxis> axes) {
   NetworkScan scan{std::move(axes), std::vector<std::vector<double>>(model.readouts.size())};
   std::size_t places = 1;
@@ -153,13 +204,19 @@ NetworkScan scan_network(NetworkModel const& model, std::vector<ScanAxis> axes) 
   NetworkModel moved = model;
   for (std::size_t place = 0; place < places; ++place) {
     std::size_t rest = place;
+    std::vector<double> at;
     for (ScanAxis const& axis : scan.axes) {
-      axis.parameter.set(moved, axis.at(rest % axis.points));
+      at.push_back(axis.at(rest % axis.points));
+      axis.parameter.set(moved, at.back());
       rest /= axis.points;
     }
-    SteadyField const field(moved.network);
-    for (std::size_t r = 0; r < moved.readouts.size(); ++r)
-      scan.values[r].push_back(resolved_value(moved.readouts[r].readout, field));
+    try {
+      SteadyField const field(moved.network);
+      for (std::size_t r = 0; r < moved.readouts.size(); ++r)
+        scan.values[r].push_back(resolved_value(moved.readouts[r].readout, field));
+    } catch (ModeError const& e) {
+      throw without_modes(model, scan.axes, at, e);
+    }
   }
   return scan;
 }

@@ -35,6 +35,7 @@ struct NetworkScan {
   std::vector<ScanAxis> axes;
   std::vector<std::vector<double>> values;  // by read-out, then by place; not a number: rounding
 };
+// InputError where the network has no modes at a place of the scan.
 NetworkScan scan_network(NetworkModel const&, std::vector<ScanAxis> axes);
 
 }  // namespace straytrace::ifo

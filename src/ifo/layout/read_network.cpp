@@ -9,7 +9,6 @@
 #include <map>
 
 #include "ifo/layout/signals.hpp"
-#include "ifo/mode_bases.hpp"
 
 namespace straytrace::ifo {
 namespace {
@@ -19,8 +18,7 @@ using Kind = Component::Kind;
 
 constexpr std::array<std::string_view, 8> kinds = {"mirror",   "splitter",  "laser", "dump",
                                                    "isolator", "modulator", "lens",  "aperture"};
-constexpr std::size_t most_carriers = 400, most_modes = 2000;  // of all carriers
-constexpr int most_order = 16;
+constexpr std::size_t most_carriers = 400;
 
 bool is_name(std::string const& name) {
   return !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
@@ -34,8 +32,21 @@ std::array<double, 2> read_pair(Node const& t, char const* key, Dimension dimens
   std::vector<double> const both = t[key].as_numbers(dimension, 2);
   if (both.size() != 2) return {};
   for (double const v : both)
-    if (!(std::fabs(v) <= most))
+    if (std::fabs(v) > most)
       t[key].problem(fmt::format("{:g} is out of range", v), fmt::format("keep it within {:g} in SI units", most));
+  if (std::isnan(both[0]) || std::isnan(both[1])) return {};
+  return {both[0], both[1]};
+}
+
+struct Curvature {
+  double along = 0;
+  std::optional<double> across{};
+};
+
+// One number, or a list: in the plane of incidence, and across it.
+Curvature read_curvature(Node const& t) {
+  if (t["curvature"].kind() != Node::Kind::list) return {t.number("curvature", dim::per_metre, 0, -1e3, 1e3), {}};
+  auto const both = read_pair(t, "curvature", dim::per_metre, 1e3);
   return {both[0], both[1]};
 }
 
@@ -46,7 +57,9 @@ MirrorParameters read_mirror(Node const& t, double wavelength, bool splitter) {
   double const tuning = t.number("tuning", dim::angle, 0, -1e6, 1e6);
   p.displacement = tuning / (2 * pi) * wavelength + t.number("displacement", dim::length, 0, -1e-3, 1e-3);
   if (splitter) p.incidence = t.number("incidence", dim::angle, required, 0, 89.9 * pi / 180);
-  p.curvature = t.number("curvature", dim::per_metre, 0, -1e3, 1e3);
+  Curvature const curvature = read_curvature(t);
+  p.curvature = curvature.along;
+  p.curvature_across = curvature.across;
   p.tilt = read_pair(t, "tilt", dim::angle, 0.1);
   p.suspension.mass = t.number("mass", dim::mass, infinity, 1e-9, 1e12);
   p.suspension.resonance = t.number("pendulum_frequency", dim::frequency, 0, 0, 1e3);
@@ -160,7 +173,11 @@ std::optional<NetworkChanges::Shape> read_shape(std::string const& name, Node co
       t.items(), [](auto const& item) { return item.first == "curvature" || item.first == "tilt"; });
   if (!alone || t.items().empty()) return {};
   NetworkChanges::Shape shape{name};
-  if (t.has("curvature")) shape.curvature = t.number("curvature", dim::per_metre, required, -1e3, 1e3);
+  if (t.has("curvature")) {
+    Curvature const curvature = read_curvature(t);
+    shape.curvature = curvature.along;
+    shape.curvature_across = curvature.across;
+  }
   if (t.has("tilt")) shape.tilt = read_pair(t, "tilt", dim::angle, 0.1);
   return shape;
 }
@@ -292,6 +309,8 @@ class QuestionReader {
         factor.problem(fmt::format("the network has no mirror or splitter '{}'", component),
                        did_you_mean(component, movable(), "name a mirror or splitter of 'components'"));
     }
+    if (std::ranges::all_of(freedom.moves, [](auto const& move) { return move.second == 0; }) && node.healthy())
+      node.problem(fmt::format("nothing moves with '{}': all factors are 0", name), "write {ETM: 1}");
     std::erase_if(model_.freedoms, [&](NamedFreedom const& f) { return f.name == name; });
     model_.freedoms.push_back(std::move(freedom));
   }
@@ -329,10 +348,8 @@ class QuestionReader {
           .problem("name the two columns of the file",
                    fmt::format("write 'columns: [Hz, {}]'", noise.cause.density_unit()));
     if (!unit) return;
-    noise.curve = parse_curve(node.data_file(noise.file));
-    for (Problem const& p : noise.curve.problems)
-      node["file"].file_problem(noise.file, p.place.line, p.place.column, p.what,
-                                "write frequency in Hz and the amplitude spectral density, sorted by frequency");
+    noise.curve = read_two_columns(
+        node["file"], "write two columns: frequency in Hz and the amplitude spectral density, sorted by frequency");
     for (double& v : noise.curve.value) v *= unit->si;
   }
 
@@ -464,43 +481,6 @@ void limit_carriers(Node const& table, Network const& network, NetworkChanges& c
                               "reduce 'order', or write 'of: carrier'");
   for (Component& c : changes.components)
     if (c.kind == Kind::modulator) c = Network::modulator(c.name, {.index = 0, .hz = 1, .order = 0});
-}
-
-std::vector<std::vector<std::string>> read_cavities(Node const& modes, Network const& network) {
-  std::vector<std::vector<std::string>> cavities;
-  std::vector<std::string> known;
-  for (Component const& c : network.components()) known.push_back(c.name);
-  for (Node const& cavity : modes.has("cavities") ? modes.list("cavities") : std::vector<Node>{}) {
-    std::vector<std::string>& names = cavities.emplace_back();
-    for (Node const& name : cavity.as_list()) {
-      names.push_back(name.as_word());
-      if (!network.search(names.back()))
-        name.problem(fmt::format("the network has no component '{}'", names.back()),
-                     did_you_mean(names.back(), known, "name mirrors of the cavity: [PRM, ITM]"));
-    }
-  }
-  return cavities;
-}
-
-// Modes in place of plane waves. Tries the bases, so that a scene without them gets an error at 'modes'.
-std::optional<ModeSettings> read_modes(Node const& table, Network network) {
-  Node const modes = table.table("modes");
-  if (!modes) return {};
-  constexpr std::array<std::string_view, 2> parities = {"all", "even"};
-  ModeSettings settings{int(modes.whole("order", 0, 0, most_order)),
-                        modes.choice("parity", parities, parities[0]) == "even", read_cavities(modes, network)};
-  modes.refuse_unknown("the modes of a network");
-  if (settings.order == 0 || !table.healthy()) return {};
-  network.use_modes(settings);
-  try {
-    std::size_t const count = ModeBases(network).count() * network.carriers().size();
-    if (count > most_modes)
-      modes.problem(fmt::format("the carriers have {} modes together", count),
-                    "reduce 'order', or the carriers of the modulators");
-  } catch (ModeError const& e) {
-    modes.problem(e.reason, e.remedy);
-  }
-  return settings;
 }
 
 }  // namespace

@@ -13,6 +13,8 @@ namespace straytrace::ifo {
 std::optional<NetworkBeam> read_beam(Node const&, Network const&);
 // Components and spaces of the table; `base`: the network that they change. Problems stay in the document.
 NetworkChanges read_network_changes(Node const& network, Network const& base);
+// Modes in place of plane waves. Tries the bases, so that a scene without them gets an error at 'modes'.
+std::optional<ModeSettings> read_modes(Node const& network_table, Network);
 // Read-outs and degrees of freedom, of a network with its changes; those of the same name are replaced.
 void read_network_questions(Node const& network, NetworkModel& model);
 // A network without a preset. `wavelength`: of the beams of the scene, m; not a number: there are none.

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ifo/control_loops.hpp"
+
 namespace straytrace::ifo {
 namespace {
 
@@ -126,8 +128,8 @@ std::optional<double> adjoint_slope(NetworkModel const& model, AdjointSlope cons
 double step_of(NetworkModel const& model, std::string const& name) {
   if (name.ends_with(".index")) return 1e-5;
   if (!model.network.modes()) return 0;
-  if (name.ends_with(".curvature")) return 1e-8;                              // 1/m
-  return name.ends_with(".tilt_x") || name.ends_with(".tilt_y") ? 1e-10 : 0;  // rad
+  if (name.ends_with(".curvature") || name.ends_with(".curvature_y")) return 1e-8;  // 1/m
+  return name.ends_with(".tilt_x") || name.ends_with(".tilt_y") ? 1e-10 : 0;        // rad
 }
 
 double central_difference(NetworkModel const& model, Readout const& r, NetworkParameter const& p, double step) {
@@ -264,6 +266,33 @@ std::vector<Phasor> transfer_function(NetworkModel const& model, NetworkCause co
   return all;
 }
 
+std::vector<StrayRow> stray_transfer(NetworkModel const& model, NamedWay const& w,
+                                     std::optional<NamedReadout> const& effect, std::vector<double> const& hz) {
+  SteadyField const field(model.network);
+  double most = 0;
+  for (std::uint32_t p = 0; p < model.network.ports(); ++p) most = std::fmax(most, field.power_out(p));
+  StrayRow row{.entrance = w.name,
+               .lit = beam_name(model.network, w.way.lit.beam),
+               .fed = beam_name(model.network, w.way.fed.beam),
+               .readout = effect ? effect->name : "h",
+               .unit = effect ? unit_of(effect->readout) : ""};
+  row.power = lighting_power(w.way, field);
+  double const lit = row.power > 1e-24 * most ? w.share : not_a_number;
+  std::vector<StrayRow> rows;
+  for (double const f : hz) {
+    row.hz = f;
+    if (effect) {
+      LinearResponse const r(model.network, field, effect->readout, f);
+      row.response = stray_response(r, model.network, field, w.way, f) * lit;
+    } else {
+      CalibratedStrain const strain(model, field, f);
+      row.response = strain.to_stray(w.way) * (lit / strain.calibration());
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
 namespace {
 
 // Without the elements that are rounding.
@@ -302,9 +331,10 @@ SensingMatrix sensing_matrix(NetworkModel const& model, double hz) {
   SensingMatrix m{.hz = hz};
   m.response.resize(Eigen::Index(model.readouts.size()), Eigen::Index(model.freedoms.size()));
   for (NamedFreedom const& f : model.freedoms) m.freedoms.push_back(f.name);
+  SmallSignals const signals(model.network, field, hz);
   for (std::size_t i = 0; i < model.readouts.size(); ++i) {
     m.readouts.push_back(model.readouts[i].name);
-    LinearResponse const r(model.network, field, model.readouts[i].readout, hz);
+    LinearResponse const r(signals, model.readouts[i].readout);
     for (std::size_t j = 0; j < model.freedoms.size(); ++j)
       m.response(Eigen::Index(i), Eigen::Index(j)) =
           std::conj(response_to(r, model.network, {"", NetworkCause::Kind::displacement, model.freedoms[j].moves}, hz));

@@ -10,6 +10,7 @@
 
 #include "ifo/layout/parameters.hpp"
 #include "ifo/network_model.hpp"
+#include "ifo/stray_response.hpp"
 
 namespace straytrace::ifo {
 
@@ -49,6 +50,10 @@ Phasor response_to(LinearResponse const&, Network const&, NetworkCause const&, d
 // Complex responses of an effect to a cause for motion proportional to exp(+2 pi i f t), by frequency.
 std::vector<Phasor> transfer_function(NetworkModel const&, NetworkCause const&, NamedReadout const& effect,
                                       std::vector<double> const& hz);
+
+// Responses of an effect to a stray field on a way, by frequency; without an effect those of the strain.
+std::vector<StrayRow> stray_transfer(NetworkModel const&, NamedWay const&, std::optional<NamedReadout> const& effect,
+                                     std::vector<double> const& hz);
 
 // Read-outs (rows) by degrees of freedom (columns) at one frequency, per m, for exp(+2 pi i f t); not a number:
 // rounding.

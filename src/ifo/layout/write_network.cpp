@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include "ifo/network_model.hpp"
+#include "ifo/ports.hpp"
+#include "ifo/stray_response.hpp"
 
 namespace straytrace::ifo {
 namespace {
@@ -24,7 +26,10 @@ std::string mirror_text(MirrorParameters const& p, bool splitter) {
   std::string text = fmt::format("transmission: {}, loss: {}", p.transmission, p.loss);
   if (p.displacement != 0) text += fmt::format(", displacement: {} m", p.displacement);
   if (splitter) text += fmt::format(", incidence: {} rad", p.incidence);
-  if (p.curvature != 0) text += fmt::format(", curvature: {} /m", p.curvature);
+  if (p.curvature_across)
+    text += ", curvature: " + pair_text({p.curvature, *p.curvature_across}, "/m");
+  else if (p.curvature != 0)
+    text += fmt::format(", curvature: {} /m", p.curvature);
   if (p.tilt != std::array<double, 2>{}) text += ", tilt: " + pair_text(p.tilt, "rad");
   return text + mass_text(p.suspension);
 }
@@ -99,6 +104,42 @@ std::string modes_text(ModeSettings const& m) {
   return text + "}";
 }
 
+bool same_way(StrayWay const& a, StrayWay const& b) {
+  auto const same = [](BeamPlace const& p, BeamPlace const& q) {
+    return p.beam.port == q.beam.port && p.beam.leaving == q.beam.leaving && p.distance == q.distance;
+  };
+  return a.alone == b.alone && a.turn == b.turn && same(a.lit, b.lit) && same(a.fed, b.fed);
+}
+
+// The place of a preset by its name, any other by its beams.
+std::string entrance_text(Network const& n, SteadyField const& field, NamedWay const& w) {
+  auto const share = [](double field_share) {
+    return field_share == 1 ? "" : fmt::format(", pick_off: {}", field_share);
+  };
+  for (std::size_t e = 0; e < entrance_names.size(); ++e) {
+    auto const place = entrance_in(n, field, InjectionPoint(e));
+    if (!place || !same_way(place->way, w.way)) continue;
+    if ((place->share > 1) != (w.share > 1)) continue;  // `through-end` is `end-bench` with another reference
+    return fmt::format("at: {}{}", place->name, share(w.share / place->share));
+  }
+  auto const distance = [](char const* key, double metres) {
+    return metres == 0 ? "" : fmt::format(", {}: {} m", key, metres);
+  };
+  return fmt::format("at: {}, lit_by: {}{}{}{}", beam_name(n, w.way.fed.beam), beam_name(n, w.way.lit.beam),
+                     distance("distance", w.way.fed.distance), distance("lit_distance", w.way.lit.distance),
+                     share(w.share));
+}
+
+std::string strain_text(NetworkModel const& model) {
+  StrainScale const& s = *model.strain;
+  for (NamedReadout const& r : model.readouts)
+    if (beam_name(model.network, r.readout) == beam_name(model.network, s.readout) &&
+        r.readout.kind == s.readout.kind && r.readout.angle == s.readout.angle && r.readout.hz == s.readout.hz)
+      return fmt::format("  strain: {{readout: {}, freedom: {}, arm_length: {} m}}\n", r.name, s.freedom.name,
+                         s.length);
+  return "";
+}
+
 }  // namespace
 
 std::string wave_text(Network const& n) {
@@ -128,6 +169,10 @@ std::string network_text(NetworkModel const& model) {
   }
   if (!model.noises.empty()) text += "    noises:\n";
   for (NamedNoise const& m : model.noises) text += fmt::format("      {}: {{{}}}\n", m.cause.name, noise_text(m));
+  if (model.strain && model.preset == "none") text += strain_text(model);
+  if (!model.entrances.empty()) text += "  ports:\n";
+  SteadyField const field(n);
+  for (NamedWay const& w : model.entrances) text += fmt::format("    {}: {{{}}}\n", w.name, entrance_text(n, field, w));
   return text;
 }
 

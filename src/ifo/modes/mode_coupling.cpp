@@ -89,17 +89,42 @@ Eigen::MatrixXcd mode_coupling(AxisCoupling const& x, AxisCoupling const& y, dou
   return coupling;
 }
 
+namespace {
+
+// Half width, in units of w/sqrt(2), beyond which the modes up to an order hold less than rounding: some distance past
+// the turning point of the highest Hermite function.
+double extent_of_modes(int order) { return std::sqrt(2.0 * order + 1) + 8; }
+
+struct Angles {
+  double low, high;
+  bool empty() const { return !(high > low); }
+};
+
+// Where the heights offset + radius sin(angle) lie within `most` of the axis.
+Angles angles_with_light(double radius, double offset, double most) {
+  auto const angle = [&](double height) { return std::asin(std::clamp((height - offset) / radius, -1.0, 1.0)); };
+  return {angle(-most), angle(most)};
+}
+
+}  // namespace
+
 Eigen::MatrixXd stop_coupling(CircularStop const& stop, std::array<double, 2> w, int order) {
-  double const sx = std::sqrt(2.0) / w[0], sy = std::sqrt(2.0) / w[1];
-  // With y = radius sin(angle) the integrand is analytic and of period pi: the midpoint rule converges exponentially.
-  int const points = 64 + 8 * order + int(16 * stop.radius * std::max(sx, sy));
+  double const sx = std::sqrt(2.0) / w[0], sy = std::sqrt(2.0) / w[1], far = extent_of_modes(order);
+  double const reach_x = std::fabs(stop.offset[0]) + far / sx, reach_y = std::fabs(stop.offset[1]) + far / sy;
   Eigen::MatrixXd passed = Eigen::MatrixXd::Zero(mode_count(order), mode_count(order));
+  if (std::hypot(reach_x, reach_y) <= stop.radius) return passed.setIdentity();
+  Angles const lit = angles_with_light(stop.radius, stop.offset[1], far / sy);
+  if (lit.empty()) return passed;
+  // With y = radius sin(angle) the integrand is analytic and of period pi, and it vanishes at the other ends: the
+  // midpoint rule converges exponentially.
+  double const range = lit.high - lit.low;
+  int const points = 64 + 8 * order + int(16 * range / pi * stop.radius * std::max(sx, sy));
   for (int point = 0; point < points; ++point) {
-    double const angle = pi * ((point + 0.5) / points - 0.5), half = stop.radius * std::cos(angle);
+    double const angle = lit.low + range * (point + 0.5) / points, half = stop.radius * std::cos(angle);
     auto const across = hermite_functions(order, sy * (stop.offset[1] + stop.radius * std::sin(angle)));
     Eigen::MatrixXd const along =
         incomplete_products(order, sx * (stop.offset[0] - half), sx * (stop.offset[0] + half));
-    double const weight = pi / points * sy * half;
+    double const weight = range / points * sy * half;
     each_mode(order, [&](int n, int m, int row) {
       each_mode(order, [&](int n1, int m1, int column) {
         passed(row, column) += weight * across[m] * across[m1] * along(n, n1);

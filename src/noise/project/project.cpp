@@ -318,12 +318,18 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
 NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
                           NoiseSettings const& settings) {
   ModulatedLight const light(table, motion);
-  AmplitudeSidebands const all = amplitude_sidebands(light.table(), light.motion());
   std::vector<std::optional<double>> const phases =
       known_phases(light.table(), light.motion(), settings.static_phases, ifo);
-  if (!settings.delay) return project_at_once(all.table, all.motion, ifo, settings, all.of, phases);
-  DelayedPaths const late = with_delays(all.table, all.motion, settings.grid.edges.back());
-  return project_at_once(late.table, late.motion, ifo, settings, all.of, phases);
+  auto const project = [&](CouplingTable const& all, MotionSet const& moved,
+                           std::span<std::optional<std::size_t> const> sidebands) {
+    if (!settings.delay) return project_at_once(all, moved, ifo, settings, sidebands, phases);
+    DelayedPaths const late = with_delays(all, moved, settings.grid.edges.back());
+    return project_at_once(late.table, late.motion, ifo, settings, sidebands, phases);
+  };
+  if (light.motion().light.tones.empty())
+    return project(light.table(), light.motion(), std::vector<std::optional<std::size_t>>(table.classes.size()));
+  AmplitudeSidebands const all = amplitude_sidebands(light.table(), light.motion());
+  return project(all.table, all.motion, all.of);
 }
 
 // Which curves are upper bounds (docs/theory/diffraction.md, eq. 8.11: rims as one smooth wave; speckle lowers that).

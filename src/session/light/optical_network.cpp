@@ -6,6 +6,7 @@
 #include "base/errors.hpp"
 #include "base/input/document.hpp"
 #include "ifo/layout/read_network.hpp"
+#include "ifo/ports.hpp"
 #include "session/diagnostics.hpp"
 #include "session/model.hpp"
 
@@ -13,7 +14,8 @@ namespace straytrace::session {
 namespace {
 
 // Nothing with a problem in the scene.
-std::optional<NetworkModel> network_of(Node const& table, double wavelength, Interferometer const* detector) {
+std::optional<NetworkModel> network_of(Node const& table, double wavelength, Interferometer const* detector,
+                                       std::vector<TracedPort> const& entrances = {}) {
   if (detector && detector->network()) return *detector->network();
   if (detector) {
     table["preset"].problem("closed forms have no network of components",
@@ -21,6 +23,7 @@ std::optional<NetworkModel> network_of(Node const& table, double wavelength, Int
     return {};
   }
   std::optional<NetworkModel> model = read_bare_network(table, wavelength);
+  if (model && !entrances.empty()) read_entrances(table, entrances, *model);
   table.refuse_unknown("interferometer 'none'");
   return model;
 }
@@ -53,7 +56,7 @@ OpticalNetwork read_lone(Scene const& scene) {
     scene.root().refuse_misspelt("a model");
   } else if (table["preset"].text() == "none" && !table.has("strain")) {
     table.has("preset");
-    model = network_of(table, not_a_number, nullptr);
+    model = network_of(table, not_a_number, nullptr, stated_ports(table));
   } else if (auto const detector = make_interferometer(table, stated_ports(table), not_a_number)) {
     model = network_of(table, not_a_number, detector.get());
   }

@@ -4,7 +4,12 @@
 
 #include <array>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "ifo/layout/noise_budget.hpp"
+#include "ifo/layout/signals.hpp"
 #include "physics/ifo/network_support.hpp"
 #include "physics/ifo/support.hpp"
 #include "support/recorded.hpp"
@@ -152,6 +157,82 @@ TEST(ControlLoops, LimitsOfGainAndFeedforward) {
   subtracted[prcl].feedforward = constant(0.5);
   EXPECT_LT(std::abs(with(subtracted) / (0.5 * (alone + with(t.loops(9)))) - 1.0), 1e-9);
   EXPECT_GT(std::abs(with(t.loops(9)) / alone - 1.0), 0.02) << "control: no feed-forward";
+}
+
+// Displacements of the mirrors and of the signal mirror as noises of a detector with free lengths, and POP_I as the
+// channel.
+struct Subtracted {
+  Recycling t;
+  NetworkModel model = t.detector.model("");
+  explicit Subtracted(std::vector<std::pair<char const*, double>> const& noises, double gain = 0) {
+    Recycling::Loops const loops = t.loops(gain);
+    for (std::size_t i = 0; i < loops.size(); ++i) model.controlled[i].loop = loops[i];
+    for (auto const& [mirror, asd] : noises)
+      model.noises.push_back({.cause = *find_cause(model, mirror), .level = asd});
+  }
+  CalibratedStrain strain(double hz) const { return {model, t.detector.field(), hz}; }
+  Phasor moved(CalibratedStrain const& s, char const* mirror) const {
+    return s.to([&](LinearResponse const& r) { return r.to_displacement(model.network.find(mirror)); });
+  }
+};
+
+// The filter is -S_xy/S_x of the noises and the vacuum, and what remains S_y - |S_xy|^2/S_x.
+TEST(ControlLoops, BestFilterN33) {
+  double const hz = 30, of_prm = 3e-17, of_srm = 1e-12;
+  Subtracted s({{"PRM", of_prm}, {"SRM", of_srm}});
+  auto const& d = s.t.detector;
+  LinearResponse const dark = d.response(hz), channel = d.response(s.t.sensor.readout, hz);
+  Phasor cross = dark.vacuum_correlation(channel);
+  double own = vacuum_noise(d.network(), d.field(), s.t.sensor.readout, hz), before = dark.quantum_noise();
+  for (auto const& [mirror, asd] : {std::pair{"PRM", of_prm}, std::pair{"SRM", of_srm}}) {
+    Phasor const y = dark.to_displacement(d.network().find(mirror)),
+                 x = channel.to_displacement(d.network().find(mirror));
+    cross += y * std::conj(x) * asd * asd;
+    own += std::norm(x) * asd * asd;
+    before += std::norm(y) * asd * asd;
+  }
+  s.model.subtracted = {{s.t.sensor, {}}};
+  CalibratedStrain const best = s.strain(hz);
+  ASSERT_EQ(best.filters().size(), 1);
+  EXPECT_LT(std::abs(best.filters()[0] / (-cross / own) - 1.0), 1e-9);
+  ComponentId const srm = d.network().find("SRM");
+  Phasor const alone = -dark.to_displacement(srm) / channel.to_displacement(srm);
+  EXPECT_GT(std::abs(best.filters()[0] / alone - 1.0), 0.01) << "control: the filter of one of the noises";
+  CalibratedStrain::Sum const rest = best.whole();
+  double const expected = before - std::norm(cross) / own;
+  EXPECT_NEAR(std::real(best.spectrum(rest, rest)) / expected, 1, 1e-6);
+  EXPECT_LT(expected, 0.05 * before);
+  for (double const factor : {0.99, 1.01}) {  // any other filter leaves more
+    s.model.subtracted[0].filter =
+        TransferFunction("", {hz / 2, 2 * hz}, {factor * best.filters()[0], factor * best.filters()[0]});
+    CalibratedStrain const other = s.strain(hz);
+    CalibratedStrain::Sum const more = other.whole();
+    EXPECT_GT(std::real(other.spectrum(more, more)), expected) << factor;
+  }
+}
+
+// One noise far above the vacuum disappears, with the loop of its length closed or not; stray light is then that of
+// both signals.
+TEST(ControlLoops, OneNoiseIsSubtractedWhole) {
+  for (double const gain : {0.0, 9.0}) {
+    Subtracted s({{"SRM", 1e-10}}, gain);
+    double const hz = 30;
+    Phasor const before = s.moved(s.strain(hz), "SRM"),
+                 light = s.strain(hz).to([&](auto const&r) { return s.t.stray(r); });
+    s.model.subtracted = {{s.t.sensor, {}}};
+    CalibratedStrain const best = s.strain(hz);
+    EXPECT_LT(std::abs(s.moved(best, "SRM") / before), 1e-6) << gain;
+    auto const stray = [&](LinearResponse const& r) { return s.t.stray(r); };
+    EXPECT_GT(std::abs(best.to(stray) / light - 1.0), 0.01) << "the filter acts on stray light too";
+    CalibratedStrain::Parts const parts = best.parts(stray);
+    Phasor sum = parts.held;
+    for (Phasor const p : parts.by_length) sum += p;
+    EXPECT_LT(std::abs(sum / best.to(stray) - 1.0), 1e-9);
+    std::vector<CalibratedStrain::Sum> const sums = best.part_sums();
+    EXPECT_LT(std::abs(stray(sums[0].response) / parts.held - 1.0), 1e-9);
+    EXPECT_LT(std::abs(stray(sums[1 + prcl].response) / parts.by_length[prcl] - 1.0), 1e-6);
+    EXPECT_LT(std::abs(stray(best.whole().response) / best.to(stray) - 1.0), 1e-9);
+  }
 }
 
 // G = g/(1 - i f/p)^n: unity gain and phase margin in closed form; with three poles the gain goes around -1 above 8.

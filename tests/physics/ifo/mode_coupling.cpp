@@ -159,5 +159,21 @@ TEST(ModeCoupling, StopsN11) {
   EXPECT_LT((open - Eigen::MatrixXd::Identity(28, 28)).cwiseAbs().maxCoeff(), 1e-12);
 }
 
+// The rim of a stop a million times wider than the beam is a straight edge: of 00, (1 + erf(sqrt(2) d/w))/2 passes at a
+// distance d inside it. An integral over the whole stop would take hours.
+TEST(ModeCoupling, StopsMuchWiderThanTheBeam) {
+  double const w = 1e-3, a = 1e3;
+  auto const passed = [&](double x, double y) { return stop_coupling({a, {x, y}}, {w, w}, 4); };
+  Eigen::MatrixXd const one = Eigen::MatrixXd::Identity(15, 15);
+  EXPECT_LT((passed(0, 0) - one).cwiseAbs().maxCoeff(), 1e-15);
+  for (double const d : {-0.4e-3, 0.0, 0.7e-3}) {
+    double const straight = 0.5 * (1 + std::erf(std::sqrt(2) * d / w));
+    EXPECT_NEAR(passed(a - d, 0)(0, 0), straight, 2e-6) << d;
+    EXPECT_NEAR(passed(0, -a + d)(0, 0), straight, 2e-6) << d;
+  }
+  EXPECT_EQ(passed(0, a + 1).cwiseAbs().maxCoeff(), 0);
+  EXPECT_GT(std::fabs(passed(a - 0.7e-3, 0)(0, 0) - passed(a, 0)(0, 0)), 0.3) << "control: another distance";
+}
+
 }  // namespace
 }  // namespace straytrace::ifo_mode_coupling

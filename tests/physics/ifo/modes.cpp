@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Networks in Hermite-Gauss modes: docs/theory/interferometer.md, eq. N.6 to N.11. Expected numbers are those of
 // another program with modes.
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -8,7 +9,10 @@
 #include "base/every_module.hpp"
 #include "ifo/cavities.hpp"
 #include "ifo/dual_recycled.hpp"
+#include "ifo/layout/mode_table.hpp"
+#include "ifo/layout/operating_point.hpp"
 #include "ifo/mode_bases.hpp"
+#include "ifo/modes/mode_coupling.hpp"
 #include "ifo/network_ways.hpp"
 #include "network_support.hpp"
 #include "support/recorded.hpp"
@@ -125,7 +129,7 @@ TEST(Modes, ResonancesOfTheSolutionAreThoseOfTheTable) {
 struct SignalCavity {
   Network network{light_wavelength};
   ComponentId out;
-  SignalCavity(int order, double detuned) {
+  SignalCavity(int order, double detuned, bool even = false) {
     ComponentId const laser = network.add_laser("laser", 1);
     ComponentId const end = network.add_mirror("ETM", {.transmission = 1e-6, .curvature = -1 / end_roc});
     ComponentId const input = network.add_mirror("ITM", {.transmission = 0.014, .curvature = 1 / first_roc});
@@ -133,7 +137,7 @@ struct SignalCavity {
     network.link({laser, 0}, {end, 0}, 0, -pi / 4);
     network.link({end, 1}, {input, 0}, 2999.8, -pi / 2);
     network.link({input, 1}, {out, 0}, 11.95, -pi / 2);
-    network.use_modes(ModeSettings{order, false, {{"ETM", "ITM"}}});
+    network.use_modes(ModeSettings{order, even, {{"ETM", "ITM"}}});
   }
   double power_at(double hz) const {
     Network moved = network;
@@ -160,6 +164,41 @@ TEST(Modes, SignalCavityT11) {
   EXPECT_GT(relative(SignalCavity(0, 0).pole(), poles[2]), 0.1) << "the curvature matters";
   double const more[] = {506.5, 575.0, 570.9};
   for (int i = 0; i < 3; ++i) EXPECT_LT(deviation(SignalCavity(2 * i, 1e-5).pole(), more[i]), 2e-4) << i;
+  // A mismatch makes even modes alone.
+  EXPECT_LT(deviation(SignalCavity(8, 1e-5, true).pole(), 561.7), 2e-4);
+  EXPECT_LT(deviation(SignalCavity(12, 1e-5, true).pole(), 561.0), 2e-4);
+  EXPECT_LT(relative(SignalCavity(4, 1e-5, true).pole(), SignalCavity(4, 1e-5).pole()), 1e-6);
+}
+
+// Two radii of a mirror: each axis has the stability and the Gouy phase of a cavity of that radius, and light of a
+// round beam goes to (2,0) and (0,2) by the mismatch of each axis (eq. N.7).
+TEST(Modes, MirrorsOfTwoRadii) {
+  double const of_y = 1590;
+  CurvedCavity c(2);
+  auto p = std::get<MirrorParameters>(c.network.at(c.end).stated);
+  p.curvature_across = 1 / of_y;
+  c.network.replace(c.end, Network::mirror("M2", p));
+  CavityMode const mode = mode_of(c.network, cavities_of(c.network).at(0));
+  for (int const axis : {0, 1}) {
+    double const g = (1 - 3000 / first_roc) * (1 - 3000 / (axis == 0 ? end_roc : of_y));
+    EXPECT_NEAR(mode.stability[std::size_t(axis)], 2 * g - 1, 1e-12) << axis;
+    EXPECT_NEAR(mode.gouy[std::size_t(axis)], 2 * std::acos(-std::sqrt(g)), 1e-9) << axis;
+  }
+  EXPECT_GT(std::fabs(mode.stability[0] - mode.stability[1]), 0.05);
+  // One round trip through another basis: K is a product of two axes.
+  ModeBases const bases(c.network);
+  double const w_x = mode.radius(0, light_wavelength), w_y = mode.radius(1, light_wavelength);
+  EXPECT_GT(std::fabs(w_x / w_y - 1), 1e-3);
+  LaserParameters round{.power = 1, .mode = LaserMode{w_x, mode.curvature[0].real()}};
+  Eigen::MatrixXcd const kx = axis_coupling({{round.mode->curvature, mode.curvature[0].imag()}, mode.curvature[0]},
+                                            c.network.wavenumber(), 2),
+                         ky = axis_coupling({{round.mode->curvature, mode.curvature[0].imag()}, mode.curvature[1]},
+                                            c.network.wavenumber(), 2);
+  Eigen::MatrixXcd const k = mode_coupling({mode.curvature[0], mode.curvature[0]},
+                                           {mode.curvature[0], mode.curvature[1]}, c.network.wavenumber(), 2);
+  EXPECT_LT(std::abs(k(mode_index(0, 2), 0) - kx(0, 0) * ky(2, 0)), 1e-12);
+  EXPECT_LT(std::abs(k(mode_index(2, 0), 0)), 1e-12);
+  EXPECT_GT(std::abs(k(mode_index(0, 2), 0)), 1e-3) << "control: the axes are not alike";
 }
 
 // N.3 against steps, and the response at low frequency of heavy mirrors, both in modes.
@@ -222,6 +261,29 @@ TEST(Modes, LensActsAndApertureStops) {
   double const w2 = light_wavelength / (pi * bases.leaving(at)[0].imag());
   double const passed = std::norm(f.out(at, 0) / f.in(n.number_of({stop, 0}), 0));
   EXPECT_LT(deviation(passed, std::pow(1 - std::exp(-2 * 0.05 * 0.05 / w2), 2)), 1e-10) << "N.11";
+}
+
+// Eq. N.11: of the light u_00, a stop of radius w takes e^{-2}. The light that it scatters to modes beyond the order is
+// not lost but missing, 1 - e^{-2} - sum of |K_n0|^2, so that the modes do not suffice. Control: lost light as what
+// enters less what leaves.
+TEST(Modes, ScatterOfAStopIsMissingLight) {
+  NetworkModel model;
+  Network& n = model.network;
+  double const w = 1e-3;
+  ComponentId const laser = n.add(Network::laser("laser", {.power = 2, .mode = LaserMode{w, 0}}));
+  ComponentId const stop = n.add(Network::aperture("stop", {.radius = w}));
+  n.link({laser, 0}, {stop, 0}, 0);
+  n.use_modes(ModeSettings{4});
+  OperatingPoint const point = operating_point(model);
+  auto const lost = std::ranges::find(point.energy, "stop", &EnergyRow::name);
+  ASSERT_NE(lost, point.energy.end());
+  EXPECT_NEAR(lost->power / 2, std::exp(-2), 1e-12);
+  double const kept = stop_coupling({w, {}}, {w, w}, 4).col(0).squaredNorm();
+  EXPECT_NEAR(point.missing / 2, 1 - std::exp(-2) - kept, 1e-12);
+  EXPECT_GT(1 - kept - std::exp(-2), 0.01);
+  EXPECT_FALSE(mode_table(model).truncation.converged());
+  n.replace(stop, Network::aperture("stop", {.radius = 3 * w}));
+  EXPECT_TRUE(mode_table(model).truncation.converged()) << "control: a wide stop";
 }
 
 // A dual-recycled detector without Schnupp asymmetry, all of its mirrors matched to the arms but for `detuned` of the

@@ -91,5 +91,41 @@ TEST(NoiseBudget, LaserNoiseAsLength) {
   EXPECT_GT(noise_of(m, m.readouts[0], &m.freedoms[0], {10}).asd[3][0], 1e3 * n.asd[3][0]) << "control: off its zero";
 }
 
+// Two quadratures of light in a coherent state share the cosine of the angle between them, demodulated signals too; the
+// outputs of a splitter share nothing.
+TEST(NoiseBudget, ReadoutsShareTheVacuum) {
+  double const hz = 100;
+  Bench const b(0.1, 0.3);
+  SteadyField const f(b.network);
+  auto const shared = [&](Network const& n, SteadyField const& light, Readout const& r, Readout const& other) {
+    return LinearResponse(n, light, r, hz).vacuum_correlation(LinearResponse(n, light, other, hz)) +
+           vacuum_beside_carriers(n, light, r, other);
+  };
+  for (double const turn : {0.0, 0.7, pi / 2}) {
+    Readout const a = Readout::homodyne(b.detector, 0.2), c = Readout::homodyne(b.detector, 0.2 + turn);
+    double const noise = vacuum_noise(b.network, f, a, hz);
+    EXPECT_LT(std::abs(shared(b.network, f, a, c) / noise - std::cos(turn)), 1e-9) << turn;
+  }
+  Bench const plain(0, 0.3);
+  SteadyField const carrier(plain.network);
+  Readout const q = Readout::demodulated(plain.detector, slow_hz, 0.3);
+  for (double const turn : {0.0, 0.7}) {
+    Readout const r = Readout::demodulated(plain.detector, slow_hz, 0.3 + turn);
+    EXPECT_LT(
+        std::abs(shared(plain.network, carrier, q, r) / vacuum_noise(plain.network, carrier, q, hz) - std::cos(turn)),
+        1e-9);
+  }
+  Network n(light_wavelength);
+  ComponentId const laser = n.add_laser("laser", 1),
+                    splitter = n.add_splitter("BS", {.transmission = 0.4, .incidence = pi / 4});
+  n.link({laser, 0}, {splitter, 0}, 1);
+  SteadyField const split(n);
+  Readout const reflected = Readout::power(n.number_of({splitter, 1})).of_leaving(),
+                passed = Readout::power(n.number_of({splitter, 2})).of_leaving();
+  double const both = std::sqrt(vacuum_noise(n, split, reflected, hz) * vacuum_noise(n, split, passed, hz));
+  EXPECT_LT(std::abs(shared(n, split, reflected, passed)) / both, 1e-9);
+  EXPECT_NEAR(std::abs(shared(n, split, passed, passed)) / vacuum_noise(n, split, passed, hz), 1, 1e-9) << "control";
+}
+
 }  // namespace
 }  // namespace straytrace::ifo_noise_budget

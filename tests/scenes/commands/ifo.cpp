@@ -110,6 +110,14 @@ TEST(IfoCommand, StrayLight) {
   json const curve =
       answer({places, "--show", "stray", "window", "h", "--band", "100 Hz, 1 kHz", "--points", "2"})["stray"];
   EXPECT_NEAR(curve[1]["phase"].get<double>() / curve[0]["phase"].get<double>(), 1, 0.02);
+  json const same = answer(
+      {places, "--show", "transfer", "stray:window", "h", "--band", "100 Hz, 1 kHz", "--points", "2"})["transfer"];
+  EXPECT_EQ(same, curve);
+  // Light in an arm pushes its end mirror, which is free: its motion falls as 1/f^2.
+  json const pushed = answer(
+      {places, "--show", "transfer", "stray:arm", "ETMx", "--band", "1 kHz, 2 kHz", "--points", "2"})["transfer"];
+  EXPECT_GT(pushed[0]["amplitude"].get<double>(), 3 * pushed[1]["amplitude"].get<double>());
+  EXPECT_EQ(straytrace({"ifo", places, "--show", "transfer", "stray:amr", "h"}).code, 2);
   json const all = answer({cavity, "--show", "stray", "all", "--at", "1 Hz"})["stray_1Hz"];
   EXPECT_GT(all.size(), 10u);
   json const beam = answer({cavity, "--show", "stray", "ITM.back.in"})["stray_10Hz"];
@@ -147,6 +155,14 @@ TEST(IfoCommand, PrintedNetworkIsAScene) {
   EXPECT_EQ(straytrace({"ifo", folder / "net.yaml", "--show", "network"}).out, printed.out);
   json const original = answer({dual})["ports"], again = answer({folder / "net.yaml"})["ports"];
   EXPECT_EQ(original, again);
+  // Its named entrances too: stray light to every read-out, to the last bit. Its strain needs the held lengths.
+  write_text(folder / "places.yaml", straytrace({"ifo", places, "--show", "network"}).out);
+  json const named = answer({places, "--show", "stray"})["stray_10Hz"];
+  json of_readouts = json::array();
+  for (json const& row : named)
+    if (row["readout"] != "h") of_readouts.push_back(row);
+  EXPECT_GT(of_readouts.size(), 40u);
+  EXPECT_EQ(answer({folder / "places.yaml", "--show", "stray"})["stray_10Hz"], of_readouts);
   EXPECT_THAT(straytrace({"check", folder / "net.yaml"}).out, HasSubstr("network of 15 components"));
 }
 
@@ -188,6 +204,41 @@ TEST(IfoCommand, NoiseAndLoops) {
   EXPECT_GT(found["stray_20Hz"][10]["total"].get<double>(), 100 * found["stray_20Hz"][10]["held"].get<double>());
 }
 
+// Eq. N.33: the best filter of one noise removes it, down to the vacuum; curves of the loops.
+TEST(IfoCommand, SubtractedNoiseAndCurvesOfLoops) {
+  Folder const folder;
+  std::string scene = text_of(loops);
+  scene.replace(scene.find("  loops:\n"), 9, "    noises: {SRM: {asd: 1e-12 m/sqrt(Hz)}}\n  loops:\n");
+  write_text(folder / "as_read.yaml", scene);
+  write_text(folder / "best.yaml", scene + "  subtract: [{channel: POP_56, filter: best}]\n");
+  Words const of_noise = {"--show", "loops", "noise", "--band", "10 Hz, 40 Hz", "--points", "3"};
+  auto const noise = [&](char const* file) {
+    Words words = {folder / file};
+    words.insert(words.end(), of_noise.begin(), of_noise.end());
+    return answer(words)["strain_noise"];
+  };
+  json const before = noise("as_read.yaml"), after = noise("best.yaml");
+  EXPECT_TRUE(before[1]["as_read"].is_null());
+  EXPECT_NEAR(after[1]["as_read"].get<double>() / before[1]["total"].get<double>(), 1, 1e-9);
+  EXPECT_LT(after[1]["SRM"].get<double>(), 1e-4 * before[1]["SRM"].get<double>());
+  EXPECT_GT(before[1]["SRM"].get<double>(), 100 * before[1]["vacuum"].get<double>()) << "control: it counts";
+  json const table = answer({folder / "best.yaml", "--show", "loops", "--at", "20 Hz"});
+  EXPECT_EQ(table["filters_20Hz"][0]["kind"], "best");
+  EXPECT_NEAR(table["noise_20Hz"][1]["total"].get<double>() / after[1]["SRM"].get<double>(), 1, 1e-3);
+  json const curves =
+      answer({loops, "--show", "loops", "suppression", "--band", "20 Hz, 40 Hz", "--points", "2"})["suppression"];
+  EXPECT_NEAR(curves[0]["SRCL"].get<double>(), 1 / std::hypot(1 + 10 / 401.0, 200 / 401.0), 1e-9);
+  EXPECT_EQ(straytrace({"ifo", loops, "--show", "loops", "gain"}).code, 2);
+  for (char const* curve : {"suppression", "noise"}) {
+    Finished const drawn =
+        straytrace({"ifo", folder / "best.yaml", "--show", "loops", curve, "--points", "3", "--plot", folder / "a.png"},
+                   {.picture = true});
+    EXPECT_EQ(drawn.code, 0) << drawn.err;
+    EXPECT_EQ(text_of(folder / "a.png").substr(1, 3), "PNG") << curve;
+    std::filesystem::remove(folder / "a.png");
+  }
+}
+
 // The light of a mismatched and tilted cavity fits into modes up to order 4, and not up to order 1.
 TEST(IfoCommand, WarnsOfMissingModes) {
   EXPECT_EQ(straytrace({"ifo", modes}).err, "");
@@ -199,6 +250,26 @@ TEST(IfoCommand, WarnsOfMissingModes) {
   EXPECT_EQ(few.code, 0);
   EXPECT_THAT(few.err, HasSubstr("the modes up to order 1 do not take"));
   EXPECT_EQ(straytrace({"ifo", folder / "a.yaml", "--quiet"}).err, "");
+  // As all messages of this format: a list.
+  json const listed = json::parse(straytrace({"ifo", folder / "a.yaml", "--format", "json"}).err, nullptr, false);
+  ASSERT_EQ(listed.size(), 1u);
+  EXPECT_EQ(listed[0]["severity"], "warning");
+  EXPECT_THAT(listed[0]["what"].get<std::string>(), HasSubstr("up to order 1"));
+}
+
+// A scan that leaves the range of stable cavities names the end of it: for mirrors of curvatures c1, c2 in a distance
+// L, (1 - L c1)(1 - L c2) = 1 at c2 = c1/(L c1 - 1).
+TEST(IfoCommand, ScanIntoAnUnstableCavity) {
+  Finished const far = straytrace({"ifo", modes, "--show", "scan", "ETM.curvature", "0.0006/m", "0.003/m"});
+  EXPECT_EQ(far.code, 2) << far.err;
+  EXPECT_THAT(far.err, AllOf(HasSubstr("no modes at 'ETM.curvature' = "), HasSubstr("ITM-ETM is unstable")));
+  double const c1 = 1 / 1420.0, end = c1 / (3000 * c1 - 1);
+  std::string const word = "on this side at ";
+  ASSERT_NE(far.err.find(word), std::string::npos) << far.err;
+  EXPECT_NEAR(std::stod(far.err.substr(far.err.find(word) + word.size())) / end, 1, 1e-5);
+  EXPECT_EQ(
+      straytrace({"ifo", modes, "--show", "scan", "ETM.curvature", "0.0006/m", "0.00062/m", "--points", "2"}).code, 0)
+      << "control";
 }
 
 TEST(IfoCommand, WrongInput) {
@@ -215,6 +286,9 @@ TEST(IfoCommand, WrongInput) {
       folder / "lens.yaml",
       "straytrace: 1\ninterferometer: {preset: none, network: {components: {laser: {laser: {power: 1 W}}, L: {lens: "
       "{focal_length: 0 m}}}, spaces: [{from: laser, to: L.in, length: 0 m}]}}\n");
+  write_text(folder / "etm.txt", "1 1e-9 3\n1000 1e-9 3\n");
+  write_text(folder / "columns.yaml",
+             text_of(cavity) + "    noises: {ETM: {file: etm.txt, columns: [Hz, nm/sqrt(Hz)]}}\n");
   for (Row const& row : std::vector<Row>{
            {{cavity, "--show", "scan", "LENGTH"}, "--show scan takes 3 words, got 1", "--show scan PARAMETER FROM TO"},
            {{cavity, "--show", "scan", "LENGTH", "0 m", "1nm", "EOM.index", "0", "1", "--points", "2000"},
@@ -233,7 +307,12 @@ TEST(IfoCommand, WrongInput) {
            {{cavity, "--plot", folder / "a.png"}, "--plot draws a scan, a response", "--show scan"},
            {{cavity, "--show", "noise", "PDX"}, "no read-out 'PDX'", "did you mean 'PDH'?"},
            {{cavity, "--show", "noise", "PDH", "--referred-to", "L"}, "no degree of freedom 'L'", "LENGTH"},
-           {{cavity, "--referred-to", "LENGTH"}, "--referred-to is for a noise", "--show noise READOUT"},
+           {{cavity, "--referred-to", "LENGTH"}, "--referred-to has no effect on --show point", "--show noise READOUT"},
+           {{cavity, "--at", "10 Hz"}, "--at has no effect on --show point", "--show sensing, loops and stray"},
+           {{cavity, "--show", "errors", "--points", "3"}, "--points has no effect on --show errors", "--show scan"},
+           {{cavity, "--show", "sensing", "--band", "1 Hz, 2 Hz"}, "--band has no effect", "--show transfer, noise"},
+           {{places, "--show", "stray", "window", "h", "--at", "1 Hz"}, "--at has no effect", "remove it"},
+           {{folder / "columns.yaml"}, "etm.txt:1:1: error: this line has 3 numbers, not 2", "two columns"},
            {{cavity, "--show", "modes"}, "solved in plane waves", "'modes: {order: 2}'"},
            {{cavity, "--show", "loops"}, "only a dual-recycled detector has loops", "preset"},
            {{cavity, "--html", folder / "a.png"}, "does not have a known ending", "end it with .html"},

@@ -89,6 +89,11 @@ class Cavity(unittest.TestCase):
             self.ifo.transfer("nothing", "PDH")
         with self.assertRaisesRegex(TypeError, "at is True"):
             self.ifo.sensing(at=True)
+        with self.assertRaisesRegex(ValueError, "one frequency"):
+            self.ifo.sensing(at="10 Hz, 20 Hz")
+
+    def test_no_frequency_is_the_default(self):
+        np.testing.assert_array_equal(self.ifo.sensing(None), self.ifo.sensing())
 
 
 class Others(unittest.TestCase):

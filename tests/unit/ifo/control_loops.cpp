@@ -57,6 +57,31 @@ TEST(ControlLoopTables, WrongTables) {
   EXPECT_THAT(problems("preset: adv, dark_fringe_offset: 0 m, readout: AS"), HasSubstr("does not respond to DARM"));
 }
 
+TEST(SubtractedChannels, TablesAndProblems) {
+  std::string const noisy =
+      "preset: adv, modulators: [{frequency: 6.27 MHz, index: 0.1}], network: {readouts: {"
+      "POP_I: {demodulate: {at: BS.1.in, frequency: EOM1, phase: best(PRCL)}}}, noises: {SRM: {asd: 1e-16 "
+      "m/sqrt(Hz)}}}, "
+      "readout: AS, subtract: [";
+  auto const problems = [&](std::string const& entry) { return detector(noisy + entry + "]").problems; };
+  auto const read = detector(noisy + "{channel: POP_I, filter: best}, {channel: REFL, filter: {gain: 2}}]");
+  EXPECT_THAT(read.problems, IsEmpty());
+  ASSERT_EQ(read.ifo->network()->subtracted.size(), 2u);
+  EXPECT_FALSE(read.ifo->network()->subtracted[0].filter);
+  EXPECT_EQ((*read.ifo->network()->subtracted[1].filter)(10), 2.0);
+  EXPECT_THAT(read.ifo->description(), HasSubstr("POP_I and REFL subtracted"));
+  EXPECT_THAT(problems("{channel: POP_J, filter: best}"),
+              AllOf(HasSubstr("'POP_J'"), HasSubstr("did you mean 'POP_I'?")));
+  EXPECT_THAT(problems("{channel: POP_I}"), AllOf(HasSubstr("no 'filter'"), HasSubstr("'filter: best'")));
+  EXPECT_THAT(problems("{channel: POP_I, filter: bets}"), HasSubstr("a filter cannot be 'bets'"));
+  EXPECT_THAT(problems("POP_I"), HasSubstr("must be a table"));
+  EXPECT_THAT(problems("{channel: AS, filter: best}"), HasSubstr("the read-out of strain itself"));
+  EXPECT_THAT(problems("{channel: POP_I, filter: best}, {channel: POP_I, filter: best}"),
+              HasSubstr("subtracted twice"));
+  EXPECT_THAT(detector(modulated + ", subtract: [{channel: POP_I, filter: best}]").problems,
+              AllOf(HasSubstr("the network states none"), HasSubstr("add 'noises'")));
+}
+
 TEST(ControlLoopTables, WarnsOfLoopsNearInstability) {
   auto const warnings = [](std::string const& gain) {
     return detector(with_loop("{sensor: POP_I, open_loop: " + gain + "}")).scene.warnings();

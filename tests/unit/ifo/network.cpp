@@ -87,6 +87,13 @@ TEST(NetworkTable, Modes) {
   EXPECT_EQ(etm.tilt[1], -2e-6);
   EXPECT_EQ(std::get<ApertureParameters>(n.at(n.find("stop")).stated).offset[1], 2e-3);
   EXPECT_EQ(std::get<LaserParameters>(n.at(n.find("laser")).stated).mode->radius, 0.05);
+  std::string two = curved;
+  two.replace(two.find("1/(1683 m)"), 10, "[1/(1683 m), 1/(1600 m)]");
+  Bare const pair = bare("    modes: {order: 2}\n" + two);
+  ASSERT_TRUE(pair.model) << pair.problems;
+  Network const& of_two = pair.model->network;
+  EXPECT_EQ(std::get<MirrorParameters>(of_two.at(of_two.find("ETM")).stated).curvature_across, 1 / 1600.0);
+  EXPECT_THAT(network_text(*pair.model), HasSubstr("curvature: [0.0005941770647653001 /m, 0.000625 /m]"));
   EXPECT_FALSE(bare("    modes: {order: 0}\n" + curved).model->network.modes()) << "plane waves";
 }
 
@@ -100,6 +107,8 @@ TEST(NetworkTable, ModesThatCannotBe) {
            {"{order: 2, cavities: [[ITM, ETN]]}", "", "", "no component 'ETN'", "did you mean 'ETM'?"},
            {"{order: 2, cavities: [[ITM, stop]]}", "", "", "no cavity with ITM, stop", "it has: ITM-ETM"},
            {"{order: 17}", "", "", "'order'", "16"},
+           {"{parity: all}", "", "", "'modes' has no 'order'", "'order: 0' is plane waves"},
+           {"{order: 2, parity: even}", "", "", "which the tilt of 'ETM' makes", "write 'parity: all'"},
            {"{orders: 2}", "", "", "'orders'", "order"}}) {
     std::string text = curved;
     if (!row.from.empty()) text.replace(text.find(row.from), row.from.size(), row.to);
@@ -164,6 +173,7 @@ TEST(NetworkTable, ProblemsHaveRemedies) {
                "    readouts: {a: {demodulate: {at: EOM.out.out, frequency: EOM, phase: best(L)}}}\n"
                "    freedoms: {L: {ETM: 1}}\n",
            "'L' has no effect on this signal", "demodulate another beam"},
+          {components + spaces + "    freedoms: {L: {ITM: 0, ETM: 0}}\n", "nothing moves with 'L'", "{ETM: 1}"},
           {components + spaces + "    freedoms: {L: {EOM: 1}}\n", "no mirror or splitter 'EOM'", "did you mean 'ETM'?"},
           {"    components: {laser: {laser: {power: 1 W}}, a: {mirror: {transmission: 60 %, loss: 50 %}}}\n",
            "more than all light", "at most 1 together"},
@@ -185,6 +195,18 @@ TEST(NetworkTable, ProblemsHaveRemedies) {
     EXPECT_THAT(b.problems, AllOf(HasSubstr("scene.yaml:"), HasSubstr(row.reason), HasSubstr(row.remedy)));
   }
   EXPECT_THAT(bare(cavity).problems, IsEmpty()) << "control: nothing is wrong";
+}
+
+// One message each for a pair of one value, a file that is not there and one with a column too many.
+TEST(NetworkTable, EachProblemIsToldOnce) {
+  auto const told = [](std::string const& mirror, std::string const& rest) {
+    return bare("    components:\n      laser: {laser: {power: 1 W}}\n      ETM: {mirror: {transmission: 1 %" + mirror +
+                "}}\n" + rest)
+        .problems;
+  };
+  EXPECT_THAT(told(", tilt: [1 urad]", ""), AllOf(HasSubstr("'tilt' needs 2 values"), HasSubstr("1 error.")));
+  EXPECT_THAT(told("", "    noises: {ETM: {file: none.txt, columns: [Hz, m/sqrt(Hz)]}}\n"),
+              AllOf(HasSubstr("none.txt"), HasSubstr("1 error.")));
 }
 
 // Twelve modulators of order 20 would make 41^12 carriers.

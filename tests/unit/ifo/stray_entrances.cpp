@@ -107,6 +107,10 @@ TEST(StrayEntrances, WhatANetworkWithoutPresetNeeds) {
   EXPECT_THAT(said(stated), AllOf(HasSubstr("where light of port 'baffle' joins"), HasSubstr("at: ITM.front.in")));
   std::string const port = ", ports: {baffle: {at: X.front.in}}";
   EXPECT_THAT(said(port + stated), IsEmpty());
+  EXPECT_THAT(said(", ports: {baffle: {at: end-mirror}}" + stated), HasSubstr("this network has no such place"));
+  std::string both = michelson;
+  both.replace(both.find("DARM: {X: 0.5, Y: -0.5}"), 23, "DARM: {X: 0, Y: 0}");
+  EXPECT_THAT(detector(both + port + stated, {}, 1064e-9, one_port).problems, HasSubstr("nothing moves with 'DARM'"));
   EXPECT_THAT(said(port + ", strain: {readout: drak, arm_length: 3 km}"),
               AllOf(HasSubstr("no read-out 'drak'"), HasSubstr("'dark'")));
   EXPECT_THAT(said(port + ", strain: {readout: dark, freedom: MICH, arm_length: 3 km}"),
