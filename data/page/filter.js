@@ -5,7 +5,7 @@
 "use strict";
 
 const textNames = ["via", "route", "first", "last", "body", "port", "kind", "status", "regime", "id"];
-const kindNames = ["scattered", "ghost", "edge", "wave", "speckle", "halo"];
+const kindNames = ["scattered", "ghost", "edge", "wave", "speckle", "halo", "rim"];
 const deepest = 64;
 
 // * stands for any characters.

@@ -370,7 +370,12 @@ RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
     a.phase[e] = r.to([&](LinearResponse const& x) { return x.to_phase(i); }) / per_field;
     a.amplitude[e] = r.to([&](LinearResponse const& x) { return x.to_amplitude(i); }) / per_field;
   }
-  for (PortEntry const& e : ports_) a.by_port.push_back(e.way ? r.to_stray(*e.way) * (1.0 / darm) : StrayResponse{});
+  for (PortEntry const& e : ports_) {
+    a.by_port.push_back(e.way ? r.to_stray(*e.way) * (1.0 / darm) : StrayResponse{});
+    Injection const i = model_->injection(e.injection_point);
+    NetworkBeam const lit = e.way ? e.way->lit.beam : NetworkBeam{i.port, i.of_leaving};
+    a.passing.push_back(r.to_stray(passing(asked_.network, lit)).amplitude() / darm);
+  }
   return a;
 }
 
@@ -402,6 +407,14 @@ std::complex<double> RecycledInterferometer::strain_per_amplitude(PortId port, d
   std::complex<double> const quieted =
       e.place() == entrance_names[std::size_t(InjectionPoint::input_bench)] ? suppression(servos_.intensity(hz)) : 1.0;
   return e.field_share * quieted * amplitude(port, hz);
+}
+std::optional<std::complex<double>> RecycledInterferometer::strain_per_passing_amplitude(PortId port, double hz) const {
+  PortEntry const& e = ports_.at(port.value);
+  if (!e.way && is_behind_the_end(e.injection_point)) return 0;
+  if (e.field_share != 1) return {};
+  std::complex<double> const quieted =
+      e.place() == entrance_names[std::size_t(InjectionPoint::input_bench)] ? suppression(servos_.intensity(hz)) : 1.0;
+  return quieted * answer(hz).passing[port.value];
 }
 double RecycledInterferometer::largest_response(PortId port, double hz) const {
   return std::fmax(std::abs(phase(port, hz)), std::abs(amplitude(port, hz)));

@@ -168,6 +168,7 @@ class RecycledInterferometer final : public Interferometer {
 
   std::complex<double> strain_per_phase(PortId, double hz) const override;
   std::complex<double> strain_per_amplitude(PortId, double hz) const override;
+  std::optional<std::complex<double>> strain_per_passing_amplitude(PortId, double hz) const override;
   double copies(PortId port) const override { return ports_.at(port.value).copies; }
   DetectorNumbers numbers() const override;
   std::string description() const override;
@@ -180,6 +181,7 @@ class RecycledInterferometer final : public Interferometer {
   struct Answer {
     std::array<std::complex<double>, entrance_names.size()> phase, amplitude;  // strain per relative field
     std::vector<StrayResponse> by_port;                                        // of those that name beams
+    std::vector<std::complex<double>> passing;                                 // by port, strain per Re s
   };
   Answer const& answer(double hz) const;
   Answer solved(double hz) const;

@@ -89,6 +89,17 @@ std::complex<double> FabryPerotMichelson::strain_per_amplitude(PortId port, doub
   return e.field_share * share * strain_per_amplitude_in_arm(hz, p_.power, p_.mass, p_.arm.length, p_.mode);
 }
 
+std::optional<std::complex<double>> FabryPerotMichelson::strain_per_passing_amplitude(PortId port, double hz) const {
+  PortEntry const& e = entry(port);
+  if (is_behind_the_end(e.injection_point)) return 0;
+  if (!is_inside_an_arm(e.injection_point) || e.field_share != 1) return {};
+  // Both ways, Gamma - 1/4 and Gamma - 3/4 of eq. N.19: what passes a place has no recoil there.
+  auto const pushes = [&](DifferentialMode mode) {
+    return strain_per_amplitude_in_arm(hz, p_.power, p_.mass, p_.arm.length, mode);
+  };
+  return 2.0 * pushes(p_.mode) - pushes({1, infinity});
+}
+
 std::string FabryPerotMichelson::description() const {
   std::string const text = fmt::format(
       "Fabry-Perot Michelson, stray light inside an arm: h = (lambda/4 pi L) Im s (phase, eq. 9.1) and "

@@ -24,6 +24,7 @@ class FabryPerotMichelson final : public Interferometer {
 
   std::complex<double> strain_per_phase(PortId, double hz) const override;
   std::complex<double> strain_per_amplitude(PortId, double hz) const override;
+  std::optional<std::complex<double>> strain_per_passing_amplitude(PortId, double hz) const override;
   double copies(PortId port) const override { return entry(port).copies; }
   DetectorNumbers numbers() const override {
     return {p_.arm.length,          p_.power, p_.mass, finesse(p_.arm), p_.mode.gain, p_.arm.input_transmission,

@@ -6,6 +6,7 @@
 #include <complex>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -76,6 +77,9 @@ class Interferometer {
   // (Im s, phase) and the part in phase (Re s, radiation pressure).
   virtual std::complex<double> strain_per_phase(PortId, double hz) const = 0;
   virtual std::complex<double> strain_per_amplitude(PortId, double hz) const = 0;
+  // Strain per unit of Re s added to the main light itself as it passes this place, in both directions, where it is
+  // known (docs/theory/diffraction.md, eq. N.21). Light that does not come back: 0.
+  virtual std::optional<std::complex<double>> strain_per_passing_amplitude(PortId, double /*hz*/) const { return {}; }
   // Number of equal, independent copies of the traced port in the detector (two arms: 2). Powers add.
   virtual double copies(PortId) const = 0;
   virtual DetectorNumbers numbers() const { return {}; }

@@ -20,24 +20,34 @@ NetworkInterferometer::NetworkInterferometer(NetworkModel model, std::string rea
       ports_(std::move(ports)),
       band_(band) {}
 
-std::vector<StrayResponse> const& NetworkInterferometer::answer(double hz) const {
+std::vector<NetworkInterferometer::Answer> const& NetworkInterferometer::answer(double hz) const {
   std::scoped_lock const lock(mutex_);
   if (auto const found = answers_.find(hz); found != answers_.end()) return found->second;
   CalibratedStrain const strain(model_, field_, hz);
   if (!(std::abs(strain.calibration()) > 0))
     throw NumericalError(
         fmt::format("the read-out '{}' has no response to '{}'", readout_, model_.strain->freedom.name));
-  std::vector<StrayResponse> all;
-  for (PortEntry const& e : ports_)
-    all.push_back(e.way ? strain.to_stray(*e.way) * (e.field_share / strain.calibration()) : StrayResponse{});
+  std::vector<Answer> all;
+  for (PortEntry const& e : ports_) {
+    Answer& a = all.emplace_back();
+    if (!e.way) continue;
+    a.stray = strain.to_stray(*e.way) * (e.field_share / strain.calibration());
+    a.passing = strain.to_stray(passing(model_.network, e.way->lit.beam)) * (1.0 / strain.calibration());
+  }
   return answers_.emplace(hz, std::move(all)).first->second;
 }
 
 std::complex<double> NetworkInterferometer::strain_per_phase(PortId port, double hz) const {
-  return answer(hz).at(port.value).phase();
+  return answer(hz).at(port.value).stray.phase();
 }
 std::complex<double> NetworkInterferometer::strain_per_amplitude(PortId port, double hz) const {
-  return answer(hz).at(port.value).amplitude();
+  return answer(hz).at(port.value).stray.amplitude();
+}
+
+std::optional<std::complex<double>> NetworkInterferometer::strain_per_passing_amplitude(PortId port, double hz) const {
+  PortEntry const& e = ports_.at(port.value);
+  if (!e.way || e.field_share != 1) return {};
+  return answer(hz).at(port.value).passing.amplitude();
 }
 
 std::string NetworkInterferometer::description() const {

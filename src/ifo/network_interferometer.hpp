@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ class NetworkInterferometer final : public Interferometer {
 
   std::complex<double> strain_per_phase(PortId, double hz) const override;
   std::complex<double> strain_per_amplitude(PortId, double hz) const override;
+  std::optional<std::complex<double>> strain_per_passing_amplitude(PortId, double hz) const override;
   double copies(PortId port) const override { return ports_.at(port.value).copies; }
   DetectorNumbers numbers() const override { return {.arm_length = model_.strain->length}; }
   NetworkModel const* network() const override { return &model_; }
@@ -27,7 +29,10 @@ class NetworkInterferometer final : public Interferometer {
   SteadyField const& field() const { return field_; }
 
  private:
-  std::vector<StrayResponse> const& answer(double hz) const;
+  struct Answer {
+    StrayResponse stray{}, passing{};
+  };
+  std::vector<Answer> const& answer(double hz) const;
 
   NetworkModel model_;
   std::string readout_;
@@ -35,7 +40,7 @@ class NetworkInterferometer final : public Interferometer {
   std::vector<PortEntry> ports_;
   Band band_;
   mutable std::mutex mutex_;
-  mutable std::map<double, std::vector<StrayResponse>> answers_;  // by frequency, per port
+  mutable std::map<double, std::vector<Answer>> answers_;  // by frequency, per port
 };
 
 // `preset: none`. Nothing without the key `strain`.

@@ -192,6 +192,9 @@ class MeasuredResponses final : public Interferometer {
     return found == measured_.end() ? rest_->strain_per_amplitude(port, hz)
                                     : found->second(found->second.amplitude, hz);
   }
+  std::optional<std::complex<double>> strain_per_passing_amplitude(PortId port, double hz) const override {
+    return measured_.contains(port.value) ? std::nullopt : rest_->strain_per_passing_amplitude(port, hz);
+  }
   double copies(PortId port) const override { return rest_->copies(port); }
   NetworkModel const* network() const override { return rest_->network(); }
   DetectorNumbers numbers() const override { return rest_->numbers(); }

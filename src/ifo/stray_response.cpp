@@ -57,6 +57,13 @@ StrayWay returning(NetworkBeam fed, double distance) {
   return {.lit = {reversed(fed), distance}, .fed = {fed, distance}};
 }
 
+StrayWay passing(Network const& network, NetworkBeam beam) {
+  auto const [to, space] = neighbours(network)[beam.port];
+  bool const ends = to >= network.ports() || network.at(network.owner_of(to)).kind == Network::Component::Kind::dump;
+  BeamPlace const place{beam, ends ? 0 : 0.5 * network.spaces().at(space).length};
+  return {.lit = place, .fed = place};
+}
+
 bool is_own_reverse(Network const& network, StrayWay const& way) {
   return way.alone || same_beam(network, way.lit.beam, reversed(way.fed.beam));
 }

@@ -19,6 +19,9 @@ std::string beam_name(Network const&, NetworkBeam);
 
 // The way back on the beam it came from, at one point.
 StrayWay returning(NetworkBeam fed, double distance = 0);
+// Light added to a beam where it passes the middle of its space, or leaves the network, and to its reverse there: both
+// ways, a = b in eq. N.12. No mirror takes a recoil.
+StrayWay passing(Network const&, NetworkBeam);
 // Whether the way that starts where this one ends, and ends where it starts, adds nothing.
 bool is_own_reverse(Network const&, StrayWay const&);
 // Turns the way so that Re s joins in phase with the carrier there, where both ends have light of the laser's

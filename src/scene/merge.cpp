@@ -37,6 +37,7 @@ constexpr std::array top_keys{
     TopKey{"edges", "", Section::single},
     TopKey{"wave", "", Section::single},
     TopKey{"ghosts", "", Section::single},
+    TopKey{"rims", "", Section::single},
     TopKey{"interferometer", "", Section::single},
     TopKey{"trace", "", Section::single},
     TopKey{"noise", "", Section::single},

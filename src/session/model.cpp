@@ -24,6 +24,7 @@
 #include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
 #include "session/light/network_beams.hpp"
+#include "session/light/rim_light.hpp"
 #include "session/records/sensors.hpp"
 #include "session/report_page.hpp"
 #include "wave/arm/arm_cavity.hpp"
@@ -157,6 +158,7 @@ std::vector<std::string> limits_of(Scene const& scene, World const& world) {
   } else if (world.edges.groups.empty()) {
     lines.push_back("diffraction at inner edges is not counted: the scene has neither table 'edges' nor 'wave'");
   }
+  if (counts_rims(scene)) lines.push_back("rims in the main beam: routes of kind rim, by the motion of their bodies");
   bool const ghosts = read_ghosts(scene).has_value();
   lines.push_back(ghosts                       ? "ghost beams: routes of kind ghost, by the beam tree"
                   : scene.root().has("ghosts") ? "ghost beams are not counted: the scene says 'ghosts: off'"
@@ -225,10 +227,13 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   read_report(model);
   read_sensors(model.scene, names_in(model.scene.table("ports")), names_in(model.scene.table("receivers")));
   read_ghosts(model.scene);
+  counts_rims(model.scene);
   warn_of_ghosts_left_out(model.scene, model.world);
   if (Node const table = model.scene.root()["scan"])
     table.problem("a model does not take a table 'scan'",
                   "name parameters on the command line: straytrace scan MODEL NAME=lo..hi:n");
+  model.scene.throw_if_problems();
+  if (model.detector) check_rims(model.scene, model.world, *model.detector);
   model.scene.throw_if_problems();
   if (model.world.wave.present && !model.world.wave.ring) begin_rays_at_crossover(model.world);
   warn_of_gaps(model.motion, model.noise, model.scene.table("bodies"), model.world.wavelength);

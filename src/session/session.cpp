@@ -29,6 +29,7 @@
 #include "session/interrupt.hpp"
 #include "session/light/cavity_waves.hpp"
 #include "session/light/ghost_noise.hpp"
+#include "session/light/rim_light.hpp"
 #include "session/light/seam.hpp"
 #include "trace/deterministic/edges.hpp"
 #include "trace/deterministic/halo.hpp"
@@ -138,6 +139,11 @@ struct DeterministicLight {
       HaloClasses halo = halo_classes(model.world, waves);
       std::ranges::move(halo.classes, std::back_inserter(classes));
       std::ranges::move(halo.warnings, std::back_inserter(warnings));
+    }
+    if (counts_rims(model.scene)) {
+      MovingRimClasses rims = moving_rim_classes(model.world);
+      std::ranges::move(rims.classes, std::back_inserter(classes));
+      std::ranges::move(rims.warnings, std::back_inserter(warnings));
     }
     GhostClasses ghosts;
     if (auto const wanted = read_ghosts(model.scene)) ghosts = ghosts_beside(model.world, *wanted);

@@ -21,10 +21,11 @@ char letter(Event);  // emit, scatter, couple: 'S'; reflect: 'R'; transmit: 'T';
 
 // Light of the Monte-Carlo walk and the routes computed without it (docs/theory/diffraction.md): specular returns and
 // diffraction at rims: as an upper bound (edge), by Fourier propagation (wave), or in the mean over speckle (speckle;
-// docs/theory/wave.md); and light at small angles that surfaces in the field of a cavity scatter back (halo). All but
-// the first are deterministic: a fixed set of path records, no Monte-Carlo error, and limits stated in words.
-enum class ClassKind : std::uint8_t { scattered, ghost, edge, wave, speckle, halo };
-constexpr std::array class_kind_names{"scattered", "ghost", "edge", "wave", "speckle", "halo"};
+// docs/theory/wave.md); light at small angles that surfaces in the field of a cavity scatter back (halo); and light
+// that a moving rim takes from the main beam (rim; eq. N.21). All but the first are deterministic: a fixed set of path
+// records, no Monte-Carlo error, and limits stated in words.
+enum class ClassKind : std::uint8_t { scattered, ghost, edge, wave, speckle, halo, rim };
+constexpr std::array class_kind_names{"scattered", "ghost", "edge", "wave", "speckle", "halo", "rim"};
 constexpr char const* name_of(ClassKind kind) { return class_kind_names[std::size_t(kind)]; }
 
 struct PathStep {
@@ -52,7 +53,7 @@ constexpr std::uint32_t beam_of_port = 0xffffffff;
 // One stored path: its address and the results of its replay.
 struct PathRecord {
   std::uint64_t history = 0;     // of kind wave: the draw
-  std::uint32_t event = 0;       // vertex number; of kind wave: the draw of the heights of the mirrors
+  std::uint32_t event = 0;       // vertex number; of kind wave: the draw of the heights of the mirrors; rim: RimTerm
   std::uint32_t connection = 0;  // 2 i: hit footprint i, 2 i + 1: connected to it
   double coupling = 0;           // recoupled power fraction of this score times the number of histories [1]
   double weight = 0;             // share of the class mean it stands for; the weights of a class sum to the mean
@@ -68,6 +69,11 @@ struct PathRecord {
   // of computed routes and in files before schema 2.4.
   std::uint32_t beam = beam_of_port;
 };
+
+// What a record of kind rim adds to the stray field s = -d (1 - first . x - 1/2 sum over second of +-(second . x)^2) of
+// a rim that takes the share d of the main field; x: coordinates of the bodies, `first` and `second` the phase
+// sensitivities of the records. Only the first has a weight, d^2 (docs/theory/diffraction.md, eq. N.21).
+enum class RimTerm : std::uint32_t { first, second_plus, second_minus };
 
 // Most paths that a class keeps in so many blocks; part of the run-file schema.
 std::size_t records_kept(std::uint64_t blocks);

@@ -277,6 +277,8 @@ constexpr Mark marks[] = {
      "docs/theory/wave.md"},
     {"halo", "kind of a route: light below the crossover angle that surfaces in the field of a cavity scatter back",
      "docs/theory/wave.md"},
+    {"rim", "kind of a route: light that a moving rim takes from the main beam, of known static phase",
+     "docs/theory/diffraction.md"},
     {"linear", "regime of a route: at least half of its noise power is to first order in the motion",
      "docs/theory/spectra.md"},
     {"wrapped",

@@ -129,7 +129,7 @@ class SpeckleLaw {
       : b_(b), table_(table), ifo_(ifo), gains_(motion) {
     copies_ = infinity;
     for (std::size_t r = 0; r < b.routes.size(); ++r) {
-      if (table.classes[r].records.empty()) continue;
+      if (table.classes[r].records.empty() || table.classes[r].kind == ClassKind::rim) continue;
       parts_.push_back(part(r));
       copies_ = std::min(copies_, ifo.copies(table.classes[r].port));
     }
@@ -345,12 +345,15 @@ void add_speckle_band(NoiseBudget& b, CouplingTable const& table, MotionSet cons
   NoiseBands& bands = b.bands;
   for (auto* curve : {&bands.speckle_05, &bands.speckle_50, &bands.speckle_95, &bands.coherent}) curve->clear();
   for (std::size_t i = 0; i < b.grid.size(); ++i) {
-    double linear = 0;
-    for (NoiseTrace const& t : b.routes) linear += t.asd[i];
+    double linear = 0, of_rims = 0, others = 0;  // rims have no static phase
+    for (std::size_t r = 0; r < b.routes.size(); ++r) {
+      linear += b.routes[r].asd[i];
+      (table.classes[r].kind == ClassKind::rim ? of_rims : others) += b.routes[r].psd(i);
+    }
     bool const known = !std::isnan(b.total.asd[i]);
     std::array<double, 3> percentiles{};
-    if (known && linear > 0) percentiles = law.at(i);
-    auto const root = [&](double psd) { return known ? std::sqrt(std::max(0.0, psd)) : not_a_number; };
+    if (known && others > 0) percentiles = law.at(i);
+    auto const root = [&](double psd) { return known ? std::sqrt(std::max(0.0, psd + of_rims)) : not_a_number; };
     bands.speckle_05.push_back(root(percentiles[0]));
     bands.speckle_50.push_back(root(percentiles[1]));
     bands.speckle_95.push_back(root(percentiles[2]));

@@ -102,7 +102,7 @@ void add_sidebands(CouplingClass& sum, CouplingClass const& c, LightModulation c
                    BodyId clock) {
   double const share = tone.amplitude * tone.amplitude / 4;
   for (PathRecord const& r : c.records) {
-    if (source_beam(light, r.beam, c.port) != tone.beam) continue;
+    if (c.kind == ClassKind::rim || source_beam(light, r.beam, c.port) != tone.beam) continue;
     for (double const sign : {1.0, -1.0}) {
       PathRecord side = r;
       side.weight *= share;

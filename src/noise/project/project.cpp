@@ -17,6 +17,7 @@
 #include "noise/classes/modulated_light.hpp"
 #include "noise/interpolate/spectrum_interpolator.hpp"
 #include "noise/noise.hpp"
+#include "noise/project/rim_noise.hpp"
 #include "noise/project/route_noise.hpp"
 #include "noise/project/static_phase.hpp"
 #include "noise/time_domain/motion_series.hpp"
@@ -57,6 +58,18 @@ std::vector<Response> responses(Interferometer const& ifo, std::size_t ports, Fr
       out[p].amplitude.push_back(std::norm(amplitude));
       out[p].relation.push_back(2 * std::real(phase * std::conj(amplitude)));
     }
+  }
+  return out;
+}
+
+// Eq. N.21: of rims in the main beam of a port.
+Response passing_response(Interferometer const& ifo, CouplingTable const& table, CouplingClass const& c,
+                          FrequencyGrid const& grid) {
+  Response out{Bins(grid.size()), {}, Bins(grid.size())};
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    auto const t = ifo.strain_per_passing_amplitude(c.port, grid.centre(i));
+    if (!t) throw without_passing_amplitude(table.ports.at(c.port.value));
+    out.amplitude.push_back(std::norm(*t));
   }
   return out;
 }
@@ -230,8 +243,8 @@ void add_draws(NoiseTrace& trace, DrawBand const& draws, Bins const& to_strain) 
   }
 }
 
-// `sidebands`: of each route with light of modulated amplitude, their class; of such a class there is no curve. `phases`:
-// of the static phases of the routes.
+// `sidebands`: of each route with light of modulated amplitude, their class; of such a class there is no curve.
+// `phases`: of the static phases of the routes.
 NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
                             NoiseSettings const& settings, std::span<std::optional<std::size_t> const> sidebands,
                             std::vector<std::optional<double>> const& phases) {
@@ -246,9 +259,10 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
   auto const spectrum_of = [&](std::size_t r) {
     CouplingClass const& c = table.classes[r];
     std::size_t const first = strengths.first[r];
-    RouteSpectrum route = c.adds_fields() ? family_spectrum(spectra, motion, c, std::span(strength).subspan(first))
-                                          : route_spectrum(table, c, first, nodes, strength,
-                                                           {spectra, motion, table, c, strengths, first});
+    RouteSpectrum route = c.kind == ClassKind::rim ? rim_spectrum(spectra, motion, c)
+                          : c.adds_fields() ? family_spectrum(spectra, motion, c, std::span(strength).subspan(first))
+                                            : route_spectrum(table, c, first, nodes, strength,
+                                                             {spectra, motion, table, c, strengths, first});
     route.psd.resize(bins);
     route.linear.resize(bins);
     return route;
@@ -261,8 +275,9 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
   std::vector<std::pair<std::size_t, PowerSum>> doubtful;
   for (std::size_t r = 0; r < sidebands.size(); ++r) {
     CouplingClass const& c = table.classes[r];
+    bool const of_rim = c.kind == ClassKind::rim;
     RouteSpectrum const route = spectrum_of(r);
-    Response const& random = response.at(c.port.value);
+    Response const random = of_rim ? passing_response(ifo, table, c, settings.grid) : response.at(c.port.value);
     Response const t = phases[r] ? with_static_phase(random, phase_relation(spectra, motion, c), *phases[r]) : random;
     std::string const name = route_name(table, c), why_not = objection(table, c, route);
     PowerSum own(bins);

@@ -97,7 +97,7 @@ SensorNoise sensor_noise(CouplingTable const& table, MotionSet const& motion, No
   for (std::uint32_t i = 0; i < table.classes.size(); ++i)
     if (table.classes[i].port.value != port.value) {
       continue;
-    } else if (diffuse && table.classes[i].deterministic()) {
+    } else if (table.classes[i].kind == ClassKind::rim || (diffuse && table.classes[i].deterministic())) {
       ++noise.left_out;
     } else {
       noise.routes.push_back(i);
@@ -107,14 +107,16 @@ SensorNoise sensor_noise(CouplingTable const& table, MotionSet const& motion, No
   return noise;
 }
 
-SensorSeries sensor_series(CouplingTable const& table, MotionSet const& motion, TimeDomainSettings const& settings) {
-  if (settings.delay == Delay::by_hit) {
-    TimeDomainSettings at_once = settings;
+SensorSeries sensor_series(CouplingTable const& table, MotionSet const& motion, TimeDomainSettings const& stated) {
+  if (stated.delay == Delay::by_hit) {
+    TimeDomainSettings at_once = stated;
     at_once.delay = Delay::none;
-    DelayedPaths const late = with_delays(table, motion, settings.band_high);
+    DelayedPaths const late = with_delays(table, motion, stated.band_high);
     return sensor_series(late.table, late.motion, at_once);
   }
   OneCopy const every;
+  TimeDomainSettings settings = stated;
+  std::erase_if(settings.paths.routes, [&](std::uint32_t r) { return table.classes[r].kind == ClassKind::rim; });
   StrayLight const light = stray_light(table, motion, every, settings);
   SensorSeries series{{}, light.fastest, light.times};
   auto const add = [&](std::vector<PortField> const& fields, char const* what, auto const& signal) {

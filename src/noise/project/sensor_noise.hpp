@@ -69,7 +69,9 @@ struct SensorNoise {
   PortId port;
   std::vector<std::uint32_t> routes;  // of this port, positions in CouplingTable::classes
   NoiseBudget budget;                 // of these routes, in their order: relative ASD of the signal, 1/sqrt(Hz)
-  std::size_t left_out = 0;           // computed routes, ghosts for one, whose pattern on a quadrant is not known
+  // Routes of rims, whose light that passes reaches the sensor in other modes too, and on a quadrant all computed
+  // routes, whose pattern is not known.
+  std::size_t left_out = 0;
 };
 // The mean over static phases, where power and phase differ by the factor 2 only.
 SensorNoise sensor_noise(CouplingTable const&, MotionSet const&, NoiseSettings, PortId, SensorKind);

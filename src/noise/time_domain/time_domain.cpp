@@ -13,6 +13,7 @@
 #include "base/math/rng.hpp"
 #include "noise/classes/delayed_paths.hpp"
 #include "noise/classes/modulated_light.hpp"
+#include "noise/project/rim_noise.hpp"
 #include "noise/time_domain/motion_series.hpp"
 #include "spectra/fourier.hpp"
 
@@ -160,6 +161,43 @@ std::vector<double> strain(std::span<PortField const> fields, Interferometer con
   return h;
 }
 
+namespace {
+
+// Adds d first . x + d/2 sum over second of +-(second . x)^2, eq. N.21, by the response to the main beam that passes.
+void add_rim(std::vector<double>& h, CouplingTable const& table, CouplingClass const& c, MotionSeries const& motion,
+             Interferometer const& ifo, TimeDomainSettings const& s) {
+  RimTerms const terms = rim_terms(c);
+  auto const along = [&](PathRecord const& r) {
+    std::vector<double> y(motion.times.samples);
+    for (MovingCoordinate const& m : motion.coordinates)
+      for (PhaseSensitivity const& p : r.phase_sensitivities)
+        if (p.body == m.body && p.d[m.axis] != 0)
+          for (std::size_t i = 0; i < y.size(); ++i) y[i] += p.d[m.axis] * m.position[i];
+    return y;
+  };
+  std::vector<double> field = along(*terms.first);
+  for (std::size_t k = 0; k < terms.second.size(); ++k) {
+    std::vector<double> const y = along(*terms.second[k]);
+    for (std::size_t i = 0; i < field.size(); ++i) field[i] += 0.5 * terms.sign[k] * y[i] * y[i];
+  }
+  double const scale = std::sqrt(terms.first->weight * ifo.copies(c.port)), rate = motion.times.rate,
+               high = s.band_high > 0 ? s.band_high : rate / 2;
+  for (double& x : field) x *= scale;
+  auto const guard = static_cast<std::size_t>(std::ceil(4 * rate / s.band_low));
+  std::size_t const period = 2 * quick_length((field.size() + guard + 1) / 2);
+  auto const response = [&](double hz) -> std::complex<double> {
+    if (hz < s.band_low || hz > high) return 0;
+    auto const t = ifo.strain_per_passing_amplitude(c.port, hz);
+    if (!t) throw without_passing_amplitude(table.ports.at(c.port.value));
+    return *t;
+  };
+  std::vector<double> const part = filtered(made_periodic(field, period), rate, response);
+  h.resize(field.size());
+  for (std::size_t i = 0; i < field.size(); ++i) h[i] += part[i];
+}
+
+}  // namespace
+
 StrayLight stray_light(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
                        TimeDomainSettings const& s) {
   if (s.delay == Delay::by_hit) {
@@ -169,6 +207,11 @@ StrayLight stray_light(CouplingTable const& table, MotionSet const& motion, Inte
     return without_copies(stray_light(late.table, late.motion, ifo, at_once), motion.bodies.size());
   }
   std::vector<StrayPath> const paths = stray_paths(table, ifo, s.paths);
+  bool const rims =
+      std::ranges::any_of(s.paths.routes, [&](std::uint32_t r) { return table.classes.at(r).kind == ClassKind::rim; });
+  if (paths.empty() && rims)
+    throw InputError("routes of kind rim alone have no fringes to draw in time",
+                     "add a route of another kind, or take their spectrum: straytrace noise");
   if (paths.empty())
     throw InputError("the selected routes have no stored paths, so there is nothing to sum", "choose other routes");
   StrayLight light;
@@ -186,6 +229,9 @@ StrayLight stray_light(CouplingTable const& table, MotionSet const& motion, Inte
     if (p.length > 0) light.longest_delay = std::max(light.longest_delay, p.length / speed_of_light);
   light.fields = stray_fields(paths, light.motion, s.delay, s.threads, s.direct, s.progress);
   light.h = strain(light.fields, ifo, light.times.rate, s.band_low, s.band_high);
+  for (std::uint32_t const route : s.paths.routes)
+    if (CouplingClass const& c = table.classes.at(route); c.kind == ClassKind::rim)
+      add_rim(light.h, table, c, light.motion, ifo, s);
   for (double x : light.h)
     if (!std::isfinite(x)) throw NumericalError("the strain of these paths is not finite");
   return light;
@@ -325,6 +371,7 @@ std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer co
   std::vector<StrayPath> paths;
   for (std::uint32_t const route : choice.routes) {
     CouplingClass const& c = table.classes.at(route);
+    if (c.kind == ClassKind::rim) continue;
     double const copies = ifo.copies(c.port), drawn = std::max(1.0, std::round(copies));
     std::optional<double> const known = choice.phases.empty() ? std::nullopt : choice.phases.at(route);
     std::vector<Pick> const picks = picked(c, known ? 1 : choice.per_route, draws.of_route(c.hash));

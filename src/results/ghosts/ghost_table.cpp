@@ -62,7 +62,7 @@ std::optional<PortId> ghost_port(World const& world, BeamLaunch const& launch, M
   for (Footprint const& f : world.footprints()) {
     if (!f.port.valid() || f.beam != launch.beam) continue;
     for (MainNode const& node : main.nodes()) {
-      bool const here = node.spot.surface == f.surface && dot(node.spot.mode.travel, f.travel) > 0.9 &&
+      bool const here = !node.screen && node.spot.surface == f.surface && dot(node.spot.mode.travel, f.travel) > 0.9 &&
                         length(node.spot.mode.origin - f.centre) < 1e-3 + f.radius;
       if (!here || node.spot.path_length >= nearest) continue;
       best = f.port;

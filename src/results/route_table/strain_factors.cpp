@@ -17,9 +17,12 @@ namespace {
 // phases; half of the PSD of the phase where motion is small.
 std::vector<StrainFactor> factors_of(CouplingClass const& c, NoiseTrace const& trace, PathRow const& row,
                                      Interferometer const& ifo, double centre, double h) {
-  double const phase = std::abs(ifo.strain_per_phase(c.port, centre)),
-               amplitude = std::abs(ifo.strain_per_amplitude(c.port, centre)), copies = ifo.copies(c.port),
-               both = phase * phase + amplitude * amplitude, power = c.coupling.mean * c.reverse * copies;
+  bool const of_rim = c.kind == ClassKind::rim;  // its light is the main beam, without a phase (eq. N.21)
+  double const phase = of_rim ? 0 : std::abs(ifo.strain_per_phase(c.port, centre)),
+               amplitude = std::abs(of_rim ? ifo.strain_per_passing_amplitude(c.port, centre).value_or(not_a_number)
+                                           : ifo.strain_per_amplitude(c.port, centre)),
+               copies = ifo.copies(c.port), both = phase * phase + amplitude * amplitude,
+               power = c.coupling.mean * c.reverse * copies;
   bool const bound = row.upper_bound();
   return {
       {"C", c.coupling.mean, "", "power that rejoins the mode on this route, of ordered paths, relative", bound},

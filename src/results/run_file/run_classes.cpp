@@ -36,7 +36,7 @@ void class_columns(Column&& column) {
   auto const of = [](auto member) { return through(&CouplingClass::coupling, member); };
   column("hash", {"1", "identifier of the route, the same in all runs of one model"}, &CouplingClass::hash);
   column("kind",
-         {"0 scattered, 1 ghost, 2 edge, 3 wave, 4 speckle, 5 halo",
+         {"0 scattered, 1 ghost, 2 edge, 3 wave, 4 speckle, 5 halo, 6 rim",
           "all but the first are computed, without Monte-Carlo error"},
          &CouplingClass::kind, ClassKind::scattered);
   column("statement", {"", "of computed routes: meaning of the number and its validity"}, &CouplingClass::statement,

@@ -17,9 +17,9 @@
 namespace straytrace::session {
 namespace {
 
-constexpr std::array<std::string_view, 15> sections{"materials", "media",          "scene",   "bodies", "beams",
-                                                    "ports",     "receivers",      "sensors", "edges",  "wave",
-                                                    "ghosts",    "interferometer", "noise",   "trace",  "report"};
+constexpr std::array<std::string_view, 16> sections{"materials",      "media",   "scene", "bodies", "beams",  "ports",
+                                                    "receivers",      "sensors", "edges", "wave",   "ghosts", "rims",
+                                                    "interferometer", "noise",   "trace", "report"};
 constexpr double rounding = 1e-12;  // relative: 84 cm and 0.84 m
 
 struct Leaf {

@@ -29,12 +29,7 @@ Mode modulus(Mode m) {
 struct Circle {
   Vec3 centre, axis;
   double radius = 0, tooth_depth = 0;  // m, of the tips
-  double mean(Mode const& mode) const {
-    auto const at = [&](double r) { return clipped_share(Aperture{centre, axis, r}, mode); };
-    if (tooth_depth == 0) return at(radius);
-    using Rule = boost::math::quadrature::gauss<double, 20>;
-    return Rule::integrate(at, radius, radius + tooth_depth) / tooth_depth;
-  }
+  double mean(Mode const& mode) const { return BeamAperture::Round{centre, axis, radius, tooth_depth, mode}.clipped(); }
   // Mean of the modulus of the field over the rim, seen from the chief ray.
   double on_rim(Mode const& mode) const {
     constexpr int azimuths = 256;
@@ -63,6 +58,7 @@ bool round_beam(Mode const& m) {
 
 void measure(BeamAperture& a, Circle const& circle, Mode const& here) {
   Spot const s = spot(here);
+  a.round = {circle.centre, circle.axis, circle.radius, circle.tooth_depth, here};
   a.w_major = s.major;
   a.w_minor = s.minor;
   double const cosine = std::min(1.0, std::fabs(dot(circle.axis, here.travel)));
@@ -137,6 +133,7 @@ class Passed final : public BeamSink {
   void left(LeavingBeam const& beam, std::span<BeamStep const> way) override {
     flight_ = beam.mode;
     before_ = beam.path_length;
+    main_way_ = launch_.cavity.empty() && beam.field.power() > 0.5;
     if (way.empty() || way.back().spot != last_spot_ || last_row_ >= all_.size()) return;
     BeamAperture& a = all_[last_row_];  // the beam as it leaves
     a.reflected = way.back().event == Event::reflect;
@@ -152,6 +149,7 @@ class Passed final : public BeamSink {
     last_row_ = std::numeric_limits<std::size_t>::max();
     if (first && !launch_.cavity.empty()) return;  // the mirror of the cavity itself
     BeamAperture a = row(spot.surface, spot.path_length);
+    a.main_way = launch_.cavity.empty() && spot.power > 0.5;
     if (auto const rim = outer_rim(world_, spot.surface))
       measure(a, *rim, spot.mode);
     else
@@ -191,6 +189,7 @@ class Passed final : public BeamSink {
       found.push_back(a);
     }
     touched_.clear();
+    for (BeamAperture& a : found) a.main_way = main_way_;
     std::ranges::sort(found, [](auto const& a, auto const& b) { return a.along < b.along; });
     all_.insert(all_.end(), found.begin(), found.end());
   }
@@ -200,6 +199,7 @@ class Passed final : public BeamSink {
   std::vector<BeamAperture>& all_;
   Mode flight_;
   double before_ = 0;
+  bool main_way_ = false;
   std::vector<ScreenSpot> touched_;
   std::uint32_t last_spot_ = BeamSpot::none;
   std::size_t last_row_ = std::numeric_limits<std::size_t>::max();
@@ -214,6 +214,7 @@ void add_mirror(World const& world, Footprint const& f, double along, std::vecto
   a.group = world.surfaces()[f.surface.value].group;
   a.surface = f.surface;
   a.reflected = true;
+  a.standing = true;
   a.along = along;
   measure(a, *rim, circular_mode(f.centre, f.travel, f.radius, f.curvature, world.wavelength));
   a.at.curvature = -f.curvature;
@@ -224,8 +225,10 @@ void add_mirror(World const& world, Footprint const& f, double along, std::vecto
 void add_cavity(World const& world, Footprint const& one, Footprint const& two, std::vector<BeamAperture>& all) {
   double const span = length(two.centre - one.centre);
   add_mirror(world, one, 0, all);
+  std::size_t const first = all.size();
   add_holes(world, one.beam, circular_mode(one.centre, -one.travel, one.radius, -one.curvature, world.wavelength), span,
             0, all);
+  for (std::size_t i = first; i < all.size(); ++i) all[i].standing = true;
   add_mirror(world, two, span, all);
 }
 
@@ -270,6 +273,13 @@ class Losses final : public BeamSink {
 };
 
 }  // namespace
+
+double BeamAperture::Round::clipped() const {
+  auto const at = [&](double r) { return clipped_share(Aperture{centre, axis, r}, mode); };
+  if (tooth_depth == 0) return at(radius);
+  using Rule = boost::math::quadrature::gauss<double, 20>;
+  return Rule::integrate(at, radius, radius + tooth_depth) / tooth_depth;
+}
 
 std::vector<BeamAperture> apertures_of(World const& world) {
   std::vector<BeamAperture> all;

@@ -26,6 +26,16 @@ struct BeamAperture {
   bool across = false;
   BeamInPlane at;   // leaving the plane of the rim; curvature only if `across`
   Opening opening;  // radius NaN: the rim is not round
+  // Of a round rim, what it clips and where it is; otherwise no radius.
+  struct Round {
+    Vec3 centre, axis;                   // m; unit
+    double radius = 0, tooth_depth = 0;  // m; of the tips
+    Mode mode;                           // that arrives
+    // Share of the power outside of it, mean over the height of its teeth.
+    double clipped() const;
+  } round{};
+  bool standing = false;  // between the mirrors of a cavity, or one of these
+  bool main_way = false;  // of a launched beam of which more than half has come here, not through a cavity mirror
 };
 
 // Beam by beam, in the order along each.

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double weaker = 0.5,
                  slight = 0.1;  // limits of a departure: relative to the other way; reflected, to the arriving power
+constexpr double least_cut = 1e-6;  // share of the power below which a rim leaves the mode as it is
 constexpr double least_met = 0.01;  // share of a beam that must meet a surface for it to continue
 
 void scale(BeamField& field, double power) {
@@ -92,18 +93,65 @@ class Tree {
     branch.beside = loss.beside;
     if (loss.screens.empty()) return;
     for (Screened const& s : loss.screens) book(branch, s, power);
+    add_cut(beam, loss, branch.depth);
     scale(beam.field, std::max(0.0, 1 - loss.taken()));
+  }
+  static void add_cut(LeavingBeam& beam, FlightLoss const& loss, std::size_t steps) {
+    if (!(loss.taken() > least_cut)) return;
+    Screened const& most = *std::ranges::max_element(loss.screens, {}, &Screened::share);
+    RimCut cut{most.surface, most.mode, steps, beam.path_length + most.along, loss.taken()};
+    cut.again = !beam.cuts.empty() && beam.cuts.back().repeats_in(cut, cut.at - beam.cuts.back().at);
+    beam.cuts.push_back(cut);
   }
   void book(Branch const& branch, Screened const& screen, double power) {
     LeavingBeam const& beam = branch.beam;
     Vertex const vertex = make_vertex(view_, screen.surface, screen.point, beam.mode.travel, screen.piece);
-    double const index = view_.wavelength / beam.mode.wavelength, taken = power * screen.share;
+    double const index = view_.wavelength / beam.mode.wavelength;
+    reflect_off(branch, screen, vertex);
+    sink_.screened({screen, vertex.front, power, beam.path_length + index * screen.along,
+                    beam.gouy + gouy(beam.mode, screen.along), index, beam.field, beam.cuts, beam.order},
+                   way_);
+  }
+
+  // What a flat screen reflects continues as a ghost about a chief ray in the hole; all else that it takes lands.
+  void reflect_off(Branch const& branch, Screened const& screen, Vertex vertex) {
+    LeavingBeam const& beam = branch.beam;
+    find_media(view_, branch.media, beam.mode.travel, vertex);
+    BeamSpot spot;
+    spot.surface = screen.surface;
+    spot.piece = screen.piece;
+    spot.front = vertex.front;
+    spot.normal = vertex.frame.e3;
+    spot.mode = screen.mode;
+    spot.index = vertex.n_in;
+    spot.field = beam.field;
+    scale(spot.field, screen.share);
+    spot.power = spot.field.power();
+    spot.path_length = beam.path_length + vertex.n_in * screen.along;
+    spot.cuts = beam.cuts;
+    spot.cuts.push_back({screen.surface, screen.mode, branch.depth, spot.path_length, screen.share, true});
+    spot.gouy = beam.gouy + gouy(beam.mode, screen.along);
+    spot.order = beam.order;
+    auto [back, through] = ways(spot, vertex, false);
+    bool const goes_on = !vertex.optic->diffracts && flat_rims(view_, screen.surface).size() == 1;
+    double const lands = through.power + (goes_on ? 0 : back.power);
     BeamEnergyBalance::Object& object = energy_balance_.objects[view_.surfaces[screen.surface.value].group.value];
-    object.landed += taken;
-    if (vertex.wi.z > 0) object.scattered += taken * scatter_albedo(view_.laws, *vertex.optic, vertex.wi, index, 1);
-    if (beam.order > 0) object.ghosts += taken;
-    sink_.screened(
-        {screen, vertex.front, power, beam.path_length + index * screen.along, index, beam.field, beam.order}, way_);
+    object.landed += lands;
+    if (spot.order > 0) object.ghosts += lands;
+    if (!goes_on || !(back.power > 0)) return;
+    back.departure = true;
+    std::uint32_t const order = spot.order + 1;
+    if (order > limits_.order)
+      energy_balance_.order += back.power;
+    else if (back.power < limits_.floor)
+      energy_balance_.floor += back.power;
+    else if (branch.depth >= limits_.longest)
+      energy_balance_.longest += back.power;
+    else {
+      waiting_.push_back(leave(branch, spot, branch.step.spot, vertex, back, order, false));
+      waiting_.back().step.point = spot.mode.origin;
+      waiting_.back().step.off_screen = true;
+    }
   }
 
   void end(BeamEnd how, LongSum& column, Branch const& branch) {
@@ -158,6 +206,7 @@ class Tree {
     spot.index = vertex.n_in;
     spot.field = beam.field;
     spot.power = beam.field.power();
+    spot.cuts = beam.cuts;
     spot.clipped = branch.beside >= 0 ? branch.beside : beside_rim(view_, hit.surface, spot.mode);
     spot.path_length = beam.path_length + vertex.n_in * hit.distance;
     spot.gouy = beam.gouy + (hit.distance > 0 ? gouy(beam.mode, hit.distance) : 0);
@@ -323,7 +372,7 @@ class Tree {
     }
     if (goes_on && !faint && !wide && !too_long) return;
     ++energy_balance_.beams;
-    LeavingBeam const here{spot.mode, spot.field, spot.path_length, spot.gouy, spot.order};
+    LeavingBeam const here{spot.mode, spot.field, spot.path_length, spot.gouy, spot.order, spot.cuts};
     BeamEnd const stopped = faint ? BeamEnd::faint : wide ? BeamEnd::wide : BeamEnd::longest;
     sink_.ended(goes_on ? stopped : BeamEnd::landed, &spot, here, way_);
   }
@@ -345,7 +394,11 @@ class Tree {
     next.beam.path_length = spot.path_length;
     next.beam.gouy = spot.gouy;
     next.beam.order = order;
+    next.beam.cuts = spot.cuts;
+    if (spot.clipped > least_cut)
+      next.beam.cuts.push_back({spot.surface, spot.mode, branch.depth, spot.path_length, spot.clipped});
     next.step.surface = spot.surface;
+    next.step.piece = vertex.piece;
     next.step.point = vertex.point;
     next.step.in = spot.mode.travel;
     next.step.out = next.beam.mode.travel;
@@ -375,6 +428,12 @@ class Tree {
 };
 
 }  // namespace
+
+bool RimCut::repeats_in(RimCut const& later, double path) const {
+  constexpr double alike = 0.2;  // relative, radii of the spots
+  double const w = spot(mode).minor, there = spot(later.mode).minor;
+  return by == later.by && !reflected && std::fabs(there / w - 1) < alike && path * mode.wavelength < w * w;
+}
 
 BeamEnergyBalance grow_tree(World const& world, BeamLaunch const& launch, TreeLimits const& limits, BeamSink& sink) {
   return Tree(world, launch, limits, sink).grow();

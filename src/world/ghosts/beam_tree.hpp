@@ -43,6 +43,20 @@ struct BeamField {
   }
 };
 
+// Where a rim has cut a beam. Of the mode u that comes, K u passes, and a screen reflects (1 - K) u.
+struct RimCut {
+  SurfaceId by;            // of several screens on one flight, the one that took most
+  Mode mode;               // that comes, at the rim
+  std::size_t steps = 0;   // surfaces passed before
+  double at = 0;           // m, optical, from the launch
+  double taken = 0;        // share of the power that does not pass
+  bool reflected = false;  // the beam is what the screen reflects
+  bool again = false;      // by the same screen before its shadow has washed out: K^2 = K
+  // Whether the same screen cuts a beam with this shadow again in a spot of about the same size, before it has washed
+  // out.
+  bool repeats_in(RimCut const& later, double path) const;  // path: m, optical, between
+};
+
 struct BeamSpot {
   static constexpr std::uint32_t none = 0xffffffffu;
   SurfaceId surface;
@@ -53,6 +67,7 @@ struct BeamSpot {
   double index = 1;    // of that medium
   double power = 0;    // arriving, over that of the launched beam, before the rim clips it
   double clipped = 0;  // share of `power` that misses the surface (docs/theory/beams.md, eq. 5.5, 5.6)
+  std::vector<RimCut> cuts;     // on its way, in order
   double path_length = 0;       // optical, from the plane where the beam is launched, m
   double gouy = 0;              // lag of the phase behind that of a plane wave since there, rad
   BeamField field;              // arriving: |.|^2 = power
@@ -98,6 +113,7 @@ struct TreeLimits {
 // One surface on the path of a beam.
 struct BeamStep {
   SurfaceId surface;
+  std::uint32_t piece = 0;
   Vec3 point, in, out;            // m; unit directions of the chief ray before and behind
   double n_in = 1, n_out = 1;     // of the media there
   double path_length = 0;         // optical, from the launch to the surface, m
@@ -106,7 +122,8 @@ struct BeamStep {
   Event event = Event::transmit;  // or reflect, diffract
   int diffracted = 0;             // order of a grating
   bool departure = false;
-  bool split = false;  // both ways keep their order
+  bool split = false;       // both ways keep their order
+  bool off_screen = false;  // reflected by a screen; `point` is on the chief ray in its hole
 };
 
 // A beam after the last step of its path.
@@ -115,16 +132,19 @@ struct LeavingBeam {
   BeamField field;
   double path_length = 0, gouy = 0;  // m, rad; there
   std::uint32_t order = 0;
+  std::vector<RimCut> cuts{};
 };
 
 // Light of a beam on a screen.
 struct ScreenSpot {
   Screened screen;
-  bool front = true;       // lit on the side its normal points to
-  double power = 0;        // of the beam before the screens of this flight, over the launched power
-  double path_length = 0;  // m, optical, from the launch to the point of the chief ray beside it
-  double index = 1;        // of the medium there
-  BeamField field;         // |.|^2 = power
+  bool front = true;         // lit on the side its normal points to
+  double power = 0;          // of the beam before the screens of this flight, over the launched power
+  double path_length = 0;    // m, optical, from the launch to the point of the chief ray beside it
+  double gouy = 0;           // as of a spot, there
+  double index = 1;          // of the medium there
+  BeamField field;           // |.|^2 = power
+  std::vector<RimCut> cuts;  // of the beam before
   std::uint32_t order = 0;
 };
 
@@ -168,7 +188,7 @@ class LongSum {
 // Energy balance, in shares of the launched power.
 struct BeamEnergyBalance {
   struct Object {
-    LongSum landed;     // neither reflected nor transmitted: absorbed or scattered; on screens everything
+    LongSum landed;     // neither reflected nor transmitted: absorbed or scattered; on screens also what they transmit
     LongSum scattered;  // part of `landed`
     LongSum beside;     // passed beside the rim (docs/theory/beams.md, eq. 5.5, 5.6)
     LongSum ghosts;     // part of landed + beside from ghosts

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "beams/overlap.hpp"
+#include "geometry/common/shape.hpp"
 #include "world/ghosts/lit_surfaces.hpp"
 #include "world/model/body.hpp"
 
@@ -27,7 +28,7 @@ Field conjugate(Field const& u) { return {std::conj(u.x), std::conj(u.y), std::c
 
 std::complex<double> turned(double phase) { return std::polar(1.0, phase); }
 
-// Relative to the main beam that leaves with it: E_main* . E_ghost over |E_main|, by state.
+// Relative to the main beam that leaves with it: E_main* . E_ghost over |E_main|, by state. Rims apart.
 std::array<std::complex<double>, 2> with_main(LeavingBeam const& ghost, LeavingBeam const& main, double k) {
   std::complex<double> const shape =
       overlap(ghost.mode, main.mode) * turned(k * (ghost.path_length - main.path_length) - (ghost.gouy - main.gouy));
@@ -44,8 +45,87 @@ std::array<std::complex<double>, 2> with_main(LeavingBeam const& ghost, LeavingB
   return field;
 }
 
+using Complex = std::complex<double>;
+
+// What a rim leaves of the field in the mode `heard` there, both about one axis, over the root of the share of the
+// power that it leaves. Of a round hole exactly: integral of u_heard* u over its inside, eq. 5.7 and N.11.
+Complex kept_by(RimCut const& cut, Mode const& heard) {
+  double const left = cut.reflected ? cut.taken : 1 - cut.taken;
+  if (!(left > 0)) return 0;
+  if (cut.again) return 1 / std::sqrt(left);
+  auto const mean = [](Mode const& m) { return 0.5 * (m.q11 + m.q22); };
+  Complex const sent = mean(cut.mode),
+                power = Complex(0, -0.5) * (sent - std::conj(mean(heard))) / sent.imag();  // 1: the same mode
+  Complex const shadow = std::exp(power * std::log(cut.taken));
+  return (cut.reflected ? shadow : 1.0 - shadow) / std::sqrt(left);
+}
+
+Mode along(Mode m, Vec3 travel, Vec3 origin) {
+  m.origin = origin;
+  m.travel = travel;
+  m.e1 = unit(m.e1 - dot(m.e1, travel) * travel);
+  m.e2 = cross(travel, m.e1);
+  return m;
+}
+
+// The mode that becomes `target` behind the last surface, where the rim cuts the beam. Gratings: that of the beam.
+Mode heard_at(WorldView const& view, RimCut const& cut, Mode const& target, std::span<BeamStep const> way) {
+  Mode back = reversed(target);
+  for (std::size_t i = way.size(); i-- > cut.steps;) {
+    BeamStep const& step = way[i];
+    if (step.event == Event::diffract) return cut.mode;
+    back = along(back, -step.out, step.point);
+    Vec3 const normal = view.normal(step.surface, step.point, step.piece);
+    SurfaceCurvature const curvature = view.shapes.visit(view.surfaces[step.surface.value].shape, [&](auto const& s) {
+      return curvature_of(s, step.point, step.piece);
+    });
+    if (step.event == Event::reflect)
+      back = reflected(back, normal, curvature);
+    else if (step.n_in != step.n_out)
+      back = refracted(back, normal, curvature, step.n_out, step.n_in);
+    Vec3 const before = i > cut.steps ? way[i - 1].point : cut.mode.origin;
+    back = propagated(back, length(step.point - before));
+  }
+  return reversed(back);
+}
+
+// Of the main beam, into its own mode.
+double kept_of_main(RimCut const& cut, bool again) {
+  double const root = std::sqrt(std::max(1 - cut.taken, 1e-300));
+  return again || cut.again ? 1 / root : root;
+}
+
+// With the main beam: rims that both have passed are in both.
+Complex rims_with(WorldView const& view, LeavingBeam const& ghost, LeavingBeam const& main,
+                  std::span<BeamStep const> way) {
+  std::size_t both = 0;
+  while (both < ghost.cuts.size() && both < main.cuts.size() && ghost.cuts[both].by == main.cuts[both].by &&
+         ghost.cuts[both].at == main.cuts[both].at && !ghost.cuts[both].reflected)
+    ++both;
+  Complex factor = 1;
+  for (std::size_t i = both; i < ghost.cuts.size(); ++i)
+    factor *= kept_by(ghost.cuts[i], heard_at(view, ghost.cuts[i], main.mode, way));
+  for (std::size_t i = both; i < main.cuts.size(); ++i) factor /= kept_of_main(main.cuts[i], false);
+  return factor;
+}
+
+// Against it: the rims of the main beam cut the mode again on the way back, but for one just passed, K^2 = K.
+Complex rims_against(WorldView const& view, LeavingBeam const& ghost, BeamSpot const& main,
+                     std::span<BeamStep const> way) {
+  Complex factor = 1;
+  for (RimCut const& cut : ghost.cuts) factor *= kept_by(cut, heard_at(view, cut, reversed(main.mode), way));
+  for (std::size_t i = 0; i < main.cuts.size(); ++i) {
+    RimCut const& cut = main.cuts[i];
+    bool const sharp =
+        i + 1 == main.cuts.size() && !ghost.cuts.empty() &&
+        ghost.cuts.back().repeats_in(cut, ghost.path_length - ghost.cuts.back().at + main.path_length - cut.at);
+    factor *= kept_of_main(cut, sharp);
+  }
+  return factor;
+}
+
 // Into the reversed main beam, as it arrives at the plane of the launch: by reciprocity E_main . E_ghost at the
-// surface, without a conjugate.
+// surface, without a conjugate. Rims apart.
 std::array<std::complex<double>, 2> against_main(LeavingBeam const& ghost, BeamSpot const& main, double k) {
   std::complex<double> const shape = overlap(ghost.mode, reversed(main.mode)) *
                                      turned(k * (ghost.path_length + main.path_length) - (ghost.gouy + main.gouy));
@@ -62,7 +142,8 @@ bool same_medium(Mode const& a, Mode const& b) { return std::fabs(a.wavelength /
 // Collects the main beam, which is all of order 0.
 class MainSink final : public BeamSink {
  public:
-  MainSink(World const& world, std::vector<MainNode>& nodes) : world_(world), nodes_(nodes) {}
+  MainSink(World const& world, std::vector<MainNode>& nodes, std::vector<MainNode>& screens)
+      : world_(world), nodes_(nodes), screens_(screens) {}
   void arrived(BeamSpot const& spot, std::uint32_t number, std::span<BeamStep const> way) override {
     if (nodes_.size() >= MainBeam::most_nodes) {
       complete = false;
@@ -75,6 +156,23 @@ class MainSink final : public BeamSink {
     node.phase_sensitivities = phase_sensitivities_of_way(world_, way, 2 * pi / world_.wavelength);
     nodes_.push_back(std::move(node));
   }
+  // A place where what the screen reflects may come into line.
+  void screened(ScreenSpot const& s, std::span<BeamStep const> way) override {
+    if (screens_.size() >= MainBeam::most_nodes) return;
+    MainNode node;
+    node.screen = true;
+    node.spot.surface = s.screen.surface;
+    node.spot.mode = s.screen.mode;
+    node.spot.index = s.index;
+    node.spot.power = s.power;
+    node.spot.field = s.field;
+    node.spot.cuts = s.cuts;
+    node.spot.path_length = s.path_length;
+    node.spot.gouy = s.gouy;
+    node.way.assign(way.begin(), way.end());
+    node.phase_sensitivities = phase_sensitivities_of_way(world_, way, 2 * pi / world_.wavelength);
+    screens_.push_back(std::move(node));
+  }
   void left(LeavingBeam const& beam, std::span<BeamStep const> way) override {
     if (way.empty()) return;
     auto const at = node_of_spot_.find(way.back().spot);
@@ -86,7 +184,7 @@ class MainSink final : public BeamSink {
 
  private:
   World const& world_;
-  std::vector<MainNode>& nodes_;
+  std::vector<MainNode>&nodes_, &screens_;
   std::map<std::uint32_t, std::uint32_t> node_of_spot_;
 };
 
@@ -112,14 +210,22 @@ void delay_by_half(std::vector<PhaseSensitivity>& way, double length) {
 
 MainBeam::MainBeam(World const& world, BeamLaunch const& launch, TreeLimits limits) : world_(world), launch_(launch) {
   limits.order = 0;
-  MainSink sink(world, nodes_);
+  std::vector<MainNode> screens;
+  MainSink sink(world, nodes_, screens);
   grow_tree(world, launch, limits, sink);
   complete_ = sink.complete;
-  for (std::uint32_t i = 0; i < nodes_.size(); ++i) on_surface_.emplace(nodes_[i].spot.surface.value, i);
+  std::size_t const surfaces = nodes_.size();
+  for (MainNode& s : screens) {
+    on_screen_.emplace(s.spot.surface.value, std::uint32_t(nodes_.size()));
+    nodes_.push_back(std::move(s));
+  }
+  for (std::uint32_t i = 0; i < surfaces; ++i) on_surface_.emplace(nodes_[i].spot.surface.value, i);
 }
 
 // The lines it aligns with at one surface, and the nearest in direction.
 struct MainBeam::Candidate {
+  WorldView view;
+  std::span<BeamStep const> way;  // of the ghost
   GhostAlignment best;
   bool found = false, already = false;  // a new line; the one it is in already
 
@@ -137,6 +243,9 @@ struct MainBeam::Candidate {
       return;
     }
     r.field = r.against ? against_main(ghost, node.spot, k) : with_main(ghost, node.ways[r.way].beam, k);
+    Complex const rims =
+        r.against ? rims_against(view, ghost, node.spot, way) : rims_with(view, ghost, node.ways[r.way].beam, way);
+    for (Complex& state : r.field) state *= rims;
     if (!found || r.share() > best.recoupled.share()) best.recoupled = r;
     found = true;
   }
@@ -147,8 +256,8 @@ GhostAlignment MainBeam::standing(GhostAlignment const& before, LeavingBeam cons
   if (ghost.order == 0 || way.empty()) return {};
   BeamStep const& step = way.back();
   double const k = 2 * pi / world_.wavelength;
-  auto const [first, last] = on_surface_.equal_range(step.surface.value);
-  Candidate all;
+  auto const [first, last] = (step.off_screen ? on_screen_ : on_surface_).equal_range(step.surface.value);
+  Candidate all{world_.view(), way, {}};
   for (auto at = first; at != last; ++at) {
     MainNode const& node = nodes_[at->second];
     bool const split = node.ways.size() > 1;

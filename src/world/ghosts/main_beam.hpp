@@ -16,6 +16,7 @@ namespace straytrace::world {
 
 // Where the main beam meets a surface, and the beams in which it leaves: one or two, at a grating several.
 struct MainNode {
+  bool screen = false;  // beside the chief ray; without ways
   struct Way {
     LeavingBeam beam;
     Event event = Event::transmit;
@@ -65,7 +66,7 @@ class MainBeam {
   World const& world_;
   BeamLaunch const& launch_;
   std::vector<MainNode> nodes_;
-  std::multimap<std::uint32_t, std::uint32_t> on_surface_;
+  std::multimap<std::uint32_t, std::uint32_t> on_surface_, on_screen_;
   bool complete_ = true;
 };
 

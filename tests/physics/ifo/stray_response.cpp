@@ -39,6 +39,7 @@ class Free {
   // m of DARM per unit of field, rms over static phases and times.
   double rms(StrayWay const& way, double hz) const { return to(way, hz).both() / std::sqrt(2); }
   DualRecycled const& detector() const { return d_; }
+  NetworkModel const& model() const { return model_; }
 
  private:
   DualRecycled d_;
@@ -176,6 +177,36 @@ TEST(StrayResponse, TwoSidedMirror) {
       EXPECT_NEAR(moved(f, c.way, hz) / c.expected[i], 1, 2e-5) << hz;
       EXPECT_GT(std::fabs(moved(f, c.way, hz, false) / c.expected[i] - 1), 0.2) << "control: sides added as powers";
     }
+}
+
+// What a rim takes from the light of an arm, each way, is a loss: s = -L/4 per way for the loss L of the end mirror,
+// whose effect on the read-out has an adjoint solution of its own (eq. N.21).
+TEST(StrayResponse, LightThatPassesARim) {
+  Free const still(advanced_virgo());
+  constexpr double slow = 1e-4;  // Hz, far below all poles
+  Network const& network = still.detector().network();
+  NetworkBeam const beam = *find_beam(network, "ETMx.front.in");
+  StrayWay const way = passing(network, beam);
+  double const per_field = still.to(way, slow).amplitude().real() * still.darm(slow).real(),
+               per_loss = AdjointSlope(network, still.detector().field(), still.model().readout("AS")->readout)
+                              .to_loss(network.find("ETMx"));
+  EXPECT_NEAR(-per_field / 4 / per_loss, 1, 1e-3);
+  StrayWay const back = still.back("ETMx.front.in", 1000);
+  EXPECT_GT(std::fabs(still.to(back, slow).amplitude().real() * still.darm(slow).real() / per_field - 1), 0.1)
+      << "control: light that is scattered back";
+  EXPECT_NEAR(std::abs(still.to(passing(network, *find_beam(network, "ITMx.back.out")), slow).amplitude()) /
+                  std::abs(still.to(way, slow).amplitude()),
+              1, 1e-9);
+
+  // Radiation pressure: both ways of eq. N.19 together, 2 Gamma - 1.
+  DualRecycledParameters p = advanced_virgo(42);
+  Free const f(p);
+  constexpr double hz = 10;
+  double const gamma = differential_mode(arm_of(p), p.signal_recycling_transmission).gain,
+               found = std::abs(f.to(passing(f.detector().network(), beam), hz).amplitude()),
+               at_input = f.to(f.back("ITMx.back.out"), hz).both();
+  EXPECT_NEAR(found / at_input / ((2 * gamma - 1) / gamma), 1, 0.02);
+  EXPECT_GT(std::fabs(found / at_input / 2 - 1), 0.03) << "control: with the recoil of the mirror";
 }
 
 }  // namespace

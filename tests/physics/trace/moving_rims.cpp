@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rims that move in the main beam: docs/theory/diffraction.md, eq. N.11 and N.21.
+#include "trace/deterministic/moving_rims.hpp"
+
+#include <boost/math/special_functions/bessel.hpp>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/ghost_support.hpp"
+#include "support/recorded.hpp"
+
+namespace straytrace::testing::moving_rims {
+namespace {
+
+using Round = world::BeamAperture::Round;
+
+constexpr double w = 1e-3, a = 1.2e-3, d = 0.5e-3;  // m
+
+// A hole across a beam along z, its centre off the axis by `offset` along x; pivot at `lever` below along y.
+Round hole(double offset, double radius = a, double at = 0) {
+  Mode const waist = circular_mode({}, {0, 0, 1}, w, 0, lambda);
+  return {{offset, 0, at}, {0, 0, 1}, radius, 0, waist};
+}
+
+// Eq. N.11.
+double slope_of(double radius, double offset) {
+  return -4 * radius / (w * w) * std::exp(-2 * (radius * radius + offset * offset) / (w * w)) *
+         boost::math::cyl_bessel_i(1, 4 * radius * offset / (w * w));
+}
+
+TEST(MovingRims, passed_field_and_its_slope) {
+  RimDerivatives const found = rim_derivatives(hole(d), {});
+  EXPECT_NEAR(1 - found.removed, 0.8557401455, 1e-10);
+  EXPECT_NEAR(found.slope[0] / -375.57728, 1, 1e-7);
+  EXPECT_NEAR(found.slope[0] / slope_of(a, d), 1, 1e-7);
+  EXPECT_LT(std::fabs(found.slope[1]), 1e-4);
+  EXPECT_GT(std::fabs(found.slope[0] / slope_of(a, 1.01 * d) - 1), 1e-3) << "control: another offset";
+  EXPECT_GT(rim_derivatives(hole(-d), {}).slope[0], 375) << "control: towards the beam more passes";
+}
+
+// d^2 K_00/dx^2 of a centred hole: the limit of eq. N.11 over the offset, -(8 a^2/w^4) exp(-2 a^2/w^2).
+TEST(MovingRims, centred_hole) {
+  RimDerivatives const found = rim_derivatives(hole(0), {});
+  double const curvature = -8 * a * a / std::pow(w, 4) * std::exp(-2 * a * a / (w * w));
+  for (int i : {0, 1}) {
+    EXPECT_LT(std::fabs(found.slope[i]), 1e-5 * 375);
+    EXPECT_NEAR(found.curvature(i, i) / curvature, 1, 1e-6);
+  }
+  EXPECT_LT(std::fabs(found.curvature(0, 1)), 1e-5 * std::fabs(curvature));
+  EXPECT_NEAR(slope_of(a, 1e-8) / 1e-8 / curvature, 1, 1e-6);
+}
+
+// Along the beam the radius changes: dK_00/dz = -(4 a^2/w^3) exp(-2 a^2/w^2) dw/dz, also for a centred hole.
+TEST(MovingRims, along_a_beam_that_diverges) {
+  double const reach = pi * w * w / lambda, z = 2 * reach;
+  double const there = w * std::sqrt(5), steep = w / reach * 2 / std::sqrt(5);
+  double const radius = 1.2 * there;
+  RimDerivatives const found = rim_derivatives(hole(0, radius, z), {});
+  double const closed = -4 * radius * radius / std::pow(there, 3) * std::exp(-2 * 1.44) * steep;
+  EXPECT_NEAR(found.slope[2] / closed, 1, 1e-6);
+  EXPECT_LT(std::fabs(rim_derivatives(hole(0), {}).slope[2]), 1e-6) << "control: at the waist";
+}
+
+// A rotation about a pivot below the hole moves it sideways by the lever; the tilt itself counts to second order.
+TEST(MovingRims, rotation_about_a_pivot) {
+  double const lever = 0.4;
+  RimDerivatives const found = rim_derivatives(hole(d), {d, -lever, 0});
+  EXPECT_NEAR(found.slope[5] / (-lever * found.slope[0]), 1, 1e-6);
+  EXPECT_LT(std::fabs(found.slope[3]), 1e-6);
+}
+
+// A beam along z from z = -1 m through a hole of a body that is displaced, and a port on the disk behind.
+World bench(double offset, double radius = a) {
+  World world;
+  world.wavelength = lambda;
+  std::uint32_t const black = black_optic(world);
+  BodyId const mount = world.add_body("mount", {offset, 0, 0}), table = world.add_body("table", {});
+  world.add_surface(disk(radius, 0.1, {{offset, 0, 0}, {0, 0, -1}}), black, black, mount, world.add_group("iris"));
+  world.add_surface(disk(0, 0.1, {{0, 0, 1}, {0, 0, -1}}), black, black, table, world.add_group("end"));
+  Footprint f = free_beam(world.add_group("beam"), {0, 0, -1e-3}, {0, 0, 1}, Profile::gaussian, w);
+  f.index = 1;
+  world.add_footprint(f);
+  Footprint at_end = f;
+  at_end.surface = SurfaceId{1};
+  at_end.centre = {0, 0, 1};
+  world.add_footprint(at_end);
+  world.open_port("port", {1});
+  world.finish();
+  return world;
+}
+
+// A route holds d^2 as coupling and A/d as phase sensitivity, so that their product is A^2.
+TEST(MovingRims, route_of_an_iris) {
+  MovingRimClasses const found = moving_rim_classes(bench(d));
+  ASSERT_EQ(found.classes.size(), 1u);
+  CouplingClass const& c = found.classes[0];
+  EXPECT_EQ(c.kind, ClassKind::rim);
+  EXPECT_TRUE(c.deterministic());
+  double const removed = 1 - 0.8557401455;
+  EXPECT_NEAR(c.coupling.mean / (removed * removed), 1, 1e-5);
+  PathRecord const& first = c.records.at(0);
+  ASSERT_EQ(RimTerm(first.event), RimTerm::first);
+  EXPECT_NEAR(first.phase_sensitivities.at(0).d[0] * std::sqrt(first.weight) / slope_of(a, d), 1, 1e-4);
+  EXPECT_EQ(first.phase_sensitivities.at(0).body.value, 0u);
+  for (std::size_t i = 1; i < c.records.size(); ++i) EXPECT_EQ(c.records[i].weight, 0);
+  EXPECT_TRUE(moving_rim_classes(bench(d, 5e-3)).classes.empty()) << "control: a hole that clips 1e-18";
+}
+
+}  // namespace
+}  // namespace straytrace::testing::moving_rims
