@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/math/constants.hpp"
-
 #include "noise/classes/delayed_paths.hpp"
 
 namespace straytrace::noise {

@@ -13,9 +13,10 @@ namespace {
 constexpr double z = 11.810499;  // rad, peak
 
 // h = a Im s + b Re s.
-class TwoQuadratures final : public Interferometer {
+class StatedQuadratures final : public Interferometer {
  public:
-  TwoQuadratures(std::complex<double> phase, std::complex<double> amplitude) : phase_(phase), amplitude_(amplitude) {}
+  StatedQuadratures(std::complex<double> phase, std::complex<double> amplitude)
+      : phase_(phase), amplitude_(amplitude) {}
   std::complex<double> strain_per_phase(PortId, double) const override { return phase_; }
   std::complex<double> strain_per_amplitude(PortId, double) const override { return amplitude_; }
   double copies(PortId) const override { return copies_; }
@@ -60,8 +61,8 @@ TEST(StatedPhase, QuadraturesAddAsFields) {
   MotionSet const motion = moving({power_law_asd(1e-12, 10, 0, 1, 100)});
   std::complex<double> const a{1, 0.5}, b{0.3, -0.8};
   for (double const phase : {0.0, 0.4, pi / 4, 2.0}) {
-    double const found = powers(TwoQuadratures(a, b), at(phase, {9, 11}), motion)[0],
-                 mean = powers(TwoQuadratures(a, b), on({9, 11}), motion)[0] / (std::norm(a) + std::norm(b));
+    double const found = powers(StatedQuadratures(a, b), at(phase, {9, 11}), motion)[0],
+                 mean = powers(StatedQuadratures(a, b), on({9, 11}), motion)[0] / (std::norm(a) + std::norm(b));
     EXPECT_NEAR(found / (2 * mean * std::norm(a * std::cos(phase) - b * std::sin(phase))), 1, 1e-4) << phase;
     if (phase == 0.4) {
       EXPECT_GT(std::fabs(found / (2 * mean * std::norm(a * std::cos(phase) + b * std::sin(phase))) - 1), 0.1)
@@ -128,7 +129,7 @@ TEST(StatedPhase, WhatCannotBeStated) {
       {known_class(1, 1, {record(0, 1, {phase_sensitivity(0, 2, two_k), phase_sensitivity(1, 2, two_k)})})});
   MotionSet const motion = moving({Spectrum(), Spectrum()});
   EXPECT_THROW(known_phases(table, motion, {{"body 0", 0}, {"body 1", 1}}, UnitDetector()), InputError);
-  TwoQuadratures arms(1, 0);
+  StatedQuadratures arms(1, 0);
   arms.copies_ = 2;
   EXPECT_THROW(known_phases(table, motion, {{"body 0", 0}}, arms), InputError);
   EXPECT_TRUE(known_phases(table, motion, {{"body 0", 0}}, UnitDetector())[0]);
