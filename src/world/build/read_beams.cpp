@@ -90,7 +90,9 @@ void read_beams(Scene const& scene, World& world, Registry const& names, Network
     world.wavelength = wavelength;
     first = false;
     Lighting light{name, std::uint32_t(beams.names.size()), 1, &network, &behind};
-    world.beams.push_back({name, light.number, network.named_where_it_leaves(node["network"].text())});
+    bool const cavity =
+        bool(node["cavity"]);  // then the network states the power of the mode, which its ports refer to
+    world.beams.push_back({name, light.number, cavity ? "" : network.named_where_it_leaves(node["network"].text())});
     std::size_t const spots = world.footprints().size();
     world.beam_powers.push_back(0);
     node["modulation"];  // read with the motion

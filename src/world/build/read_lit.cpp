@@ -68,7 +68,7 @@ LitWish read_lit(Node const& beam, Registry const& names) {
   wish.order = std::uint32_t(lit.whole("order", wish.order, 0, 8));
   wish.only = patterns(lit, "only", names);
   wish.except = patterns(lit, "except", names);
-  wish.behind = lit.word("behind", "");
+  if (lit.has("behind")) wish.behind = lit.word("behind");
   lit.refuse_unknown("'lit'");
   return wish;
 }
