@@ -294,8 +294,8 @@ class Writer:
         phi = -_quantity(p.get("displacement")) / self.wavelength * 360
         values = f"T={number(_quantity(p['transmission']))} L={number(_quantity(p['loss']))} phi={number(phi)}"
         if isinstance(p.get("curvature"), list):
-            x, y = (number(1 / c) if c else "inf" for c in map(_quantity, p["curvature"]))
-            values += f" Rc=[{x},{y}]"
+            radii = [number(1 / c) if c else "inf" for c in map(_quantity, p["curvature"])]
+            values += f" Rc=[{','.join(radii)}]"
         elif curvature := _quantity(p.get("curvature")):
             values += f" Rc={number(1 / curvature)}"
         if "tilt" in p:

@@ -411,7 +411,7 @@ std::complex<double> RecycledInterferometer::strain_per_amplitude(PortId port, d
 std::optional<std::complex<double>> RecycledInterferometer::strain_per_passing_amplitude(PortId port, double hz) const {
   PortEntry const& e = ports_.at(port.value);
   if (!e.way && is_behind_the_end(e.injection_point)) return 0;
-  if (e.field_share != 1) return {};
+  if (e.picked_off()) return {};
   std::complex<double> const quieted =
       e.place() == entrance_names[std::size_t(InjectionPoint::input_bench)] ? suppression(servos_.intensity(hz)) : 1.0;
   return quieted * answer(hz).passing[port.value];

@@ -46,7 +46,7 @@ std::complex<double> NetworkInterferometer::strain_per_amplitude(PortId port, do
 
 std::optional<std::complex<double>> NetworkInterferometer::strain_per_passing_amplitude(PortId port, double hz) const {
   PortEntry const& e = ports_.at(port.value);
-  if (!e.way || e.field_share != 1) return {};
+  if (!e.way || e.picked_off()) return {};
   return answer(hz).at(port.value).passing.amplitude();
 }
 

@@ -104,6 +104,7 @@ PortEntry entry_of(TracedPort const& p, double copies) {
   PortEntry entry{.name = p.name, .injection_point = p.injection_point, .copies = copies};
   if (p.light.empty()) return entry;
   entry.copies = 1;
+  entry.reference = p.reference;
   entry.field_share = 1 / p.reference;
   entry.at = p.along ? p.light : opposite(p.light);
   entry.lit_by = p.along ? p.light : p.lit_by;

@@ -2,6 +2,7 @@
 // The ports of a scene in the table `interferometer`: where their light rejoins, and responses from files.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,11 +25,13 @@ struct PortEntry {
   std::string name;
   InjectionPoint injection_point = InjectionPoint::arm;
   double field_share = 1;         // pick-off (eq. 9.8: its power ratio) and isolation (its root) on the way back
+  double reference = 1;           // of TracedPort; its inverse is in field_share
   double copies = 2;              // equal, independent ones of the traced port; powers add
   std::string at{};               // a beam of the network or its synonym, instead of the injection point
   std::string lit_by{};           // the light that is scattered, stated by the beams of the scene
   std::optional<StrayWay> way{};  // from it, once the network is known
 
+  bool picked_off() const { return std::fabs(field_share * reference - 1) > 1e-12; }
   bool is_inside_an_arm() const { return at.empty() && ifo::is_inside_an_arm(injection_point); }
   std::string place() const { return at.empty() ? std::string(entrance_names[std::size_t(injection_point)]) : at; }
 };

@@ -26,7 +26,9 @@ constexpr std::uint32_t no_light = 0xffffffff;
 struct LightModulation {
   std::vector<LightTone> tones;
   std::vector<std::uint32_t> port_beam;  // by PortId: the beam whose light is the local field
-  std::uint32_t first_body = no_light;   // bodies of a MotionSet from this one on are phases of light, not bodies
+  // Bodies of a MotionSet from the first on, before the end, are phases of light, not bodies.
+  std::uint32_t first_body = no_light, end_body = no_light;
+  bool is_light(std::uint32_t body) const { return body >= first_body && body < end_body; }
 };
 
 // The keys `modulation` of the table `beams`. Problems go to the document. `port_names`: in the order of PortId.

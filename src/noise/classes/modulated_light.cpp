@@ -22,6 +22,7 @@ BodyId add_body(CouplingTable& table, MotionSet& motion, std::string name) {
   table.bodies.resize(motion.bodies.size());
   BodyId const body{std::uint32_t(motion.bodies.size())};
   motion.light.first_body = std::min(motion.light.first_body, body.value);
+  motion.light.end_body = body.value + 1;
   motion.bodies.push_back(name);
   table.bodies.push_back(std::move(name));
   return body;
@@ -63,6 +64,7 @@ void add_tone(CouplingTable& table, MotionSet& motion, LightTone const& tone) {
   input.gains.push_back({body, in_phase, std::complex<double>(0, 1) * now});
   input.gains.push_back({body, in_quadrature, now});
   for (CouplingClass& c : table.classes) {
+    if (c.kind == ClassKind::rim) continue;  // the amplitude that passes has no phase (eq. N.21)
     bool const local = source_beam(motion.light, beam_of_port, c.port) == tone.beam;
     for (PathRecord& r : c.records) {
       bool const source = source_beam(motion.light, r.beam, c.port) == tone.beam;

@@ -93,7 +93,7 @@ double kappa_of(MotionInput const& input, MotionClass::Member const& member,
 bool of_light(MotionSet const& motion, MotionClass const& c) {
   return std::ranges::any_of(c.members, [&](MotionClass::Member const& m) {
     return std::ranges::any_of(motion.inputs[m.input].gains,
-                               [&](Gain const& g) { return g.body.value >= motion.light.first_body; });
+                               [&](Gain const& g) { return motion.light.is_light(g.body.value); });
   });
 }
 

@@ -239,7 +239,7 @@ FringeCurve fringe_curve(CouplingTable const& table, std::uint32_t route, Motion
   double const two_k = 4 * pi / table.wavelength;
   for (auto const& [body, s] : phase_sensitivity_sums(c, weight)) {
     bool moves = false;
-    bool const light = body >= motion.light.first_body;
+    bool const light = motion.light.is_light(body);
     for (MovingCoordinate const& m : motion.coordinates) {
       if (m.body.value != body) continue;
       moves = moves || light || m.axis < 3;

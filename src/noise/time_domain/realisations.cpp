@@ -105,7 +105,7 @@ SecondOrder second_order_of(CouplingTable const& table, StrayLight const& light)
   };
   std::map<std::uint32_t, Largest> by_body;
   for (MovingCoordinate const& m : light.motion.coordinates) {
-    if (m.body.value >= light.motion.light.first_body) continue;  // the phase of light, which moves no body
+    if (light.motion.light.is_light(m.body.value)) continue;  // the phase of light, which moves no body
     Largest& body = by_body[m.body.value];
     double& largest = is_rotation(m.axis) ? body.rotation : body.translation;
     for (double x : m.position) largest = std::max(largest, std::fabs(x));

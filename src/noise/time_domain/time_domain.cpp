@@ -415,7 +415,7 @@ PhaseTerms phase_terms(std::span<StrayPath const> paths, MotionSeries const& mot
     t.turns.push_back(paths[j].turns);
     for (std::size_t c : used) t.phase_sensitivity.push_back(all[j][c]);
     for (std::size_t c : used) {
-      bool const light = motion.coordinates[c].body.value >= motion.light.first_body;  // delayed already (eq. N.25)
+      bool const light = motion.light.is_light(motion.coordinates[c].body.value);  // delayed already (eq. N.25)
       if (delay == Delay::half_path)
         t.phase_sensitivity.push_back(light ? 0 : -all[j][c] * paths[j].length / (2 * speed_of_light));
     }

@@ -98,7 +98,7 @@ SeamPoint point_of(NoiseBudget const& budget, CouplingTable const& table, double
           curve({halo}),
           curve({scattered, halo}),
           curve({edge, wave, speckle}),
-          curve({scattered, ghost, edge, wave, speckle, halo})};
+          curve({scattered, ghost, edge, wave, speckle, halo, rim})};
 }
 
 // 10 Hz where the band holds it, otherwise its lower end.

@@ -58,6 +58,8 @@ std::vector<Sensor> read_sensors(Scene const& scene, std::vector<std::string> co
     Sensor sensor{name, PortId{port.value_or(0)}, read_caught(node), {}};
     if (node.has("receiver")) sensor.receiver = place_of(node, "receiver", receivers);
     node.refuse_unknown(fmt::format("sensor '{}'", name));
+    if (bool const other = port && ports[*port] != name; other && std::ranges::find(ports, name) != ports.end())
+      node.problem(fmt::format("'{}' is the sensor of the port of this name", name), "choose another name");
     auto const taken = std::ranges::find_if(all, [&](Sensor const& s) { return port && s.port.value == *port; });
     if (taken != all.end())
       node["port"].problem(fmt::format("'{}' is already the sensor of port '{}'", taken->name, ports[*port]),

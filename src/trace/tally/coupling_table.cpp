@@ -76,7 +76,7 @@ MadeClass make_class(SteeredWorld const& steered, std::uint64_t hash, ClassSums 
     c.records.back().beam = beam < world.beams.size() ? world.beams[beam].entry : beam;
   }
   c.phase_sensitivities =
-      phase_sensitivity_moments(c, sums.phase_sensitivities, sums.threshold == 0, total.histories, world.block_size);
+      phase_sensitivity_moments(c, sums.phase_sensitivities, sums.threshold == 0, total.histories, steered.block_size);
   return made;
 }
 
@@ -251,10 +251,10 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
   for (CouplingClass& c : table.received) c.port.value -= first_receiver_end;
   table.warnings = off_list.warnings(table);
   if (unpaired > 0)
-    table.warnings.push_back(
-        fmt::format("{:.2g} of the light joins between beams of the interferometer's network and others, and is not "
-                    "counted: state 'network' for these beams",
-                    unpaired));
+    table.warnings.push_back(fmt::format(
+        "{:.2g} of the light is scattered from a beam of the interferometer's network into another beam, or "
+        "back, and is not counted (docs/theory/recoupling.md)",
+        unpaired));
   return table;
 }
 

@@ -34,6 +34,8 @@ constexpr double least_power = 1e-12;  // W
 double read_power(Node const& beam, NetworkPowers const& network) {
   if (!beam.has("network")) return beam.number("power", dim::power, required, least_power, 1e9);
   std::string const name = beam.word("network");
+  if (beam.has("share"))
+    beam["share"].problem("'network' and 'share' are both given", "remove 'share': the network states the power");
   if (beam.has("power"))
     beam["power"].problem("'network' and 'power' are both given", "keep one of them: the network states the power");
   if (network.faulty || name.empty()) return not_a_number;
@@ -118,6 +120,11 @@ void read_beams(Scene const& scene, World& world, Registry const& names, Network
     beams.broken.push_back(world.footprints().size() == spots || unfollowed);
   }
   for (BehindMirror const& b : behind) light_behind(b, names, world, network);
+  for (auto const& [name, node] : scene.table("ports").items())
+    for (std::size_t b = beams.names.size(); b < world.beams.size(); ++b)
+      if (world.beams[b].name == name)
+        node.problem(fmt::format("'{}' is the port of the light of that name behind a mirror", name),
+                     "choose another name");
   read_ports(scene, world, names, beams);
   if (scene.root().healthy()) open_network_ports(world, network);
   warn_of_closed_ends(scene, world);

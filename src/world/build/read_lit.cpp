@@ -282,6 +282,38 @@ double add_beam(World& world, BehindMirror const& b, std::string const& light, N
   return share;
 }
 
+// Beams of the scene are both lights already, or one of them, with a warning.
+bool is_stated(BehindMirror const& b, std::string const& out, std::string const& in, NetworkPowers const& network) {
+  bool const one = network.stated.contains(out), other = network.stated.contains(in);
+  if (one != other)
+    b.beam["lit"].warning(
+        fmt::format("a beam of the scene is '{}', so that 'lit' does not follow '{}'", one ? out : in, one ? in : out),
+        fmt::format("add a beam with 'network: {}', or remove that one", one ? in : out));
+  return one || other;
+}
+
+// The names belong to another mirror or beam, with a problem.
+bool is_taken(BehindMirror const& b, std::string const& out, std::string const& in, World const& world) {
+  for (std::string const& name : {out, in})
+    if (std::ranges::find(world.beams, name, &LightBeam::name) != world.beams.end()) {
+      b.beam["lit"].problem(
+          fmt::format("'{}' is a beam already, and would be the light behind '{}' too", name,
+                      world.name_of(world.footprints()[b.mirror].surface)),
+          "light one mirror, by 'only' or 'except', name the port behind another one by 'behind', or rename the beam");
+      return true;
+    }
+  return false;
+}
+
+// A drawing and a network that do not agree name different places.
+void warn_of_other_length(BehindMirror const& b, double drawn, double length) {
+  if (std::fabs(drawn - length) < 0.2 * length + 0.5) return;
+  b.beam["lit"].warning(fmt::format("behind '{}' the drawing has a splitter after {:.3g} m, and the network a space of "
+                                    "{:.3g} m at '{}'",
+                                    b.port.substr(0, b.port.rfind('.')), drawn, length, b.port),
+                        "name the port that faces it by 'behind', or correct one of the lengths");
+}
+
 void light_span(BehindMirror const& b, Registry const& names, World& world, std::uint32_t number) {
   Lighting light{world.beams[number].name, number};
   light_up(b.beam, b.wish, names, world, light);
@@ -292,7 +324,7 @@ void light_span(BehindMirror const& b, Registry const& names, World& world, std:
 void light_behind(BehindMirror const& b, Registry const& names, World& world, NetworkPowers const& network) {
   NetworkPowers::Space const& space = network.spaces.at(b.port);
   std::string const out = b.port + ".out";
-  if (network.stated.contains(out) || network.stated.contains(space.source) || !b.beam.healthy()) return;
+  if (!b.beam.healthy() || is_stated(b, out, space.source, network) || is_taken(b, out, space.source, world)) return;
   Footprint f = world.footprints()[b.mirror];
   std::vector<SurfaceId> mirrors;
   for (Footprint const& other : world.footprints())
@@ -304,6 +336,7 @@ void light_behind(BehindMirror const& b, Registry const& names, World& world, Ne
   world.spans.push_back({std::uint32_t(world.footprints().size()), b.mirror, mirrors, {}, infinity});
   world.add_footprint(f);
   Reach const reach = reach_of(world, launches(world).back(), space.length);
+  warn_of_other_length(b, reach.path_length, space.length);
   NetworkSpan::End const mirror{f.surface, f.centre, -f.travel, f.radius};
   world.spans.back().ends = {reach.end_of_span(), mirror};
   world.spans.back().longest = reach.path_length;

@@ -148,7 +148,7 @@ class Tree {
     else if (branch.depth >= limits_.longest)
       energy_balance_.longest += back.power;
     else {
-      waiting_.push_back(leave(branch, spot, branch.step.spot, vertex, back, order, false));
+      waiting_.push_back(leave(branch, spot, branch.step.spot, vertex, back, order, false, true));
       waiting_.back().step.point = spot.mode.origin;
       waiting_.back().step.off_screen = true;
     }
@@ -171,8 +171,8 @@ class Tree {
   // Whether a beam runs in line with the light of the network at one of its ends: on the surface that it meets, or in a
   // plane before that.
   static bool in_line(NetworkSpan::End const& e, Mode const& mode, Vec3 at) {
-    constexpr double least = 1e-4;  // rad
-    return angle_between(e.travel, mode.travel) < least && length(at - e.point) < e.radius;
+    double const divergence = mode.wavelength / (pi * e.radius);
+    return angle_between(e.travel, mode.travel) < 5 * divergence && length(at - e.point) < e.radius;
   }
   bool joins_network(BeamSpot const& spot) const {
     return launch_.span && std::ranges::any_of(launch_.span->ends, [&](NetworkSpan::End const& e) {
@@ -368,7 +368,7 @@ class Tree {
       else if (too_long)
         energy_balance_.longest += w.power;
       else
-        waiting_.push_back(leave(branch, spot, number, vertex, w, order, two));
+        waiting_.push_back(leave(branch, spot, number, vertex, w, order, two, i == 0));
     }
     if (goes_on && !faint && !wide && !too_long) return;
     ++energy_balance_.beams;
@@ -378,7 +378,7 @@ class Tree {
   }
 
   Branch leave(Branch const& branch, BeamSpot const& spot, std::uint32_t number, Vertex const& vertex, Way const& w,
-               std::uint32_t order, bool two) const {
+               std::uint32_t order, bool two, bool strongest) const {
     Branch next;
     SurfaceCurvature const curvature = view_.shapes.visit(view_.surfaces[spot.surface.value].shape, [&](auto const& s) {
       return curvature_of(s, vertex.point, vertex.piece);
@@ -411,6 +411,7 @@ class Tree {
     next.step.diffracted = w.order.order;
     next.step.departure = w.departure;
     next.step.split = two;
+    next.step.weaker = two && !strongest;
     next.from = {vertex.surface, vertex.piece, vertex.contact};
     next.media = w.through ? vertex.after : vertex.before;
     next.depth = branch.depth + 1;

@@ -123,6 +123,7 @@ struct BeamStep {
   int diffracted = 0;             // order of a grating
   bool departure = false;
   bool split = false;       // both ways keep their order
+  bool weaker = false;      // of these, not the strongest
   bool off_screen = false;  // reflected by a screen; `point` is on the chief ray in its hole
 };
 

@@ -282,7 +282,7 @@ GhostAlignment MainBeam::standing(GhostAlignment const& before, LeavingBeam cons
   }
   if (first == last) {  // not a surface of the main beam: light departing here is separate
     GhostAlignment s = before;
-    if (step.departure) s.recoupled = {};
+    if (step.departure || step.weaker) s.recoupled = {};  // light that splits later has aligned once
     return s;
   }
   if (!all.found) all.best.recoupled = all.already ? before.recoupled : Recoupling{};

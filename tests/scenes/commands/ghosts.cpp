@@ -48,14 +48,14 @@ TEST(GhostCommand, bench_is_listed_and_its_energy_balance_closes) {
   Finished const text = straytrace({"ghosts", bench, "--order", "2"});
   EXPECT_EQ(text.code, 0);
   for (char const* part : {"main > photodiode/sensor·land", "main > pick_off/back·R > pick_off/front·R > ",
-                           "mitigation ranking", "Energy balance of 1 W", "28 of order 2"})
+                           "mitigation ranking", "Energy balance of 1 W", "32 of order 2"})
     EXPECT_THAT(text.out, HasSubstr(part));
   json const beam = ghosts_of(bench, {"--order", "2", "--show", "100"}).at(0);
   EXPECT_NEAR(beam["energy_balance"]["total"].get<double>(), 1, 1e-12);
-  EXPECT_EQ(beam["ghosts"].size(), 38u);
-  EXPECT_EQ(beam["count"], 37);
+  EXPECT_EQ(beam["ghosts"].size(), 42u);
+  EXPECT_EQ(beam["count"], 41);
   Finished const csv = straytrace({"ghosts", bench, "--order", "2", "--csv", "--quiet"});
-  EXPECT_EQ(std::count(csv.out.begin(), csv.out.end(), '\n'), 39);                            // a title and all rows
+  EXPECT_EQ(std::count(csv.out.begin(), csv.out.end(), '\n'), 43);                            // a title and all rows
   EXPECT_EQ(csv.out, straytrace({"ghosts", bench, "--order", "2", "--csv", "--quiet"}).out);  // the same bits
 }
 
@@ -154,7 +154,7 @@ std::size_t widest_row(std::string const& text) {
 // Ways of many surfaces are cut short for people only; one of the main beam's ends is shown however many ghosts are.
 TEST(GhostCommand, rows_are_for_people) {
   Finished const text = straytrace({"ghosts", bench, "--order", "2", "--show", "1", "--quiet"});
-  EXPECT_THAT(text.out, HasSubstr("36 more ghosts; --show N has more rows."));
+  EXPECT_THAT(text.out, HasSubstr("40 more ghosts; --show N has more rows."));
   EXPECT_THAT(text.out, HasSubstr("main > lens_1/front·R > box·land"));
   EXPECT_EQ(straytrace({"ghosts", bench, "--order", "0", "--quiet"}).code, 0);  // the main beam alone
   Finished const deep = straytrace({"ghosts", bench, "--floor", "1e-13", "--show", "2000", "--quiet"});
