@@ -89,7 +89,7 @@ double kappa_of(MotionInput const& input, MotionClass::Member const& member,
   return (first.value() * std::conj(all.value())).real();
 }
 
-// Whether it contains phases of light, of which no second moments are kept.
+// True for a class that includes phases of light: these have no second moments.
 bool of_light(MotionSet const& motion, MotionClass const& c) {
   return std::ranges::any_of(c.members, [&](MotionClass::Member const& m) {
     return std::ranges::any_of(motion.inputs[m.input].gains,
