@@ -440,10 +440,26 @@ Sheet suppression_sheet(std::vector<double> const& hz, std::vector<LoopCurve> co
   return s;
 }
 
+namespace {
+
+// What subtraction does where the channel also holds DARM.
+std::string worse_text(StrainNoise const& noise) {
+  std::size_t worse = 0;
+  for (std::size_t i = 0; i < noise.as_read.size(); ++i)
+    worse += noise.total[i] > (1 + 1e-9) * noise.as_read[i] ? 1 : 0;
+  return worse == 0
+             ? ""
+             : fmt::format("\nSubtraction raises the noise of h at {} of {} frequencies: the channel also holds DARM.",
+                           worse, noise.as_read.size());
+}
+
+}  // namespace
+
 Sheet strain_noise_sheet(StrainNoise const& noise) {
   Sheet s{"strain_noise",
           "Noise of the strain with all loops acting, one-sided. vacuum: quantum noise; total: with all stated noises" +
-              std::string(noise.as_read.empty() ? "." : "; as_read:\nthe total without subtracted channels."),
+              std::string(noise.as_read.empty() ? "." : "; as_read:\nthe total without subtracted channels.") +
+              worse_text(noise),
           {{"frequency", "Hz"}},
           {}};
   for (std::string const& name : noise.names) s.columns.push_back({name, "1/sqrt(Hz)", 5});

@@ -83,8 +83,9 @@ struct Answer {
   Sensor sensor;
   double light = not_a_number;  // W, main light on the sensor
   std::vector<CouplingClass const*> incoherent = {};
-  double watts = not_a_number;              // of the main mode, unit of couplings to receivers
-  std::vector<double> incoherent_asd = {};  // over the main light; empty: this kind does not read it
+  double watts = not_a_number;  // of the main mode, unit of couplings to receivers
+  // Over the main light, and its standard error; empty: this kind does not read it.
+  std::vector<double> incoherent_asd = {}, incoherent_sigma = {};
 };
 
 struct Answers {
@@ -99,6 +100,21 @@ std::vector<double> relative_asd(TimeInputs const& in, Answer const& a, std::spa
   return asd;
 }
 
+double relative_error(CouplingClass const& c) {
+  return c.coupling.mean > 0 ? c.coupling.std_error / c.coupling.mean : 0;
+}
+
+// The errors of the watts of different routes are independent.
+void add_incoherent(TimeInputs const& in, Answer& a) {
+  a.incoherent_asd = relative_asd(in, a, a.incoherent);
+  a.incoherent_sigma.assign(a.incoherent_asd.size(), 0);
+  for (CouplingClass const* c : a.incoherent) {
+    std::vector<double> const one = relative_asd(in, a, {&c, 1});
+    for (std::size_t i = 0; i < one.size(); ++i)
+      a.incoherent_sigma[i] = std::hypot(a.incoherent_sigma[i], one[i] * relative_error(*c));
+  }
+}
+
 Answer answer_of(TimeInputs const& in, CouplingTable const& table, Sensor const& sensor, SensorKind kind) {
   Answer a{sensor_noise(table, in.model.motion, in.model.noise, sensor.port, kind), sensor};
   if (in.file.about.beam_power > 0) a.watts = in.file.about.beam_power;
@@ -111,17 +127,18 @@ Answer answer_of(TimeInputs const& in, CouplingTable const& table, Sensor const&
                      "write 'power' for the main beam and for that of the sensor");
   for (CouplingClass const& c : table.received)
     if (c.port.value == *sensor.receiver) a.incoherent.push_back(&c);
-  if (kind == SensorKind::power) a.incoherent_asd = relative_asd(in, a, a.incoherent);
+  if (kind == SensorKind::power) add_incoherent(in, a);
   return a;
 }
 
-// Of the sum in power with the beat; the errors of lines without overlap are those of their watts and left out.
+// Of the sum in power with the beat.
 NoiseTrace total_of(Answer const& a) {
   NoiseTrace t = a.beat.budget.total;
   for (std::size_t i = 0; i < t.asd.size() && !a.incoherent_asd.empty(); ++i) {
     double const beat = t.asd[i];
     t.asd[i] = std::hypot(beat, a.incoherent_asd[i]);
-    if (t.asd[i] > 0 && i < t.sigma.size()) t.sigma[i] *= beat / t.asd[i];
+    if (t.asd[i] > 0 && i < t.sigma.size())
+      t.sigma[i] = std::hypot(beat * t.sigma[i], a.incoherent_asd[i] * a.incoherent_sigma[i]) / t.asd[i];
   }
   return t;
 }
@@ -175,8 +192,7 @@ Source incoherent_source(TimeInputs const& in, CouplingTable const& table, Answe
   CouplingClass const* const one = &c;
   NoiseTrace t;
   t.asd = relative_asd(in, n, {&one, 1});
-  double const relative_error = c.coupling.mean > 0 ? c.coupling.std_error / c.coupling.mean : 0;
-  for (double const x : t.asd) t.sigma.push_back(x * relative_error);
+  for (double const x : t.asd) t.sigma.push_back(x * relative_error(c));
   std::size_t const bin = std::min(t.asd.size() - 1, n.beat.budget.grid.bin_of(hz.front()));
   std::vector<Sheet::Cell> row{n.sensor.name,
                                received_name(table, c),

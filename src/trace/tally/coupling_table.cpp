@@ -24,7 +24,7 @@ void describe_pair(MadeClass& made, World const& world, Footprint const& source,
   if (port == goal.port) return;
   made.row.port = port;
   bool const both = source.receives && source.port.valid() && goal.emits && !source.free && !goal.free;
-  if (both && world.reverse_routes) made.row.reverse = 0.5;
+  if (both) made.row.reverse = 0.5;
 }
 
 // Properties common to all paths of a route. A path that rejoins the mode it left adds in amplitude to its reverse.

@@ -208,6 +208,12 @@ TEST(NetworkBeams, ScatterBetweenTheTwoBeams) {
                error = std::hypot(there["coupling"]["sigma"].get<double>(), back["coupling"]["sigma"].get<double>());
   EXPECT_LT(std::fabs(a - b), 4 * error);
   EXPECT_EQ(there["C_rev"], 0.5);
+  std::string const off = tube + "trace: {reverse_routes: no}\n";  // N.12 holds the reverse all the same
+  for (auto const& row : traced(folder, off, {"paths"}, "32768")["routes"]) {
+    if (row["sequence"] != there["sequence"]) continue;
+    bool const between = row["port"] == there["port"] || row["port"] == back["port"];
+    EXPECT_EQ(row["C_rev"], between ? 0.5 : 1) << row["port"];
+  }
   EXPECT_GT(of("BS.3.out")["C_rev"], 0.5) << "control: the way back into the beam it came from";
 }
 
