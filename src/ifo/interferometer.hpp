@@ -57,6 +57,7 @@ struct TracedPort {
   std::string light{};
   std::string lit_by{};  // the light that is scattered, where it is another beam of the network
   bool along = false;
+  bool both_sides = false;  // of faces that return this light and that of the opposite direction (eq. N.20)
   // Geometric mean of the powers of that light and of the beam of the port, over the power that couplings refer to.
   double reference = 1;
 };

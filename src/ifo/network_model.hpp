@@ -65,6 +65,8 @@ struct StrayWay {
   double delay = 0;    // m, optical path besides the distances
   double turn = 0;     // rad
   bool alone = false;  // its reverse adds nothing: `lit` is but the reference of s
+  // A thin lossless face there, which returns the light of both sides: s on the side of `lit`, -s* behind (eq. N.20).
+  bool both_sides = false;
 };
 struct NamedWay {
   std::string name;

@@ -108,6 +108,7 @@ PortEntry entry_of(TracedPort const& p, double copies) {
   entry.field_share = 1 / p.reference;
   entry.at = p.along ? p.light : opposite(p.light);
   entry.lit_by = p.along ? p.light : p.lit_by;
+  entry.both_sides = p.both_sides;
   return entry;
 }
 
@@ -122,7 +123,11 @@ PortEntry read_entry(Node const& node, TracedPort const& port, double arms) {
     entry.at = node.word("at");
   else if (entry.at.empty() || !word.empty())
     entry.at.clear(), entry.injection_point = read_injection_point(node, port);
-  for (char const* key : {"lit_by", "distance", "lit_distance"})
+  entry.both_sides = node.flag("both_sides", entry.both_sides);
+  if (entry.both_sides && node.has("lit_by"))
+    node["lit_by"].problem("'both_sides' is a face that returns the light of each side: 'lit_by' has no effect",
+                           "remove one of them");
+  for (char const* key : {"lit_by", "distance", "lit_distance", "both_sides"})
     if (node.has(key) && entry.at.empty())
       node[key].problem(fmt::format("'{}' needs a beam of the network in 'at'", key),
                         "write for example {at: ITMx.front.in, lit_by: ITMx.front.out}");
@@ -240,6 +245,15 @@ BeamPlace far_end(Network const& network, BeamPlace const& place) {
   return place;
 }
 
+// A face that returns the light of both sides: where the port says, or in the middle of its space, away from mirrors,
+// which would take a recoil.
+void set_between_ends(Network const& network, StrayWay& way) {
+  way.both_sides = true;
+  if (way.fed.distance > 0) return;
+  double const middle = passing(network, way.fed.beam).fed.distance;
+  way.fed.distance = way.lit.distance = middle;
+}
+
 // The beams that a port names, or that the beams of the scene are; nothing with a problem. Completes the text of its
 // place.
 std::optional<StrayWay> stated_way(Node const& node, Network const& network, PortEntry& e) {
@@ -247,6 +261,11 @@ std::optional<StrayWay> stated_way(Node const& node, Network const& network, Por
   auto const fed = stated ? read_place(node["at"], node, "distance", network) : place_of(network, e.at);
   if (!fed) return {};
   StrayWay way = returning(fed->beam, fed->distance);
+  if (e.both_sides) {
+    set_between_ends(network, way);
+    e.at += " from both sides";
+    return way;
+  }
   if (auto const lit = place_of(network, e.lit_by)) {
     bool const along = e.lit_by == e.at;
     way.lit = *lit;

@@ -29,6 +29,7 @@ struct PortEntry {
   double copies = 2;              // equal, independent ones of the traced port; powers add
   std::string at{};               // a beam of the network or its synonym, instead of the injection point
   std::string lit_by{};           // the light that is scattered, stated by the beams of the scene
+  bool both_sides = false;        // of a face that returns the light of both sides (eq. N.20)
   std::optional<StrayWay> way{};  // from it, once the network is known
 
   bool picked_off() const { return std::fabs(field_share * reference - 1) > 1e-12; }

@@ -81,8 +81,10 @@ double lighting_power(StrayWay const& way, SteadyField const& field) {
   return sum;
 }
 
-StrayResponse stray_response(LinearResponse const& r, Network const& network, SteadyField const& field,
-                             StrayWay const& way, double hz) {
+namespace {
+
+StrayResponse response_to(LinearResponse const& r, Network const& network, SteadyField const& field,
+                          StrayWay const& way, double hz) {
   bool const one = is_own_reverse(network, way);
   StrayResponse sum;
   for (std::size_t n = 0; n < field.carriers().size(); ++n) {
@@ -96,6 +98,17 @@ StrayResponse stray_response(LinearResponse const& r, Network const& network, St
     if (!one) add(reversed(way.lit), reversed(way.fed));
   }
   return sum;
+}
+
+}  // namespace
+
+StrayResponse stray_response(LinearResponse const& r, Network const& network, SteadyField const& field,
+                             StrayWay const& way, double hz) {
+  StrayResponse const front = response_to(r, network, field, way, hz);
+  if (!way.both_sides) return front;
+  StrayWay const behind{.lit = reversed(way.lit), .fed = reversed(way.fed), .delay = way.delay, .turn = -way.turn};
+  StrayResponse const back = response_to(r, network, field, behind, hz);
+  return {front.upper - back.lower, front.lower - back.upper};
 }
 
 namespace {

@@ -39,7 +39,7 @@ struct StrayResponse {
   StrayResponse operator+(StrayResponse const& o) const { return {upper + o.upper, lower + o.lower}; }
   StrayResponse operator*(Phasor z) const { return {upper * z, lower * z}; }
 };
-// Eq. N.12. The reference of s is the light that is scattered.
+// Eq. N.12; of both sides of a face, eq. N.20. The reference of s is the light that is scattered.
 StrayResponse stray_response(LinearResponse const&, Network const&, SteadyField const&, StrayWay const&, double hz);
 
 // Response of every read-out and of the strain to a way, by frequency.

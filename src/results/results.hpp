@@ -29,7 +29,7 @@ namespace straytrace::results {
 
 // Run file; its layout: schema/run-2.txt.
 
-constexpr int run_schema_major = 2, run_schema_minor = 4;
+constexpr int run_schema_major = 2, run_schema_minor = 5;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;

@@ -54,6 +54,14 @@ void add_network_lights(World const& world, std::vector<TracedPort>& ports) {
     port.reference = std::sqrt(from.share * to.reference);
     port.power = world.beam_powers[pair.beam];
   }
+  for (World::FacePort const& face : world.face_ports()) {
+    TracedPort const& first = ports[face.first.value];
+    TracedPort& port = ports[face.port.value];
+    port.light = first.light;
+    port.reference = first.reference;
+    port.power = first.power;
+    port.both_sides = true;
+  }
 }
 
 double power_of_beam(Scene const& scene, World const& world, std::string const& name) {

@@ -108,7 +108,8 @@ bool same_way(StrayWay const& a, StrayWay const& b) {
   auto const same = [](BeamPlace const& p, BeamPlace const& q) {
     return p.beam.port == q.beam.port && p.beam.leaving == q.beam.leaving && p.distance == q.distance;
   };
-  return a.alone == b.alone && a.turn == b.turn && same(a.lit, b.lit) && same(a.fed, b.fed);
+  return a.alone == b.alone && a.both_sides == b.both_sides && a.turn == b.turn && same(a.lit, b.lit) &&
+         same(a.fed, b.fed);
 }
 
 // The place of a preset by its name, any other by its beams.
@@ -125,6 +126,9 @@ std::string entrance_text(Network const& n, SteadyField const& field, NamedWay c
   auto const distance = [](char const* key, double metres) {
     return metres == 0 ? "" : fmt::format(", {}: {} m", key, metres);
   };
+  if (w.way.both_sides)
+    return fmt::format("at: {}{}, both_sides: yes{}", beam_name(n, w.way.fed.beam),
+                       distance("distance", w.way.fed.distance), share(w.share));
   return fmt::format("at: {}, lit_by: {}{}{}{}", beam_name(n, w.way.fed.beam), beam_name(n, w.way.lit.beam),
                      distance("distance", w.way.fed.distance), distance("lit_distance", w.way.lit.distance),
                      share(w.share));

@@ -15,6 +15,7 @@ void port_columns(Column&& column) {
   column("light", "", &TracedPort::light, std::string());  // these four since schema 2.4
   column("lit_by", "", &TracedPort::lit_by, std::string());
   column("along", yes_or_no, &TracedPort::along, false);
+  column("both_sides", yes_or_no, &TracedPort::both_sides, false);  // since schema 2.5
   column("reference", "1", &TracedPort::reference, 1.0);
 }
 

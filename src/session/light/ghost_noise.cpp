@@ -2,6 +2,7 @@
 #include "session/light/ghost_noise.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -144,6 +145,71 @@ std::optional<GhostSettings> read_ghosts(Scene const& scene) {
   return settings;
 }
 
+namespace {
+
+// The face of a ghost of one reflection, which returns along its own way; nothing of another.
+std::optional<GroupId> only_face(CouplingClass const& c) {
+  std::vector<PathStep> const& steps = c.steps;
+  if (c.records.size() != 1 || steps.size() % 2 == 0 || !std::equal(steps.begin(), steps.end(), steps.rbegin()))
+    return {};
+  auto const reflects = [](PathStep const& s) { return s.event == Event::reflect; };
+  PathStep const& middle = steps[steps.size() / 2];
+  return reflects(middle) && std::ranges::count_if(steps, reflects) == 1 ? std::optional(middle.group) : std::nullopt;
+}
+
+// Whether two ghosts move by opposite phases, to a millionth of the wave number.
+bool move_oppositely(CouplingClass const& a, CouplingClass const& b, double wavelength) {
+  std::map<std::uint32_t, std::array<double, 6>> sum;
+  for (CouplingClass const* c : {&a, &b})
+    for (PhaseSensitivity const& s : c->records.front().phase_sensitivities)
+      for (std::size_t i = 0; i < 6; ++i) sum[s.body.value][i] += s.d[i];
+  double const small = 1e-6 * 2 * pi / wavelength;
+  return std::ranges::all_of(sum, [&](auto const& of_body) {
+    return std::ranges::all_of(of_body.second, [&](double d) { return std::fabs(d) < small; });
+  });
+}
+
+double beam_share(World const& world, PortId port) {
+  return std::ranges::find(world.footprints(), port, &Footprint::port)->share;
+}
+
+// Ghosts of faces that both beams meet become one class each: its coupling is |sigma|^2 for the light of the first.
+// Eq. N.20 holds for |sigma| of both sides alike; their mean is used where they differ by the losses on the way.
+void join_faces(World const& world, World::FacePort const& face, GhostClasses& all) {
+  constexpr double alike = 0.1;  // relative
+  double const first = std::pow(beam_share(world, face.first), 2), second = std::pow(beam_share(world, face.second), 2);
+  std::vector<std::string> unlike;
+  for (std::size_t i = 0; i < all.classes.size(); ++i) {
+    CouplingClass& a = all.classes[i];
+    auto const group = a.port == face.first ? only_face(a) : std::nullopt;
+    if (!group) continue;
+    auto const back = std::ranges::find_if(all.classes, [&](CouplingClass const& b) {
+      return b.port == face.second && only_face(b) == group && move_oppositely(a, b, world.wavelength);
+    });
+    if (back == all.classes.end()) continue;
+    double const here = a.coupling.mean / first, behind = back->coupling.mean / second, mean = std::sqrt(here * behind);
+    if (std::fabs(here - behind) > alike * mean) {
+      unlike.push_back(world.groups()[group->value]);
+      continue;
+    }
+    PathRecord record = a.records.front();
+    record.coupling = record.weight = first * mean;
+    a = deterministic_class(ClassKind::ghost, a.steps, face.port, 1, {record},
+                            fmt::format("a face that returns the light of '{}' and of '{}' as one field "
+                                        "(docs/theory/recoupling.md, eq. N.20); the coupling is that of the first",
+                                        world.ports()[face.first.value], world.ports()[face.second.value]));
+    if (back < all.classes.begin() + std::ptrdiff_t(i)) --i;
+    all.classes.erase(back);
+  }
+  if (!unlike.empty())
+    all.warnings.push_back(fmt::format(
+        "ghosts of {}: the two sides return light that differs by more than {:g} %; their powers are added, although "
+        "the fields belong together (docs/theory/recoupling.md, eq. N.20)",
+        fmt::join(unlike, ", "), 100 * alike));
+}
+
+}  // namespace
+
 GhostClasses ghosts_beside(World const& world, GhostSettings const& settings) {
   GhostClasses all;
   for (BeamLaunch const& launch : launches(world)) {
@@ -158,6 +224,7 @@ GhostClasses ghosts_beside(World const& world, GhostSettings const& settings) {
     for (std::string const& warning : made.warnings)
       all.warnings.push_back(fmt::format("ghosts of the beam '{}': {}", launch.name, warning));
   }
+  for (World::FacePort const& face : world.face_ports()) join_faces(world, face, all);
   return all;
 }
 

@@ -38,7 +38,8 @@ void warn_of_floor(GhostReport& report) {
       "{:.2g} of the light below the floor could recouple, more than the {:.2g} found: lower 'floor'", left, found));
 }
 
-void add_notes(GhostReport& report, MainBeam const& main, GhostFamilies const& families, std::string const& no_h) {
+void add_notes(GhostReport& report, World const& world, MainBeam const& main, GhostFamilies const& families,
+               std::string const& no_h) {
   if (!main.complete())
     report.notes.push_back(fmt::format(
         "The main beam meets more than {} surfaces: ghosts that align beyond them do not count as recoupled.",
@@ -49,6 +50,12 @@ void add_notes(GhostReport& report, MainBeam const& main, GhostFamilies const& f
                     "their shares sum to {:.3g}.",
                     counted(families.left_out, "ghost"), GhostFamilies::most, families.left_out == 1 ? "is" : "are",
                     families.left_out_share));
+  for (World::FacePort const& face : world.face_ports())
+    if (families.port() == face.first || families.port() == face.second)
+      report.notes.push_back(
+          fmt::format("Faces that '{}' and '{}' meet return one field; h here is that of one side, a run has both (eq. "
+                      "N.20).",
+                      world.ports()[face.first.value], world.ports()[face.second.value]));
   if (!no_h.empty()) report.notes.push_back(no_h);
 }
 
@@ -135,7 +142,7 @@ GhostReport ghost_report(GhostSearch const& search, BeamLaunch const& launch,
   if (double const off = std::fabs(report.energy_balance.total() - 1); !(off < 1e-10))
     throw NumericalError(fmt::format("the energy balance of the beam '{}' is violated: {:.3g}", launch.name, off));
   table.fill(report);
-  add_notes(report, main, families, no_h);
+  add_notes(report, world, main, families, no_h);
   warn_of_floor(report);
   return report;
 }

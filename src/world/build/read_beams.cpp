@@ -56,8 +56,28 @@ double read_power(Node const& beam, NetworkPowers const& network) {
   return not_a_number;
 }
 
+// Light of both directions of a space returns from a face as one field (docs/theory/recoupling.md, eq. N.20), unless
+// the interferometer says of one of the two ports where its light joins.
+void open_face_ports(Scene const& scene, World& world, std::vector<std::uint32_t> const& reverse) {
+  auto const stated = [&](PortId port) {
+    Node const ifo = scene.root()["interferometer"], ports = ifo["ports"], files = ifo["responses"];
+    std::string const& name = world.ports()[port.value];
+    return (ports && ports.has(name)) || (files && files.has(name));
+  };
+  auto const port_of = [&](std::uint32_t beam) {
+    auto const at =
+        std::ranges::find_if(world.footprints(), [&](Footprint const& f) { return f.beam == beam && f.port.valid(); });
+    return at == world.footprints().end() ? PortId{} : at->port;
+  };
+  for (std::uint32_t b = 0; b < reverse.size(); ++b) {
+    if (reverse[b] == World::no_beam || reverse[b] < b) continue;
+    PortId const first = port_of(b), second = port_of(reverse[b]);
+    if (first.valid() && second.valid() && !stated(first) && !stated(second)) world.open_face_port(first, second);
+  }
+}
+
 // Every beam of the network has a port; light that joins another of them counts at a port of its own.
-void open_network_ports(World& world, NetworkPowers const& network) {
+void open_network_ports(Scene const& scene, World& world, NetworkPowers const& network) {
   std::vector<std::uint32_t> reverse(world.beams.size(), World::no_beam);
   for (std::uint32_t b = 0; b < world.beams.size(); ++b) {
     LightBeam const& beam = world.beams[b];
@@ -77,6 +97,7 @@ void open_network_ports(World& world, NetworkPowers const& network) {
     if (!open) world.open_port(beam.name, scatter.empty() ? met : scatter);
   }
   world.pair_ports(reverse);
+  open_face_ports(scene, world, reverse);
 }
 
 }  // namespace
@@ -126,7 +147,7 @@ void read_beams(Scene const& scene, World& world, Registry const& names, Network
         node.problem(fmt::format("'{}' is the port of the light of that name behind a mirror", name),
                      "choose another name");
   read_ports(scene, world, names, beams);
-  if (scene.root().healthy()) open_network_ports(world, network);
+  if (scene.root().healthy()) open_network_ports(scene, world, network);
   warn_of_closed_ends(scene, world);
   if (scene.root().data()->misspelt) return;  // it may be the cause
   if (beams.names.empty())

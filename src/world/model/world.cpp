@@ -129,6 +129,10 @@ void World::pair_ports(std::vector<std::uint32_t> const& reverse) {
   }
 }
 
+void World::open_face_port(PortId first, PortId second) {
+  face_ports_.push_back({add_port(fmt::format("{} + {}", ports_[first.value], ports_[second.value])), first, second});
+}
+
 PortId World::port_between(Footprint const& source, Footprint const& goal) const {
   if (source.beam == goal.beam || beams.empty()) return goal.port;
   bool const from = !beams[source.beam].network.empty(), to = !beams[goal.beam].network.empty();

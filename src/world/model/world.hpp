@@ -134,6 +134,8 @@ class World {
   // ports are open.
   static constexpr std::uint32_t no_beam = 0xffffffffu;
   void pair_ports(std::vector<std::uint32_t> const& reverse);
+  // A port for faces that return the light of both beams, each against itself.
+  void open_face_port(PortId first, PortId second);
   // Where light of one footprint that joins the mode of another counts. Invalid: it does not, since only one of them is
   // light of the network.
   PortId port_between(Footprint const& source, Footprint const& goal) const;
@@ -162,6 +164,11 @@ class World {
     bool forward = false;    // joins the beam that is scattered
   };
   std::vector<PortPair> const& port_pairs() const { return pairs_; }
+  // Of faces that two beams of opposite directions meet: the light of both sides returns as one field.
+  struct FacePort {
+    PortId port, first, second;  // of both, and of each beam
+  };
+  std::vector<FacePort> const& face_ports() const { return face_ports_; }
   std::vector<Receiver> const& receivers() const { return receivers_; }
   std::vector<std::string> const& receiver_names() const { return receiver_names_; }
   std::vector<std::string> body_names() const;
@@ -208,6 +215,7 @@ class World {
   std::vector<Body> bodies_;
   std::vector<std::string> groups_, ports_;
   std::vector<PortPair> pairs_;
+  std::vector<FacePort> face_ports_;
   SearchTree tree_;
   std::size_t searched_ = 0;  // surfaces in it
   SteeringTables steering_;

@@ -179,6 +179,28 @@ TEST(StrayResponse, TwoSidedMirror) {
     }
 }
 
+// Eq. N.20: one way that holds both sides. Over the place of the mirror, Im s and Re s have half of (2 k r x)^2 each.
+TEST(StrayResponse, BothSidesOfAFace) {
+  Free const f(advanced_virgo());
+  struct Case {
+    char const* beam;
+    double distance;
+    std::array<double, 3> expected;
+  };
+  for (Case const& c : {Case{"ITMx.back.in", 1000, {1.414223, 1.414210, 1.412981}},
+                        Case{"BS.3.in", 3, {4.98484e-3, 4.98493e-3, 4.99439e-3}},
+                        Case{"PRM.back.in", 2, {1.33938e-6, 1.34765e-7, 4.29832e-7}}}) {
+    StrayWay one = f.back(c.beam, c.distance), both = one;
+    both.both_sides = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+      double const hz = std::pow(10, double(i) + 1), scale = 4 * pi / wavelength;
+      EXPECT_NEAR(scale * f.rms(both, hz) / c.expected[i], 1, 2e-5) << c.beam << " " << hz;
+      double const powers = std::hypot(f.rms(one, hz), f.rms(returning(reversed(one.fed.beam), c.distance), hz));
+      EXPECT_GT(std::fabs(scale * powers / c.expected[i] - 1), 0.2) << "control: sides added as powers";
+    }
+  }
+}
+
 // What a rim takes from the light of an arm, each way, is a loss: s = -L/4 per way for the loss L of the end mirror,
 // whose effect on the read-out has an adjoint solution of its own (eq. N.21).
 TEST(StrayResponse, LightThatPassesARim) {

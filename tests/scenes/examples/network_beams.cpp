@@ -188,6 +188,36 @@ TEST(NetworkBeams, GhostAlongTheLightOfAShortArm) {
   EXPECT_NEAR(strain_along(one) / expected, 1, 0.015);
 }
 
+// A plate square to the light returns that of both sides as one field (eq. N.20); FINESSE 3, m of DARM per root of its
+// reflectivity and m of its motion, lengths free, heavy mirrors.
+TEST(NetworkBeams, FaceLitFromBothSides) {
+  Folder const folder;
+  std::string const square =
+      edited(edited(arm(", lit: yes", "ghosts: {order: 1}\n"),
+                    "reflect: 1 ppm, transmit: 99 %}, scatter: {model: lambertian, brdf: 1e-3 /sr}}",
+                    "reflect: 1e-4, transmit: 1 - 1e-4}}"),
+             "preset: adv", "preset: adv, mirror_mass: 1e12 kg");
+  json const routes = traced(folder, square, {"paths"})["routes"];
+  auto const face = std::ranges::find_if(routes, [](json const& row) {
+    return row["port"] == "ITMx.front.out + BS.3.out" &&
+           row["sequence"].get<std::string>().find("face·R") != std::string::npos;
+  });
+  ASSERT_NE(face, routes.end()) << routes.dump(1);
+  double lit = 0;
+  json const spots = checked(folder, square)["lit"];
+  for (json const& row : spots)
+    if (row["beam"] == "ITMx.front.out" && row["surface"] == "face") lit = row["power"];  // over that in the arm
+  double const sigma = std::sqrt((*face)["coupling"]["value"].get<double>()) / lit;
+  json const noise = traced(folder, square, {"noise"})["total_strain"];
+  double const arm_length = 2999.8, motion = std::sqrt(2) * 1e-12;  // of two arms, independent
+  EXPECT_NEAR(noise[0]["value"].get<double>() / (4.98484e-3 * sigma * motion / arm_length), 1, 2e-3);
+  EXPECT_NEAR(noise[2]["value"].get<double>() / (4.98493e-3 * sigma * motion / arm_length), 1, 2e-3);
+  // A port that the scene states is a row of its own: its powers add to those of the other side.
+  json const apart =
+      traced(folder, edited(square, "1e12 kg", "1e12 kg, ports: {BS.3.out: {at: BS.3.in}}"), {"noise"})["total_strain"];
+  EXPECT_LT(apart[0]["value"].get<double>(), 0.75 * noise[0]["value"].get<double>()) << "control: powers of both sides";
+}
+
 // Light that a tube scatters from one side of the plate to the other joins the beam of the other light. Both directions
 // are one coupling.
 TEST(NetworkBeams, ScatterBetweenTheTwoBeams) {

@@ -72,6 +72,8 @@ TEST(StrayEntrances, Problems) {
   EXPECT_THAT(said("at: short-arm, lit_by: BS.3.out"), HasSubstr("'lit_by' needs a beam"));
   EXPECT_THAT(said("at: ITMx.front.in, distance: 7 m"), HasSubstr("is 6.115 m long"));
   EXPECT_THAT(said("at: ITMx.front.in, lit_distance: 7 m"), HasSubstr("needs a beam in 'lit_by'"));
+  EXPECT_THAT(said("at: BS.3.in, lit_by: BS.3.out, both_sides: yes"), HasSubstr("'lit_by' has no effect"));
+  EXPECT_THAT(said("at: short-arm, both_sides: yes"), HasSubstr("'both_sides' needs a beam"));
   EXPECT_THAT(said("at: PRM.front.in, lit_by: dark.out"), HasSubstr("no light at 'PRM.front.in lit by dark.out'"));
   EXPECT_THAT(
       with_port("preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, input_transmission: 1.4 %, "

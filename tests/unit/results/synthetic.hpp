@@ -218,7 +218,7 @@ inline ProjectionInputs projection_inputs(CouplingTable const& table) {
   p.wavelength = table.wavelength;
   for (std::string const& name : table.ports)
     p.ports.push_back({name, InjectionPoint::end_mirror, 4e5, 2999.8, p.ports.empty(), "BS.3.out", "ITMx.front.out",
-                       p.ports.empty(), 0.0073});
+                       p.ports.empty(), !p.ports.empty(), 0.0073});
   p.materials = {{"steel", "assumed", 0.5, 2, 1.3, false, {{0}, {1}}}, {"mirror", "", 1, 1, 1, true, {}}};
   p.scattered = {0.02, 1e-5};
   p.notes = {"gap 2 mm assumed"};
