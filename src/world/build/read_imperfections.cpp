@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The list `imperfections` of an entry: single digs and scratches of its surface, each an emitter of its own
-// (docs/theory/surfaces.md, eq. 3.32). Page: docs/reference/imperfections.md.
+// The list `imperfections` of an entry: single digs, scratches, glints and the chamfer of its surface, each an emitter
+// of its own (docs/theory/surfaces.md, eq. 3.32, 3.33). Page: docs/reference/imperfections.md.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -21,17 +21,19 @@ namespace {
 constexpr std::size_t most_imperfections = 500;  // emitters of a scene: each starts histories of its own
 constexpr std::size_t too_many_to_trace = 50;    // from which on they take most of the time of a trace
 constexpr double above = 1e-7;                   // m over the surface
-constexpr std::size_t pieces_of_scratch = 16;
+constexpr std::size_t pieces_of_line = 16;
+constexpr double steepest = 1.4;  // rad, tilt of a facet
 constexpr Dimension metre2{4};
 
 // A small disc on the surface, of the area that takes part.
 struct ImperfectionPiece {
-  double x = 0, y = 0;  // m, in the frame of the entry
-  double area = 0;      // m^2
+  double x = 0, y = 0;              // m, in the frame of the entry
+  double area = 0;                  // m^2
+  double slope_x = 0, slope_y = 0;  // of its normal against that of the surface, tangents
 };
 struct Imperfection {
   std::string name;
-  std::vector<ImperfectionPiece> pieces;  // one, or those along a scratch
+  std::vector<ImperfectionPiece> pieces;  // one, or those along a scratch or a chamfer
 };
 
 // The surface of an entry, or of a face of its part.
@@ -43,6 +45,9 @@ struct ImperfectionHost {
 };
 
 double disc_area(double diameter) { return pi * diameter * diameter / 4; }
+
+// In steps of 5 %: each size of a facet has a lobe of its own, whose table takes tens of milliseconds.
+double stepped(double diameter) { return std::exp(0.05 * std::round(std::log(diameter) / 0.05)); }
 
 // Number of N(>d) ~ d^-exponent between two diameters, at the quantile u.
 double drawn_diameter(double low, double high, double exponent, double u) {
@@ -58,9 +63,16 @@ class ImperfectionReader {
       : row_(row), host_(host), number_(number) {}
 
   std::vector<Imperfection> read() {
-    std::string const name = row_.word("name", row_.has("scratch") ? "scratch" : "dig");
+    char const* const kind = row_.has("scratch")   ? "scratch"
+                             : row_.has("chamfer") ? "chamfer"
+                             : row_.has("facet")   ? "glint"
+                                                   : "dig";
+    std::string const name = row_.word("name", kind);
     if (row_.has("scratch")) return scratch(name);
+    if (row_.has("chamfer")) return chamfer(name);
     sizes();
+    std::vector<double> const tilt = tilts();
+    double const spread = row_.number("spread", dim::angle, 0, 0, 0.5);
     bool const placed = row_.has("at");
     auto const count = row_.whole("count", 1, 1, most_imperfections);
     auto const seed = row_.whole("seed", 1, 0, 1u << 31);
@@ -70,12 +82,17 @@ class ImperfectionReader {
     Vec3 at;
     if (placed) at = place(row_["at"]);
     std::vector<Imperfection> all;
-    if (!std::isfinite(low_ + high_ + within + at.x)) return all;
+    if (!std::isfinite(low_ + high_ + within + at.x + tilt[0] + tilt[1] + spread)) return all;
     for (std::uint64_t i = 0; i < count; ++i) {
       Rng rng(seed, number_, std::uint32_t(i), Stream::height);
       double const rho = within * std::sqrt(rng.uniform()), turn = 2 * pi * rng.uniform(), u = rng.uniform();
-      ImperfectionPiece const one{placed ? at.x : rho * std::cos(turn), placed ? at.y : rho * std::sin(turn),
-                                  disc_area(drawn_diameter(low_, high_, exponent_, u))};
+      double const any = drawn_diameter(low_, high_, exponent_, u),
+                   drawn = row_.has("facet") && high_ > low_ ? stepped(any) : any;
+      ImperfectionPiece one{placed ? at.x : rho * std::cos(turn), placed ? at.y : rho * std::sin(turn),
+                            disc_area(drawn)};
+      double const size = std::sqrt(-2 * std::log(1 - rng.uniform())), way = 2 * pi * rng.uniform();
+      one.slope_x = std::tan(tilt[0] + spread * size * std::cos(way));
+      one.slope_y = std::tan(tilt[1] + spread * size * std::sin(way));
       all.push_back({name, {one}});
     }
     return all;
@@ -85,6 +102,35 @@ class ImperfectionReader {
   Vec3 place(Node const& pair) const {
     auto const xy = pair.as_numbers(dim::length, 2);
     return xy.size() == 2 ? Vec3{xy[0], xy[1], 0} : Vec3{not_a_number, not_a_number, 0};
+  }
+
+  std::vector<double> tilts() const {
+    if (!row_.has("tilt")) return {0, 0};
+    std::vector<double> const given = row_["tilt"].as_numbers(dim::angle, 2);
+    if (given.size() != 2) return {not_a_number, not_a_number};
+    if (std::fabs(given[0]) < steepest && std::fabs(given[1]) < steepest) return given;
+    row_["tilt"].problem("the facet is tilted by more than 80 deg",
+                         "give smaller angles about the normal of the surface");
+    return {not_a_number, not_a_number};
+  }
+
+  // A cone about the axis at the outer edge of the surface, `width` wide as seen along the axis.
+  std::vector<Imperfection> chamfer(std::string const& name) const {
+    double const width = row_.number("chamfer", dim::length, required, 1e-6, 0.1),
+                 angle = row_.number("angle", dim::angle, pi / 4, 0, steepest), radius = host_.radius - width / 2;
+    if (!std::isfinite(width + angle)) return {};
+    if (!(width < 0.2 * host_.radius)) {
+      row_["chamfer"].problem(fmt::format("the chamfer is wide against the surface, of radius {:.4g} m", host_.radius),
+                              "give at most a fifth of the radius, or describe it by a shape 'cone'");
+      return {};
+    }
+    Imperfection one{name, {}};
+    for (std::size_t i = 0; i < pieces_of_line; ++i) {
+      double const turn = 2 * pi * (double(i) + 0.5) / pieces_of_line, x = std::cos(turn), y = std::sin(turn);
+      one.pieces.push_back({radius * x, radius * y, 2 * pi * radius * width / std::cos(angle) / pieces_of_line,
+                            std::tan(angle) * x, std::tan(angle) * y});
+    }
+    return {one};
   }
 
   // Diameters of discs of the same area: stated, ISO 10110-7 grade (root of the area), or dig number (10 um).
@@ -126,9 +172,9 @@ class ImperfectionReader {
     double const size = length(to - from);
     if (!std::isfinite(size + width)) return {};
     Imperfection one{name, {}};
-    for (std::size_t i = 0; i < pieces_of_scratch; ++i) {
-      Vec3 const p = from + ((double(i) + 0.5) / pieces_of_scratch) * (to - from);
-      one.pieces.push_back({p.x, p.y, size * width / pieces_of_scratch});
+    for (std::size_t i = 0; i < pieces_of_line; ++i) {
+      Vec3 const p = from + ((double(i) + 0.5) / pieces_of_line) * (to - from);
+      one.pieces.push_back({p.x, p.y, size * width / pieces_of_line});
     }
     return {one};
   }
@@ -163,32 +209,63 @@ class ImperfectionAdder {
     return {id, names_.frames.at(id.value), s.front != names_.black, e.r_max};
   }
 
-  void add_row(Scene::Instance const& instance, Node const& row, ImperfectionHost const& host, std::uint64_t number) {
+  // Its material, or nothing: a facet.
+  std::optional<std::uint32_t> optic_of(Node const& row) const {
     Node const material = row["material"];
     std::string const name = material ? material.as_word() : "";
     auto const optic = names_.materials.find(name);
+    if (row.has("facet")) {
+      for (char const* key : {"material", "scratch", "chamfer"})
+        if (row.has(key)) row[key].problem(fmt::format("'facet' and '{}' are both given", key), "keep one of them");
+      return {};
+    }
+    for (char const* key : {"tilt", "spread"})
+      if (row.has(key) && (row.has("scratch") || row.has("chamfer")))
+        row[key].problem(fmt::format("'{}' is of a single disc", key), "remove it");
     if (!material)
       row.problem("the imperfection has no material",
                   "write material: NAME; {scatter: {model: lambertian, tis: 1}} scatters all light that meets it");
     else if (optic == names_.materials.end() && !name.empty())
       material.problem(fmt::format("material '{}' is not defined", name), "name one of 'materials'");
+    return optic == names_.materials.end() ? std::nullopt : std::optional(optic->second);
+  }
+
+  void add_row(Scene::Instance const& instance, Node const& row, ImperfectionHost const& host, std::uint64_t number) {
+    std::optional<std::uint32_t> const material = optic_of(row);
+    double const facet = row.has("facet") ? row.number("facet", dim::plain, required, 0, 1) : 0;
     std::vector<Imperfection> const all = ImperfectionReader(row, host, number).read();
     row.refuse_unknown("an imperfection");
-    if (optic == names_.materials.end() || !row.healthy()) return;
+    if (!row.healthy()) return;
     std::size_t const before = count_;
     for (Imperfection const& one : all) {
       count_ += one.pieces.size();
       if (count_ > most_imperfections)
         return row.problem(
-            fmt::format("more than {} imperfections (each piece of a scratch counts)", most_imperfections),
+            fmt::format("more than {} imperfections (each piece of a scratch or chamfer counts)", most_imperfections),
             "keep the largest, and describe the others by the model 'defects' of the material");
-      if (!add(instance.group, row, host, one, optic->second)) return;
+      std::uint32_t const optic = material ? *material : facet_optic(facet, one.pieces.front().area);
+      if (!add(instance.group, row, host, one, optic)) return;
     }
     if (before <= too_many_to_trace && count_ > too_many_to_trace)
       row.warning(
           fmt::format("more than {} single imperfections: the time of a trace grows with the square of their number",
                       too_many_to_trace),
           "keep the largest, and describe the others by the model 'defects' of the material");
+  }
+
+  // A flat mirror reflects R into its diffraction pattern, of peak R A/lambda^2 (eq. 3.33): the Gaussian lobe of the
+  // same peak and total.
+  std::uint32_t facet_optic(double reflectance, double area) {
+    auto const [at, added] = facets_.try_emplace({reflectance, area});
+    if (!added) return at->second;
+    Gaussian lobe;
+    lobe.peak = reflectance * area / (world_.wavelength * world_.wavelength);
+    lobe.width = world_.wavelength / std::sqrt(2 * pi * area);
+    lobe.prepare();
+    Optic optic;
+    optic.depolarise = 0;
+    optic.law[optic.laws++] = world_.add_law(lobe);
+    return at->second = world_.add_optic(optic);
   }
 
   // A disc for each piece, with the light of every beam of the host there.
@@ -221,7 +298,8 @@ class ImperfectionAdder {
     if (!(met.distance < infinity)) return {};
     Vec3 const point = view.project(host.id, start - met.distance * host.frame.e3, met.piece);
     Vec3 const normal = view.normal(host.id, point, met.piece), lit = host.front ? normal : -normal;
-    return facing_along(point + above * lit, lit);
+    Vec3 const facing = unit(lit + piece.slope_x * host.frame.e1 + piece.slope_y * host.frame.e2);
+    return facing_along(point + above * lit, facing);
   }
 
   // Share of the light of all beams that meets it (eq. 3.32).
@@ -276,6 +354,7 @@ class ImperfectionAdder {
   World& world_;
   Registry const& names_;
   std::size_t spots_, count_ = 0;
+  std::map<std::pair<double, double>, std::uint32_t> facets_;  // optics by reflectance and area
   std::map<std::string, std::size_t> named_, found_;
   std::map<std::string, std::pair<std::string, double>> strongest_;
 };

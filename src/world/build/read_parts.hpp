@@ -42,7 +42,7 @@ void read_receivers(Scene const&, World&, Registry const&);  // before the beams
 void read_beams(Scene const&, World&, Registry const&, NetworkPowers const&);
 void read_edges(Scene const&, World&, Registry const&);  // after the beams
 void read_wave(Scene const&, World&, Registry const&);   // after the edges
-// Single digs and scratches, after all beams and ports.
+// Single digs, scratches, glints and chamfers, after all beams and ports.
 void read_imperfections(Scene const&, World&, Registry const&);
 void read_photodiodes(Node const& wave, World&, Registry const&);  // after mirrors and baffles of `wave`
 // Entries of the scene whose surfaces have inner rims. Adds those of them that a name or pattern fits to `chosen`.

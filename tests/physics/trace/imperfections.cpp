@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Single digs and scratches (docs/theory/surfaces.md, eq. 3.32; R2.32) of scenes: light scattered back into the beam in
-// closed form, places and sizes that are drawn, and which of many is the strongest.
+// Single digs, scratches, glints and chamfers (docs/theory/surfaces.md, eq. 3.32, 3.33; R2.32) of scenes: light
+// scattered back into the beam in closed form, places and sizes that are drawn, and which of many is the strongest.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -69,6 +69,52 @@ TEST(Imperfections, scratch_is_integrated_along_its_length) {
       coupled(mirror_with("{scratch: [[0 cm, 0 cm], [6 cm, 0 cm]], width: 5 um, material: pit}").world, 1 << 16);
   EXPECT_NEAR(found / (wavelength * wavelength * integral * width / pi), 1, 3e-3);
   EXPECT_GT(std::fabs(std::pow(intensity(0.03), 2) * 0.06 / integral - 1), 0.1);
+}
+
+// Eq. 3.33: a facet square to the light returns R (|u|^2 A)^2, a small mirror; tilted by delta, it reflects 2 delta
+// away. Control: a Lambertian disc of the same reflectance, and no tilt.
+TEST(Imperfections, glint_is_a_small_mirror) {
+  double const diameter = 100e-6, area = pi * diameter * diameter / 4, reflectance = 0.04, tilt = 1e-3;
+  std::string const place = "{at: [0 cm, 0 cm], diameter: 100 um, ";
+  double const square = coupled(mirror_with(place + "facet: 4 %}").world),
+               tilted = coupled(mirror_with(place + "facet: 4 %, tilt: [0 mrad, 1 mrad]}").world),
+               expected = reflectance * std::pow(intensity(0) * area, 2),
+               away = std::exp(-pi * area * std::pow(2 * tilt / wavelength, 2));
+  EXPECT_NEAR(square / expected, 1, 1e-4);
+  EXPECT_NEAR(tilted / square / away, 1, 1e-3);
+  EXPECT_LT(away, 0.99);
+  EXPECT_GT(square / (reflectance * coupled(mirror_with(place + "material: pit}").world)), 1e3);
+}
+
+// Tilts that are drawn have the stated standard deviation.
+TEST(Imperfections, drawn_tilts) {
+  std::string const drawn = "{count: 460, diameter: 20 um, within: 10 cm, facet: 4 %";
+  World const flat = mirror_with(drawn + "}").world, tilted = mirror_with(drawn + ", spread: 20 mrad}").world;
+  Sampler square;
+  for (std::size_t i = 0; i < tilted.surfaces().size(); ++i) {
+    auto const facing = [&](World const& w) {
+      return w.view().normal({std::uint32_t(i)},
+                             w.view().shapes.visit(w.surfaces()[i].shape, [](auto const& s) { return s.reference(); }),
+                             0);
+    };
+    if (tilted.name_of({std::uint32_t(i)}).find("glint") == std::string::npos) continue;
+    Vec3 const change = facing(tilted) - facing(flat);
+    square.add(change.x * change.x / 4e-4);
+    square.add(change.y * change.y / 4e-4);
+  }
+  expect_mean("square of the tilt over its variance", square.mean(), 1, 0.6);
+  expect_rejected("the same, of both axes together", square.mean(), 2);
+}
+
+// The chamfer of a disc in an even beam: |u|^2 at its radius, on the area of the cone, at 45 degrees to the light. A
+// Lambertian returns (1/pi) cos^2, since light and view are both slanted (eq. 1.1).
+TEST(Imperfections, chamfer_of_an_edge) {
+  double const width = 1e-3, radius = 0.17 - width / 2, area = 2 * pi * radius * width * std::sqrt(2.0);
+  double const found = coupled(mirror_with("{chamfer: 1 mm, material: pit}").world, 1 << 16),
+               flat = coupled(mirror_with("{chamfer: 1 mm, angle: 0 deg, material: pit}").world, 1 << 16),
+               expected = wavelength * wavelength * std::pow(intensity(radius), 2) * area / pi / 2;
+  EXPECT_NEAR(found / expected, 1, 0.05);
+  EXPECT_NEAR(found / flat, 1 / std::sqrt(2.0), 0.02);
 }
 
 // Drawn imperfections: the same for the same seed, uniform over the disc, diameters with N(>d) ~ d^-2 in their range;

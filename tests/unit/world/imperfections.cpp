@@ -45,6 +45,11 @@ TEST(Imperfections, ErrorsNamePlaceAndRemedy) {
            {"[{at: [1 cm, 0 cm], dig: 5, material: pit, grad: 3}]", "grad"},
            {"[{at: [1 cm, 0 cm], dig: 5, material: pit, face: front}]", "no face 'front'"},
            {"[{count: 60, dig: 1, material: pit}]", "warning: more than 50 single imperfections"},
+           {"[{at: [1 cm, 0 cm], dig: 5, facet: 4 %, material: pit}]", "'facet' and 'material' are both given"},
+           {"[{at: [1 cm, 0 cm], dig: 5, facet: 4 %, tilt: [85 deg, 0 deg]}]", "more than 80 deg"},
+           {"[{chamfer: 5 cm, material: pit}]", "the chamfer is wide against the surface"},
+           {"[{chamfer: 1 mm, material: pit, tilt: [1 deg, 0 deg]}]", "'tilt' is of a single disc"},
+           {"[{chamfer: 1 mm}]", "the imperfection has no material"},
            {"[dig]", "an imperfection is a table"}})
     EXPECT_THAT(said(c.row), HasSubstr(c.words)) << c.row;
 }
