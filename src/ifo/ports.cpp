@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/text/words.hpp"
 #include "ifo/layout/read_network.hpp"
 #include "ifo/stray_response.hpp"
 
@@ -381,7 +382,9 @@ void warn_of_other_arms(Node const& interferometer, std::vector<TracedPort> cons
 std::string describe(std::vector<PortEntry> const& entries, Interferometer const& ifo, Band const& band) {
   double const low = band.clamped(10), high = band.clamped(100);
   std::string text;
-  std::vector<bool> listed(entries.size(), false);
+  std::vector<bool> listed;
+  for (PortEntry const& e : entries) listed.push_back(!e.lit_by.empty() || e.both_sides);
+  auto const between = std::ranges::count(listed, true);
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (listed[i]) continue;
     PortEntry const& e = entries[i];
@@ -399,6 +402,8 @@ std::string describe(std::vector<PortEntry> const& entries, Interferometer const
                         number(ifo.strain_per_phase(port, high)), number(ifo.strain_per_amplitude(port, low)),
                         number(ifo.strain_per_amplitude(port, high)));
   }
+  if (between > 0)
+    text += fmt::format("; {} of light between beams ('straytrace ifo --show stray')", counted(between, "port"));
   return text;
 }
 

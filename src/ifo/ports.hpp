@@ -62,7 +62,7 @@ double beam_power_in_arm(Node const& interferometer, std::vector<TracedPort> con
 void warn_of_other_arms(Node const& interferometer, std::vector<TracedPort> const&, std::vector<PortEntry> const&,
                         double arm_power, double arm_length);
 // "ITM, ETM: arm, 2 copies; SNEB: end-bench, ...", each with its strain per phase and amplitude at 10 and 100 Hz, or at
-// the ends of the band when these lie beyond.
+// the ends of the band when these lie beyond. Ports of light between beams are counted.
 std::string describe(std::vector<PortEntry> const&, Interferometer const&, Band const&);
 
 // A detector of which some ports have responses from files, instead of its own: table `responses` of the table

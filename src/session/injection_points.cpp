@@ -45,13 +45,11 @@ void add_network_lights(World const& world, std::vector<TracedPort>& ports) {
     ports[f.port.value].reference = world.beams[f.beam].share;
   }
   for (World::PortPair const& pair : world.port_pairs()) {
-    LightBeam const& from = world.beams[pair.beam];
-    TracedPort const& to = ports[pair.to.value];
     TracedPort& port = ports[pair.port.value];
-    port.lit_by = from.network;
-    port.light = to.light;
-    port.along = to.light == from.network;
-    port.reference = std::sqrt(from.share * to.reference);
+    port.lit_by = pair.lit;
+    port.light = pair.light;
+    port.along = pair.light == pair.lit;
+    port.reference = pair.reference;
     port.power = world.beam_powers[pair.beam];
   }
   for (World::FacePort const& face : world.face_ports()) {

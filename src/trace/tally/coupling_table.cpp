@@ -18,11 +18,12 @@ namespace straytrace::trace {
 namespace {
 
 // Light of one beam of a network that joins another. The response holds the reverse (docs/theory/interferometer.md, eq.
-// N.12), so that where both are traced they are two estimates of one coupling.
-void describe_pair(MadeClass& made, World const& world, Footprint const& source, Footprint const& goal) {
+// N.12), so that where both are traced they are two estimates of one coupling. Routes without names may begin or end at
+// either mirror of a cavity: their response is not known.
+void describe_pair(MadeClass& made, World const& world, Footprint const& source, Footprint const& goal, bool other) {
   PortId const port = world.port_between(source, goal);
   if (port == goal.port) return;
-  made.row.port = port;
+  made.row.port = other && (source.standing || goal.standing) ? PortId{} : port;
   bool const both = source.receives && source.port.valid() && goal.emits && !source.free && !goal.free;
   if (both) made.row.reverse = 0.5;
 }
@@ -35,7 +36,7 @@ void describe(MadeClass& made, World const& world, ReplayedPath const& path) {
   Footprint const* const goal = path.goal < beams.size() ? &beams[path.goal] : nullptr;
   bool const two_ways = path.vertices.size() > 1 && goal && source.beam == goal->beam;
   c.reverse = has_reverse(world, path.vertices, path.source, path.goal) ? 2 : 1;
-  if (goal && source.beam != goal->beam) describe_pair(made, world, source, *goal);
+  if (goal && source.beam != goal->beam) describe_pair(made, world, source, *goal, path.other);
   made.beam = source.beam;
   made.back = source.port;
   if (path.other) return;

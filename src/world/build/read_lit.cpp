@@ -319,6 +319,20 @@ void light_span(BehindMirror const& b, Registry const& names, World& world, std:
   light_up(b.beam, b.wish, names, world, light);
 }
 
+// Of the cavity in front of the mirror, so that light between it and the beams behind has ports.
+void name_mirror_lights(BehindMirror const& b, World& world, NetworkPowers const& network) {
+  std::string const component = b.port.substr(0, b.port.rfind('.') + 1);
+  auto const inner = std::ranges::find_if(
+      network.spaces, [&](auto const& space) { return space.first.starts_with(component) && space.first != b.port; });
+  if (inner == network.spaces.end()) return;
+  world.mirror_lights.push_back({b.mirror, inner->first + ".in"});
+  std::string const& far = inner->second.source;
+  for (std::uint32_t i = 0; i < world.footprints().size(); ++i)
+    if (Footprint const& f = world.footprints()[i];
+        f.standing && i != b.mirror && f.beam == world.footprints()[b.mirror].beam)
+      world.mirror_lights.push_back({i, far.substr(0, far.rfind('.')) + ".in"});
+}
+
 }  // namespace
 
 void light_behind(BehindMirror const& b, Registry const& names, World& world, NetworkPowers const& network) {
@@ -357,6 +371,7 @@ void light_behind(BehindMirror const& b, Registry const& names, World& world, Ne
                          reach.path_length + 1e-3});
   world.add_footprint(in);
   light_span(b, names, world, in.beam);
+  name_mirror_lights(b, world, network);
 }
 
 void end_in_network(World& world, NetworkPowers const& network, std::string const& light) {

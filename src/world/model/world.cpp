@@ -110,6 +110,16 @@ void World::open_port(std::string const& name, std::vector<std::uint32_t> const&
   }
 }
 
+namespace {
+
+struct PairedPort {
+  PortId port;
+  std::uint32_t beam;
+  std::string light, name;
+};
+
+}  // namespace
+
 void World::pair_ports(std::vector<std::uint32_t> const& reverse) {
   std::vector<PortId> first(beams.size());  // port of each beam of the network
   std::vector<std::uint32_t> beam_of(ports_.size());
@@ -120,12 +130,43 @@ void World::pair_ports(std::vector<std::uint32_t> const& reverse) {
   }
   for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
     if (!first[beam].valid()) continue;
+    auto const pair = [&](std::string name, PortId to, std::uint32_t other, bool forward) {
+      pairs_.push_back({.port = add_port(std::move(name)),
+                        .beam = beam,
+                        .to = to,
+                        .forward = forward,
+                        .lit = beams[beam].network,
+                        .light = beams[other].network,
+                        .reference = std::sqrt(beams[beam].share * beams[other].share)});
+    };
     for (std::uint32_t to = 0; to < beam_of.size(); ++to)
-      if (beam_of[to] != beam && !beams[beam_of[to]].network.empty())
-        pairs_.push_back(
-            {add_port(ports_[to] + " lit by " + beams[beam].name), beam, {to}, beam_of[to] == reverse[beam]});
+      if (std::uint32_t const other = beam_of[to]; other != beam && !beams[other].network.empty())
+        pair(ports_[to] + " lit by " + beams[beam].name, {to}, other, other == reverse[beam]);
     if (reverse[beam] == no_beam || !first[reverse[beam]].valid())
-      pairs_.push_back({add_port(ports_[first[beam].value] + " along the beam"), beam, first[beam], true});
+      pair(ports_[first[beam].value] + " along the beam", first[beam], beam, true);
+  }
+  for (MirrorLight const& mirror : mirror_lights) pair_with_mirror(mirror, beam_of);
+}
+
+void World::pair_with_mirror(MirrorLight const& mirror, std::vector<std::uint32_t> const& beam_of) {
+  Footprint const& spot = lit_[mirror.footprint];
+  PairedPort const at{spot.port, spot.beam, mirror.name, mirror.name};
+  for (std::uint32_t to = 0; to < beam_of.size(); ++to) {
+    LightBeam const& other = beams[beam_of[to]];
+    if (other.network.empty()) continue;
+    auto const pair = [&](PairedPort const& from, PairedPort const& into) {
+      if (!into.port.valid()) return;
+      pairs_.push_back({.port = add_port(into.name + " lit by " + from.light),
+                        .beam = from.beam,
+                        .to = into.port,
+                        .mirror = mirror.footprint,
+                        .lit = from.light,
+                        .light = into.light,
+                        .reference = std::sqrt(beams[from.beam].share * beams[into.beam].share)});
+    };
+    PairedPort const of_network{{to}, beam_of[to], other.network, ports_[to]};
+    pair(at, of_network);
+    pair(of_network, at);
   }
 }
 
@@ -137,8 +178,13 @@ PortId World::port_between(Footprint const& source, Footprint const& goal) const
   if (source.beam == goal.beam || beams.empty()) return goal.port;
   bool const from = !beams[source.beam].network.empty(), to = !beams[goal.beam].network.empty();
   if (!from && !to) return goal.port;
-  auto const pair =
-      std::ranges::find_if(pairs_, [&](PortPair const& p) { return p.beam == source.beam && p.to == goal.port; });
+  auto const at_mirror = [&](PortPair const& p) {
+    if (p.mirror == Feed::none) return true;
+    Footprint const& end = from ? goal : source;
+    return end.standing && end.surface == lit_[p.mirror].surface;
+  };
+  auto const pair = std::ranges::find_if(
+      pairs_, [&](PortPair const& p) { return p.beam == source.beam && p.to == goal.port && at_mirror(p); });
   return pair == pairs_.end() ? PortId{} : pair->port;
 }
 

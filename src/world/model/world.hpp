@@ -129,9 +129,9 @@ class World {
   // Lets light rejoin at every footprint of a beam on a surface; false: there is none.
   bool open_port(SurfaceId, std::uint32_t beam, std::string const& name);
   void open_port(std::string const& name, std::vector<std::uint32_t> const& footprints);
-  // A port for light of each beam of the network that joins another one, and for light that runs on along its own beam:
-  // that of the beam of the opposite direction (`reverse`, by beam), or where there is none one of its own. After all
-  // ports are open.
+  // A port for light of each beam of the network that joins another one, or the cavity at one of its mirrors, and back;
+  // and for light that runs on along its own beam: that of the beam of the opposite direction (`reverse`, by beam), or
+  // where there is none one of its own. After all ports are open.
   static constexpr std::uint32_t no_beam = 0xffffffffu;
   void pair_ports(std::vector<std::uint32_t> const& reverse);
   // A port for faces that return the light of both beams, each against itself.
@@ -159,9 +159,12 @@ class World {
   std::vector<std::string> const& ports() const { return ports_; }
   struct PortPair {
     PortId port;
-    std::uint32_t beam = 0;  // that is scattered
-    PortId to;               // port of the beam that lights the way back, or of the beam itself
-    bool forward = false;    // joins the beam that is scattered
+    std::uint32_t beam = 0;             // that is scattered
+    PortId to;                          // port of the beam that lights the way back, or of the beam itself
+    bool forward = false;               // joins the beam that is scattered
+    std::uint32_t mirror = Feed::none;  // footprint of the mirror of a cavity at one end
+    std::string lit{}, light{};         // of the network: the light that is scattered, and that of the way back
+    double reference = 1;               // geometric mean of their powers, over the power that couplings refer to
   };
   std::vector<PortPair> const& port_pairs() const { return pairs_; }
   // Of faces that two beams of opposite directions meet: the light of both sides returns as one field.
@@ -188,10 +191,17 @@ class World {
   std::vector<double> beam_powers;  // W, by beam; 0: not stated. For the interferometer
   std::vector<LightBeam> beams;
   std::vector<NetworkSpan> spans;
+  // Light of the network that arrives at a mirror of a cavity, "ITMx.back.in"; `footprint`: there.
+  struct MirrorLight {
+    std::uint32_t footprint = 0;
+    std::string name;
+  };
+  std::vector<MirrorLight> mirror_lights;
   std::vector<MaterialInfo> materials;  // in the order of the scene
   std::vector<std::string> notes;       // assumptions and intermediate results, for reports
 
  private:
+  void pair_with_mirror(MirrorLight const&, std::vector<std::uint32_t> const& beam_of);
   [[noreturn]] void too_many_shapes(std::string_view kind) const;
   template <class T, class List>
   struct Vectors;

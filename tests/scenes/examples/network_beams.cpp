@@ -247,5 +247,42 @@ TEST(NetworkBeams, ScatterBetweenTheTwoBeams) {
   EXPECT_GT(of("BS.3.out")["C_rev"], 0.5) << "control: the way back into the beam it came from";
 }
 
+// Light that the input mirror scatters on the arm's side reaches the plate behind it by the tube around both, and back.
+// Both directions are one coupling, and have one response (eq. N.12).
+TEST(NetworkBeams, ScatterBetweenTheArmAndABeamBehindIt) {
+  Folder const folder;
+  std::string const tube =
+      edited(edited(edited(arm(", lit: yes"), "  ar:", "  tube: {scatter: {model: lambertian, tis: 50 %}}\n  ar:"),
+                    "reflect: 98.6 %, transmit: 1.4 %}",
+                    "reflect: 98.5 %, transmit: 1.4 %}, scatter: {model: lambertian, tis: 1e-4}"),
+             "beams: {arm",
+             "  - {name: pipe, shape: {cylinder: {radius: 60 cm, from: -2 m, to: 2 m}}, body: m, material: "
+             "tube}\nbeams: {arm");
+  json const routes = traced(folder, tube, {"noise"}, "16384")["routes"];
+  auto const of = [&](std::string const& port, std::string const& sequence) {
+    for (auto const& row : routes)
+      if (row["port"] == port && row["sequence"] == sequence) return row;
+    ADD_FAILURE() << port << routes.dump(1);
+    return json();
+  };
+  json const into = of("ITMx.front.out lit by ITMx.back.in", "ITM·S > pipe·S > face·S"),
+             out = of("ITMx.back.in lit by ITMx.front.out", "face·S > pipe·S > ITM·S");
+  for (char const* what : {"coupling", "strain"}) {
+    auto const number = [&](json const& row) { return *what == 's' ? row[what][2] : row[what]; };
+    double const a = number(into)["value"], b = number(out)["value"],
+                 error = std::hypot(number(into)["sigma"].get<double>(), number(out)["sigma"].get<double>());
+    EXPECT_LT(std::fabs(a - b), 4 * error) << what;
+    EXPECT_LT(error, 0.15 * a) << what;
+  }
+  EXPECT_EQ(into["C_rev"], 0.5);
+  // With light of the mirror in the place of that of the arm, the response would be smaller by the root of their
+  // powers.
+  json const both = of("BS.3.out lit by ITMx.front.out", "face·S > pipe·S > pipe·S > face·S");
+  auto const per_field = [](json const& row) {
+    return row["strain"][2]["value"].get<double>() / std::sqrt(row["coupling"]["value"].get<double>());
+  };
+  EXPECT_GT(per_field(into) / per_field(both), 2) << "control: the response of the beams behind";
+}
+
 }  // namespace
 }  // namespace straytrace::testing::app_network_beams
