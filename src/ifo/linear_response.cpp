@@ -60,14 +60,12 @@ QuadratureCovariance Squeezer::covariance(double hz) const {
   return v;
 }
 
-namespace {
-
 // Places of unknowns, and of the equations that define them: for both sidebands (0: upper; 1: the complex conjugate of
 // the lower) of every carrier what enters and what leaves each port, all modes of a port together; then the
 // displacement of each component.
-struct Layout {
+struct SignalLayout {
   Eigen::Index ports, carriers, modes;
-  explicit Layout(Network const& n, SteadyField const& f)
+  explicit SignalLayout(Network const& n, SteadyField const& f)
       : ports(n.ports()), carriers(Eigen::Index(f.carriers().size())), modes(Eigen::Index(f.modes())) {}
   Eigen::Index field(bool leaves, int side, std::size_t carrier, std::uint32_t port, std::size_t mode) const {
     return (((Eigen::Index(leaves) * 2 + side) * carriers + Eigen::Index(carrier)) * ports + port) * modes +
@@ -78,29 +76,53 @@ struct Layout {
   }
 };
 
+namespace {
+
 Phasor sided(int side, Phasor z) { return side == 0 ? z : std::conj(z); }
 
-// The equations, transposed: one solution gives the response to all causes.
-class System {
+}  // namespace
+
+// The equations, transposed: one solution gives the response to all causes. What enters a port is what leaves the other
+// end of its space, times a phase, so that only what leaves and the displacements are unknown.
+class SmallSignals::Equations {
  public:
-  System(Network const& network, SteadyField const& field, double hz)
-      : network_(network), field_(field), hz_(hz), at_(network, field) {
-    size_ = at_.displacement(network.components().size());
-    for (Eigen::Index i = 0; i < size_; ++i) entries_.emplace_back(i, i, 1.0);
-    for (std::size_t c = 0; c < network.components().size(); ++c) add_component(c);
+  Equations(Network const& network, SteadyField const& field, double hz)
+      : network_(network),
+        field_(field),
+        hz_(hz),
+        at_(network, field),
+        entering_(at_.field(true, 0, 0, 0, 0)),
+        size_(at_.displacement(network.components().size())),
+        source_(std::size_t(entering_), {-1, 0.0}) {
     for (std::size_t s = 0; s < network.spaces().size(); ++s) {
       add_space(s, network.spaces()[s].from, network.spaces()[s].to);
       add_space(s, network.spaces()[s].to, network.spaces()[s].from);
     }
+    for (Eigen::Index i = entering_; i < size_; ++i) add(i, i, 1.0);
+    for (std::size_t c = 0; c < network.components().size(); ++c) add_component(c);
   }
   Sparse matrix() const {
-    Sparse matrix(size_, size_);
+    Sparse matrix(size_ - entering_, size_ - entering_);
     matrix.setFromTriplets(entries_.begin(), entries_.end());
     return matrix;
   }
+  Eigen::VectorXcd weights(SparseSolver const& solver, Eigen::VectorXcd all) const {
+    for (std::size_t i = 0; i < source_.size(); ++i)
+      if (auto const [from, turn] = source_[i]; from >= 0) all[from] += turn * all[Eigen::Index(i)];
+    all.tail(size_ - entering_) = solver.solve(all.tail(size_ - entering_));
+    for (auto const& e : onward_) all[e.row()] += e.value() * all[e.col()];
+    return all;
+  }
 
  private:
-  void depends(Eigen::Index what, Eigen::Index on, Phasor factor) { entries_.emplace_back(on, what, -factor); }
+  void add(Eigen::Index row, Eigen::Index column, Phasor value) {
+    entries_.emplace_back(row - entering_, column - entering_, value);
+  }
+  void depends(Eigen::Index what, Eigen::Index on, Phasor factor) {
+    if (on >= entering_) return add(on, what, -factor);
+    onward_.emplace_back(on, what, factor);
+    if (auto const [from, turn] = source_[std::size_t(on)]; from >= 0) add(from, what, -turn * factor);
+  }
 
   // a leaves with S a; a displacement x adds i k_n g x/2 times the carrier that leaves, with the sign of the sideband.
   void add_component(std::size_t number) {
@@ -140,21 +162,25 @@ class System {
       for (int side : {0, 1}) {
         double const hz = field_.carriers()[n] + (side == 0 ? hz_ : -hz_);
         for (std::size_t mode = 0; mode < field_.modes(); ++mode)
-          depends(at_.field(false, side, n, to, mode), at_.field(true, side, n, from, mode),
-                  sided(side, turn_along(network_, field_.bases(), space, hz, mode)));
+          source_[std::size_t(at_.field(false, side, n, to, mode))] = {
+              at_.field(true, side, n, from, mode), sided(side, turn_along(network_, field_.bases(), space, hz, mode))};
       }
   }
 
   Network const& network_;
   SteadyField const& field_;
   double hz_;
-  Layout at_;
-  Eigen::Index size_ = 0;
-  Entries entries_;
+  SignalLayout at_;
+  Eigen::Index entering_, size_;                         // number of fields that enter, which come first; of all
+  std::vector<std::pair<Eigen::Index, Phasor>> source_;  // of what enters: what leaves there; -1: the port is open
+  Entries entries_, onward_;                             // of the matrix; of what depends on fields that enter
 };
 
+namespace {
+
 // Detectors of power add the modes; a homodyne one sees the fundamental mode alone.
-void add_mode(Readout const& r, SteadyField const& field, Layout const& at, std::size_t mode, Eigen::VectorXcd& row) {
+void add_mode(Readout const& r, SteadyField const& field, SignalLayout const& at, std::size_t mode,
+              Eigen::VectorXcd& row) {
   auto const add = [&](int side, std::size_t n, Phasor factor) {
     row[at.field(r.leaving, side, n, r.port, mode)] += factor;
   };
@@ -183,7 +209,7 @@ void add_mode(Readout const& r, SteadyField const& field, Layout const& at, std:
   }
 }
 
-Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const& at, Eigen::Index size) {
+Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, SignalLayout const& at, Eigen::Index size) {
   Eigen::VectorXcd row = Eigen::VectorXcd::Zero(size);
   if (r.kind == Readout::Kind::motion)
     for (auto const& [id, factor] : r.moving) row[at.displacement(id.value)] += factor;
@@ -209,19 +235,20 @@ Eigen::MatrixXcd with_modes(Eigen::MatrixXcd const& ports, Network::Component co
 SmallSignals::SmallSignals(Network const& network, SteadyField const& field, double hz)
     : network_(network),
       field_(field),
-      solver_(std::make_shared<SparseSolver>(System(network, field, hz).matrix(), "small signals")) {}
+      equations_(std::make_shared<Equations>(network, field, hz)),
+      solver_(std::make_shared<SparseSolver>(equations_->matrix(), "small signals")) {}
 
 Eigen::VectorXcd SmallSignals::weights(Readout const& r) const {
-  Layout const at(network_, field_);
-  return solver_->solve(row_of(r, field_, at, at.displacement(network_.components().size())));
+  SignalLayout const at(network_, field_);
+  return equations_->weights(*solver_, row_of(r, field_, at, at.displacement(network_.components().size())));
 }
 
 Phasor LinearResponse::to_displacement(ComponentId id) const {
-  return weight_[Layout(network_, field_).displacement(id.value)];
+  return weight_[SignalLayout(network_, field_).displacement(id.value)];
 }
 
 Phasor LinearResponse::injected(Injection const& i, Phasor upper, Phasor lower) const {
-  Layout const at(network_, field_);
+  SignalLayout const at(network_, field_);
   Phasor sum = 0;
   for (std::size_t n = 0; n < field_.carriers().size(); ++n)
     for (std::size_t mode = 0; mode < field_.modes(); ++mode) {
@@ -237,7 +264,7 @@ Phasor LinearResponse::to_phase(Injection const& i) const { return injected(i, 0
 Phasor LinearResponse::to_amplitude(Injection const& i) const { return injected(i, 0.5, 0.5); }
 
 Phasor LinearResponse::weight(std::uint32_t port, bool leaving, int side, std::size_t carrier, std::size_t mode) const {
-  return weight_[Layout(network_, field_).field(leaving, side, carrier, port, mode)];
+  return weight_[SignalLayout(network_, field_).field(leaving, side, carrier, port, mode)];
 }
 
 Phasor LinearResponse::of_leaving(std::uint32_t port, int side) const {
@@ -251,7 +278,7 @@ double LinearResponse::seen_quadrature(std::uint32_t port) const {
 // add vacuum: 1 - S S*.
 template <class Port, class Loss>
 void LinearResponse::each_vacuum(Port const& port, Loss const& loss) const {
-  Layout const at(network_, field_);
+  SignalLayout const at(network_, field_);
   std::vector<bool> open(network_.ports(), true);
   for (Network::Space const& s : network_.spaces()) open[s.from] = open[s.to] = false;
   for (int side : {0, 1})

@@ -333,8 +333,10 @@ class SmallSignals {
   SteadyField const& field() const { return field_; }
 
  private:
+  class Equations;
   Network const& network_;
   SteadyField const& field_;
+  std::shared_ptr<Equations const> equations_;
   std::shared_ptr<SparseSolver const> solver_;
 };
 
