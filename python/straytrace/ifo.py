@@ -144,6 +144,7 @@ class Interferometer:
             words += ["--points", str(points)]
         answer = json.loads(self._ask((show, *names), words).output)
         units = answer.pop("units")
+        answer.pop("warnings")      # told by engine.ask
         found = {}
         for key, rows in answer.items():
             name = re.sub(r"_[^_]*Hz$", "", key)      # sensing_10Hz

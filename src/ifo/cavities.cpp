@@ -14,12 +14,6 @@ using Kind = Network::Component::Kind;
 
 constexpr std::size_t most_beams = 24, most_steps = 200000;
 
-// Amplitude of the carrier from a port of a component to another.
-Phasor carrier_way(Network const& n, Network::Component const& c, std::uint32_t out, std::uint32_t in) {
-  Phasor const band = c.bands.empty() ? 1.0 : c.bands[c.bands.size() / 2];
-  return n.scattering(c, 0)(out, in) * band;
-}
-
 class Search {
  public:
   explicit Search(Network const& network) : network_(network), other_(neighbours(network)) {}

@@ -14,7 +14,7 @@ struct NetworkCavity {
   std::vector<std::uint32_t> beams{};  // ports that light leaves on a round trip
   double length = 0;                   // m, of a round trip
   double round_trip = 0;               // amplitude that is left of the carrier after one, without other light
-  double phase = 0;                    // rad, of the carrier after one; 0: resonant
+  double phase = 0;                    // rad, of the carrier after one; 0: resonant. Both in plane waves
   double free_spectral_range() const;  // Hz; infinite without length
   double finesse() const;              // eq. 6.5
   double pole() const;                 // Hz, eq. 6.5: half width at half power

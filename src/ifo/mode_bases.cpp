@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ifo/mode_bases.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -211,6 +212,24 @@ CavityMode mode_of(Network const& n, NetworkCavity const& cavity) {
     mode.gouy[axis] = angle < 0 ? angle + 2 * pi : angle;
   }
   return mode;
+}
+
+Phasor round_trip_in_modes(Network const& n, ModeBases const& bases, NetworkCavity const& cavity) {
+  auto const other = neighbours(n);
+  auto const count = Eigen::Index(bases.count());
+  Eigen::MatrixXcd trip = Eigen::MatrixXcd::Identity(count, count);
+  for (std::size_t i = 0; i < cavity.beams.size(); ++i) {
+    auto const [end, space] = other[cavity.beams[i]];
+    Component const& c = n.at(n.owner_of(end));
+    std::uint32_t const next = cavity.beams[(i + 1) % cavity.beams.size()], in = end - c.first_port;
+    for (Eigen::Index mode = 0; mode < count; ++mode)
+      trip.row(mode) *= turn_along(n, &bases, space, 0, std::size_t(mode));
+    trip = carrier_way(n, c, next - c.first_port, in) * (bases.coupling(next, in) * trip);
+  }
+  Eigen::ComplexEigenSolver<Eigen::MatrixXcd> const solved(trip);
+  Eigen::Index best = 0;
+  solved.eigenvectors().colwise().normalized().row(0).cwiseAbs().maxCoeff(&best);
+  return solved.eigenvalues()[best];
 }
 
 double CavityMode::phase_beyond(int n, int m) const {

@@ -35,6 +35,12 @@ struct CavityMode {
 // Without modes where it is not stable.
 CavityMode mode_of(Network const&, NetworkCavity const&);
 
+class ModeBases;
+// Factor of the carrier after a round trip, in the modes of the bases: the eigenvalue of the round trip whose mode has
+// the largest share of 00. It is smaller than that of plane waves by what apertures stop and modes beyond the order
+// take.
+Phasor round_trip_in_modes(Network const&, ModeBases const&, NetworkCavity const&);
+
 // Power that a way takes from the fundamental mode of one basis into others.
 struct BasisMismatch {
   std::string from, to;  // ports: where the light enters and leaves

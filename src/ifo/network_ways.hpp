@@ -75,6 +75,11 @@ void for_each_mode_pair(ModeBases const* bases, Network::Component const& c, std
 std::vector<Eigen::MatrixXcd> scattering_by_carrier(Network const&, Network::Component const&,
                                                     std::vector<double> const& carriers);
 
+// Amplitude of the carrier from a port of a component to another, by their numbers there.
+inline Phasor carrier_way(Network const& n, Network::Component const& c, std::uint32_t out, std::uint32_t in) {
+  return n.scattering(c, 0)(out, in) * (c.bands.empty() ? 1.0 : c.bands[c.bands.size() / 2]);
+}
+
 // Phase along a space, rad, of light at `hz` from the laser.
 inline double phase_along(Network::Space const& s, double hz) {
   return s.phase + 2 * pi * hz * s.length / speed_of_light;

@@ -19,16 +19,19 @@ void print_warnings(Scene const& scene, PrintOptions const& options) {
   if (!options.quiet) std::cerr << (options.json() ? warnings_as_json(scene) : printable(scene.warnings()));
 }
 
-void print_warning(std::string const& sentence, PrintOptions const& options) {
-  if (options.quiet || !options.warnings) return;
-  if (!options.json()) {
-    std::cerr << "warning: " << printable(sentence) << '\n';
-    return;
-  }
+std::string warning_as_json(std::string const& sentence) {
   constexpr std::string_view between = "\n  ";
   std::size_t const at = sentence.find(between);
   std::string const remedy = at == sentence.npos ? "" : sentence.substr(at + between.size());
-  std::cerr << problems_as_json(InputError({{{}, sentence.substr(0, at), remedy, Severity::warning}}, ""));
+  return problems_as_json(InputError({{{}, sentence.substr(0, at), remedy, Severity::warning}}, ""));
+}
+
+void print_warning(std::string const& sentence, PrintOptions const& options) {
+  if (options.quiet || !options.warnings) return;
+  if (options.json())
+    std::cerr << warning_as_json(sentence);
+  else
+    std::cerr << "warning: " << printable(sentence) << '\n';
 }
 
 namespace {

@@ -15,6 +15,7 @@ void print_warnings(ProjectionModel const&, PrintOptions const&);
 void print_warnings(Scene const&, PrintOptions const&);
 // Without a place in a file; a remedy follows in a line of its own, after two spaces.
 void print_warning(std::string const& sentence, PrintOptions const&);
+std::string warning_as_json(std::string const& sentence);  // a list of one (problems_as_json)
 
 // Lines of JSON on stderr for a program that runs this one (straytrace --events): progress of a trace, and problems of
 // the input, which are then printed in no other form. Each is an object with the key `event`; all other lines are plain

@@ -108,6 +108,84 @@ def drawing(data):
             f'aria-label="network with powers">{"".join(parts)}</svg>')
 
 
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#7f7f7f")
+WIDE, HIGH = 760, 300                   # of a chart, with margins of 70 left, 20 right, 12 above, 40 below
+LEFT, RIGHT, TOP, BOTTOM = 70, 20, 12, 40
+
+
+def decades(low, high):
+    """Powers of ten in the range, at most some nine."""
+    ends = math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9)
+    step = max(1, -(-(ends[1] - ends[0]) // 8))
+    return range(ends[0], ends[1] + 1, step)
+
+
+def runs(points):
+    """Pieces of a curve between values that are unknown."""
+    piece = []
+    for point in points:
+        if point is None:
+            if piece:
+                yield piece
+            piece = []
+        else:
+            piece.append(point)
+    if piece:
+        yield piece
+
+
+def chart(hz, series, label):
+    """SVG of curves {name: values} with logarithmic axes; null and zero are left out."""
+    seen = [v for values in series.values() for v in values if v]
+    if not seen or len(hz) < 2:
+        return ""
+    low, high = max(min(seen), 1e-12 * max(seen)) / 1.3, max(seen) * 1.3
+
+    def x(f):
+        return LEFT + (WIDE - LEFT - RIGHT) * math.log(f / hz[0]) / math.log(hz[-1] / hz[0])
+
+    def y(value):
+        return TOP + (HIGH - TOP - BOTTOM) * math.log(high / max(value, low)) / math.log(high / low)
+
+    parts = [f'<rect x="{LEFT}" y="{TOP}" width="{WIDE - LEFT - RIGHT}" height="{HIGH - TOP - BOTTOM}" fill="none" stroke="#999"/>']
+    for n in decades(hz[0], hz[-1]):
+        parts.append(f'<line x1="{x(10.0 ** n):.1f}" x2="{x(10.0 ** n):.1f}" y1="{TOP}" y2="{HIGH - BOTTOM}" stroke="#ddd"/>'
+                     f'<text x="{x(10.0 ** n):.1f}" y="{HIGH - BOTTOM + 15}" text-anchor="middle">{10.0 ** n:g}</text>')
+    for n in decades(low, high):
+        parts.append(f'<line x1="{LEFT}" x2="{WIDE - RIGHT}" y1="{y(10.0 ** n):.1f}" y2="{y(10.0 ** n):.1f}" stroke="#ddd"/>'
+                     f'<text x="{LEFT - 6}" y="{y(10.0 ** n) + 4:.1f}" text-anchor="end">1e{n}</text>')
+    for i, (name, values) in enumerate(series.items()):
+        colour = "#222" if name == "total" else COLOURS[i % len(COLOURS)]
+        for piece in runs([(f, v) if v else None for f, v in zip(hz, values)]):
+            path = " ".join(f"{x(f):.1f},{y(v):.1f}" for f, v in piece)
+            parts.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="1.6"><title>{html.escape(name)}</title></polyline>')
+        parts.append(f'<text x="{LEFT + 8}" y="{TOP + 16 + 14 * i}" fill="{colour}" font-weight="600">{html.escape(name)}</text>')
+    parts.append(f'<text x="{(LEFT + WIDE - RIGHT) / 2:.0f}" y="{HIGH - 6}" text-anchor="middle">frequency [Hz]</text>'
+                 f'<text x="14" y="{(TOP + HIGH - BOTTOM) / 2:.0f}" text-anchor="middle" transform="rotate(-90 14 {(TOP + HIGH - BOTTOM) / 2:.0f})">'
+                 f"{html.escape(label)}</text>")
+    return f'<svg viewBox="0 0 {WIDE} {HIGH}" width="{WIDE}" role="img" aria-label="{html.escape(label)} over frequency">{"".join(parts)}</svg>'
+
+
+def columns(rows, keys):
+    return {name: [row[key] for row in rows] for name, key in keys.items()}
+
+
+def charts(data):
+    """Curves of the loops, and the noise of h with all loops acting."""
+    found, curves = [], data.get("curves") or {}
+    if rows := curves.get("suppression"):
+        hz = [row["frequency"] for row in rows]
+        lengths = [key.removeprefix("gain_") for key in rows[0] if key.startswith("gain_")]
+        found += ["<h2>loops over frequency</h2>", f'<p>{html.escape(data["headings"]["suppression"])}</p>',
+                  chart(hz, columns(rows, {name: f"gain_{name}" for name in lengths}), "open-loop gain |G|"),
+                  chart(hz, columns(rows, {name: name for name in lengths}), "suppression |1/(1 + G)|")]
+    if rows := curves.get("strain_noise"):
+        names = [key for key in rows[0] if key != "frequency"]
+        found += ["<h2>noise of h</h2>", f'<p>{html.escape(data["headings"]["strain_noise"])}</p>',
+                  chart([row["frequency"] for row in rows], columns(rows, {name: name for name in names}), "h [1/sqrt(Hz)]")]
+    return "".join(found)
+
+
 def table(sheet):
     head = "".join(f'<th{" class=text" if text else ""}>{html.escape(title)}</th>' for title, text in zip(sheet["titles"], sheet["text"]))
     rows = "".join("<tr>" + "".join(f'<td{" class=text" if text else ""}>{html.escape(cell)}</td>' for cell, text in zip(row, sheet["text"])) + "</tr>"
@@ -121,7 +199,7 @@ def page(data):
     return (f'<!doctype html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
             f"<title>{title}</title><style>{STYLE}</style></head><body><h1>{title}</h1>"
             f'<p>Point at the light for powers in both directions. Widths are logarithmic, lengths are not to scale.</p><div class="wide">{drawing(data)}</div>'
-            f"{sheets}<p>straytrace {html.escape(data['version'])}</p></body></html>")
+            f"{charts(data)}{sheets}<p>straytrace {html.escape(data['version'])}</p></body></html>")
 
 
 def main(arguments=None):

@@ -14,11 +14,11 @@
 #include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
 #include "cli/commands.hpp"
+#include "cli/ifo/ifo_page.hpp"
 #include "cli/ifo/ifo_sheets.hpp"
 #include "cli/options.hpp"
 #include "results/curves/curve_file.hpp"
 #include "results/text/picture.hpp"
-#include "session/build_info.hpp"
 #include "session/diagnostics.hpp"
 #include "session/light/optical_network.hpp"
 
@@ -93,9 +93,22 @@ double value_of_parameter(NetworkParameter const& p, std::string const& text) {
   return value;
 }
 
+// Tilts and curvatures act on modes alone, and tilts make odd ones.
+void refuse_missing_modes(NetworkModel const& model, std::string const& parameter) {
+  bool const tilt = parameter.ends_with(".tilt_x") || parameter.ends_with(".tilt_y"),
+             curvature = parameter.ends_with(".curvature") || parameter.ends_with(".curvature_y");
+  if ((tilt || curvature) && !model.network.modes())
+    throw InputError(fmt::format("plane waves do not depend on '{}'", parameter),
+                     "add 'modes: {order: 2}' to the network");
+  if (tilt && model.network.modes()->even)
+    throw InputError(fmt::format("'{}' makes odd modes, which 'parity: even' leaves out", parameter),
+                     "write 'parity: all' in 'modes' of the network");
+}
+
 ScanAxis axis_of(NetworkModel const& model, std::span<std::string const> words, std::size_t points) {
   auto const parameter = find_parameter(model, words[0]);
   if (!parameter) throw unknown("parameter", words[0], parameter_names(model));
+  refuse_missing_modes(model, words[0]);
   return {*parameter, value_of_parameter(*parameter, words[1]), value_of_parameter(*parameter, words[2]), points};
 }
 
@@ -133,23 +146,28 @@ std::vector<double> frequencies(IfoOptions const& options) {
 
 NamedWay stray_way(NetworkModel const& model, std::string const& name) {
   if (auto const way = find_way(model, name)) return *way;
-  std::vector<std::string> known = {"all"};
+  if (name == "all")
+    throw InputError("a curve is that of one entrance of stray light, not of 'all'",
+                     "name an entrance or a beam; --show stray all lists them");
+  std::vector<std::string> known;
   for (NamedWay const& w : model.entrances) known.push_back(w.name);
   for (NamedWay const& w : ways_of_all_beams(model)) known.push_back(w.name);
   throw unknown("entrance or beam", name, known);
 }
 
-// From a stray field, "stray:arm", to a read-out, a mirror or h.
+// A read-out or a mirror; nothing: h.
+std::optional<NamedReadout> effect_of(NetworkModel const& model, std::string const& name) {
+  if (name == "h" && model.strain) return {};
+  auto effect = find_effect(model, name);
+  if (!effect) throw unknown("read-out or mirror", name, effect_names(model));
+  return effect;
+}
+
+// From a stray field, "stray:arm".
 Sheet stray_transferred(NetworkModel const& model, IfoOptions const& options, std::string const& entrance) {
   NamedWay const way = stray_way(model, entrance);
   std::string const& to = options.show[2];
-  std::optional<NamedReadout> effect;
-  if (to != "h" || !model.strain) {
-    effect = find_effect(model, to);
-    if (!effect) throw unknown("read-out or mirror", to, effect_names(model));
-  }
-  std::vector<double> const hz = frequencies(options);
-  Sheet sheet = stray_curve(stray_transfer(model, way, effect, hz), to);
+  Sheet sheet = stray_curve(stray_transfer(model, way, effect_of(model, to), frequencies(options)), to);
   sheet.name = "transfer";
   return sheet;
 }
@@ -160,10 +178,10 @@ Sheet transferred(NetworkModel const& model, IfoOptions const& options) {
     return stray_transferred(model, options, options.show[1].substr(stray.size()));
   auto const cause = find_cause(model, options.show[1]);
   if (!cause) throw unknown("cause", options.show[1], cause_names(model));
-  auto const effect = find_effect(model, options.show[2]);
-  if (!effect) throw unknown("read-out or mirror", options.show[2], effect_names(model));
+  auto const effect = effect_of(model, options.show[2]);
   std::vector<double> const hz = frequencies(options);
-  return transfer_sheet(*cause, *effect, hz, transfer_function(model, *cause, *effect, hz));
+  char const* const unit = effect ? unit_of(effect->readout) : "1";
+  return transfer_sheet(*cause, options.show[2], unit, hz, transfer_function(model, *cause, effect, hz));
 }
 
 NamedReadout const& readout_of(NetworkModel const& model, std::string const& name) {
@@ -206,8 +224,9 @@ Sheet curve_of_loops(NetworkModel const& model, IfoOptions const& options) {
 }
 
 std::vector<Sheet> loops_of(NetworkModel const& model, IfoOptions const& options) {
-  if (!model.strain || model.controlled.empty())
-    throw InputError("only a dual-recycled detector has loops", "write --show loops with a scene of such a preset");
+  if (!model.strain)
+    throw InputError("the loops and the noise of h need a strain",
+                     "add 'strain: {readout: AS, freedom: DARM, arm_length: 3 km}', or start from a preset");
   if (options.show.size() == 2) return {curve_of_loops(model, options)};
   std::vector<double> const ends = ends_of_band(options);
   std::vector<Sheet> all;
@@ -299,45 +318,15 @@ void check(IfoOptions const& options) {
     throw InputError("--show network prints a scene", "remove --csv and --format json");
 }
 
-// What the page draws: components, spaces with their powers, and all tables that need no further words.
-nlohmann::ordered_json page_json(OpticalNetwork const& network, IfoOptions const& options) {
-  constexpr std::array<char const*, 8> kinds = {"mirror",   "splitter",  "laser", "dump",
-                                                "isolator", "modulator", "lens",  "aperture"};
-  Network const& n = network.model.network;
-  SteadyField const field(n);
-  nlohmann::ordered_json json{{"title", network.title}, {"version", build_info::version}};
-  for (Network::Component const& c : n.components()) {
-    json["components"].push_back({{"name", c.name}, {"kind", kinds[std::size_t(c.kind)]}});
-    if (c.kind == Network::Component::Kind::splitter)
-      json["components"].back()["incidence"] = std::get<MirrorParameters>(c.stated).incidence;
-  }
-  auto const end = [&](std::uint32_t port) {
-    Network::Component const& c = n.at(n.owner_of(port));
-    return nlohmann::ordered_json{c.name, port - c.first_port};
-  };
-  json["spaces"] = nlohmann::ordered_json::array();
-  for (Network::Space const& s : n.spaces())
-    json["spaces"].push_back({{"from", end(s.from)},
-                              {"to", end(s.to)},
-                              {"from_port", n.port_name(s.from)},
-                              {"to_port", n.port_name(s.to)},
-                              {"length", s.length},
-                              {"forward", field.power_out(s.from)},
-                              {"backward", field.power_in(s.from)}});
-  std::vector<Sheet> sheets = point_sheets(operating_point(network.model));
-  sheets.push_back(errors_sheet(error_signals(network.model)));
-  for (double const hz : places_in_band(options)) {
-    sheets.push_back(sensing_sheet(sensing_matrix(network.model, hz)));
-  }
-  if (!network.model.controlled.empty())
-    for (Sheet& s : loops_of(network.model, options)) sheets.push_back(std::move(s));
-  json["sheets"] = page_of(sheets);
-  return json;
-}
-
 void write_page(OpticalNetwork const& network, IfoOptions const& options) {
+  std::vector<Sheet> loops, curves;
+  if (network.model.strain) {
+    loops = loops_of(network.model, options);
+    curves = page_curves(network.model, ends_of_band(options));
+  }
   std::string message;
-  std::string const page = picture_of(page_json(network, options).dump(), "ifo_page", message, ".html");
+  std::string const page =
+      picture_of(page_json(network, places_in_band(options), loops, curves).dump(), "ifo_page", message, ".html");
   if (page.empty()) throw InputError(message, "or remove --html");
   write_file(options.page, page);
 }
@@ -351,22 +340,35 @@ void draw(std::vector<Sheet> const& sheets, IfoOptions const& options) {
   write_file(options.plot, picture);
 }
 
-// Light that higher modes would hold is in no table.
-void warn_of_missing_modes(NetworkModel const& model, IfoOptions const& options) {
-  if (!model.network.modes()) return;
+// Light that higher modes would hold is in no table. A sentence and its remedy; empty: all fits.
+std::string missing_modes(NetworkModel const& model) {
+  if (!model.network.modes()) return "";
   OperatingPoint const point = operating_point(model);
-  if (point.missing > Truncation::most_change * point.emitted)
-    print_warning(
-        fmt::format("the modes up to order {} do not take {:.2g} of the light\n  raise 'order', or match the beams: "
-                    "--show modes says where they do not match",
-                    model.network.modes()->order, point.missing / point.emitted),
-        options);
+  if (!(point.missing > Truncation::most_change * point.emitted)) return "";
+  return fmt::format(
+      "the modes up to order {} do not take {:.2g} of the light\n  raise 'order', or match the beams: --show modes says "
+      "where they do not match",
+      model.network.modes()->order, point.missing / point.emitted);
+}
+
+// Of the scene and of the solution, as problems_as_json.
+nlohmann::ordered_json warnings_of(OpticalNetwork const& network, std::vector<std::string> const& more) {
+  auto all = nlohmann::ordered_json::array();
+  std::vector<std::string> lists{network.warnings_json};
+  for (std::string const& text : more) lists.push_back(warning_as_json(text));
+  for (std::string const& list : lists)
+    if (!list.empty())
+      for (auto& problem : nlohmann::ordered_json::parse(list)) all.push_back(std::move(problem));
+  return all;
 }
 
 int ifo(IfoOptions const& options) {
   check(options);
   OpticalNetwork const network = read_optical_network(options);
-  if (!options.quiet) warn_of_missing_modes(network.model, options);
+  std::vector<std::string> warnings;
+  for (std::string const& text : {missing_modes(network.model)})
+    if (!text.empty()) warnings.push_back(text);
+  for (std::string const& text : warnings) print_warning(text, options);
   if (options.show.front() == "network") {
     std::cout << network_text(network.model);
     return done;
@@ -374,9 +376,11 @@ int ifo(IfoOptions const& options) {
   std::vector<Sheet> const sheets = sheets_of(network.model, options);
   if (!options.plot.empty()) draw(sheets, options);
   if (!options.page.empty()) write_page(network, options);
-  if (options.json())
-    std::cout << json_of(sheets).dump() << '\n';
-  else
+  if (options.json()) {
+    nlohmann::ordered_json answer = json_of(sheets);
+    answer["warnings"] = warnings_of(network, warnings);
+    std::cout << answer.dump() << '\n';
+  } else
     std::cout << (options.csv ? csv_of(sheets) : text_of(sheets));
   return done;
 }
@@ -392,8 +396,7 @@ void add_ifo(CLI::App& app, int& exit_code) {
   command
       ->add_option("--show", o.show,
                    "point (default), scan PARAMETER FROM TO (once or twice), errors, slopes READOUT, transfer FROM TO "
-                   "(also transfer "
-                   "stray:ENTRANCE TO), "
+                   "(also transfer stray:ENTRANCE TO), "
                    "sensing, noise READOUT, loops (also loops suppression, loops noise), stray (also stray all, stray "
                    "ENTRANCE, stray ENTRANCE READOUT), "
                    "modes, or network: the scene of the network")

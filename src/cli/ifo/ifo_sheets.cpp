@@ -216,11 +216,11 @@ Sheet errors_sheet(std::vector<ErrorSignal> const& signals) {
   return s;
 }
 
-Sheet transfer_sheet(NetworkCause const& cause, NamedReadout const& effect, std::vector<double> const& hz,
-                     std::vector<Phasor> const& response) {
-  std::string const unit = fmt::format("{}/{}", unit_of(effect.readout), cause.unit());
+Sheet transfer_sheet(NetworkCause const& cause, std::string const& effect, std::string const& effect_unit,
+                     std::vector<double> const& hz, std::vector<Phasor> const& response) {
+  std::string const unit = fmt::format("{}/{}", effect_unit, cause.unit());
   Sheet s{"transfer",
-          fmt::format("Response of '{}' to '{}', for exp(+2 pi i f t).", effect.name, cause.name),
+          fmt::format("Response of '{}' to '{}', for exp(+2 pi i f t).", effect, cause.name),
           {{"frequency", "Hz"}, {"re", unit, 8}, {"im", unit, 8}, {"magnitude", unit, 8}, angle("phase")},
           {}};
   for (std::size_t i = 0; i < hz.size(); ++i)
@@ -413,7 +413,10 @@ Sheet filters_sheet(LoopTable const& t) {
 }  // namespace
 
 std::vector<Sheet> loop_sheets(LoopTable const& t) {
-  std::vector<Sheet> all{loops_sheet(t), stray_by_loop_sheet(t), noise_by_loop_sheet(t)};
+  std::vector<Sheet> all;
+  if (!t.loops.empty()) all.push_back(loops_sheet(t));
+  if (!t.stray.empty()) all.push_back(stray_by_loop_sheet(t));
+  all.push_back(noise_by_loop_sheet(t));
   if (!t.subtracted.empty()) all.push_back(filters_sheet(t));
   return all;
 }

@@ -18,8 +18,8 @@ std::vector<Sheet> mode_sheets(ModeTable const&);
 Sheet scan_sheet(NetworkModel const&, NetworkScan const&);
 Sheet errors_sheet(std::vector<ErrorSignal> const&);
 Sheet slopes_sheet(NamedReadout const&, std::vector<ParameterSlope> const&);
-Sheet transfer_sheet(NetworkCause const&, NamedReadout const& effect, std::vector<double> const& hz,
-                     std::vector<Phasor> const& response);
+Sheet transfer_sheet(NetworkCause const&, std::string const& effect, std::string const& effect_unit,
+                     std::vector<double> const& hz, std::vector<Phasor> const& response);
 Sheet sensing_sheet(SensingMatrix const&);
 Sheet noise_sheet(NamedReadout const&, NamedFreedom const* referred, ReadoutNoise const&);
 std::vector<Sheet> loop_sheets(LoopTable const&);

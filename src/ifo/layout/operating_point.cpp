@@ -59,6 +59,13 @@ void add_energy(Network const& n, SteadyField const& f, OperatingPoint& into) {
   }
 }
 
+void use_modes(Network const& n, ModeBases const& bases, NetworkCavity& cavity) {
+  Phasor const trip = round_trip_in_modes(n, bases, cavity);
+  double const phase = std::arg(trip);
+  cavity.round_trip = std::abs(trip);
+  cavity.phase = std::fabs(phase) > 1e-12 ? phase : 0;
+}
+
 }  // namespace
 
 OperatingPoint operating_point(NetworkModel const& model) {
@@ -72,6 +79,7 @@ OperatingPoint operating_point(NetworkModel const& model) {
   }
   add_energy(n, f, point);
   for (NetworkCavity& c : cavities_of(n)) {
+    if (f.bases()) use_modes(n, *f.bases(), c);
     double const power = f.power_out(c.beams.front());
     point.cavities.push_back({std::move(c), power, power / point.emitted});
   }

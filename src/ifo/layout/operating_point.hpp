@@ -17,7 +17,7 @@ struct PortPower {
   double fundamental = 0;  // W of mode 00 that leaves
 };
 struct CavityPower {
-  NetworkCavity cavity;
+  NetworkCavity cavity;  // round trip: with modes, of the mode of the resonator that is nearest to 00
   double power = 0;  // W of all carriers, at the first of its beams
   double gain = 0;   // over the power of the lasers
 };

@@ -45,7 +45,13 @@ struct Curvature {
 
 // One number, or a list: in the plane of incidence, and across it.
 Curvature read_curvature(Node const& t) {
-  if (t["curvature"].kind() != Node::Kind::list) return {t.number("curvature", dim::per_metre, 0, -1e3, 1e3), {}};
+  Node const node = t["curvature"];
+  if (node.kind() != Node::Kind::list) return {t.number("curvature", dim::per_metre, 0, -1e3, 1e3), {}};
+  if (std::size_t const count = node.as_list().size(); count != 2) {
+    node.problem(fmt::format("'curvature' is one number or two, got {}", count),
+                 "write '1/(1420 m)', or in the plane of incidence and across it: '[1/(1420 m), 1/(1400 m)]'");
+    return {};
+  }
   auto const both = read_pair(t, "curvature", dim::per_metre, 1e3);
   return {both[0], both[1]};
 }

@@ -214,6 +214,7 @@ std::vector<std::string> effect_names(NetworkModel const& model) {
   for (NamedReadout const& r : model.readouts) names.push_back(r.name);
   for (Network::Component const& c : model.network.components())
     if (c.interface()) names.push_back(c.name);
+  if (model.strain) names.emplace_back("h");
   return names;
 }
 
@@ -255,13 +256,18 @@ Phasor response_to(LinearResponse const& r, Network const& n, NetworkCause const
   return sum;
 }
 
-std::vector<Phasor> transfer_function(NetworkModel const& model, NetworkCause const& cause, NamedReadout const& effect,
-                                      std::vector<double> const& hz) {
+std::vector<Phasor> transfer_function(NetworkModel const& model, NetworkCause const& cause,
+                                      std::optional<NamedReadout> const& effect, std::vector<double> const& hz) {
   SteadyField const field(model.network);
   std::vector<Phasor> all;
   for (double const f : hz) {
-    LinearResponse const r(model.network, field, effect.readout, f);
-    all.push_back(std::conj(response_to(r, model.network, cause, f)));
+    auto const to = [&](LinearResponse const& r) { return response_to(r, model.network, cause, f); };
+    if (effect) {
+      all.push_back(std::conj(to(LinearResponse(model.network, field, effect->readout, f))));
+    } else {
+      CalibratedStrain const strain(model, field, f);
+      all.push_back(std::conj(strain.to(to) / strain.calibration()));
+    }
   }
   return all;
 }

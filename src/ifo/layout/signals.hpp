@@ -39,7 +39,7 @@ std::vector<ParameterSlope> parameter_slopes(NetworkModel const&, Readout const&
 
 std::vector<std::string> cause_names(NetworkModel const&);
 std::optional<NetworkCause> find_cause(NetworkModel const&, std::string const& name);
-// A read-out, or a mirror whose displacement is requested.
+// A read-out, or a mirror whose displacement is requested; the names also hold "h", the strain, where it is defined.
 std::vector<std::string> effect_names(NetworkModel const&);
 std::optional<NamedReadout> find_effect(NetworkModel const&, std::string const& name);
 char const* unit_of(Readout const&);
@@ -47,9 +47,10 @@ char const* unit_of(Readout const&);
 // For motion proportional to exp(-2 pi i f t), per unit of the cause.
 Phasor response_to(LinearResponse const&, Network const&, NetworkCause const&, double hz);
 
-// Complex responses of an effect to a cause for motion proportional to exp(+2 pi i f t), by frequency.
-std::vector<Phasor> transfer_function(NetworkModel const&, NetworkCause const&, NamedReadout const& effect,
-                                      std::vector<double> const& hz);
+// Complex responses of an effect to a cause for motion proportional to exp(+2 pi i f t), by frequency; without an
+// effect those of the strain.
+std::vector<Phasor> transfer_function(NetworkModel const&, NetworkCause const&,
+                                      std::optional<NamedReadout> const& effect, std::vector<double> const& hz);
 
 // Responses of an effect to a stray field on a way, by frequency; without an effect those of the strain.
 std::vector<StrayRow> stray_transfer(NetworkModel const&, NamedWay const&, std::optional<NamedReadout> const& effect,

@@ -7,6 +7,7 @@
 #include "base/input/document.hpp"
 #include "ifo/layout/read_network.hpp"
 #include "ifo/ports.hpp"
+#include "scene/diagnostics.hpp"
 #include "session/diagnostics.hpp"
 #include "session/model.hpp"
 
@@ -61,7 +62,7 @@ OpticalNetwork read_lone(Scene const& scene) {
     model = network_of(table, not_a_number, detector.get());
   }
   scene.throw_if_problems();
-  return {scene.title(), *std::move(model)};
+  return {scene.title(), *std::move(model), warnings_as_json(scene)};
 }
 
 }  // namespace
@@ -84,7 +85,7 @@ OpticalNetwork read_optical_network(SceneOptions const& options) {
     whole.scene.root().problem("the scene has no 'interferometer'", "add 'interferometer: {preset: adv}'");
   whole.scene.throw_if_problems();
   print_warnings(whole.scene, options);
-  return {whole.scene.title(), *std::move(model)};
+  return {whole.scene.title(), *std::move(model), warnings_as_json(whole.scene)};
 }
 
 }  // namespace straytrace::session

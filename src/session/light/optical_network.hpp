@@ -18,6 +18,7 @@ NetworkModel read_lone_network(Scene const&);
 struct OpticalNetwork {
   std::string title;  // of the scene
   NetworkModel model;
+  std::string warnings_json;  // of the scene, as problems_as_json; empty: none
 };
 OpticalNetwork read_optical_network(SceneOptions const&);
 

@@ -308,6 +308,33 @@ struct StoppedCavity {
   std::uint32_t behind() const { return network.number_of({end, 1}); }
 };
 
+double gain_of(NetworkModel const& model) { return operating_point(model).cavities.at(0).gain; }
+
+// Eq. 6.5 with what a stop takes: two passages by K_00 = 1 - e^{-V} (N.11), and the gain of the solution, T_1 over
+// (1 - round trip)^2 without the second stop, which the light meets after it is counted. Control: plane waves.
+TEST(Modes, FinesseIncludesWhatAStopTakes) {
+  double const a = 1.8, kept = 1 - std::exp(-2 * a * a), mirrors = std::sqrt(0.98 * 0.996);
+  StoppedCavity const narrow(0, a, 0);
+  NetworkModel const model{.preset = "none", .network = narrow.network};
+  NetworkCavity const found = operating_point(model).cavities.at(0).cavity;
+  double const round_trip = mirrors * kept * kept;
+  EXPECT_NEAR(found.round_trip, round_trip, 1e-12);
+  EXPECT_LT(deviation(found.finesse(), pi * std::sqrt(round_trip) / (1 - round_trip)), 1e-9);
+  EXPECT_LT(deviation(gain_of(model) * std::pow(1 - found.round_trip, 2), 0.02), 1e-9);
+  EXPECT_GT(relative(cavities_of(narrow.network).at(0).finesse(), found.finesse()), 0.1) << "control: plane waves";
+  // Higher modes return some of it: a smaller loss, and still the gain of the solution but for light in those modes.
+  StoppedCavity const fine(6, a, 0);
+  NetworkModel const many{.preset = "none", .network = fine.network};
+  double const more = operating_point(many).cavities.at(0).cavity.round_trip;
+  EXPECT_GT(more, round_trip);
+  EXPECT_NEAR(gain_of(many) * std::pow(1 - more, 2) / 0.02, 1, 0.01);
+  EXPECT_GT(std::fabs(gain_of(many) * std::pow(1 - round_trip, 2) / 0.02 - 1), 0.05) << "control: 00 alone";
+  // A tilt moves the mode of the resonator; it takes nothing.
+  CurvedCavity const leaning(6, {.power = 1}, {0, 1e-7});
+  NetworkModel const tilted{.preset = "none", .network = leaning.network};
+  EXPECT_NEAR(operating_point(tilted).cavities.at(0).cavity.round_trip, mirrors, 1e-6);
+}
+
 // A stop that moves: the slope of the transmitted power is T_am dK_00/dd, T_am for light that passes both ways (N.21).
 // Higher modes return some of what a stop cuts, 47 % of the slope at a = 1.8 w.
 TEST(Modes, MovingStop) {

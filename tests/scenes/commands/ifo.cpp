@@ -182,7 +182,10 @@ TEST(IfoCommand, PicturesAndPage) {
   }
   Finished const page = straytrace({"ifo", loops, "--html", folder / "a.html"}, {.picture = true});
   EXPECT_EQ(page.code, 0) << page.err;
-  EXPECT_THAT(text_of(folder / "a.html"), AllOf(HasSubstr("<svg"), HasSubstr("ETMx"), HasSubstr("by_SRCL")));
+  EXPECT_THAT(text_of(folder / "a.html"), AllOf(HasSubstr("<svg"), HasSubstr("ETMx"), HasSubstr("by_SRCL"),
+                                                HasSubstr("open-loop gain |G| over frequency"),
+                                                HasSubstr("suppression |1/(1 + G)| over frequency"),
+                                                HasSubstr("h [1/sqrt(Hz)] over frequency"), HasSubstr("<polyline")));
 }
 
 TEST(IfoCommand, NoiseAndLoops) {
@@ -239,6 +242,31 @@ TEST(IfoCommand, SubtractedNoiseAndCurvesOfLoops) {
   }
 }
 
+// A network without a preset: no length is controlled, and subtraction acts as with loops.
+TEST(IfoCommand, SubtractedChannelWithoutAPreset) {
+  Folder const folder;
+  std::string scene = straytrace({"ifo", places, "--show", "network"}).out;
+  scene += "  strain: {readout: AS, freedom: DARM, arm_length: 2999.8 m}\n";
+  std::size_t const at = scene.find("    readouts:\n");
+  ASSERT_NE(at, scene.npos);
+  scene.insert(at, "    noises: {laser.amplitude: {asd: 1e-6 /sqrt(Hz)}}\n");
+  write_text(folder / "as_read.yaml", scene);
+  write_text(folder / "best.yaml", scene + "  subtract: [{channel: REFL, filter: best}]\n");
+  json const before = answer({folder / "as_read.yaml", "--show", "loops", "--at", "20 Hz"}),
+             after = answer({folder / "best.yaml", "--show", "loops", "--at", "20 Hz"});
+  EXPECT_FALSE(before.contains("loops_20Hz"));
+  EXPECT_EQ(after["filters_20Hz"][0]["channel"], "REFL");
+  EXPECT_LT(after["noise_20Hz"][1]["total"].get<double>(), 0.1 * before["noise_20Hz"][1]["total"].get<double>());
+  json const curve = answer({folder / "best.yaml", "--show", "loops", "noise", "--points", "3"})["strain_noise"];
+  EXPECT_LT(curve[1]["total"].get<double>(), curve[1]["as_read"].get<double>());
+  EXPECT_GT(after["stray_20Hz"].size(), 10u);
+  // h per m of its own degree of freedom is 1/L at every frequency.
+  json const darm = answer({folder / "as_read.yaml", "--show", "transfer", "DARM", "h", "--points", "3"})["transfer"];
+  for (json const& row : darm) EXPECT_NEAR(row["re"].get<double>() * 2999.8, 1, 1e-9);
+  json const srm = answer({folder / "as_read.yaml", "--show", "transfer", "SRM", "h", "--points", "3"})["transfer"];
+  EXPECT_LT(srm[0]["magnitude"].get<double>() * 2999.8, 0.9) << "control";
+}
+
 // The light of a mismatched and tilted cavity fits into modes up to order 4, and not up to order 1.
 TEST(IfoCommand, WarnsOfMissingModes) {
   EXPECT_EQ(straytrace({"ifo", modes}).err, "");
@@ -255,6 +283,16 @@ TEST(IfoCommand, WarnsOfMissingModes) {
   ASSERT_EQ(listed.size(), 1u);
   EXPECT_EQ(listed[0]["severity"], "warning");
   EXPECT_THAT(listed[0]["what"].get<std::string>(), HasSubstr("up to order 1"));
+  // The answer holds them too, those of the scene first.
+  EXPECT_EQ(answer({folder / "a.yaml"})["warnings"], listed);
+  EXPECT_EQ(answer({modes})["warnings"], json::array());
+  std::string tilted = text_of(cavity);
+  tilted.replace(tilted.find("ETM: {mirror: {"), 15, "ETM: {mirror: {tilt: [1 urad, 0 rad], ");
+  write_text(folder / "c.yaml", tilted);
+  json const told = answer({folder / "c.yaml"})["warnings"];
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_THAT(told[0]["what"].get<std::string>(), HasSubstr("plane waves leave out the tilt"));
+  EXPECT_GT(told[0]["line"].get<int>(), 1);
 }
 
 // A scan that leaves the range of stable cavities names the end of it: for mirrors of curvatures c1, c2 in a distance
@@ -286,6 +324,14 @@ TEST(IfoCommand, WrongInput) {
       folder / "lens.yaml",
       "straytrace: 1\ninterferometer: {preset: none, network: {components: {laser: {laser: {power: 1 W}}, L: {lens: "
       "{focal_length: 0 m}}}, spaces: [{from: laser, to: L.in, length: 0 m}]}}\n");
+  write_text(folder / "list.yaml",
+             "straytrace: 1\ninterferometer: {preset: none, network: {components: {laser: {laser: {power: 1 W}}, M: "
+             "{mirror: {transmission: 1, curvature: [1 /m]}}}, spaces: [{from: laser, to: M.front, length: 0 m}]}}\n");
+  std::string even = text_of(modes);
+  even.replace(even.find("order: 4"), 8, "order: 4, parity: even");
+  even.replace(even.find(", tilt: ["), even.find("]", even.find(", tilt: [")) + 1 - even.find(", tilt: ["), "");
+  write_text(folder / "even.yaml", even);
+  even = folder / "even.yaml";
   write_text(folder / "etm.txt", "1 1e-9 3\n1000 1e-9 3\n");
   write_text(folder / "columns.yaml",
              text_of(cavity) + "    noises: {ETM: {file: etm.txt, columns: [Hz, nm/sqrt(Hz)]}}\n");
@@ -314,7 +360,12 @@ TEST(IfoCommand, WrongInput) {
            {{places, "--show", "stray", "window", "h", "--at", "1 Hz"}, "--at has no effect", "remove it"},
            {{folder / "columns.yaml"}, "etm.txt:1:1: error: this line has 3 numbers, not 2", "two columns"},
            {{cavity, "--show", "modes"}, "solved in plane waves", "'modes: {order: 2}'"},
-           {{cavity, "--show", "loops"}, "only a dual-recycled detector has loops", "preset"},
+           {{cavity, "--show", "loops"}, "the loops and the noise of h need a strain", "'strain: {readout: AS"},
+           {{even, "--show", "scan", "ETM.tilt_x", "0", "1urad"}, "'ETM.tilt_x' makes odd modes", "'parity: all'"},
+           {{cavity, "--show", "scan", "ETM.tilt_x", "0", "1urad"}, "plane waves do not depend on", "'modes: {order: 2}'"},
+           {{folder / "list.yaml"}, "list.yaml:2:", "'[1/(1420 m), 1/(1400 m)]'"},
+           {{places, "--show", "transfer", "stray:all", "h"}, "one entrance of stray light, not of 'all'", "--show stray"},
+           {{places, "--show", "transfer", "stray:arm", "x"}, "no read-out or mirror 'x'", "ETMy, h"},
            {{cavity, "--html", folder / "a.png"}, "does not have a known ending", "end it with .html"},
            {{cavity, "--show", "scan", "LENGTH", "0", "1nm", "LENGTH", "0", "1nm"},
             "both axes of the scan are 'LENGTH'",
