@@ -9,6 +9,7 @@
 #include "ifo/cavity.hpp"
 #include "ifo/control_loops.hpp"
 #include "ifo/layout/read_network.hpp"
+#include "ifo/network_interferometer.hpp"
 #include "ifo/stray_response.hpp"
 
 namespace straytrace::ifo {
@@ -336,11 +337,12 @@ std::string read_by(Node const& table, NetworkModel& asked, DualRecycled& model)
   return name;
 }
 
-NetworkChanges read_changes_of_preset(Node const& network, DualRecycled const& preset) {
+NetworkChanges read_changes_of_preset(Node const& network, DualRecycled const& preset,
+                                      std::vector<DrawnOptic> const& optics) {
   for (char const* key : {"wavelength", "polarisation"})
     if (network.has(key))
       network[key].problem(fmt::format("'{}' is that of the preset", key), "remove it, or write 'preset: none'");
-  NetworkChanges changes = read_network_changes(network, preset.network());
+  NetworkChanges changes = read_network_changes(network, preset.network(), optics);
   for (Network::Component const& c : changes.components)
     if (c.name == "laser")
       network["components"][c.name].problem("the light of a preset is its 'input_power' or 'arm_power'",
@@ -486,11 +488,12 @@ struct SolvedPreset {
 
 // With the changes and questions of the table; nothing with a problem.
 std::optional<SolvedPreset> solve_preset(Node const& table, std::string_view name, P const& p,
-                                         std::vector<Modulation> const& modulators) {
+                                         std::vector<Modulation> const& modulators,
+                                         std::vector<DrawnOptic> const& optics) {
   SolvedPreset solved{std::make_unique<DualRecycled>(p, modulators)};
   Node const network = table.table("network");
   if (network) {
-    NetworkChanges const changes = read_changes_of_preset(network, *solved.detector);
+    NetworkChanges const changes = read_changes_of_preset(network, *solved.detector, optics);
     if (!changes.empty() && table.healthy()) solved.detector = changed(network, p, modulators, changes);
     if (!table.healthy()) return {};
   }
@@ -506,17 +509,17 @@ std::optional<SolvedPreset> solve_preset(Node const& table, std::string_view nam
 }  // namespace
 
 std::optional<NetworkModel> read_preset_network(Node const& table, DualRecycledPreset const& preset,
-                                                double wavelength) {
+                                                double wavelength, std::vector<DrawnOptic> const& optics) {
   P const p = read_numbers(table, preset, wavelength);
   std::vector<Modulation> const modulators = read_modulators(table);
   if (!table.healthy()) return {};
-  auto solved = solve_preset(table, preset.name, p, modulators);
+  auto solved = solve_preset(table, preset.name, p, modulators, optics);
   return solved ? std::optional(std::move(solved->asked)) : std::nullopt;
 }
 
 std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, DualRecycledPreset const& preset,
                                                              std::vector<TracedPort> const& ports, double wavelength,
-                                                             Band const& band) {
+                                                             Band const& band, std::vector<DrawnOptic> const& optics) {
   table.has("network");  // known, though only read where the preset can be solved
   P const p = read_numbers(table, preset, wavelength);
   RecycledInterferometer::Servos servos;
@@ -527,7 +530,7 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   std::vector<PortEntry> entries = read_port_entries(table, ports, arms);
   warn_of_idle_servos(table, entries);
   if (!table.healthy()) return nullptr;
-  auto solved = solve_preset(table, preset.name, p, modulators);
+  auto solved = solve_preset(table, preset.name, p, modulators, optics);
   if (!solved) return nullptr;
   DualRecycled const& model = *solved->detector;
   resolve_beams(table, model.network(), arms, entries);
@@ -539,6 +542,7 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   read_control_loops(table, asked, band);
   read_subtracted_channels(table, asked, band);
   if (table.healthy()) check_control_loops(table, asked, model.field(), band);
+  if (table.healthy()) warn_of_other_modes(table, asked, model.field(), entries, band);
   warn_of_other_arms(table, ports, entries, model.arm_power(), p.arm_length);
   auto ifo = std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(solved->detector), entries,
                                                       servos, band, std::move(asked), readout);

@@ -200,9 +200,10 @@ class RecycledInterferometer final : public Interferometer {
 };
 
 // The network of a preset alone: nothing of ports, loops and responses is read.
-std::optional<NetworkModel> read_preset_network(Node const& table, DualRecycledPreset const&, double wavelength);
+std::optional<NetworkModel> read_preset_network(Node const& table, DualRecycledPreset const&, double wavelength,
+                                                std::vector<DrawnOptic> const& optics);
 std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, DualRecycledPreset const&,
                                                              std::vector<TracedPort> const& ports, double wavelength,
-                                                             Band const&);
+                                                             Band const&, std::vector<DrawnOptic> const& optics);
 
 }  // namespace straytrace::ifo

@@ -27,14 +27,15 @@ std::vector<DualRecycledPreset> network_presets() {
 }  // namespace
 
 std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<TracedPort> const& ports,
-                                                    double wavelength, Band const& band) {
+                                                    double wavelength, Band const& band,
+                                                    std::vector<DrawnOptic> const& optics) {
   std::vector<DualRecycledPreset> const networks = network_presets();
   std::vector<std::string_view> names = {closed_forms};
   for (DualRecycledPreset const& p : networks) names.push_back(p.name);
   names.push_back(no_preset);
   std::string const name = table.choice("preset", names);
   if (name == no_preset) {
-    auto bare = read_network_interferometer(table, ports, wavelength, band);
+    auto bare = read_network_interferometer(table, ports, wavelength, band, optics);
     if (bare) bare = with_responses(std::move(bare), table, ports, band);
     table.refuse_unknown("interferometer 'none'");
     return bare;
@@ -42,19 +43,21 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
   auto const network = std::ranges::find_if(networks, [&](auto const& p) { return p.name == name; });
   bool const solves = network != networks.end();
   if (!solves && name != closed_forms) return nullptr;  // choice() reported it
-  std::unique_ptr<Interferometer> ifo = solves ? read_recycled_interferometer(table, *network, ports, wavelength, band)
-                                               : read_closed_forms(table, ports, wavelength, band);
+  std::unique_ptr<Interferometer> ifo =
+      solves ? read_recycled_interferometer(table, *network, ports, wavelength, band, optics)
+             : read_closed_forms(table, ports, wavelength, band);
   ifo = with_responses(std::move(ifo), table, ports, band);
   table.refuse_unknown("interferometer '" + name + "'");
   return ifo;
 }
 
-std::optional<NetworkModel> read_network_alone(Node const& table, double wavelength) {
+std::optional<NetworkModel> read_network_alone(Node const& table, double wavelength,
+                                               std::vector<DrawnOptic> const& optics) {
   std::string const name = table["preset"].text();
-  if (name == no_preset) return read_bare_network(table, wavelength);
+  if (name == no_preset) return read_bare_network(table, wavelength, optics);
   std::vector<DualRecycledPreset> const networks = network_presets();
   auto const preset = std::ranges::find_if(networks, [&](auto const& p) { return p.name == name; });
-  return preset == networks.end() ? std::nullopt : read_preset_network(table, *preset, wavelength);
+  return preset == networks.end() ? std::nullopt : read_preset_network(table, *preset, wavelength, optics);
 }
 
 // Detectors of docs/theory/sensitivity.md; sources and marks in docs/reference/interferometer.md. Where budgets of the

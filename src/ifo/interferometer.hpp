@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/input/table.hpp"
+#include "base/math/vec3.hpp"
 #include "base/memory/ids.hpp"
 #include "spectra/spectrum.hpp"
 
@@ -62,6 +63,13 @@ struct TracedPort {
   double reference = 1;
 };
 
+// A mirror that the scene draws: a disk or a cap.
+struct DrawnOptic {
+  std::string name, body{};
+  Vec3 vertex{}, axis{};  // m; unit, toward the centre of a positive curvature
+  double curvature = 0;   // 1/m
+};
+
 // Numbers of the arms and of recycling that characterise a detector. NaN: not known.
 struct DetectorNumbers {
   double arm_length = not_a_number, arm_power = not_a_number;  // m; W that circulate in one arm
@@ -90,8 +98,9 @@ class Interferometer {
 
 // Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m, not a number: that of the preset.
 // Where the table gives no power, the arms have that of the beams whose ports join there. Files of responses must cover
-// the band. Nothing without a preset and without `strain`: such a network does not say how light becomes strain.
+// the band. `optics`: those that mirrors of the network may name. Nothing without a preset and without `strain`: such a network does not say how light becomes strain.
 std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<TracedPort> const& ports,
-                                                    double wavelength, Band const& = {});
+                                                    double wavelength, Band const& = {},
+                                                    std::vector<DrawnOptic> const& optics = {});
 
 }  // namespace straytrace::ifo

@@ -207,8 +207,8 @@ std::string Network::space_name(std::size_t space) const {
   return port_name(spaces_.at(space).from) + ">" + port_name(spaces_.at(space).to);
 }
 
-void Network::link(NetworkPort a, NetworkPort b, double length, double phase) {
-  Space const s{number_of(a), number_of(b), length, phase};
+void Network::link(NetworkPort a, NetworkPort b, double length, double phase, std::string origin) {
+  Space const s{number_of(a), number_of(b), length, phase, std::move(origin)};
   for (Space const& other : spaces_)
     for (std::uint32_t end : {other.from, other.to})
       if (end == s.from || end == s.to) throw std::invalid_argument("a port can have only one space");
@@ -230,11 +230,12 @@ void Network::move(ComponentId id, double displacement) {
 }
 
 void Network::shape(ComponentId id, std::optional<double> curvature, std::optional<std::array<double, 2>> tilt,
-                    std::optional<double> curvature_across) {
+                    std::optional<double> curvature_across, std::string const& origin) {
   auto& p = std::get<MirrorParameters>(components_.at(id.value).stated);
   if (curvature) p.curvature_across = curvature_across;
   p.curvature = curvature.value_or(p.curvature);
   p.tilt = tilt.value_or(p.tilt);
+  if (!origin.empty()) p.origin = origin;
 }
 
 void Network::hold() {

@@ -53,6 +53,7 @@ struct MirrorParameters {
   // rad, about y and about x: the light that the front reflects turns by twice as much along x and y of its own frame.
   // The plane of incidence is that of x.
   std::array<double, 2> tilt{};
+  std::string origin{};  // of curvature and incidence, where they are not stated: "optic ITM, body itm"
 };
 // Fundamental mode at the port of a laser, in both axes.
 struct LaserMode {
@@ -151,13 +152,13 @@ class Network {
     return add(modulator(std::move(name), {.index = index, .hz = hz, .order = order}));
   }
   // Space between two free ports: optical length in m, a whole number of wavelengths, and a phase beyond it in rad.
-  void link(NetworkPort, NetworkPort, double length, double phase = 0);
+  void link(NetworkPort, NetworkPort, double length, double phase = 0, std::string origin = {});
   void unlink(std::uint32_t port);  // removes the space at this port, where there is one
   void change(std::size_t space, double length, double phase);
   void move(ComponentId, double displacement);  // m, sets MirrorParameters::displacement
   // Curvature and tilt of a mirror or splitter; what is not given stays.
   void shape(ComponentId, std::optional<double> curvature, std::optional<std::array<double, 2>> tilt,
-             std::optional<double> curvature_across = {});
+             std::optional<double> curvature_across = {}, std::string const& origin = {});
   void hold();                                      // nothing yields to forces
   ComponentId find(std::string const& name) const;  // throws std::out_of_range
   std::optional<ComponentId> search(std::string const& name) const;
@@ -174,6 +175,7 @@ class Network {
   struct Space {
     std::uint32_t from = 0, to = 0;
     double length = 0, phase = 0;
+    std::string origin{};  // of the length, where it is not stated
   };
   std::vector<Component> const& components() const { return components_; }
   Component const& at(ComponentId id) const { return components_.at(id.value); }

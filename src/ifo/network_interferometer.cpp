@@ -125,9 +125,29 @@ void refuse_blind_strain(Node const& strain, NetworkInterferometer const& ifo, B
 
 }  // namespace
 
+void warn_of_other_modes(Node const& table, NetworkModel const& model, SteadyField const& field,
+                         std::vector<PortEntry> const& entries, Band const& band) {
+  constexpr double small = 1e-3;
+  if (!model.network.modes()) return;
+  CalibratedStrain const strain(model, field, std::sqrt(band.low * band.high));
+  LinearResponse const response = strain.whole().response;
+  for (PortEntry const& e : entries) {
+    auto const place = e.way ? std::nullopt : entrance_in(model.network, field, e.injection_point);
+    if (has_response_files(table, e.name) || (!e.way && !place)) continue;
+    auto const [light, weight] = beyond_fundamental(response, model.network, field, e.way ? *e.way : place->way);
+    if (!(std::fmax(light, weight) > small)) continue;
+    place_of_entrance(table, e.name)
+        .warning(fmt::format("at port '{}', {:.2g} of the light and {:.2g} of the weight of the beam it joins are not in "
+                             "mode 00, and the response to stray light leaves them out (eq. N.16)",
+                             e.name, light, weight),
+                 "match curvatures and tilts of the network; --show modes says where they do not match");
+  }
+}
+
 std::unique_ptr<Interferometer> read_network_interferometer(Node const& table, std::vector<TracedPort> const& ports,
-                                                            double wavelength, Band const& band) {
-  std::optional<NetworkModel> model = read_bare_network(table, wavelength);
+                                                            double wavelength, Band const& band,
+                                                            std::vector<DrawnOptic> const& optics) {
+  std::optional<NetworkModel> model = read_bare_network(table, wavelength, optics);
   if (!table.has("strain")) {
     if (!ports.empty())
       table["preset"].problem("a network without a preset does not say how light of the ports becomes strain",
@@ -148,6 +168,7 @@ std::unique_ptr<Interferometer> read_network_interferometer(Node const& table, s
   auto ifo = std::make_unique<NetworkInterferometer>(*std::move(model), strain->readout, entries, band);
   refuse_dark_places(table, *ifo, entries);
   if (table.healthy()) refuse_blind_strain(table["strain"], *ifo, band);
+  if (table.healthy()) warn_of_other_modes(table, *ifo->network(), ifo->field(), entries, band);
   return table.healthy() ? std::move(ifo) : nullptr;
 }
 

@@ -74,11 +74,11 @@ void apply(NetworkChanges const& changes, Network& network) {
       network.add(c);
   }
   for (NetworkChanges::Shape const& s : changes.shapes)
-    network.shape(network.find(s.component), s.curvature, s.tilt, s.curvature_across);
+    network.shape(network.find(s.component), s.curvature, s.tilt, s.curvature_across, s.origin);
   for (NetworkChanges::Space const& s : changes.spaces) {
     NetworkPort const from = port_of(network, s.from), to = port_of(network, s.to);
     for (NetworkPort const p : {from, to}) network.unlink(network.number_of(p));
-    network.link(from, to, s.length, s.phase);
+    network.link(from, to, s.length, s.phase, s.origin);
   }
   if (changes.modes) network.use_modes(changes.modes);
 }

@@ -131,12 +131,14 @@ struct NetworkChanges {
   struct Space {
     std::string from, to;  // names of ports
     double length = 0, phase = 0;
+    std::string origin{};  // of the length, when it is not stated
   };
   struct Shape {  // of a mirror or splitter that is there
     std::string component;
     std::optional<double> curvature{};
     std::optional<std::array<double, 2>> tilt{};
     std::optional<double> curvature_across{};
+    std::string origin{};
   };
   std::vector<Network::Component> components;
   std::vector<Space> spaces;

@@ -2,6 +2,7 @@
 #include "ifo/stray_response.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "ifo/control_loops.hpp"
@@ -111,6 +112,27 @@ StrayResponse stray_response(LinearResponse const& r, Network const& network, St
   return {front.upper - back.lower, front.lower - back.upper};
 }
 
+BeyondFundamental beyond_fundamental(LinearResponse const& r, Network const& network, SteadyField const& field,
+                                     StrayWay const& way) {
+  if (field.modes() == 1) return {};
+  std::array<double, 2> light{}, weight{};  // of mode 00, of all
+  auto const add = [&](NetworkBeam fed, NetworkBeam lit) {
+    for (std::size_t n = 0; n < field.carriers().size(); ++n)
+      for (std::size_t mode = 0; mode < field.modes(); ++mode) {
+        double const power = std::norm(lit.leaving ? field.out(lit.port, n, mode) : field.in(lit.port, n, mode)),
+                     seen = std::norm(r.weight(fed.port, fed.leaving, 0, n, mode)) +
+                            std::norm(r.weight(fed.port, fed.leaving, 1, n, mode));
+        light[1] += power;
+        weight[1] += seen;
+        if (mode == 0) light[0] += power, weight[0] += seen;
+      }
+  };
+  add(way.fed.beam, way.lit.beam);
+  if (!is_own_reverse(network, way)) add(ifo::reversed(way.lit.beam), ifo::reversed(way.fed.beam));
+  if (way.both_sides) add(ifo::reversed(way.fed.beam), ifo::reversed(way.lit.beam));
+  return {1 - light[0] / light[1], 1 - weight[0] / weight[1]};
+}
+
 namespace {
 
 // Largest power that meets a mirror of the degree of freedom, W, and its mass.
@@ -158,10 +180,13 @@ std::vector<StrayRow> stray_rows(NetworkModel const& model, std::vector<NamedWay
         row.response = r * (lit ? w.share : not_a_number);
         rows.push_back(row);
       };
-      for (std::size_t i = 0; i < reads.size(); ++i)
+      for (std::size_t i = 0; i < reads.size(); ++i) {
+        row.beyond = beyond_fundamental(reads[i], model.network, field, w.way);
         add(model.readouts[i].name, model.readouts[i].readout.kind == Readout::Kind::homodyne ? "sqrt(W)" : "W",
             stray_response(reads[i], model.network, field, w.way, f));
+      }
       if (!strain) continue;
+      row.beyond = beyond_fundamental(strain->whole().response, model.network, field, w.way);
       add("h", "", strain->to_stray(w.way) * (1.0 / strain->calibration()));
       rows.back().gain = gain_of(model, field, rows.back().amplitude(), f);
     }

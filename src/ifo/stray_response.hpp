@@ -42,12 +42,21 @@ struct StrayResponse {
 // Eq. N.12; of both sides of a face, eq. N.20. The reference of s is the light that is scattered.
 StrayResponse stray_response(LinearResponse const&, Network const&, SteadyField const&, StrayWay const&, double hz);
 
+// Shares of power that are not in mode 00, which alone is scattered and joins in eq. N.12: of the light that is
+// scattered, and of the weights of what it joins. Both terms together; 0: plane waves; not a number: no light, no
+// response.
+struct BeyondFundamental {
+  double light = 0, weight = 0;
+};
+BeyondFundamental beyond_fundamental(LinearResponse const&, Network const&, SteadyField const&, StrayWay const&);
+
 // Response of every read-out and of the strain to a way, by frequency.
 struct StrayRow {
   std::string entrance{}, lit{}, fed{}, readout{}, unit{};
   double hz = 0, power = 0;                                    // W, that lights
   StrayResponse response{};                                    // of the read-out; not a number: no light is scattered
   double gain = not_a_number;                                  // for Gamma in eq. 9.2; of the strain
+  BeyondFundamental beyond{};
   Phasor phase() const { return resolved(response.phase()); }  // not a number: rounding
   Phasor amplitude() const { return resolved(response.amplitude()); }
 

@@ -16,6 +16,7 @@ struct ProjectionInputs {
   std::vector<bool> meets_light;    // by body: it, or the body of the mode, has surfaces
   double wavelength = 0;            // m
   std::vector<TracedPort> ports;    // in the order of PortId
+  std::vector<DrawnOptic> optics;   // that the interferometer may name; of a run: that it names
   std::vector<MaterialSpread> materials;
   std::vector<double> scattered;  // by material: share of the light at normal incidence, to both sides together
   // Lines of the reports: assumptions and results of building the model; light that is not counted, and sources of

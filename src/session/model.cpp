@@ -21,6 +21,7 @@
 #include "session/compare/model_diff.hpp"
 #include "session/injection_points.hpp"
 #include "session/light/cavity_waves.hpp"
+#include "session/light/drawn_optics.hpp"
 #include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
 #include "session/light/network_beams.hpp"
@@ -108,7 +109,7 @@ void read_light(ProjectionModel& model) {
 
 std::unique_ptr<Interferometer> read_detector(ProjectionModel const& model, Node const& table) {
   std::unique_ptr<Interferometer> detector =
-      make_interferometer(table, model.traced.ports, model.traced.wavelength, band_of(model));
+      make_interferometer(table, model.traced.ports, model.traced.wavelength, band_of(model), model.traced.optics);
   check_entrances(table, model.traced.ports);
   return detector;
 }
@@ -181,12 +182,14 @@ ProjectionInputs bodies_and_ports(Scene const& scene, World const& world) {
   traced.meets_light = with_surfaces(world);
   traced.wavelength = world.wavelength;
   traced.ports = traced_ports(scene, world);
+  traced.optics = drawn_optics(scene.table("interferometer"), world);
   return traced;
 }
 
 // The rest, of a model without problems.
 void complete_inputs(Model& model) {
   ProjectionInputs& traced = model.traced;
+  traced.optics = named_optics(model.scene.table("interferometer"), traced.optics);
   traced.materials = material_spreads(model.world);
   for (MaterialSpread const& m : traced.materials) traced.scattered.push_back(scattered_share(model.world, m.name));
   traced.notes = model.world.notes;

@@ -257,7 +257,7 @@ std::vector<Sheet> stray_sheets(NetworkModel const& model, IfoOptions const& opt
     throw InputError("the network names no entrances of stray light",
                      "write --show stray all, or --show stray BEAM with a beam of the network: ITM.front.in");
   std::vector<Sheet> sheets;
-  for (double const hz : places_in_band(options)) sheets.push_back(stray_sheet(stray_rows(model, ways, {hz})));
+  for (double const hz : places_in_band(options)) sheets.push_back(stray_sheet(model, stray_rows(model, ways, {hz})));
   return sheets;
 }
 

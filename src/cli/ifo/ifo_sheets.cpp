@@ -265,14 +265,18 @@ void add_response(std::vector<Sheet::Cell>& row, Phasor response) {
 
 }  // namespace
 
-Sheet stray_sheet(std::vector<StrayRow> const& rows) {
+Sheet stray_sheet(NetworkModel const& model, std::vector<StrayRow> const& rows) {
+  bool const modes = model.network.modes().has_value();
   double const hz = rows.empty() ? not_a_number : rows.front().hz;
   Sheet s{
       fmt::format("stray_{:g}Hz", hz),
       fmt::format("Responses at {:g} Hz to a stray field s relative to the light that is scattered: phase per Im s, "
                   "amplitude\n"
-                  "per Re s, for exp(+2 pi i f t); h: strain; gain: for Gamma in eq. 9.2; -: rounding.",
-                  hz),
+                  "per Re s, for exp(+2 pi i f t); h: strain; gain: for Gamma in eq. 9.2; -: rounding.{}",
+                  hz,
+                  modes ? "\nlight_beyond, weight_beyond: shares of the light that is scattered and of the weight of the "
+                          "beam it joins that are\nnot in mode 00, which these responses leave out (eq. N.16)."
+                        : ""),
       {{"entrance", ""},
        {"relative_to", ""},
        {"joins", ""},
@@ -285,11 +289,13 @@ Sheet stray_sheet(std::vector<StrayRow> const& rows) {
        angle("arg_amplitude"),
        {"gain", "", 4}},
       {}};
+  if (modes) s.columns.insert(s.columns.end(), {{"light_beyond", "", 3}, {"weight_beyond", "", 3}});
   for (StrayRow const& r : rows) {
     std::vector<Sheet::Cell> row{r.entrance, r.lit, r.fed, r.power, r.readout, r.unit};
     add_response(row, r.phase());
     add_response(row, r.amplitude());
     row.emplace_back(r.gain);
+    if (modes) row.insert(row.end(), {r.beyond.light, r.beyond.weight});
     s.rows.push_back(std::move(row));
   }
   return s;

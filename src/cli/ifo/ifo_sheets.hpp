@@ -25,7 +25,7 @@ Sheet noise_sheet(NamedReadout const&, NamedFreedom const* referred, ReadoutNois
 std::vector<Sheet> loop_sheets(LoopTable const&);
 Sheet suppression_sheet(std::vector<double> const& hz, std::vector<LoopCurve> const&);
 Sheet strain_noise_sheet(StrainNoise const&);
-Sheet stray_sheet(std::vector<StrayRow> const&);                              // at one frequency
+Sheet stray_sheet(NetworkModel const&, std::vector<StrayRow> const&);         // at one frequency
 Sheet stray_curve(std::vector<StrayRow> const&, std::string const& readout);  // of one entrance
 
 }  // namespace straytrace::cli

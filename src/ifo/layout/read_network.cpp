@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 
+#include "ifo/layout/drawn_optics.hpp"
 #include "ifo/layout/signals.hpp"
 
 namespace straytrace::ifo {
@@ -62,7 +63,8 @@ MirrorParameters read_mirror(Node const& t, double wavelength, bool splitter) {
   p.loss = t.number("loss", dim::plain, 0, 0, 1);
   double const tuning = t.number("tuning", dim::angle, 0, -1e6, 1e6);
   p.displacement = tuning / (2 * pi) * wavelength + t.number("displacement", dim::length, 0, -1e-3, 1e-3);
-  if (splitter) p.incidence = t.number("incidence", dim::angle, required, 0, 89.9 * pi / 180);
+  bool const drawn = t.has("optic");  // then the scene shows incidence and curvature
+  if (splitter) p.incidence = t.number("incidence", dim::angle, drawn ? 0 : required, 0, 89.9 * pi / 180);
   Curvature const curvature = read_curvature(t);
   p.curvature = curvature.along;
   p.curvature_across = curvature.across;
@@ -168,15 +170,16 @@ std::optional<Component> read_component(std::string const& name, Node const& nod
   return read_kind(name, t, Kind(given[0]), wavelength);
 }
 
-// {mirror: {curvature: ..., tilt: ...}} of a mirror or splitter of the preset, which keeps all else.
+// {mirror: {curvature: ..., tilt: ..., optic: ...}} of a mirror or splitter of the preset, which keeps all else.
 std::optional<NetworkChanges::Shape> read_shape(std::string const& name, Node const& node, Network const& base) {
   auto const id = base.search(name);
   if (!id || !base.at(*id).interface() || node.kind() != Node::Kind::table) return {};
   std::string_view const kind = kinds[std::size_t(base.at(*id).kind)];
   if (node.items().size() != 1 || !node.has(kind)) return {};
   Node const t = node.table(kind);
-  bool const alone = std::ranges::all_of(
-      t.items(), [](auto const& item) { return item.first == "curvature" || item.first == "tilt"; });
+  bool const alone = std::ranges::all_of(t.items(), [](auto const& item) {
+    return item.first == "curvature" || item.first == "tilt" || item.first == "optic";
+  });
   if (!alone || t.items().empty()) return {};
   NetworkChanges::Shape shape{name};
   if (t.has("curvature")) {
@@ -188,10 +191,18 @@ std::optional<NetworkChanges::Shape> read_shape(std::string const& name, Node co
   return shape;
 }
 
-void read_components(Node const& table, Network const& base, NetworkChanges& into) {
+// The table of a mirror or splitter.
+Node mirror_of(Node const& component) {
+  for (Kind const kind : {Kind::mirror, Kind::splitter})
+    if (component.has(kinds[std::size_t(kind)])) return component.table(kinds[std::size_t(kind)]);
+  return {};
+}
+
+void read_components(Node const& table, Network const& base, OpticReader& optics, NetworkChanges& into) {
   for (auto const& [name, node] : table.items()) {
     if (name == "override") continue;
     if (auto shape = read_shape(name, node, base)) {
+      optics.read(name, mirror_of(node));
       into.shapes.push_back(std::move(*shape));
       continue;
     }
@@ -203,6 +214,7 @@ void read_components(Node const& table, Network const& base, NetworkChanges& int
                    "choose another name");
       continue;
     }
+    if (component->interface()) optics.read(name, mirror_of(node));
     into.components.push_back(std::move(*component));
   }
 }
@@ -223,7 +235,17 @@ std::optional<std::uint32_t> read_port(Node const& table, char const* key, Netwo
   return port;
 }
 
-void read_spaces(Node const& table, Network const& network, NetworkChanges& into) {
+// m; `origin`: where it comes from, when the scene shows it.
+double read_length(Node const& space, OpticReader const& optics, std::string& origin) {
+  std::string const from = space["from"].text(), to = space["to"].text();
+  bool const of_scene = space.has("length") ? space["length"].text() == "scene" : optics.both_drawn(from, to);
+  if (!of_scene) return space.number("length", dim::length, required, 0, 1e12);
+  auto const drawn = optics.distance(space, from, to);
+  if (drawn) origin = "as drawn";
+  return drawn.value_or(0);
+}
+
+void read_spaces(Node const& table, Network const& network, OpticReader const& optics, NetworkChanges& into) {
   std::map<std::uint32_t, std::size_t> used;
   for (Node const& node : table.list("spaces")) {
     if (node.kind() != Node::Kind::table) {
@@ -231,9 +253,10 @@ void read_spaces(Node const& table, Network const& network, NetworkChanges& into
       continue;
     }
     auto const from = read_port(node, "from", network), to = read_port(node, "to", network);
-    NetworkChanges::Space const s{node.word("from"), node.word("to"),
-                                  node.number("length", dim::length, required, 0, 1e12),
-                                  node.number("phase", dim::angle, 0, -1e6, 1e6)};
+    std::string origin;
+    double const length = read_length(node, optics, origin);
+    NetworkChanges::Space const s{node.word("from"), node.word("to"), length,
+                                  node.number("phase", dim::angle, 0, -1e6, 1e6), origin};
     node.refuse_unknown("a space of a network");
     if (!from || !to) continue;
     bool fits = *from != *to;
@@ -524,12 +547,16 @@ void warn_of_plane_waves(Node const& table, NetworkChanges const& changes) {
 
 }  // namespace
 
-NetworkChanges read_network_changes(Node const& network, Network const& base) {
+NetworkChanges read_network_changes(Node const& network, Network const& base, std::vector<DrawnOptic> const& optics) {
   NetworkChanges changes;
-  read_components(network.table("components"), base, changes);
+  OpticReader drawn(optics);
+  read_components(network.table("components"), base, drawn, changes);
   Network changed = base;
   apply(changes, changed);
-  read_spaces(network, changed, changes);
+  read_spaces(network, changed, drawn, changes);
+  changed = base;
+  apply(changes, changed);
+  drawn.finish(changes, changed);
   changed = base;
   apply(changes, changed);
   warn_of_loose_ends(network, base, changed);
@@ -543,7 +570,8 @@ NetworkChanges read_network_changes(Node const& network, Network const& base) {
 
 void read_network_questions(Node const& network, NetworkModel& model) { QuestionReader(network, model).read(); }
 
-std::optional<NetworkModel> read_bare_network(Node const& interferometer, double wavelength) {
+std::optional<NetworkModel> read_bare_network(Node const& interferometer, double wavelength,
+                                              std::vector<DrawnOptic> const& optics) {
   Node const table = interferometer.table("network");
   if (!table) {
     if (!interferometer.has("network"))
@@ -555,7 +583,7 @@ std::optional<NetworkModel> read_bare_network(Node const& interferometer, double
   double const used = read_wavelength(table, wavelength);
   bool const p = table.choice("polarisation", polarisations, "s") == "p";
   NetworkModel model{.preset = "none", .network = Network(used, p ? Polarisation::p : Polarisation::s)};
-  apply(read_network_changes(table, model.network), model.network);
+  apply(read_network_changes(table, model.network, optics), model.network);
   bool const light = std::ranges::any_of(model.network.components(), [](Component const& c) { return c.emits != 0.0; });
   if (!light && table.healthy())
     table.problem("no laser of the network emits light", "add 'laser: {laser: {power: 1 W}}' to 'components'");

@@ -76,6 +76,12 @@ std::string component_text(Component const& c) {
   return "";
 }
 
+// What was taken from the scene, as a comment.
+std::string origin_text(Component const& c) {
+  auto const* const p = std::get_if<MirrorParameters>(&c.stated);
+  return p && !p->origin.empty() ? "  # " + p->origin : "";
+}
+
 std::string readout_text(Network const& n, NamedReadout const& r) {
   std::string const at = beam_name(n, r.readout);
   if (r.is_power()) return fmt::format("power: {}", at);
@@ -157,11 +163,13 @@ std::string network_text(NetworkModel const& model) {
   if (n.polarisation() == Polarisation::p) text += "    polarisation: p\n";
   if (n.modes()) text += fmt::format("    modes: {}\n", modes_text(*n.modes()));
   text += "    components:\n";
-  for (Component const& c : n.components()) text += fmt::format("      {}: {{{}}}\n", c.name, component_text(c));
+  for (Component const& c : n.components())
+    text += fmt::format("      {}: {{{}}}{}\n", c.name, component_text(c), origin_text(c));
   if (!n.spaces().empty()) text += "    spaces:\n";
   for (Network::Space const& s : n.spaces())
-    text += fmt::format("      - {{from: {}, to: {}, length: {} m{}}}\n", n.port_name(s.from), n.port_name(s.to),
-                        s.length, s.phase != 0 ? fmt::format(", phase: {} rad", s.phase) : "");
+    text += fmt::format("      - {{from: {}, to: {}, length: {} m{}}}{}\n", n.port_name(s.from), n.port_name(s.to),
+                        s.length, s.phase != 0 ? fmt::format(", phase: {} rad", s.phase) : "",
+                        s.origin.empty() ? "" : "  # length " + s.origin);
   if (!model.readouts.empty()) text += "    readouts:\n";
   for (NamedReadout const& r : model.readouts) text += fmt::format("      {}: {{{}}}\n", r.name, readout_text(n, r));
   if (!model.freedoms.empty()) text += "    freedoms:\n";

@@ -40,6 +40,28 @@ void group_columns(Column&& column) {
   column("_group", "row of /names/groups", &GroupId::value);
 }
 
+template <Vec3 DrawnOptic::*member>
+auto vector_of() {
+  return Converted{[](DrawnOptic const& o) {
+                     Vec3 const& v = o.*member;
+                     return std::array{v.x, v.y, v.z};
+                   },
+                   [](DrawnOptic& o, std::array<double, 3> const& v) {
+                     o.*member = {v[0], v[1], v[2]};
+                   }};
+}
+
+template <class Column>
+void optic_columns(Column&& column) {
+  column("", "", &DrawnOptic::name);
+  column("_body", "", &DrawnOptic::body);
+  column("_vertex", "m", vector_of<&DrawnOptic::vertex>());
+  column("_axis", "1", vector_of<&DrawnOptic::axis>());
+  column("_curvature", "1/m", &DrawnOptic::curvature);
+}
+
+constexpr char const *of_optics = "/projection/optic";  // since schema 2.4, where the interferometer names optics
+
 constexpr char const *of_materials = "/projection/material", *group_offset = "/projection/material_group_offset";
 
 void read_ports(hdf5::Reader const& in, std::vector<std::string> const& names, std::vector<TracedPort>& ports) {
@@ -59,6 +81,7 @@ void write_projection(hdf5::Writer& out, ProjectionInputs const& p) {
   out.array("/projection/body_meets_light", Bytes(p.meets_light.begin(), p.meets_light.end()), "0 or 1");
   port_columns(ColumnWriter(out, "/projection/port_", p.ports));
   material_columns(ColumnWriter(out, of_materials, p.materials));
+  if (!p.optics.empty()) optic_columns(ColumnWriter(out, of_optics, p.optics));
   out.array("/projection/material_scattered", p.scattered, "1");
   write_lists(out, group_offset, of_materials, p.materials, &MaterialSpread::groups,
               [](auto&& list) { group_columns(list); });
@@ -76,6 +99,7 @@ ProjectionInputs read_projection(hdf5::Reader const& in, CouplingTable const& ta
   p.meets_light.assign(met.begin(), met.end());
   read_ports(in, table.ports, p.ports);
   material_columns(ColumnReader(in, of_materials, p.materials, RowCount::of_first_column));
+  if (in.has(of_optics)) optic_columns(ColumnReader(in, of_optics, p.optics, RowCount::of_first_column));
   p.scattered = in.rows<double>("/projection/material_scattered", p.materials.size());
   read_lists(in, group_offset, of_materials, p.materials, &MaterialSpread::groups,
              [](auto&& list) { group_columns(list); });

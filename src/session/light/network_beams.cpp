@@ -11,6 +11,7 @@
 #include "ifo/layout/read_network.hpp"
 #include "ifo/ports.hpp"
 #include "ifo/stray_response.hpp"
+#include "session/light/drawn_optics.hpp"
 #include "world/build/network_powers.hpp"
 
 namespace straytrace::session {
@@ -38,7 +39,7 @@ NetworkPowers powers_of_network(Scene const& scene) {
   if (table.kind() != Node::Kind::table) return {};
   double const wavelength =
       again.table("beams").items().front().second.number("wavelength", dim::length, 1.064e-6, 1e-7, 1e-4);
-  std::optional<NetworkModel> const model = read_network_alone(table, wavelength);
+  std::optional<NetworkModel> const model = read_network_alone(table, wavelength, drawn_optics(scene));
   NetworkPowers powers;
   powers.faulty = !table.healthy();
   if (!model) return powers;

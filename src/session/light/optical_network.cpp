@@ -9,6 +9,7 @@
 #include "ifo/ports.hpp"
 #include "scene/diagnostics.hpp"
 #include "session/diagnostics.hpp"
+#include "session/light/drawn_optics.hpp"
 #include "session/model.hpp"
 
 namespace straytrace::session {
@@ -16,6 +17,7 @@ namespace {
 
 // Nothing with a problem in the scene.
 std::optional<NetworkModel> network_of(Node const& table, double wavelength, Interferometer const* detector,
+                                       std::vector<DrawnOptic> const& optics,
                                        std::vector<TracedPort> const& entrances = {}) {
   if (detector && detector->network()) return *detector->network();
   if (detector) {
@@ -23,7 +25,7 @@ std::optional<NetworkModel> network_of(Node const& table, double wavelength, Int
                             "write 'preset: dual-recycled' with numbers of your own, or 'preset: none'");
     return {};
   }
-  std::optional<NetworkModel> model = read_bare_network(table, wavelength);
+  std::optional<NetworkModel> model = read_bare_network(table, wavelength, optics);
   if (model && !entrances.empty()) read_entrances(table, entrances, *model);
   table.refuse_unknown("interferometer 'none'");
   return model;
@@ -50,6 +52,7 @@ namespace {
 
 OpticalNetwork read_lone(Scene const& scene) {
   Node const table = scene.table("interferometer");
+  std::vector<DrawnOptic> const optics = table ? drawn_optics(scene) : std::vector<DrawnOptic>{};
   std::optional<NetworkModel> model;
   if (!table) {
     scene.root().lack("interferometer", "the scene has no 'interferometer'",
@@ -57,9 +60,9 @@ OpticalNetwork read_lone(Scene const& scene) {
     scene.root().refuse_misspelt("a model");
   } else if (table["preset"].text() == "none" && !table.has("strain")) {
     table.has("preset");
-    model = network_of(table, not_a_number, nullptr, stated_ports(table));
-  } else if (auto const detector = make_interferometer(table, stated_ports(table), not_a_number)) {
-    model = network_of(table, not_a_number, detector.get());
+    model = network_of(table, not_a_number, nullptr, optics, stated_ports(table));
+  } else if (auto const detector = make_interferometer(table, stated_ports(table), not_a_number, {}, optics)) {
+    model = network_of(table, not_a_number, detector.get(), optics);
   }
   scene.throw_if_problems();
   return {scene.title(), *std::move(model), warnings_as_json(scene)};
@@ -80,7 +83,7 @@ OpticalNetwork read_optical_network(SceneOptions const& options) {
   Node const table = whole.scene.table("interferometer");
   std::optional<NetworkModel> model;
   if (table)
-    model = network_of(table, whole.world.wavelength, whole.detector.get());
+    model = network_of(table, whole.world.wavelength, whole.detector.get(), whole.traced.optics);
   else
     whole.scene.root().problem("the scene has no 'interferometer'", "add 'interferometer: {preset: adv}'");
   whole.scene.throw_if_problems();

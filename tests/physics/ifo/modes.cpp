@@ -308,6 +308,27 @@ struct StoppedCavity {
   std::uint32_t behind() const { return network.number_of({end, 1}); }
 };
 
+// Eq. N.16: what stray light of mode 00 leaves out of the light that is scattered, and of what it joins.
+TEST(Modes, StrayLightBeyondTheFundamentalMode) {
+  auto const found = [](CurvedCavity const& c) {
+    SteadyField const field(c.network);
+    Readout const transmitted = Readout::power(c.network.number_of({c.end, 1})).of_leaving();
+    LinearResponse const r(c.network, field, transmitted, 10);
+    return beyond_fundamental(r, c.network, field, returning({c.network.number_of({c.end, 0}), true}));
+  };
+  CurvedCavity const leaning(4, {.power = 1}, {0, 1e-7}, 1e-10);
+  SteadyField const field(leaning.network);
+  std::uint32_t const end = leaning.network.number_of({leaning.end, 0});
+  auto const [light, weight] = found(leaning);
+  EXPECT_NEAR(light, 1 - std::norm(field.in(end, 0)) / field.power_in(end), 1e-12);
+  EXPECT_NEAR(light, 0.30496 / 135.677, 1e-4) << "T10";
+  EXPECT_GT(weight, 1e-4);
+  auto const matched = found(CurvedCavity(4, {.power = 1}, {}, 1e-10));
+  EXPECT_LT(std::fabs(matched.light), 1e-12) << "control";
+  EXPECT_LT(std::fabs(matched.weight), 1e-12) << "control";
+  EXPECT_EQ(found(CurvedCavity(0, {.power = 1}, {}, 1e-10)).light, 0) << "one mode";
+}
+
 double gain_of(NetworkModel const& model) { return operating_point(model).cavities.at(0).gain; }
 
 // Eq. 6.5 with what a stop takes: two passages by K_00 = 1 - e^{-V} (N.11), and the gain of the solution, T_1 over

@@ -310,6 +310,114 @@ TEST(IfoCommand, ScanIntoAnUnstableCavity) {
       << "control";
 }
 
+// A recycled arm as drawn: RoC 1430 m, 1420 m and 1683 m at -6 m, 6.115 m and 3005.915 m, and a splitter at 45 deg.
+std::string drawn(std::string const& components, std::string const& spaces, std::string const& rest = "") {
+  return "straytrace: 1\n"
+         "materials: {hr: {scatter: {model: lambertian, tis: 5 ppm}}}\n"
+         "bodies: {itm: {motion: {z: {asd: 1e-12 m/sqrt(Hz)}, others: still}}, etm: {motion: still}}\n"
+         "scene:\n"
+         "  - {name: PR, shape: {cap: {outer_radius: 17 cm, curvature: 1/(1430 m)}}, at: [0 m, 0 m, -6 m], facing: [0, 0, "
+         "1], body: itm, material: hr}\n"
+         "  - {name: BS, shape: {disk: {outer_radius: 20 cm}}, at: [0 m, 0 m, 0 m], facing: [0, 1, -1], body: itm, "
+         "material: hr}\n"
+         "  - {name: ITM, shape: {cap: {outer_radius: 17 cm, curvature: 1/(1420 m)}}, at: [0 m, 0 m, 6.115 m], facing: "
+         "[0, 0, 1], body: itm, material: hr}\n"
+         "  - {name: ETM, shape: {cap: {outer_radius: 17 cm, curvature: 1/(1683 m)}}, at: [0 m, 0 m, 3005.915 m], facing: "
+         "[0, 0, -1], body: etm, material: hr}\n"
+         "beams: {arm: {cavity: [ITM, ETM]}}\n"
+         "ports: {ITM: {beam: arm, at: ITM}}\n"
+         "interferometer:\n"
+         "  preset: none\n"
+         "  strain: {readout: REFL, arm_length: 3 km}\n"
+         "  ports: {ITM: {at: ITMx.back.out}}\n"
+         "  network:\n"
+         "    modes: {order: 2}\n"
+         "    readouts: {REFL: {power: PRM.front.out}}\n"
+         "    freedoms: {DARM: {ETMx: 1}}\n"
+         "    components: {laser: {laser: {power: 1 W}}, " +
+         components +
+         "}\n"
+         "    spaces: [{from: laser, to: PRM.front, length: 0 m}, " +
+         spaces + "]\n" + rest;
+}
+std::string const as_drawn =
+    "PRM: {mirror: {transmission: 5 %, optic: PR}}, BS: {splitter: {transmission: 50 %, optic: BS}}, ITMx: {mirror: "
+    "{transmission: 1.4 %, optic: ITM}}, ETMx: {mirror: {transmission: 5 ppm, displacement: 3 pm, optic: ETM}}";
+std::string const drawn_spaces =
+    "{from: PRM.back, to: BS.1}, {from: BS.3, to: ITMx.front, length: scene}, {from: ITMx.back, to: ETMx.front, phase: "
+    "90 deg}";
+
+TEST(IfoCommand, NetworkOfDrawnOptics) {
+  Folder const folder;
+  write_text(folder / "drawn.yaml", drawn(as_drawn, drawn_spaces));
+  // The same in numbers: concave seen from the front is positive, and the arm is behind ITMx and in front of ETMx.
+  write_text(folder / "stated.yaml",
+             drawn("PRM: {mirror: {transmission: 5 %, curvature: -1/(1430 m)}}, BS: {splitter: {transmission: 50 %, "
+                   "incidence: 45 deg}}, ITMx: {mirror: {transmission: 1.4 %, curvature: -1/(1420 m)}}, ETMx: {mirror: "
+                   "{transmission: 5 ppm, displacement: 3 pm, curvature: 1/(1683 m)}}",
+                   "{from: PRM.back, to: BS.1, length: 6 m}, {from: BS.3, to: ITMx.front, length: 6.115 m}, {from: "
+                   "ITMx.back, to: ETMx.front, length: 2999.8 m, phase: 90 deg}"));
+  json const found = answer({folder / "drawn.yaml"}), stated = answer({folder / "stated.yaml"});
+  ASSERT_EQ(found["ports"].size(), stated["ports"].size());
+  for (std::size_t i = 0; i < stated["ports"].size(); ++i)
+    EXPECT_NEAR(found["ports"][i]["leaves"].get<double>(), stated["ports"][i]["leaves"].get<double>(),
+                1e-9 * stated["ports"][i]["leaves"].get<double>());
+  EXPECT_NEAR(found["cavities"][0]["length"].get<double>(), stated["cavities"][0]["length"].get<double>(), 1e-9);
+  Finished const printed = straytrace({"ifo", folder / "drawn.yaml", "--show", "network"});
+  EXPECT_THAT(printed.out, AllOf(HasSubstr("# optic ITM, body itm\n"), HasSubstr("# length as drawn\n")));
+  // Stated numbers that agree are no error, others are, at their place.
+  std::string both = as_drawn;
+  both.replace(both.find("optic: ITM"), 10, "optic: ITM, curvature: -1/(1420 m)");
+  write_text(folder / "both.yaml", drawn(both, drawn_spaces));
+  EXPECT_EQ(straytrace({"ifo", folder / "both.yaml"}).code, 0);
+  // A beam with a power of the network, and a preset whose mirrors are drawn.
+  std::string beam = drawn(as_drawn, drawn_spaces);
+  beam.replace(beam.find("[ITM, ETM]}"), 11, "[ITM, ETM], network: ITMx.back.out}");
+  write_text(folder / "beam.yaml", beam);
+  Finished const checked = straytrace({"check", folder / "beam.yaml"});
+  EXPECT_EQ(checked.code, 0) << checked.err;
+  EXPECT_THAT(checked.err, HasSubstr("of the weight of the beam it joins are not in mode 00"));
+  // The run keeps what its network needs.
+  Finished const run = straytrace({"run", folder / "drawn.yaml", "-o", folder / "out", "--histories", "2000"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(straytrace({"noise", folder / "out" / "run.h5"}).code, 0);
+}
+
+TEST(IfoCommand, WrongDrawnOptics) {
+  Folder const folder;
+  auto const changed = [&](char const* from, std::string const& to) {
+    std::string components = as_drawn;
+    components.replace(components.find(from), std::string(from).size(), to);
+    return drawn(components, drawn_spaces);
+  };
+  struct Row {
+    std::string scene;
+    char const *reason, *remedy;
+  };
+  for (Row const& row : std::vector<Row>{
+           {changed("optic: ITM", "optic: ITM, curvature: 1/(1420 m)"),
+            "a.yaml:19:", "has a curvature of -0.000704225352 /m, seen from the front of 'ITMx'"},
+           {changed("optic: BS", "optic: BS, incidence: 44 deg"), "makes 45 deg with the normal of 'BS', not 44 deg",
+            "remove 'incidence', or 'optic'"},
+           {changed("optic: ITM", "optic: ITMM"), "the scene has no mirror 'ITMM'", "did you mean 'ITM'?"},
+           {changed("optic: PR", "curvature: -1/(1430 m)"), "the splitter", "length"},
+           {changed("optic: ETM", "optic: BS"), "makes 45 deg with the normal of 'BS', not 0 deg", "make it a splitter"},
+           {drawn(as_drawn, "{from: PRM.back, to: BS.1}, {from: BS.3, to: ITMx.back}, {from: ITMx.front, to: ETMx.front}"),
+            "is drawn", "exchange the sides"},
+           {drawn(as_drawn, "{from: PRM.back, to: BS.1, length: 6 m}, {from: BS.2, to: laser, length: scene}"),
+            "'scene' is the way between two optics, and 'laser' names none", "write the length"},
+           {drawn("PRM: {mirror: {transmission: 5 %, optic: PR}}", "{from: PRM.back, to: PRM.back, length: 1 m}"),
+            "which side of 'PR' is the front of 'PRM' is not known", "state 'curvature'"},
+           {"straytrace: 1\ninterferometer: {preset: none, network: {components: {laser: {laser: {power: 1 W}}, M: "
+            "{mirror: {transmission: 1, optic: ITM}}}, spaces: [{from: laser, to: M.front, length: 0 m}]}}\n",
+            "a.yaml:2:", "the scene draws no mirror"}}) {
+    write_text(folder / "a.yaml", row.scene);
+    Finished const done = straytrace({"ifo", folder / "a.yaml"});
+    EXPECT_EQ(done.code, 2) << row.reason << done.err;
+    EXPECT_THAT(done.err, AllOf(HasSubstr(row.reason), HasSubstr(row.remedy)));
+  }
+}
+
 TEST(IfoCommand, WrongInput) {
   struct Row {
     Words words;
@@ -365,7 +473,7 @@ TEST(IfoCommand, WrongInput) {
            {{cavity, "--show", "scan", "ETM.tilt_x", "0", "1urad"}, "plane waves do not depend on", "'modes: {order: 2}'"},
            {{folder / "list.yaml"}, "list.yaml:2:", "'[1/(1420 m), 1/(1400 m)]'"},
            {{places, "--show", "transfer", "stray:all", "h"}, "one entrance of stray light, not of 'all'", "--show stray"},
-           {{places, "--show", "transfer", "stray:arm", "x"}, "no read-out or mirror 'x'", "ETMy, h"},
+           {{places, "--show", "transfer", "stray:arm", "nothing"}, "no read-out or mirror 'nothing'", "ETMy, h"},
            {{cavity, "--html", folder / "a.png"}, "does not have a known ending", "end it with .html"},
            {{cavity, "--show", "scan", "LENGTH", "0", "1nm", "LENGTH", "0", "1nm"},
             "both axes of the scan are 'LENGTH'",

@@ -424,6 +424,10 @@ TEST_F(ReportRunFile, HoldsWhatProjectionNeeds) {
   EXPECT_EQ(std::tie(steel.name, steel.status, steel.low, steel.high, steel.factor, steel.of_reflection, steel.groups),
             std::tie(same.name, same.status, same.low, same.high, same.factor, same.of_reflection, same.groups));
   EXPECT_TRUE(read->materials.back().groups.empty());
+  ASSERT_EQ(read->optics.size(), 2u);
+  DrawnOptic const &optic = read->optics.front(), &drawn = wrote.optics.front();
+  EXPECT_EQ(std::tie(optic.name, optic.body, optic.vertex.z, optic.axis.y, optic.curvature),
+            std::tie(drawn.name, drawn.body, drawn.vertex.z, drawn.axis.y, drawn.curvature));
   EXPECT_EQ(read->scattered, wrote.scattered);
   EXPECT_EQ(read->notes, wrote.notes);
   EXPECT_EQ(read->limits, wrote.limits);

@@ -219,6 +219,7 @@ inline ProjectionInputs projection_inputs(CouplingTable const& table) {
   for (std::string const& name : table.ports)
     p.ports.push_back({name, InjectionPoint::end_mirror, 4e5, 2999.8, p.ports.empty(), "BS.3.out", "ITMx.front.out",
                        p.ports.empty(), !p.ports.empty(), 0.0073});
+  p.optics = {{"ITM", "itm", {1, 2, 3}, {0, 0.6, 0.8}, 1 / 1420.0}, {"BS", "", {0, 0, -6}, {0, 0, 1}}};
   p.materials = {{"steel", "assumed", 0.5, 2, 1.3, false, {{0}, {1}}}, {"mirror", "", 1, 1, 1, true, {}}};
   p.scattered = {0.02, 1e-5};
   p.notes = {"gap 2 mm assumed"};
