@@ -81,9 +81,9 @@ std::vector<OpticReader::Meeting> OpticReader::meetings(Used const& used, Networ
   for (Meeting const& m : all)
     if ((m.ahead == m.front) != (all[0].ahead == all[0].front)) {
       used.mirror["optic"].problem(
-          fmt::format("'{}' is drawn {} of '{}' and '{}' {} of it, which does not suit the ports '{}' and '{}'",
-                      all[0].other->optic->name, all[0].ahead ? "ahead" : "behind", used.optic->name,
-                      m.other->optic->name, m.ahead ? "ahead" : "behind", all[0].port, m.port),
+          fmt::format("'{}' is drawn {} '{}' and '{}' {} it, which does not suit the ports '{}' and '{}'",
+                      all[0].other->optic->name, all[0].ahead ? "ahead of" : "behind", used.optic->name,
+                      m.other->optic->name, m.ahead ? "ahead of" : "behind", all[0].port, m.port),
           "exchange the sides in 'spaces', or name another optic");
       return {};
     }

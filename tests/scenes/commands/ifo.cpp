@@ -314,7 +314,7 @@ TEST(IfoCommand, ScanIntoAnUnstableCavity) {
 std::string drawn(std::string const& components, std::string const& spaces, std::string const& rest = "") {
   return "straytrace: 1\n"
          "materials: {hr: {scatter: {model: lambertian, tis: 5 ppm}}}\n"
-         "bodies: {itm: {motion: {z: {asd: 1e-12 m/sqrt(Hz)}, others: still}}, etm: {motion: still}}\n"
+         "bodies: {itm: {motion: {z: {peterson: high}, others: still}}, etm: {motion: still}}\n"
          "scene:\n"
          "  - {name: PR, shape: {cap: {outer_radius: 17 cm, curvature: 1/(1430 m)}}, at: [0 m, 0 m, -6 m], facing: [0, 0, "
          "1], body: itm, material: hr}\n"
@@ -370,17 +370,29 @@ TEST(IfoCommand, NetworkOfDrawnOptics) {
   both.replace(both.find("optic: ITM"), 10, "optic: ITM, curvature: -1/(1420 m)");
   write_text(folder / "both.yaml", drawn(both, drawn_spaces));
   EXPECT_EQ(straytrace({"ifo", folder / "both.yaml"}).code, 0);
-  // A beam with a power of the network, and a preset whose mirrors are drawn.
+  // A beam with a power of the network, whose end mirror leans: light of mode 10.
   std::string beam = drawn(as_drawn, drawn_spaces);
   beam.replace(beam.find("[ITM, ETM]}"), 11, "[ITM, ETM], network: ITMx.back.out}");
+  EXPECT_THAT(straytrace({"check", folder / "drawn.yaml"}).err, ::testing::Not(HasSubstr("not in mode 00"))) << "control";
+  beam.replace(beam.find("optic: ETM"), 10, "optic: ETM, tilt: [0.2 urad, 0 rad]");
   write_text(folder / "beam.yaml", beam);
   Finished const checked = straytrace({"check", folder / "beam.yaml"});
   EXPECT_EQ(checked.code, 0) << checked.err;
   EXPECT_THAT(checked.err, HasSubstr("of the weight of the beam it joins are not in mode 00"));
+  // A preset: its mirrors keep all but the curvature.
+  std::string preset = drawn("", "");
+  preset = preset.substr(0, preset.find("interferometer:")) +
+           "interferometer: {preset: adv, network: {modes: {order: 2, cavities: [[ITMx, ETMx], [ITMy, ETMy]]}, components: "
+           "{ITMx: {mirror: {optic: ITM}}, ETMx: {mirror: {optic: ETM}}, ITMy: {mirror: {curvature: -1/(1420 m)}}, ETMy: "
+           "{mirror: {curvature: 1/(1683 m)}}}}}\n";
+  write_text(folder / "preset.yaml", preset);
+  EXPECT_THAT(straytrace({"ifo", folder / "preset.yaml", "--show", "network", "--quiet"}).out,
+              AllOf(HasSubstr("curvature: -0.0007042253521126761 /m, mass: 42 kg}}  # optic ITM"),
+                    HasSubstr("curvature: 0.0005941770647653001 /m, mass: 42 kg}}  # optic ETM")));
   // The run keeps what its network needs.
   Finished const run = straytrace({"run", folder / "drawn.yaml", "-o", folder / "out", "--histories", "2000"});
   ASSERT_EQ(run.code, 0) << run.err;
-  EXPECT_EQ(straytrace({"noise", folder / "out" / "run.h5"}).code, 0);
+  EXPECT_EQ(straytrace({"noise", folder / "out/run.h5"}).code, 0);
 }
 
 TEST(IfoCommand, WrongDrawnOptics) {
@@ -400,10 +412,10 @@ TEST(IfoCommand, WrongDrawnOptics) {
            {changed("optic: BS", "optic: BS, incidence: 44 deg"), "makes 45 deg with the normal of 'BS', not 44 deg",
             "remove 'incidence', or 'optic'"},
            {changed("optic: ITM", "optic: ITMM"), "the scene has no mirror 'ITMM'", "did you mean 'ITM'?"},
-           {changed("optic: PR", "curvature: -1/(1430 m)"), "the splitter", "length"},
+           {changed("optic: PR", "curvature: -1/(1430 m)"), "key 'length' (a length) is missing", "add 'length: 1 m'"},
            {changed("optic: ETM", "optic: BS"), "makes 45 deg with the normal of 'BS', not 0 deg", "make it a splitter"},
-           {drawn(as_drawn, "{from: PRM.back, to: BS.1}, {from: BS.3, to: ITMx.back}, {from: ITMx.front, to: ETMx.front}"),
-            "is drawn", "exchange the sides"},
+           {drawn(as_drawn, "{from: BS.3, to: ITMx.front}, {from: ITMx.back, to: PRM.back}"),
+            "'BS' is drawn behind 'ITM' and 'PR' behind it", "exchange the sides"},
            {drawn(as_drawn, "{from: PRM.back, to: BS.1, length: 6 m}, {from: BS.2, to: laser, length: scene}"),
             "'scene' is the way between two optics, and 'laser' names none", "write the length"},
            {drawn("PRM: {mirror: {transmission: 5 %, optic: PR}}", "{from: PRM.back, to: PRM.back, length: 1 m}"),
