@@ -508,8 +508,8 @@ std::optional<SolvedPreset> solve_preset(Node const& table, std::string_view nam
 
 }  // namespace
 
-std::optional<NetworkModel> read_preset_network(Node const& table, DualRecycledPreset const& preset,
-                                                double wavelength, std::vector<DrawnOptic> const& optics) {
+std::optional<NetworkModel> read_preset_network(Node const& table, DualRecycledPreset const& preset, double wavelength,
+                                                std::vector<DrawnOptic> const& optics) {
   P const p = read_numbers(table, preset, wavelength);
   std::vector<Modulation> const modulators = read_modulators(table);
   if (!table.healthy()) return {};

@@ -98,7 +98,8 @@ class Interferometer {
 
 // Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m, not a number: that of the preset.
 // Where the table gives no power, the arms have that of the beams whose ports join there. Files of responses must cover
-// the band. `optics`: those that mirrors of the network may name. Nothing without a preset and without `strain`: such a network does not say how light becomes strain.
+// the band. `optics`: those that mirrors of the network may name. Nothing without a preset and without `strain`: such a
+// network does not say how light becomes strain.
 std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<TracedPort> const& ports,
                                                     double wavelength, Band const& = {},
                                                     std::vector<DrawnOptic> const& optics = {});

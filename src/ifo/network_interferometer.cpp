@@ -137,10 +137,11 @@ void warn_of_other_modes(Node const& table, NetworkModel const& model, SteadyFie
     auto const [light, weight] = beyond_fundamental(response, model.network, field, e.way ? *e.way : place->way);
     if (!(std::fmax(light, weight) > small)) continue;
     place_of_entrance(table, e.name)
-        .warning(fmt::format("at port '{}', {:.2g} of the light and {:.2g} of the weight of the beam it joins are not in "
-                             "mode 00, and the response to stray light leaves them out (eq. N.16)",
-                             e.name, light, weight),
-                 "match curvatures and tilts of the network; --show modes says where they do not match");
+        .warning(
+            fmt::format("at port '{}', {:.2g} of the light and {:.2g} of the weight of the beam it joins are not in "
+                        "mode 00, and the response to stray light leaves them out (eq. N.16)",
+                        e.name, light, weight),
+            "match curvatures and tilts of the network; --show modes says where they do not match");
   }
 }
 

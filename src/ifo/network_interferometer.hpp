@@ -43,8 +43,8 @@ class NetworkInterferometer final : public Interferometer {
   mutable std::map<double, std::vector<Answer>> answers_;  // by frequency, per port
 };
 
-// Warns of ports whose light, or the beam it joins, is not in mode 00 by more than 1e-3: stray light is of mode 00 alone
-// (eq. N.16). At the middle of the band.
+// Warns of ports whose light, or the beam it joins, is not in mode 00 by more than 1e-3: stray light is of mode 00
+// alone (eq. N.16). At the middle of the band.
 void warn_of_other_modes(Node const& interferometer, NetworkModel const&, SteadyField const&,
                          std::vector<PortEntry> const&, Band const&);
 

@@ -53,9 +53,9 @@ BeyondFundamental beyond_fundamental(LinearResponse const&, Network const&, Stea
 // Response of every read-out and of the strain to a way, by frequency.
 struct StrayRow {
   std::string entrance{}, lit{}, fed{}, readout{}, unit{};
-  double hz = 0, power = 0;                                    // W, that lights
-  StrayResponse response{};                                    // of the read-out; not a number: no light is scattered
-  double gain = not_a_number;                                  // for Gamma in eq. 9.2; of the strain
+  double hz = 0, power = 0;    // W, that lights
+  StrayResponse response{};    // of the read-out; not a number: no light is scattered
+  double gain = not_a_number;  // for Gamma in eq. 9.2; of the strain
   BeyondFundamental beyond{};
   Phasor phase() const { return resolved(response.phase()); }  // not a number: rounding
   Phasor amplitude() const { return resolved(response.amplitude()); }

@@ -346,7 +346,8 @@ std::string missing_modes(NetworkModel const& model) {
   OperatingPoint const point = operating_point(model);
   if (!(point.missing > Truncation::most_change * point.emitted)) return "";
   return fmt::format(
-      "the modes up to order {} do not take {:.2g} of the light\n  raise 'order', or match the beams: --show modes says "
+      "the modes up to order {} do not take {:.2g} of the light\n  raise 'order', or match the beams: --show modes "
+      "says "
       "where they do not match",
       model.network.modes()->order, point.missing / point.emitted);
 }

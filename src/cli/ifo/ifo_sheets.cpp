@@ -268,27 +268,27 @@ void add_response(std::vector<Sheet::Cell>& row, Phasor response) {
 Sheet stray_sheet(NetworkModel const& model, std::vector<StrayRow> const& rows) {
   bool const modes = model.network.modes().has_value();
   double const hz = rows.empty() ? not_a_number : rows.front().hz;
-  Sheet s{
-      fmt::format("stray_{:g}Hz", hz),
-      fmt::format("Responses at {:g} Hz to a stray field s relative to the light that is scattered: phase per Im s, "
-                  "amplitude\n"
-                  "per Re s, for exp(+2 pi i f t); h: strain; gain: for Gamma in eq. 9.2; -: rounding.{}",
-                  hz,
-                  modes ? "\nlight_beyond, weight_beyond: shares of the light that is scattered and of the weight of the "
-                          "beam it joins that are\nnot in mode 00, which these responses leave out (eq. N.16)."
-                        : ""),
-      {{"entrance", ""},
-       {"relative_to", ""},
-       {"joins", ""},
-       {"power", "W"},
-       {"readout", ""},
-       {"unit", ""},
-       {"phase", ""},
-       angle("arg_phase"),
-       {"amplitude", ""},
-       angle("arg_amplitude"),
-       {"gain", "", 4}},
-      {}};
+  Sheet s{fmt::format("stray_{:g}Hz", hz),
+          fmt::format(
+              "Responses at {:g} Hz to a stray field s relative to the light that is scattered: phase per Im s, "
+              "amplitude\n"
+              "per Re s, for exp(+2 pi i f t); h: strain; gain: for Gamma in eq. 9.2; -: rounding.{}",
+              hz,
+              modes ? "\nlight_beyond, weight_beyond: shares of the light that is scattered and of the weight of the "
+                      "beam it joins that are\nnot in mode 00, which these responses leave out (eq. N.16)."
+                    : ""),
+          {{"entrance", ""},
+           {"relative_to", ""},
+           {"joins", ""},
+           {"power", "W"},
+           {"readout", ""},
+           {"unit", ""},
+           {"phase", ""},
+           angle("arg_phase"),
+           {"amplitude", ""},
+           angle("arg_amplitude"),
+           {"gain", "", 4}},
+          {}};
   if (modes) s.columns.insert(s.columns.end(), {{"light_beyond", "", 3}, {"weight_beyond", "", 3}});
   for (StrayRow const& r : rows) {
     std::vector<Sheet::Cell> row{r.entrance, r.lit, r.fed, r.power, r.readout, r.unit};

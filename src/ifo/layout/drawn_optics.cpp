@@ -15,7 +15,7 @@ using Component = Network::Component;
 using Kind = Component::Kind;
 
 constexpr double curvature_agrees = 1e-6, angle_agrees = 1e-3;  // relative; rad
-constexpr double most_tilt = 0.05;                          // rad, of a mirror against the light that it returns
+constexpr double most_tilt = 0.05;                              // rad, of a mirror against the light that it returns
 
 // The next mirror or splitter behind a port, through components that light passes straight; the number of ports: none.
 std::uint32_t next_interface(Network const& n, std::uint32_t port) {
@@ -46,10 +46,10 @@ void OpticReader::read(std::string const& component, Node const& mirror) {
   }
   std::vector<std::string> known;
   for (DrawnOptic const& d : drawn_) known.push_back(d.name);
-  node.problem(known.empty() ? std::string("the scene draws no mirror")
-                             : fmt::format("the scene has no mirror '{}'", name),
-               known.empty() ? "add disks or caps to 'scene', or state 'curvature' and lengths instead of 'optic'"
-                             : did_you_mean(name, known, "name a disk or cap of 'scene'"));
+  node.problem(
+      known.empty() ? std::string("the scene draws no mirror") : fmt::format("the scene has no mirror '{}'", name),
+      known.empty() ? "add disks or caps to 'scene', or state 'curvature' and lengths instead of 'optic'"
+                    : did_you_mean(name, known, "name a disk or cap of 'scene'"));
 }
 
 OpticReader::Used const* OpticReader::find(std::string const& port_or_component) const {
@@ -105,9 +105,8 @@ std::optional<double> OpticReader::curvature(Used const& used, std::vector<Meeti
   double const taken = met.empty() ? drawn : met[0].ahead == met[0].front ? drawn : -drawn;
   if (!stated) return taken;
   bool const two = t["curvature"].kind() == Node::Kind::list;
-  std::vector<double> const values =
-      two ? t["curvature"].as_numbers(dim::per_metre, 2)
-          : std::vector{t.number("curvature", dim::per_metre, 0, -1e3, 1e3)};
+  std::vector<double> const values = two ? t["curvature"].as_numbers(dim::per_metre, 2)
+                                         : std::vector{t.number("curvature", dim::per_metre, 0, -1e3, 1e3)};
   for (double const v : values) {
     bool const agrees = std::fabs((met.empty() ? std::fabs(v) : v) - (met.empty() ? std::fabs(taken) : taken)) <=
                         curvature_agrees * std::fabs(taken) + 1e-15;
@@ -124,7 +123,10 @@ std::optional<double> OpticReader::curvature(Used const& used, std::vector<Meeti
 std::optional<double> OpticReader::incidence(Used const& used, std::vector<Meeting> const& met, bool splitter) const {
   Node const& t = used.mirror;
   bool const stated = splitter && t.has("incidence");
-  double const expected = !splitter ? 0 : stated ? t.number("incidence", dim::angle, 0) : met.empty() ? 0 : met[0].incidence;
+  double const expected = !splitter     ? 0
+                          : stated      ? t.number("incidence", dim::angle, 0)
+                          : met.empty() ? 0
+                                        : met[0].incidence;
   for (Meeting const& m : met) {
     if (std::isnan(expected) || std::fabs(m.incidence - expected) <= (splitter ? angle_agrees : most_tilt)) continue;
     t[stated ? "incidence" : "optic"].problem(
@@ -151,8 +153,8 @@ void OpticReader::finish(NetworkChanges& changes, Network const& network) const 
     bool const splitter = network.at(*id).kind == Kind::splitter;
     auto const curvature = this->curvature(used, met);
     auto const incidence = this->incidence(used, met, splitter);
-    std::string const origin = fmt::format("optic {}{}", used.optic->name,
-                                           used.optic->body.empty() ? "" : ", body " + used.optic->body);
+    std::string const origin =
+        fmt::format("optic {}{}", used.optic->name, used.optic->body.empty() ? "" : ", body " + used.optic->body);
     for (NetworkChanges::Shape& s : changes.shapes) {
       if (s.component != used.component) continue;
       if (curvature) s.curvature = curvature;

@@ -18,8 +18,8 @@ struct PortPower {
 };
 struct CavityPower {
   NetworkCavity cavity;  // round trip: with modes, of the mode of the resonator that is nearest to 00
-  double power = 0;  // W of all carriers, at the first of its beams
-  double gain = 0;   // over the power of the lasers
+  double power = 0;      // W of all carriers, at the first of its beams
+  double gain = 0;       // over the power of the lasers
 };
 struct EnergyRow {
   enum class Kind : std::uint8_t { emitted, leaving, absorbed, lost };

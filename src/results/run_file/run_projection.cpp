@@ -60,7 +60,7 @@ void optic_columns(Column&& column) {
   column("_curvature", "1/m", &DrawnOptic::curvature);
 }
 
-constexpr char const *of_optics = "/projection/optic";  // since schema 2.4, where the interferometer names optics
+constexpr char const* of_optics = "/projection/optic";  // since schema 2.4, where the interferometer names optics
 
 constexpr char const *of_materials = "/projection/material", *group_offset = "/projection/material_group_offset";
 

@@ -182,10 +182,10 @@ TEST(IfoCommand, PicturesAndPage) {
   }
   Finished const page = straytrace({"ifo", loops, "--html", folder / "a.html"}, {.picture = true});
   EXPECT_EQ(page.code, 0) << page.err;
-  EXPECT_THAT(text_of(folder / "a.html"), AllOf(HasSubstr("<svg"), HasSubstr("ETMx"), HasSubstr("by_SRCL"),
-                                                HasSubstr("open-loop gain |G| over frequency"),
-                                                HasSubstr("suppression |1/(1 + G)| over frequency"),
-                                                HasSubstr("h [1/sqrt(Hz)] over frequency"), HasSubstr("<polyline")));
+  EXPECT_THAT(text_of(folder / "a.html"),
+              AllOf(HasSubstr("<svg"), HasSubstr("ETMx"), HasSubstr("by_SRCL"),
+                    HasSubstr("open-loop gain |G| over frequency"), HasSubstr("suppression |1/(1 + G)| over frequency"),
+                    HasSubstr("h [1/sqrt(Hz)] over frequency"), HasSubstr("<polyline")));
 }
 
 TEST(IfoCommand, NoiseAndLoops) {
@@ -316,13 +316,15 @@ std::string drawn(std::string const& components, std::string const& spaces, std:
          "materials: {hr: {scatter: {model: lambertian, tis: 5 ppm}}}\n"
          "bodies: {itm: {motion: {z: {peterson: high}, others: still}}, etm: {motion: still}}\n"
          "scene:\n"
-         "  - {name: PR, shape: {cap: {outer_radius: 17 cm, curvature: 1/(1430 m)}}, at: [0 m, 0 m, -6 m], facing: [0, 0, "
+         "  - {name: PR, shape: {cap: {outer_radius: 17 cm, curvature: 1/(1430 m)}}, at: [0 m, 0 m, -6 m], facing: [0, "
+         "0, "
          "1], body: itm, material: hr}\n"
          "  - {name: BS, shape: {disk: {outer_radius: 20 cm}}, at: [0 m, 0 m, 0 m], facing: [0, 1, -1], body: itm, "
          "material: hr}\n"
          "  - {name: ITM, shape: {cap: {outer_radius: 17 cm, curvature: 1/(1420 m)}}, at: [0 m, 0 m, 6.115 m], facing: "
          "[0, 0, 1], body: itm, material: hr}\n"
-         "  - {name: ETM, shape: {cap: {outer_radius: 17 cm, curvature: 1/(1683 m)}}, at: [0 m, 0 m, 3005.915 m], facing: "
+         "  - {name: ETM, shape: {cap: {outer_radius: 17 cm, curvature: 1/(1683 m)}}, at: [0 m, 0 m, 3005.915 m], "
+         "facing: "
          "[0, 0, -1], body: etm, material: hr}\n"
          "beams: {arm: {cavity: [ITM, ETM]}}\n"
          "ports: {ITM: {beam: arm, at: ITM}}\n"
@@ -373,7 +375,8 @@ TEST(IfoCommand, NetworkOfDrawnOptics) {
   // A beam with a power of the network, whose end mirror leans: light of mode 10.
   std::string beam = drawn(as_drawn, drawn_spaces);
   beam.replace(beam.find("[ITM, ETM]}"), 11, "[ITM, ETM], network: ITMx.back.out}");
-  EXPECT_THAT(straytrace({"check", folder / "drawn.yaml"}).err, ::testing::Not(HasSubstr("not in mode 00"))) << "control";
+  EXPECT_THAT(straytrace({"check", folder / "drawn.yaml"}).err, ::testing::Not(HasSubstr("not in mode 00")))
+      << "control";
   beam.replace(beam.find("optic: ETM"), 10, "optic: ETM, tilt: [0.2 urad, 0 rad]");
   write_text(folder / "beam.yaml", beam);
   Finished const checked = straytrace({"check", folder / "beam.yaml"});
@@ -381,10 +384,11 @@ TEST(IfoCommand, NetworkOfDrawnOptics) {
   EXPECT_THAT(checked.err, HasSubstr("of the weight of the beam it joins are not in mode 00"));
   // A preset: its mirrors keep all but the curvature.
   std::string preset = drawn("", "");
-  preset = preset.substr(0, preset.find("interferometer:")) +
-           "interferometer: {preset: adv, network: {modes: {order: 2, cavities: [[ITMx, ETMx], [ITMy, ETMy]]}, components: "
-           "{ITMx: {mirror: {optic: ITM}}, ETMx: {mirror: {optic: ETM}}, ITMy: {mirror: {curvature: -1/(1420 m)}}, ETMy: "
-           "{mirror: {curvature: 1/(1683 m)}}}}}\n";
+  preset =
+      preset.substr(0, preset.find("interferometer:")) +
+      "interferometer: {preset: adv, network: {modes: {order: 2, cavities: [[ITMx, ETMx], [ITMy, ETMy]]}, components: "
+      "{ITMx: {mirror: {optic: ITM}}, ETMx: {mirror: {optic: ETM}}, ITMy: {mirror: {curvature: -1/(1420 m)}}, ETMy: "
+      "{mirror: {curvature: 1/(1683 m)}}}}}\n";
   write_text(folder / "preset.yaml", preset);
   EXPECT_THAT(straytrace({"ifo", folder / "preset.yaml", "--show", "network", "--quiet"}).out,
               AllOf(HasSubstr("curvature: -0.0007042253521126761 /m, mass: 42 kg}}  # optic ITM"),
@@ -413,7 +417,8 @@ TEST(IfoCommand, WrongDrawnOptics) {
             "remove 'incidence', or 'optic'"},
            {changed("optic: ITM", "optic: ITMM"), "the scene has no mirror 'ITMM'", "did you mean 'ITM'?"},
            {changed("optic: PR", "curvature: -1/(1430 m)"), "key 'length' (a length) is missing", "add 'length: 1 m'"},
-           {changed("optic: ETM", "optic: BS"), "makes 45 deg with the normal of 'BS', not 0 deg", "make it a splitter"},
+           {changed("optic: ETM", "optic: BS"), "makes 45 deg with the normal of 'BS', not 0 deg",
+            "make it a splitter"},
            {drawn(as_drawn, "{from: BS.3, to: ITMx.front}, {from: ITMx.back, to: PRM.back}"),
             "'BS' is drawn behind 'ITM' and 'PR' behind it", "exchange the sides"},
            {drawn(as_drawn, "{from: PRM.back, to: BS.1, length: 6 m}, {from: BS.2, to: laser, length: scene}"),
@@ -482,9 +487,13 @@ TEST(IfoCommand, WrongInput) {
            {{cavity, "--show", "modes"}, "solved in plane waves", "'modes: {order: 2}'"},
            {{cavity, "--show", "loops"}, "the loops and the noise of h need a strain", "'strain: {readout: AS"},
            {{even, "--show", "scan", "ETM.tilt_x", "0", "1urad"}, "'ETM.tilt_x' makes odd modes", "'parity: all'"},
-           {{cavity, "--show", "scan", "ETM.tilt_x", "0", "1urad"}, "plane waves do not depend on", "'modes: {order: 2}'"},
+           {{cavity, "--show", "scan", "ETM.tilt_x", "0", "1urad"},
+            "plane waves do not depend on",
+            "'modes: {order: 2}'"},
            {{folder / "list.yaml"}, "list.yaml:2:", "'[1/(1420 m), 1/(1400 m)]'"},
-           {{places, "--show", "transfer", "stray:all", "h"}, "one entrance of stray light, not of 'all'", "--show stray"},
+           {{places, "--show", "transfer", "stray:all", "h"},
+            "one entrance of stray light, not of 'all'",
+            "--show stray"},
            {{places, "--show", "transfer", "stray:arm", "nothing"}, "no read-out or mirror 'nothing'", "ETMy, h"},
            {{cavity, "--html", folder / "a.png"}, "does not have a known ending", "end it with .html"},
            {{cavity, "--show", "scan", "LENGTH", "0", "1nm", "LENGTH", "0", "1nm"},
