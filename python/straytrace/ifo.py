@@ -65,7 +65,7 @@ class Interferometer:
 
     def transfer(self, cause: str, readout: str, *, band: tuple[Quantity, Quantity] | None = None,
                  points: int | None = None) -> pandas.Series:
-        """Complex response of a read-out to a cause: a degree of freedom, `laser.frequency`, `ITM.force` and others. Index: frequency [Hz].
+        """Complex response of a read-out, a mirror or `h` to a cause: a degree of freedom, `laser.frequency`, `ITM.force` and others. Index: frequency [Hz].
 
         band: "1 Hz" to "10 kHz" unless given.
         points: 201 unless given."""

@@ -50,13 +50,14 @@ def opposite(beam):
 
 
 def entrances():
-    """{name: beam it joins, m from its port, beam that lights it, m}; of a weak mirror, light that its back returns."""
+    """{name: beam it joins, m from its port, beam that lights it, m}; of a weak mirror each side, and both as one way (eq. N.20)."""
     ways = {name: (beam, at, opposite(beam), at) for name, (beam, at, _) in RETURNED.items()}
     beam, lit, fed, _ = WITH_THE_LIGHT
     ways["with the light"] = beam, fed, beam, lit
     for name, (beam, at) in TWO_SIDED.items():
         ways[f"front, {name}"] = beam, at, opposite(beam), at
         ways[f"back, {name}"] = opposite(beam), at, beam, at
+        ways[f"both, {name}"] = beam, at, opposite(beam), at
     return ways
 
 
@@ -78,8 +79,9 @@ class Detector:
 
     def responses(self):
         """{entrance: its row of AS and (T+, T-) for exp(+2 pi i f t), by frequency} (eq. N.15)."""
-        ports = {name: {"at": fed, "distance": f"{at} m", "lit_by": lit, "lit_distance": f"{lit_at} m"}
-                 for name, (fed, at, lit, lit_at) in entrances().items()}
+        ports = {name: {"at": fed, "distance": f"{at} m"} for name, (fed, at, _, _) in entrances().items()}
+        for name, (_, _, lit, lit_at) in entrances().items():
+            ports[name] |= {"both_sides": "yes"} if name.startswith("both") else {"lit_by": lit, "lit_distance": f"{lit_at} m"}
         self.write(self.network, ports=ports)
         tables = json.loads(ask(self.scene, "--show", "stray", "--at", ", ".join(f"{f} Hz" for f in FREQUENCIES), "--format", "json"))
         found = {}
@@ -177,6 +179,12 @@ def of_mirror(front, back):
     return scale * (back[0] - front[1]), scale * (back[1] - front[0])
 
 
+def of_face(pair):
+    """The same where the response holds both sides."""
+    scale = -WAVE_NUMBER * math.sqrt(MIRROR)
+    return scale * pair[1], scale * pair[0]
+
+
 def worst(ours, theirs):
     """Of |P|, |Q| and of PQ, which does not depend on where the scatterer stands in its wave, relative to both together."""
     size = abs(theirs[0]) ** 2 + abs(theirs[1]) ** 2
@@ -226,6 +234,7 @@ def mirrors(detector, check):
         front, back = (detector.stray[f"{side}, {name}"]["pairs"] for side in ("front", "back"))
         theirs = detector.halves(detector.with_mirror(beam, at))
         check(f"mirror, {name}", [of_mirror(*pairs) for pairs in zip(front, back)], theirs, TWO_SIDED_TOLERANCE)
+        check(f"mirror, {name}, one way", [of_face(pair) for pair in detector.stray[f"both, {name}"]["pairs"]], theirs, TWO_SIDED_TOLERANCE)
         check.control(f"mirror, {name}, without its back", [of_mirror(pair, (0, 0)) for pair in front], theirs, TWO_SIDED_TOLERANCE)
 
 
