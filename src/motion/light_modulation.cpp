@@ -39,7 +39,9 @@ LightModulation read_modulation(Node const& beams, Node const& ports, std::vecto
     auto const number = std::uint32_t(names.size());
     names.push_back(name);
     if (beam.kind() != Node::Kind::table || !beam.has("modulation")) continue;
-    for (Node const& tone : beam["modulation"].as_list()) read_tone(tone, {number, name}, light.tones);
+    auto const tones = beam["modulation"].as_list();
+    if (tones.empty()) beam["modulation"].problem("'modulation' names no modulation", write_tone);
+    for (Node const& tone : tones) read_tone(tone, {number, name}, light.tones);
   }
   if (light.tones.empty()) return light;
   light.port_beam.assign(port_names.size(), no_light);

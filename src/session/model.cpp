@@ -16,6 +16,7 @@
 #include "noise/bands/speckle_band.hpp"
 #include "noise/classes/delayed_paths.hpp"
 #include "noise/classes/modulated_light.hpp"
+#include "noise/project/static_phase.hpp"
 #include "results/results.hpp"
 #include "scene/diagnostics.hpp"
 #include "session/compare/model_diff.hpp"
@@ -74,6 +75,43 @@ void read_noise(ProjectionModel& model, Scene const& scene) {
           fmt::format("there is no body '{}'", phase.body),
           did_you_mean(phase.body, model.motion.bodies,
                        fmt::format("it is one of: {}", fmt::join(model.motion.bodies, ", "))));
+}
+
+// Light that a body scatters back moves with it and with the bodies on the way there: routes that a trace will find.
+void check_static_phases(Model const& model) {
+  World const& world = model.world;
+  std::set<std::pair<std::string, std::string>> said;
+  for (std::uint32_t i = 0; i < world.footprints().size(); ++i) {
+    Footprint const& f = world.footprints()[i];
+    if (!f.emits || !f.port.valid() || !f.surface.valid()) continue;
+    std::set<BodyId> moved{world.surfaces()[f.surface.value].body};
+    for (PhaseSensitivity const& s : world.feeds()[i].phase_sensitivities)
+      if (std::ranges::any_of(s.d, [](double d) { return d != 0; })) moved.insert(s.body);
+    StaticPhase const* by = nullptr;
+    for (StaticPhase const& phase : model.noise.static_phases) {
+      auto const at = std::ranges::find(model.motion.bodies, phase.body) - model.motion.bodies.begin();
+      if (!moved.contains(BodyId{std::uint32_t(at)})) continue;
+      if (by && said.insert({by->body, phase.body}).second)
+        model.scene.table("noise")["static_phase"][phase.body].problem(
+            fmt::format("'{}' and '{}' both state the static phase of the light that '{}' scatters at port '{}'",
+                        by->body, phase.body, world.name_of(f.surface), world.ports()[f.port.value]),
+            "keep one of them");
+      if (!by) by = &phase;
+    }
+  }
+}
+
+// Known only after a trace: routes over several bodies.
+void check_static_phases(ProjectionModel const& model, CouplingTable const& coupling) {
+  if (model.noise.static_phases.empty()) return;
+  try {
+    known_phases(coupling, model.motion, model.noise.static_phases, *model.detector);
+  } catch (InputError const& e) {
+    Node const table = model.scene.table("noise")["static_phase"];
+    if (!table) throw;  // stated in another file
+    table.problem(e.reason(), e.remedy());
+    model.scene.throw_if_problems();
+  }
 }
 
 Band band_of(ProjectionModel const& model) {
@@ -237,6 +275,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
                   "name parameters on the command line: straytrace scan MODEL NAME=lo..hi:n");
   model.scene.throw_if_problems();
   if (model.detector) check_rims(model.scene, model.world, *model.detector);
+  check_static_phases(model);
   model.scene.throw_if_problems();
   if (model.world.wave.present && !model.world.wave.ring) begin_rays_at_crossover(model.world);
   warn_of_gaps(model.motion, model.noise, model.scene.table("bodies"), model.world.wavelength);
@@ -331,6 +370,7 @@ NoiseBudget ProjectionModel::project(CouplingTable const& coupling) const {
     throw InputError(
         "without an interferometer there is no noise to project",
         "add 'ports' and 'interferometer' to the scene, or look at the receivers: straytrace paths RUN --by receiver");
+  check_static_phases(*this, coupling);
   NoiseBudget budget = project_noise(coupling, motion, *detector, noise);
   if (!noise.delay)
     if (DelayEffect const e = delay_effect(coupling, motion, *detector, budget); e.matters())

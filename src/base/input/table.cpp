@@ -144,12 +144,13 @@ bool Node::flag(std::string_view key, bool fallback) const {
   Node const value = (*this)[key];
   if (data_) data_->note(key, {.form = KeyRequest::Form::flag, .word = fallback ? "on" : "off"});
   if (!value) return fallback;
-  std::string const word = value.as_word();
+  bool const scalar = value.kind() == Kind::scalar;
+  std::string const word = scalar ? value.as_word() : "";
   if (word == "on" || word == "yes" || word == "true") return true;
   if (word == "off" || word == "no" || word == "false") return false;
-  if (value.kind() == Kind::scalar)
-    value.problem(fmt::format("'{}' is a switch, got \"{}\"", key, shortened(word)),
-                  "write on or off (also yes, no, true, false)");
+  value.problem(fmt::format("'{}' is a switch, got {}", key,
+                            scalar ? fmt::format("\"{}\"", shortened(word)) : kind_name(value.kind())),
+                "write on or off (also yes, no, true, false)");
   return fallback;
 }
 

@@ -288,6 +288,27 @@ void write_channels(SensorOptions const& o, TimeInputs const& in, CouplingTable 
   write_curves({o.out}, sheet);
 }
 
+// Rims are left out for every kind of sensor, on a quadrant all computed routes.
+void warn_of_light_left_out(TimeInputs const& in, Answers const& a, SensorOptions const& o) {
+  std::size_t all = 0, rims = 0;
+  for (Answer const& n : a.sensors) {
+    all += n.beat.left_out;
+    rims += std::size_t(std::ranges::count_if(in.coupling().classes, [&](CouplingClass const& c) {
+      return c.kind == ClassKind::rim && c.port == n.sensor.port;
+    }));
+  }
+  if (all > rims)
+    print_warning(fmt::format("{} of ghosts, halo or edges left out: their pattern across a quadrant is not known\n"
+                              "  write --kind power for this light",
+                              counted(all - rims, "route")),
+                  o);
+  if (rims > 0)
+    print_warning(fmt::format("{} of rims left out: their light reaches a sensor in other modes too\n"
+                              "  their strain is in 'straytrace noise'",
+                              counted(rims, "route")),
+                  o);
+}
+
 int sensors(SensorOptions const& o) {
   Kind const& kind = kind_of(o);
   refuse_two_formats(o.csv, o);
@@ -307,13 +328,7 @@ int sensors(SensorOptions const& o) {
         std::ranges::any_of(in.routes, [&](std::uint32_t r) { return table.classes[r].port.value == p; });
     if (chosen) a.sensors.push_back(answer_of(in, table, sensors[p], kind.kind));
   }
-  std::size_t left_out = 0;
-  for (Answer const& n : a.sensors) left_out += n.beat.left_out;
-  if (left_out > 0)
-    std::cerr << fmt::format(
-        "warning: {} of ghosts, halo or edges left out: their pattern across a quadrant is not known\n"
-        "  write --kind power for all light\n",
-        counted(left_out, "route"));
+  warn_of_light_left_out(in, a, o);
   std::vector<Sheet> const sheets = {sensor_sheet(a, kind), source_sheet(in, table, a, kind, o.show)};
   std::cout << (o.json() ? json_of(sheets).dump() + "\n" : o.csv ? csv_of(sheets) : text_of(sheets));
   if (!o.asd.empty()) write_curves({o.asd}, curves_of(a, kind));

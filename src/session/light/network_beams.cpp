@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "base/input/document.hpp"
@@ -55,6 +56,28 @@ NetworkPowers powers_of_network(Scene const& scene) {
   return powers;
 }
 
+// Rows of light between beams bear names of beams of the network, and so do the ports that the program opens.
+void refuse_names_of_network(Scene const& scene, Network const& network) {
+  std::map<std::string, std::string> light_of_beam;
+  auto const refuse = [&](std::string const& name, Node const& node, std::string const& light, char const* what) {
+    for (std::uint32_t p = 0; p < network.ports(); ++p) {
+      std::string const own[] = {beam_name(network, NetworkBeam{p, false}), beam_name(network, NetworkBeam{p, true})};
+      bool const same = name == network.port_name(p) || (name != light && (name == own[0] || name == own[1]));
+      if (same)
+        return node.problem(fmt::format("{} '{}' has the name of a place of the interferometer", what, name),
+                            "choose another name; 'network' says which light a beam is");
+    }
+  };
+  for (auto const& [name, node] : scene.table("beams").items()) {
+    if (is_of_a_network(node)) light_of_beam[name] = node["network"].text();
+    refuse(name, node, light_of_beam[name], "beam");
+  }
+  for (auto const& [name, node] : scene.table("ports").items()) {
+    Node const beam = node.kind() == Node::Kind::table ? node["beam"] : Node();
+    refuse(name, node, light_of_beam[beam.text()], "port");
+  }
+}
+
 std::optional<std::size_t> find_beam_of_scene(Scene const& scene, std::string const& name) {
   auto const beams = scene.table("beams").items();
   for (std::size_t i = 0; i < beams.size(); ++i)
@@ -69,6 +92,7 @@ World build_lit_world(Scene const& scene) { return build_world(scene, powers_of_
 void check_network_beams(Scene const& scene, Interferometer const& detector) {
   NetworkModel const* const model = detector.network();
   if (!model) return;
+  refuse_names_of_network(scene, model->network);
   Node const table = scene.table("interferometer");
   for (auto const& [name, port] : scene.table("ports").items()) {
     auto const number = find_beam_of_scene(scene, port["beam"].text());

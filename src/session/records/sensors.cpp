@@ -50,6 +50,11 @@ std::vector<Sensor> read_sensors(Scene const& scene, std::vector<std::string> co
                                  std::vector<std::string> const& receivers) {
   std::vector<Sensor> all;
   for (auto const& [name, node] : scene.table("sensors").items()) {
+    if (!node) continue;  // reported
+    if (name.empty()) {
+      node.problem("a sensor has no name", "write a name before its table");
+      continue;
+    }
     if (node.kind() != Node::Kind::table) {
       node.problem(fmt::format("sensor '{}' is a table", name), "write {port: PORT, radius: 5 mm, spot: 1 mm}");
       continue;

@@ -16,13 +16,6 @@ namespace {
 
 using Round = world::BeamAperture::Round;
 
-Vec3 turned(Vec3 v, Vec3 by) {
-  double const angle = length(by);
-  if (!(angle > 0)) return v;
-  Vec3 const axis = (1 / angle) * by;
-  return std::cos(angle) * v + std::sin(angle) * cross(axis, v) + (1 - std::cos(angle)) * dot(axis, v) * axis;
-}
-
 Round displaced(Round rim, Vec3 pivot, CoordinateGradient const& x) {
   Vec3 const turn{x[3], x[4], x[5]};
   rim.centre = pivot + turned(rim.centre - pivot, turn) + Vec3{x[0], x[1], x[2]};
@@ -115,12 +108,15 @@ struct ObjectRims {
 void add(ObjectRims& object, World const& world, world::BeamAperture const& a) {
   BodyId const body = world.surfaces()[a.surface.value].body;
   Vec3 const pivot = world.bodies()[body.value].pivot;
-  RimDerivatives const d = rim_derivatives(a.round, pivot);
+  bool const round = a.round.radius > 0;
+  RimDerivatives const d = round ? rim_derivatives(a.round, pivot) : rim_derivatives(*a.flat, pivot);
+  double const size = round ? a.round.radius : size_of(a.flat->rim);
+  Vec3 const centre = round ? a.round.centre : a.flat->rim.centre;
   BodyRims& at = object.by_body[body.value];
   at.sum.removed += d.removed;
   at.sum.slope += d.slope;
   at.sum.curvature += d.curvature;
-  at.arm = std::max({at.arm, length(a.round.centre - pivot), a.round.radius});
+  at.arm = std::max({at.arm, length(centre - pivot), size});
   object.along = a.along;
   object.standing = a.standing;
   ++object.rims;
@@ -157,6 +153,25 @@ std::optional<PortId> port_of(World const& world, std::uint32_t beam, bool stand
   return {};
 }
 
+// Beams that are one light of the network or run against each other in it: the response of eq. N.21 holds both ways, so
+// a rim that both pass counts for the first of them that has a port.
+std::vector<std::uint32_t> first_of_both_ways(World const& world) {
+  std::vector<std::uint32_t> first(world.beams.size());
+  auto const run_together = [&](std::uint32_t a, std::uint32_t b) {
+    if (world.beams[a].network.empty() || !port_of(world, b, false)) return false;
+    return world.beams[a].network == world.beams[b].network ||
+           std::ranges::any_of(world.port_pairs(), [&](World::PortPair const& p) {
+             return p.beam == a && p.forward && port_of(world, b, false) == p.to;
+           });
+  };
+  for (std::uint32_t b = 0; b < first.size(); ++b) {
+    first[b] = b;
+    for (std::uint32_t other = b; other-- > 0;)
+      if (run_together(b, other)) first[b] = first[other];
+  }
+  return first;
+}
+
 // Fields of `wave` include the rims between its mirrors.
 bool in_wave(World const& world, world::BeamAperture const& a) { return a.standing && world.wave.present; }
 
@@ -165,14 +180,18 @@ bool in_wave(World const& world, world::BeamAperture const& a) { return a.standi
 MovingRimClasses moving_rim_classes(World const& world) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, ObjectRims> all;  // by port and group
   MovingRimClasses out;
+  std::vector<std::uint32_t> const first = first_of_both_ways(world);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> met_by;  // beam, by that of its port and surface
   for (world::BeamAperture const& a : world::apertures_of(world)) {
-    auto const port = port_of(world, a.beam, a.standing);
+    std::uint32_t const beam = a.standing || first.empty() ? a.beam : first.at(a.beam);
+    auto const port = port_of(world, beam, a.standing);
     if (!port || !(a.standing || a.main_way) || !(a.clipped > least_removed) || in_wave(world, a)) continue;
     if (!world.surfaces()[a.surface.value].body.valid()) continue;
     if (a.standing && a.reflected) continue;  // the mirrors carry the mode itself
-    if (!(a.round.radius > 0)) {
+    if (!a.standing && met_by.emplace(std::pair(beam, a.surface.value), a.beam).first->second != a.beam) continue;
+    if (!(a.round.radius > 0) && !a.flat) {
       out.warnings.push_back(
-          fmt::format("rims: '{}' clips {:.2g} of the beam, but is not round: its motion has no route",
+          fmt::format("rims: '{}' clips {:.2g} of the beam, but is not flat: its motion has no route",
                       world.name_of(a.surface), a.clipped));
       continue;
     }

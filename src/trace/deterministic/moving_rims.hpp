@@ -3,26 +3,15 @@
 // eq. N.11 and N.21).
 #pragma once
 
-#include <Eigen/Core>
-
 #include <string>
 #include <vector>
 
 #include "trace/coupling.hpp"
+#include "trace/deterministic/rim_edges.hpp"
 #include "world/ghosts/apertures.hpp"
 
 namespace straytrace::trace {
 
-using CoordinateGradient = Eigen::Vector<double, 6>;
-using CoordinateCurvature = Eigen::Matrix<double, 6, 6>;
-
-// The field that passes, K_00 = 1 - removed, and its derivatives by the coordinates of the body of the rim: world axes,
-// then rotations about its pivot; per m, per rad. The beam is at rest.
-struct RimDerivatives {
-  double removed = 0;
-  CoordinateGradient slope = CoordinateGradient::Zero();
-  CoordinateCurvature curvature = CoordinateCurvature::Zero();
-};
 RimDerivatives rim_derivatives(world::BeamAperture::Round const&, Vec3 pivot);
 
 constexpr double least_removed = 1e-12;  // of the field: rims that take less have no route
@@ -31,7 +20,7 @@ struct MovingRimClasses {
   std::vector<CouplingClass> classes;
   std::vector<std::string> warnings;  // rims without a route, and why
 };
-// One class for each port and object: round rims on bodies, passed by the main beam of the port. The fields of the rims
+// One class for each port and object: flat rims on bodies, passed by the main beam of the port. The fields of the rims
 // of one object add.
 MovingRimClasses moving_rim_classes(World const&);
 

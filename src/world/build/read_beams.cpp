@@ -351,7 +351,7 @@ void read_free(Node const& beam, Registry const& names, World& world, Lighting c
   world.add_footprint(f);
   bool const known = light.network && !world.beams[light.number].network.empty();
   if (known && beam.healthy() && f.profile == Profile::gaussian)
-    end_in_network(world, *light.network, world.beams[light.number].network);
+    end_in_network(beam, world, *light.network, world.beams[light.number].network);
   if (!lit.wanted) return;
   if (f.profile != Profile::gaussian)
     return beam["lit"].problem("only a Gaussian beam can propagate through the scene", "remove 'profile'");

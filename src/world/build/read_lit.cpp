@@ -26,8 +26,12 @@ bool names_surface(std::string const& pattern, std::string const& name) {
 std::vector<std::string> patterns(Node const& table, std::string_view key, Registry const& names) {
   std::vector<std::string> all, known;
   for (auto const& [name, id] : names.surfaces) known.push_back(name);
-  for (Node const& word : table.list(key)) {
+  auto const words = table.list(key);
+  if (table.has(key) && words.empty())
+    table[key].problem(fmt::format("'{}' names no surface", key), "name surfaces, or remove the key");
+  for (Node const& word : words) {
     std::string const pattern = all.emplace_back(word.as_word());
+    if (word.kind() != Node::Kind::scalar) continue;  // reported
     auto const fits = [&](std::string const& name) { return names_surface(pattern, name); };
     if (is_refused(pattern, names) || std::ranges::any_of(known, fits)) continue;
     word.problem(fmt::format("'{}' is not a surface of the scene", pattern),
@@ -68,7 +72,12 @@ LitWish read_lit(Node const& beam, Registry const& names) {
   wish.order = std::uint32_t(lit.whole("order", wish.order, 0, 8));
   wish.only = patterns(lit, "only", names);
   wish.except = patterns(lit, "except", names);
-  if (lit.has("behind")) wish.behind = lit.word("behind");
+  if (lit.has("behind")) {
+    wish.behind = lit.word("behind");
+    if (!beam["cavity"])
+      lit["behind"].problem("'behind' names the port behind the input mirror of a cavity, which this beam is not",
+                            "remove it: 'network' says which light of the interferometer a beam is");
+  }
   lit.refuse_unknown("'lit'");
   return wish;
 }
@@ -205,62 +214,78 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
 
 namespace {
 
-// The light that leaves the mirror, from there to where its space of the network ends: at a splitter, or after the
-// length of the space; 1 % and 10 cm longer in a drawing.
+// The beam itself from its launch to where its space of the network ends: at a splitter, at a mirror that sends it
+// straight back, or after the length of the space; 1 % and 10 cm longer in a drawing.
 class SpanSink final : public BeamSink {
  public:
-  explicit SpanSink(double longest) : longest_(longest) {}
+  SpanSink(BeamLaunch const& launch, double longest) : behind_mirror_(launch.arrives_at.valid()), longest_(longest) {}
   void arrived(BeamSpot const& spot, std::uint32_t number, std::span<BeamStep const> way) override {
-    if (ended || spot.order > 0 || way.empty()) return;
+    if (ended_ || spot.order > 0 || is_launch(way)) return;
     if (spot.path_length > longest_) {
-      ended = true;
+      ended_ = true;
       return;
     }
     last = spot;
-    before = leaving;
     number_ = number;
+    cuts.push_back({spot.surface, 1});
   }
   void left(LeavingBeam const& beam, std::span<BeamStep const> way) override {
-    if (beam.order > 0 || way.empty()) return;
-    if (ended) return;
+    if (beam.order > 0 || ended_ || is_launch(way)) return;
     leaving = beam;
-    ended = split = way.back().split && way.back().spot == number_;
+    if (way.empty() || !last || way.back().spot != number_) return;
+    cuts.back().share = 1 - beam.field.power() / last->power;
+    double const tolerance = 5 * beam.mode.wavelength / (pi * spot(beam.mode).minor);
+    ended_ = at_component = way.back().split || angle_between(way.back().out, -way.back().in) < tolerance;
   }
+  struct Cut {
+    SurfaceId surface;
+    double share = 0;  // of the power that does not go on
+  };
   std::optional<BeamSpot> last;
-  LeavingBeam leaving, before;  // behind the last spot; before it
-  bool ended = false, split = false;
+  LeavingBeam leaving;        // behind the last spot from which it goes on
+  bool at_component = false;  // the last spot
+  std::vector<Cut> cuts;
 
  private:
+  bool is_launch(std::span<BeamStep const> way) const { return behind_mirror_ && way.empty(); }
+  bool behind_mirror_;
   double longest_;
   std::uint32_t number_ = BeamSpot::none;
+  bool ended_ = false;
 };
 
 struct Reach {
   Mode end;           // of the light, where its span ends
   SurfaceId surface;  // there; invalid: in space
+  std::uint32_t piece = 0;
   BeamField field;
-  double path_length = 0;   // m, optical, from the launch
-  double clearance = 1e-4;  // m: a beam launched the other way starts off a surface that is oblique to it
+  double path_length = 0;                // m, optical, from the launch
+  std::vector<SpanSink::Cut> cuts = {};  // before that
   NetworkSpan::End end_of_span() const { return {surface, end.origin, end.travel, spot(end).major}; }
 };
 
-// The whole beam is off the surface, but at most half-way to the surface before it.
-double clearance_of(BeamSpot const& at, LeavingBeam const& before) {
-  double const incidence = angle_between(at.normal, -at.mode.travel);
-  double const wanted = 1e-4 + 4.5 * spot(at.mode).major * std::tan(incidence);
-  return std::fmin(wanted, 0.5 * length(at.mode.origin - before.mode.origin));
-}
-
 Reach reach_of(World const& world, BeamLaunch const& launch, double length) {
   double const longest = 1.01 * length + 0.1;
-  SpanSink sink(longest);
+  SpanSink sink(launch, longest);
   grow_tree(world, launch, {1e-6, 0}, sink);
-  if (sink.last && (sink.split || sink.last->path_length > 0.99 * length - 0.1))
-    return {sink.last->mode, sink.last->surface, sink.last->field, sink.last->path_length,
-            clearance_of(*sink.last, sink.before)};
+  if (sink.last && (sink.at_component || sink.last->path_length > 0.99 * length - 0.1)) {
+    sink.cuts.pop_back();
+    return {sink.last->mode, sink.last->surface, sink.last->piece, sink.last->field, sink.last->path_length, sink.cuts};
+  }
   LeavingBeam const& free = sink.leaving;
   double const further = std::fmax(length - free.path_length, 1e-3);
-  return {propagated(free.mode, further), {}, free.field, free.path_length + further};
+  return {propagated(free.mode, further), {}, 0, free.field, free.path_length + further, sink.cuts};
+}
+
+// The network has nothing between the ends of the light.
+void warn_of_obstacles(Node const& at, World const& world, std::string const& light, Reach const& reach) {
+  constexpr double slight = 0.01;
+  for (SpanSink::Cut const& cut : reach.cuts)
+    if (cut.share > slight)
+      at.warning(fmt::format("'{}' stands in the light '{}' and stops {:.3g} % of it", world.name_of(cut.surface), light,
+                             100 * cut.share),
+                 "the network lets all of it pass there: move the object out of the beam, give it a hole, or add its "
+                 "loss to the network");
 }
 
 // Power of a beam of the network over the reference of all couplings: the first beam with a stated power, or without
@@ -308,8 +333,8 @@ bool is_taken(BehindMirror const& b, std::string const& out, std::string const& 
 // A drawing and a network that do not agree name different places.
 void warn_of_other_length(BehindMirror const& b, double drawn, double length) {
   if (std::fabs(drawn - length) < 0.2 * length + 0.5) return;
-  b.beam["lit"].warning(fmt::format("behind '{}' the drawing has a splitter after {:.3g} m, and the network a space of "
-                                    "{:.3g} m at '{}'",
+  b.beam["lit"].warning(fmt::format("behind '{}' the drawing has a splitter or mirror after {:.3g} m, and the network a "
+                                    "space of {:.3g} m at '{}'",
                                     b.port.substr(0, b.port.rfind('.')), drawn, length, b.port),
                         "name the port that faces it by 'behind', or correct one of the lengths");
 }
@@ -354,10 +379,11 @@ void light_behind(BehindMirror const& b, Registry const& names, World& world, Ne
   NetworkSpan::End const mirror{f.surface, f.centre, -f.travel, f.radius};
   world.spans.back().ends = {reach.end_of_span(), mirror};
   world.spans.back().longest = reach.path_length;
+  warn_of_obstacles(b.beam["lit"], world, out, reach);
   light_span(b, names, world, f.beam);
 
   Mode const returns = reversed(reach.end);
-  Footprint in = footprint_of(propagated(returns, reach.clearance), world.wavelength / returns.wavelength);
+  Footprint in = footprint_of(returns, world.wavelength / returns.wavelength);
   in.polarisation = polarisation_of(reach.field);
   in.free = true;
   in.emits = in.receives = false;
@@ -368,13 +394,14 @@ void light_behind(BehindMirror const& b, Registry const& names, World& world, Ne
                          b.mirror,
                          mirrors,
                          {reach.end_of_span(), mirror},
-                         reach.path_length + 1e-3});
+                         reach.path_length + 1e-3,
+                         {reach.surface, reach.piece}});
   world.add_footprint(in);
   light_span(b, names, world, in.beam);
   name_mirror_lights(b, world, network);
 }
 
-void end_in_network(World& world, NetworkPowers const& network, std::string const& light) {
+void end_in_network(Node const& beam, World& world, NetworkPowers const& network, std::string const& light) {
   auto const space = network.spaces.find(light.substr(0, light.rfind('.')));
   if (space == network.spaces.end()) return;
   Footprint const& f = world.footprints().back();
@@ -383,6 +410,7 @@ void end_in_network(World& world, NetworkPowers const& network, std::string cons
   Reach const reach = reach_of(world, launches(world).back(), space->second.length);
   world.spans.back().ends = {reach.end_of_span(), {{}, f.centre, -f.travel, f.radius}};
   world.spans.back().longest = reach.path_length;
+  warn_of_obstacles(beam["network"], world, light, reach);
 }
 
 }  // namespace straytrace::world

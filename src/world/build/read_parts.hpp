@@ -152,7 +152,7 @@ LitWish read_lit(Node const& beam, Registry const&);
 // document has problems.
 void light_up(Node const& beam, LitWish const&, Registry const&, World&, Lighting const&);
 // The last footprint is the launch of this light of the network: ends it where the network continues.
-void end_in_network(World&, NetworkPowers const&, std::string const& light);
+void end_in_network(Node const& beam, World&, NetworkPowers const&, std::string const& light);
 // Two beams between the mirror and the next component: the light that leaves the mirror, and the light that comes to
 // it (docs/theory/recoupling.md). They become beams of the world, with the names of their light and ports of the same
 // names.

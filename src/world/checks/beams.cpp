@@ -66,10 +66,15 @@ void check_spot(Node const& beam, std::string const& name, Footprint const& f, W
                    : fmt::format("give the material of '{}' a 'scatter', or 'specular'", lit));
 }
 
-// Light of one beam by propagation and of another by statement is probably the same light.
+// Light of one beam by propagation and of another by statement is probably the same light. A ghost is that of another
+// beam only where the scene states it, with about its power.
 bool same_light(World const& world, std::uint32_t followed, std::uint32_t other) {
   Footprint const &f = world.footprints()[followed], &g = world.footprints()[other];
   if (g.free || f.beam == g.beam || f.surface != g.surface || !f.emits || !g.emits) return false;
+  if (world.feeds()[followed].order > 0 || world.feeds()[other].order > 0) {
+    bool const alike = f.share < 3 * g.share && g.share < 3 * f.share;
+    if (world.feeds()[other].propagated || !alike) return false;
+  }
   return dot(f.travel, g.travel) > 0.99 && f.intensity(g.centre) > 0.1 * f.intensity(f.centre);
 }
 void warn_of_light_counted_twice(Scene const& scene, World const& world) {

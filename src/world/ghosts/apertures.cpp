@@ -11,7 +11,6 @@
 #include "base/errors.hpp"
 #include "beams/aperture.hpp"
 #include "world/ghosts/beam_tree.hpp"
-#include "world/ghosts/obstacle.hpp"
 
 namespace straytrace::world {
 namespace {
@@ -133,7 +132,7 @@ class Passed final : public BeamSink {
   void left(LeavingBeam const& beam, std::span<BeamStep const> way) override {
     flight_ = beam.mode;
     before_ = beam.path_length;
-    main_way_ = launch_.cavity.empty() && beam.field.power() > 0.5;
+    main_way_ = comes_back() && beam.field.power() > 0.5;
     if (way.empty() || way.back().spot != last_spot_ || last_row_ >= all_.size()) return;
     BeamAperture& a = all_[last_row_];  // the beam as it leaves
     a.reflected = way.back().event == Event::reflect;
@@ -149,11 +148,12 @@ class Passed final : public BeamSink {
     last_row_ = std::numeric_limits<std::size_t>::max();
     if (first && !launch_.cavity.empty()) return;  // the mirror of the cavity itself
     BeamAperture a = row(spot.surface, spot.path_length);
-    a.main_way = launch_.cavity.empty() && spot.power > 0.5;
+    bool const carries_mode = std::ranges::find(launch_.cavity, spot.surface) != launch_.cavity.end();
+    a.main_way = comes_back() && !carries_mode && spot.power > 0.5;
     if (auto const rim = outer_rim(world_, spot.surface))
       measure(a, *rim, spot.mode);
     else
-      rough(a, spot.mode, beside_rim(world_.view(), spot.surface, spot.mode));
+      rough(a, spot.mode, beside_rim(world_.view(), spot.surface, spot.mode), false);
     if (std::isnan(a.ripple) && !(a.clipped > 0)) return;
     last_row_ = all_.size();
     all_.push_back(a);
@@ -163,6 +163,8 @@ class Passed final : public BeamSink {
   }
 
  private:
+  // Light of the network behind an input mirror does, what an end mirror transmits does not.
+  bool comes_back() const { return launch_.cavity.empty() || launch_.span; }
   BeamAperture row(SurfaceId id, double along) const {
     BeamAperture a;
     a.beam = launch_.beam;
@@ -171,13 +173,15 @@ class Passed final : public BeamSink {
     a.along = along;
     return a;
   }
-  static void rough(BeamAperture& a, Mode const& here, double share) {
+  void rough(BeamAperture& a, Mode const& here, double share, bool screen) const {
     Spot const s = spot(here);
     a.w_major = s.major;
     a.w_minor = s.minor;
     a.at = in_plane(here);
     a.clipped = share;
     a.axis_far = a.ripple = a.tilt = a.opening.radius = a.opening.x = unknown;
+    auto const rims = flat_rims(world_.view(), a.surface);
+    if (rims.size() == 1) a.flat = {rims[0], here, screen};
   }
   void fly(double flight_length) {
     std::vector<BeamAperture> found;
@@ -185,7 +189,7 @@ class Passed final : public BeamSink {
     for (ScreenSpot const& s : touched_) {
       if (std::ranges::any_of(found, [&](auto const& a) { return a.surface == s.screen.surface; })) continue;
       BeamAperture a = row(s.screen.surface, s.path_length);
-      rough(a, s.screen.mode, s.screen.alone);
+      rough(a, s.screen.mode, s.screen.alone, true);
       found.push_back(a);
     }
     touched_.clear();

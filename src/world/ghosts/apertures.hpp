@@ -2,10 +2,12 @@
 // Apertures of the main beams: holes around their chief rays, edges beside them, and the rims of mirrors and lenses.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "beams/aperture.hpp"
 #include "beams/mode.hpp"
+#include "world/ghosts/obstacle.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::world {
@@ -34,8 +36,17 @@ struct BeamAperture {
     // Share of the power outside of it, mean over the height of its teeth.
     double clipped() const;
   } round{};
+  // Of another flat rim, in its plane.
+  struct Flat {
+    FlatRim rim;
+    Mode mode;            // that arrives
+    bool screen = false;  // takes what falls on it; false: what falls beside it
+  };
+  std::optional<Flat> flat{};
   bool standing = false;  // between the mirrors of a cavity, or one of these
-  bool main_way = false;  // of a launched beam of which more than half has come here, not through a cavity mirror
+  // Of a launched beam of which more than half has come here: light of the network, or not through a mirror of a cavity.
+  // False on the mirrors of a cavity.
+  bool main_way = false;
 };
 
 // Beam by beam, in the order along each.

@@ -49,6 +49,8 @@ class Tree {
     Branch first;
     first.beam.mode = launch_.mode;
     first.beam.field = launch_.field;
+    if (launch_.leaves.surface.valid()) first.from = launch_.leaves;
+    enter_glass(first);
     if (launch_.arrives_at.valid())
       arrive(first, {launch_.arrives_at, 0, launch_.piece});
     else
@@ -63,6 +65,14 @@ class Tree {
   }
 
  private:
+  // A launch that leaves a surface against its normal starts in the volume behind.
+  void enter_glass(Branch& first) const {
+    SurfaceId const id = first.from.surface;
+    if (!id.valid() || view_.surfaces[id.value].volume == Surface::none) return;
+    std::uint32_t const volume = view_.surfaces[id.value].volume;
+    if (dot(view_.normal(id, first.beam.mode.origin, first.from.piece), first.beam.mode.travel) < 0)
+      first.media.enter(volume);
+  }
   void follow(Branch const& branch) {
     way_.resize(branch.depth > 0 ? branch.depth - 1 : 0);
     if (branch.depth > 0) way_.push_back(branch.step);
@@ -514,6 +524,7 @@ std::vector<BeamLaunch> launches(World const& world) {
     if (span != world.spans.end()) {
       launch.span = &*span;
       launch.cavity = span->cavity;
+      launch.leaves = span->leaves;
       launch.name = world.beams[f.beam].name;
     } else if (!launch.cavity.empty()) {
       launch.passes = passed_at_launch(world, launch);

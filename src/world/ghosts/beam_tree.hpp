@@ -87,6 +87,7 @@ struct BeamLaunch {
   BeamField field;
   SurfaceId arrives_at;           // starts on this surface, at the origin of the mode; invalid: in space
   std::uint32_t piece = 0;        // of that surface
+  Departure leaves;               // leaves this surface, at the origin of the mode; invalid: from space
   std::vector<SurfaceId> cavity;  // between these mirrors: the light reflected at `arrives_at` is the mode itself, and
                                   // light that passes into the cavity has rejoined it
   double passes = 1;              // share of the power that leaves the cavity through `arrives_at`; 1: no cavity

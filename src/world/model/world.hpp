@@ -61,6 +61,7 @@ struct NetworkSpan {
   std::vector<SurfaceId> cavity;  // mirrors
   std::vector<End> ends;
   double longest = 0;  // m, optical: the beam itself goes no further
+  Departure leaves{};  // the surface on which it starts, which does not clip it; invalid: in space
 };
 
 // Owns all arrays. Built from a scene by build_world, or piece by piece by tests.

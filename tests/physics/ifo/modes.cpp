@@ -378,6 +378,43 @@ TEST(Modes, MovingStop) {
   }
 }
 
+// A stop between a recycling mirror and the input mirror of a cavity, as in a short arm: two beams of different powers
+// pass it, a from the cavity and b to it. The slope of the transmitted power is that of both as fields,
+// T_a dK_00/dd + T_b dK_00/dd, which is T_am of either beam (eq. N.21).
+TEST(Modes, MovingStopBehindAnInputMirror) {
+  constexpr double slow = 1e-3, per_field = -40;  // Hz; dK_00/dd, 1/m
+  constexpr double step = 1e-6;                   // of the loss
+  auto const network_of = [](double loss) {
+    Network network{light_wavelength};
+    ComponentId const laser = network.add_laser("laser", 1), first = network.add_mirror("PRM", {.transmission = 0.05}),
+                      input = network.add_mirror("M1", {.transmission = 0.02}),
+                      end = network.add_mirror("M2", {.transmission = 0.004});
+    double const passes = 1 - loss;
+    ComponentId const stop = network.add_mirror("A", {.transmission = passes, .loss = 1 - passes});
+    network.link({laser, 0}, {first, 0}, 0);
+    network.link({first, 1}, {stop, 0}, 3, 0.2);
+    network.link({stop, 1}, {input, 0}, 3, 0.3);
+    network.link({input, 1}, {end, 0}, 3000, -pi / 2 + 1e-3);
+    return std::pair(network, network.number_of({end, 1}));
+  };
+  auto const [network, behind] = network_of(0);
+  auto const transmitted = [&](double loss) { return SteadyField(network_of(loss).first).power_out(behind); };
+  SteadyField const field(network);
+  LinearResponse const read(network, field, Readout::power(behind).of_leaving(), slow);
+  NetworkBeam const to = *find_beam(network, "A.back.out"), from = reversed(to);
+  auto const response = [&](StrayWay const& way) {
+    return stray_response(read, network, field, way, slow).amplitude().real();
+  };
+  double const both = response(passing(network, to)), t_b = response({{to}, {to}, 0, 0, true}),
+               t_a = response({{from}, {from}, 0, 0, true});
+  EXPECT_NEAR((t_a + t_b) / both, 1, 1e-6);
+  EXPECT_NEAR(response(passing(network, from)) / both, 1, 1e-9) << "the same of either beam";
+  EXPECT_GT(std::fabs(std::hypot(t_a, t_b) / both - 1), 0.05) << "control: added in power";
+  // K_00 = 1 - loss/2 of each way.
+  double const slope = (transmitted(2 * step) - transmitted(0)) / (2 * step) * -2 * per_field;
+  EXPECT_NEAR(both * per_field / slope, 1, 1e-3);
+}
+
 // A dual-recycled detector without Schnupp asymmetry, all of its mirrors matched to the arms but for `detuned` of the
 // curvature of the signal-recycling mirror, 1/m.
 struct Detector {

@@ -9,6 +9,7 @@
 
 #include "support/ghost_support.hpp"
 #include "support/recorded.hpp"
+#include "support/shapes.hpp"
 
 namespace straytrace::testing::moving_rims {
 namespace {
@@ -70,6 +71,72 @@ TEST(MovingRims, rotation_about_a_pivot) {
   EXPECT_LT(std::fabs(found.slope[3]), 1e-6);
 }
 
+using Flat = world::BeamAperture::Flat;
+
+// A plate across a beam along z, and the beam at the plate.
+Flat plate(world::Outline const& outer, Vec3 centre, Mode const& mode) {
+  return {{centre, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, outer, {}, false}, mode, true};
+}
+world::Outline box(double half_x, double half_y) { return {half_x, half_y, 4, 0, 0, true}; }
+Mode waist() { return circular_mode({}, {0, 0, 1}, w, 0, lambda); }
+
+// Eq. N.21, a straight edge at d: K_00 = (1 + erf(sqrt 2 d/w))/2, dK_00/dd = sqrt(2/pi)/w exp(-2 d^2/w^2).
+TEST(MovingRims, straight_edge) {
+  double const half = 10 * w;
+  for (double const at : {-0.4 * w, 0.0, 0.1 * w, 1.5 * w, 3.5 * w}) {
+    RimDerivatives const found = rim_derivatives(plate(box(half, half), {half + at, 0, 0}, waist()), {});
+    double const closed = std::sqrt(2 / pi) / w * std::exp(-2 * at * at / (w * w));
+    EXPECT_NEAR(found.removed / (0.5 * std::erfc(std::sqrt(2) * at / w)), 1, 1e-6) << at;
+    EXPECT_NEAR(found.slope[0] / closed, 1, 1e-9) << at;
+    double const bent = -4 * at / (w * w) * closed;
+    EXPECT_NEAR(found.curvature(0, 0), bent, 1e-6 * closed / w + 1e-5 * std::fabs(bent)) << at;
+    EXPECT_LT(std::fabs(found.slope[1]), 1e-9 * closed) << at;
+  }
+  RimDerivatives const left = rim_derivatives(plate(box(half, half), {-half - 1.5 * w, 0, 0}, waist()), {});
+  EXPECT_LT(left.slope[0], 0) << "control: the edge on the other side";
+}
+
+// A rectangular hole is a product of two slits; K_00 = erf(sqrt 2 a/w) erf(sqrt 2 b/w) in the middle.
+TEST(MovingRims, rectangular_hole) {
+  double const half_x = 1.1 * w, half_y = 1.4 * w, off = 0.2 * w;
+  Flat frame = plate(box(20 * w, 20 * w), {off, 0, 0}, waist());
+  frame.rim.hole = true;
+  frame.rim.inner = box(half_x, half_y);
+  RimDerivatives const found = rim_derivatives(frame, {off, -0.4, 0});
+  auto const edge = [](double at) { return std::sqrt(2 / pi) / w * std::exp(-2 * at * at / (w * w)); };
+  auto const below = [](double at) { return std::erf(std::sqrt(2) * at / w); };
+  double const slope = below(half_y) * (edge(off + half_x) - edge(off - half_x)),
+               kept = 0.5 * below(half_y) * (below(half_x + off) + below(half_x - off));
+  EXPECT_NEAR(found.removed / (1 - kept), 1, 1e-9);
+  EXPECT_NEAR(found.slope[0] / slope, 1, 1e-9);
+  EXPECT_NEAR(found.slope[5] / (-0.4 * slope), 1, 1e-9) << "about a pivot below";
+  double const across = -4 * half_y / (w * w) * edge(half_y) * (below(half_x + off) + below(half_x - off));
+  EXPECT_NEAR(found.curvature(1, 1) / across, 1, 1e-6);
+  EXPECT_GT(std::fabs(found.slope[0] / slope_of(half_x, off) - 1), 0.1) << "control: a round hole";
+}
+
+// A mirror or lens takes what falls beside it. The edge integral of a circle is eq. N.11, also where an elliptic beam
+// meets it at an angle and where a beam diverges.
+TEST(MovingRims, edge_integral_of_a_circle) {
+  world::Outline const circle{a, a};
+  Flat lens = plate(circle, {d, 0, 0}, waist());
+  lens.screen = false;
+  EXPECT_NEAR(rim_derivatives(lens, {}).slope[0] / slope_of(a, d), 1, 1e-9);
+  EXPECT_NEAR(rim_derivatives(lens, {}).removed, 1 - 0.8557401455, 1e-10);
+  Vec3 const axis = unit({0.5, 0.2, 1});
+  Frame const f = Frame::around(axis);
+  Mode const beam = propagated(elliptic_mode({}, {1, 0, 0}, {0, 0, 1}, {w, 0.6 * w}, {0.3, -0.2}, lambda), 0.4);
+  Vec3 const centre{d, 0.1e-3, 0.4}, pivot{0.1, 0.2, 0.3};
+  RimDerivatives const by_edge = rim_derivatives(Flat{{centre, f.e1, f.e2, axis, circle, {}, false}, beam, false}, pivot),
+                       by_area = rim_derivatives(Round{centre, axis, a, 0, beam}, pivot);
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(by_edge.slope[i], by_area.slope[i], 2e-3 * by_area.slope.norm()) << i;
+  double const reach = pi * w * w / lambda, there = w * std::sqrt(5), steep = w / reach * 2 / std::sqrt(5);
+  lens.rim.centre = {0, 0, 2 * reach};
+  lens.rim.outer = {1.2 * there, 1.2 * there};
+  lens.mode = propagated(waist(), 2 * reach);
+  EXPECT_NEAR(rim_derivatives(lens, {}).slope[2] / (-4 * 1.44 / there * std::exp(-2 * 1.44) * steep), 1, 1e-9);
+}
+
 // A beam along z from z = -1 m through a hole of a body that is displaced, and a port on the disk behind.
 World bench(double offset, double radius = a) {
   World world;
@@ -105,6 +172,24 @@ TEST(MovingRims, route_of_an_iris) {
   EXPECT_EQ(first.phase_sensitivities.at(0).body.value, 0u);
   for (std::size_t i = 1; i < c.records.size(); ++i) EXPECT_EQ(c.records[i].weight, 0);
   EXPECT_TRUE(moving_rim_classes(bench(d, 5e-3)).classes.empty()) << "control: a hole that clips 1e-18";
+}
+
+// Beside the chief ray, and with a hole that is not round.
+TEST(MovingRims, routes_of_other_outlines) {
+  World world = bench(d, 5e-3);
+  BodyId const body = world.add_body("knife", {});
+  std::uint32_t const black = black_optic(world);
+  Rectangle knife = rectangle(20e-3, 20e-3);
+  knife.place({{10e-3 + 1.5 * w, 0, 0.5}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  world.add_surface(knife, black, black, body, world.add_group("knife"));
+  world.finish();
+  MovingRimClasses const found = moving_rim_classes(world);
+  ASSERT_EQ(found.classes.size(), 1u);
+  EXPECT_TRUE(found.warnings.empty());
+  PathRecord const& first = found.classes[0].records.at(0);
+  double const there = w * std::hypot(1, 0.5 * lambda / (pi * w * w));
+  double const closed = std::sqrt(2 / pi) / there * std::exp(-2 * 2.25 * w * w / (there * there));
+  EXPECT_NEAR(first.phase_sensitivities.at(0).d[0] * std::sqrt(first.weight) / closed, 1, 1e-3);
 }
 
 }  // namespace
