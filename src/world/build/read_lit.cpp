@@ -279,7 +279,7 @@ Reach reach_of(World const& world, BeamLaunch const& launch, double length) {
 
 // The network has nothing between the ends of the light.
 void warn_of_obstacles(Node const& at, World const& world, std::string const& light, Reach const& reach) {
-  constexpr double slight = 0.01;
+  constexpr double slight = 0.02;
   for (SpanSink::Cut const& cut : reach.cuts)
     if (cut.share > slight)
       at.warning(fmt::format("'{}' stands in the light '{}' and stops {:.3g} % of it", world.name_of(cut.surface), light,
