@@ -54,7 +54,8 @@ void along(Outline const& o, FlatRim const& rim, double piece, Each const& each)
   }
   for (int k = 0; k < int(o.sides); ++k) {
     Vec3 const from = corner(o, rim, k), side = corner(o, rim, (k + 1) % int(o.sides)) - from;
-    run(pieces(length(side)), [&](double t) { return from + t * side; }, [&](double) { return side; });
+    run(
+        pieces(length(side)), [&](double t) { return from + t * side; }, [&](double) { return side; });
   }
 }
 
@@ -115,7 +116,8 @@ Inside inside(Outline const& o, FlatRim const& rim, Light const& light) {
 }
 
 double removed_by(Flat const& f, Light const& light) {
-  Inside const outer = inside(f.rim.outer, f.rim, light), inner = f.rim.hole ? inside(f.rim.inner, f.rim, light) : Inside{};
+  Inside const outer = inside(f.rim.outer, f.rim, light),
+               inner = f.rim.hole ? inside(f.rim.inner, f.rim, light) : Inside{};
   double const met = outer.share - inner.share, lost = f.screen ? met : 1 - met;
   if (outer.near || inner.near) return lost;
   double const whole = outer.turns - inner.turns, beyond = outer.beyond - inner.beyond;

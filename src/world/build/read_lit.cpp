@@ -233,6 +233,7 @@ class SpanSink final : public BeamSink {
     if (beam.order > 0 || ended_ || is_launch(way)) return;
     leaving = beam;
     if (way.empty() || !last || way.back().spot != number_) return;
+    if (way.back().event == Event::reflect) folded = last->surface;
     cuts.back().share = 1 - beam.field.power() / last->power;
     double const tolerance = 5 * beam.mode.wavelength / (pi * spot(beam.mode).minor);
     ended_ = at_component = way.back().split || angle_between(way.back().out, -way.back().in) < tolerance;
@@ -242,8 +243,9 @@ class SpanSink final : public BeamSink {
     double share = 0;  // of the power that does not go on
   };
   std::optional<BeamSpot> last;
-  LeavingBeam leaving;        // behind the last spot from which it goes on
+  LeavingBeam leaving;        // behind the last spot from which it continues
   bool at_component = false;  // the last spot
+  SurfaceId folded;           // the last mirror from which it continues
   std::vector<Cut> cuts;
 
  private:
@@ -261,6 +263,7 @@ struct Reach {
   BeamField field;
   double path_length = 0;                // m, optical, from the launch
   std::vector<SpanSink::Cut> cuts = {};  // before that
+  SurfaceId folded{};                    // the last mirror from which it continues to an end in space
   NetworkSpan::End end_of_span() const { return {surface, end.origin, end.travel, spot(end).major}; }
 };
 
@@ -274,7 +277,7 @@ Reach reach_of(World const& world, BeamLaunch const& launch, double length) {
   }
   LeavingBeam const& free = sink.leaving;
   double const further = std::fmax(length - free.path_length, 1e-3);
-  return {propagated(free.mode, further), {}, 0, free.field, free.path_length + further, sink.cuts};
+  return {propagated(free.mode, further), {}, 0, free.field, free.path_length + further, sink.cuts, sink.folded};
 }
 
 // The network has nothing between the ends of the light.
@@ -282,8 +285,8 @@ void warn_of_obstacles(Node const& at, World const& world, std::string const& li
   constexpr double slight = 0.02;
   for (SpanSink::Cut const& cut : reach.cuts)
     if (cut.share > slight)
-      at.warning(fmt::format("'{}' stands in the light '{}' and stops {:.3g} % of it", world.name_of(cut.surface), light,
-                             100 * cut.share),
+      at.warning(fmt::format("'{}' stands in the light '{}' and stops {:.3g} % of it", world.name_of(cut.surface),
+                             light, 100 * cut.share),
                  "the network lets all of it pass there: move the object out of the beam, give it a hole, or add its "
                  "loss to the network");
 }
@@ -333,10 +336,11 @@ bool is_taken(BehindMirror const& b, std::string const& out, std::string const& 
 // A drawing and a network that do not agree name different places.
 void warn_of_other_length(BehindMirror const& b, double drawn, double length) {
   if (std::fabs(drawn - length) < 0.2 * length + 0.5) return;
-  b.beam["lit"].warning(fmt::format("behind '{}' the drawing has a splitter or mirror after {:.3g} m, and the network a "
-                                    "space of {:.3g} m at '{}'",
-                                    b.port.substr(0, b.port.rfind('.')), drawn, length, b.port),
-                        "name the port that faces it by 'behind', or correct one of the lengths");
+  b.beam["lit"].warning(
+      fmt::format("behind '{}' the drawing has a splitter or mirror after {:.3g} m, and the network a "
+                  "space of {:.3g} m at '{}'",
+                  b.port.substr(0, b.port.rfind('.')), drawn, length, b.port),
+      "name the port that faces it by 'behind', or correct one of the lengths");
 }
 
 void light_span(BehindMirror const& b, Registry const& names, World& world, std::uint32_t number) {
@@ -411,6 +415,12 @@ void end_in_network(Node const& beam, World& world, NetworkPowers const& network
   world.spans.back().ends = {reach.end_of_span(), {{}, f.centre, -f.travel, f.radius}};
   world.spans.back().longest = reach.path_length;
   warn_of_obstacles(beam["network"], world, light, reach);
+  if (reach.folded.valid())
+    beam["network"].warning(
+        fmt::format("the light '{}' runs on behind the mirror '{}' for the rest of its space, {:.3g} m "
+                    "from where the beam starts",
+                    light, world.name_of(reach.folded), reach.path_length),
+        "if this mirror ends the space, start the beam where the space begins");
 }
 
 }  // namespace straytrace::world

@@ -44,8 +44,8 @@ struct BeamAperture {
   };
   std::optional<Flat> flat{};
   bool standing = false;  // between the mirrors of a cavity, or one of these
-  // Of a launched beam of which more than half has come here: light of the network, or not through a mirror of a cavity.
-  // False on the mirrors of a cavity.
+  // Of a launched beam of which more than half has come here: light of the network, or not through a mirror of a
+  // cavity. False on the mirrors of a cavity.
   bool main_way = false;
 };
 

@@ -127,7 +127,8 @@ TEST(MovingRims, edge_integral_of_a_circle) {
   Frame const f = Frame::around(axis);
   Mode const beam = propagated(elliptic_mode({}, {1, 0, 0}, {0, 0, 1}, {w, 0.6 * w}, {0.3, -0.2}, lambda), 0.4);
   Vec3 const centre{d, 0.1e-3, 0.4}, pivot{0.1, 0.2, 0.3};
-  RimDerivatives const by_edge = rim_derivatives(Flat{{centre, f.e1, f.e2, axis, circle, {}, false}, beam, false}, pivot),
+  RimDerivatives const by_edge =
+                           rim_derivatives(Flat{{centre, f.e1, f.e2, axis, circle, {}, false}, beam, false}, pivot),
                        by_area = rim_derivatives(Round{centre, axis, a, 0, beam}, pivot);
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(by_edge.slope[i], by_area.slope[i], 2e-3 * by_area.slope.norm()) << i;
   double const reach = pi * w * w / lambda, there = w * std::sqrt(5), steep = w / reach * 2 / std::sqrt(5);
@@ -190,6 +191,11 @@ TEST(MovingRims, routes_of_other_outlines) {
   double const there = w * std::hypot(1, 0.5 * lambda / (pi * w * w));
   double const closed = std::sqrt(2 / pi) / there * std::exp(-2 * 2.25 * w * w / (there * there));
   EXPECT_NEAR(first.phase_sensitivities.at(0).d[0] * std::sqrt(first.weight) / closed, 1, 1e-3);
+  world.add_surface(cuboid(20e-3, 20e-3, 1e-3, {{0, 11.5e-3, 0.6}}), black, black, body, world.add_group("block"));
+  world.finish();
+  std::vector<std::string> const left_out = moving_rim_classes(world).warnings;
+  ASSERT_EQ(left_out.size(), 1u);
+  EXPECT_NE(left_out[0].find("'block' clips"), std::string::npos) << left_out[0];
 }
 
 }  // namespace

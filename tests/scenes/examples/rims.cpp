@@ -74,23 +74,39 @@ TEST(RimsKey, RowOfAMovingIris) {
 TEST(RimsKey, IrisInAShortArmLitThroughTheInputMirror) {
   Folder const folder;
   std::string const head = iris.substr(0, iris.find("  - {name: face"));
-  std::string const arm = edited(edited(head, "black: {}}", "black: {}, itm: {specular: {reflect: 98.6 %, transmit: 1.4 %}}, etm: {specular: {reflect: "
-                                       "99.99 %, transmit: 4 ppm}}}"), "bodies:\n", "bodies:\n  test_mass: {motion: still}\n") +
-                          "  - {name: ITM, shape: {cap: {curvature: 1/(1420 m), outer_radius: 17 cm}}, facing: [0, 0, 1], body: test_mass, material: itm}\n"
-                          "  - {name: ETM, shape: {cap: {curvature: 1/(1683 m), outer_radius: 17 cm}}, at: [0 m, 0 m, 2999.8 m], facing: [0, 0, -1], body: test_mass, material: etm}\n"
-                          "  - {name: face, shape: {disk: {outer_radius: 60 cm}}, at: [0 m, 0 m, -1 m], facing: [0, 0, 1], body: plate, material: face}\n";
-  std::string const lit = arm + "beams: {arm: {cavity: [ITM, ETM], power: 667.6 kW, lit: yes}}\n"
-                                "ports: {ITM: {beam: arm, at: ITM}, ETM: {beam: arm, at: ETM}}\nrims: on\ninterferometer: {preset: adv}\n";
-  std::string const one = "a: {from: [0 m, 0 m, -1 mm], facing: [0, 0, -1], radius: 48.65 mm, wavefront_curvature: 1/(-1420 m), network: ITMx.front.out, lit: yes}",
-                    other = ", b: {from: [0 m, 0 m, -6 m], facing: [0, 0, 1], radius: 48.65 mm, wavefront_curvature: 1/(1420 m), network: BS.3.out, lit: yes}",
-                    rest = "}\nports: {ITM: {beam: arm, at: ITM}, ETM: {beam: arm, at: ETM}}\nrims: on\ninterferometer: {preset: adv}\n",
-                    stated = arm + "beams: {arm: {cavity: [ITM, ETM], power: 667.6 kW}, " + one;
+  std::string const arm =
+      edited(edited(head, "black: {}}",
+                    "black: {}, itm: {specular: {reflect: 98.6 %, transmit: 1.4 %}}, etm: {specular: {reflect: "
+                    "99.99 %, transmit: 4 ppm}}}"),
+             "bodies:\n", "bodies:\n  test_mass: {motion: still}\n") +
+      "  - {name: ITM, shape: {cap: {curvature: 1/(1420 m), outer_radius: 17 cm}}, facing: [0, 0, 1], body: test_mass, "
+      "material: itm}\n"
+      "  - {name: ETM, shape: {cap: {curvature: 1/(1683 m), outer_radius: 17 cm}}, at: [0 m, 0 m, 2999.8 m], facing: "
+      "[0, 0, -1], body: test_mass, material: etm}\n"
+      "  - {name: face, shape: {disk: {outer_radius: 60 cm}}, at: [0 m, 0 m, -1 m], facing: [0, 0, 1], body: plate, "
+      "material: face}\n";
+  std::string const lit =
+      arm +
+      "beams: {arm: {cavity: [ITM, ETM], power: 667.6 kW, lit: yes}}\n"
+      "ports: {ITM: {beam: arm, at: ITM}, ETM: {beam: arm, at: ETM}}\nrims: on\ninterferometer: {preset: adv}\n";
+  std::string const
+      one =
+          "a: {from: [0 m, 0 m, -1 mm], facing: [0, 0, -1], radius: 48.65 mm, wavefront_curvature: 1/(-1420 m), "
+          "network: ITMx.front.out, lit: yes}",
+      other =
+          ", b: {from: [0 m, 0 m, -6 m], facing: [0, 0, 1], radius: 48.65 mm, wavefront_curvature: 1/(1420 m), "
+          "network: BS.3.out, lit: yes}",
+      rest =
+          "}\nports: {ITM: {beam: arm, at: ITM}, ETM: {beam: arm, at: ETM}}\nrims: on\ninterferometer: {preset: adv}\n",
+      stated = arm + "beams: {arm: {cavity: [ITM, ETM], power: 667.6 kW}, " + one;
   double const h = strain(row_of(folder, lit));
   EXPECT_GT(h, 0);
   EXPECT_NEAR(strain(row_of(folder, stated + rest)) / h, 1, 1e-3);
   EXPECT_NEAR(strain(row_of(folder, stated + other + rest)) / h, 1, 1e-3) << "not once for each beam";
   EXPECT_EQ(rows, 1);
-  EXPECT_TRUE(row_of(folder, edited(lit, "[20 mm, 0 m, -10 mm], facing: [0, 0, 1], body: mount", "[20 mm, 0 m, 3001 m], facing: [0, 0, 1], body: mount")).is_null())
+  EXPECT_TRUE(row_of(folder, edited(lit, "[20 mm, 0 m, -10 mm], facing: [0, 0, 1], body: mount",
+                                    "[20 mm, 0 m, 3001 m], facing: [0, 0, 1], body: mount"))
+                  .is_null())
       << "control: behind the end mirror light does not come back";
 }
 

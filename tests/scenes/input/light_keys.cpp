@@ -41,7 +41,8 @@ TEST(LightKeys, WrongValues) {
            {"rims: off", "sensors: {PD: }", "a.yaml:12:", "'PD' has no value", "write a value"},
            {"rims: off", "noise: {static_phase: {third: 1 deg}}", "a.yaml:12:", "there is no body 'third'",
             "first, second"},
-           {"rims: off", "noise: {static_phase: {first: 1 m}}", "a.yaml:12:", "'first' is an angle", "write an angle"}}) {
+           {"rims: off", "noise: {static_phase: {first: 1 m}}", "a.yaml:12:", "'first' is an angle",
+            "write an angle"}}) {
     write_text(folder / "a.yaml", edited(plates, row.from, row.to));
     Finished const done = straytrace({"check", folder / "a.yaml"});
     EXPECT_EQ(done.code, 2) << row.to;
@@ -73,13 +74,15 @@ TEST(LightKeys, StaticPhaseStatedTwice) {
 TEST(LightKeys, StaticPhaseStatedTwiceOnAWay) {
   Folder const folder;
   std::string const wall =
-      edited(edited(plates, "transmit: 99 %", "transmit: 0"), "  - {name: window, shape: {disk: {outer_radius: 30 cm}}, at: [0 m, 0 m, -50 cm], facing: [1, 0, 1]",
+      edited(edited(plates, "transmit: 99 %", "transmit: 0"),
+             "  - {name: window, shape: {disk: {outer_radius: 30 cm}}, at: [0 m, 0 m, -50 cm], facing: [1, 0, 1]",
              "  - {name: window, shape: {cylinder: {radius: 1 m, from: -2 m, to: 0 m}}");
   write_text(folder / "a.yaml", edited(wall, "rims: off", "noise: {static_phase: {first: 1 deg, second: 2 deg}}"));
   EXPECT_EQ(straytrace({"check", folder / "a.yaml"}).code, 0);
   Finished const run = straytrace({"run", folder / "a.yaml", "-o", folder / "out", "--histories", "8192", "--quiet"});
   EXPECT_EQ(run.code, 2);
-  EXPECT_THAT(run.err, AllOf(HasSubstr("a.yaml:12:"), HasSubstr("both state the static phase of route"), HasSubstr("keep one of them")));
+  EXPECT_THAT(run.err, AllOf(HasSubstr("a.yaml:12:"), HasSubstr("both state the static phase of route"),
+                             HasSubstr("keep one of them")));
 }
 
 }  // namespace
