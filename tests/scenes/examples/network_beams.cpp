@@ -184,6 +184,11 @@ TEST(NetworkBeams, StatedBeamEndsAtTheMirror) {
   };
   EXPECT_NEAR(lit_once(scene), 1 / 0.99, 1e-6);
   EXPECT_GT(lit_once(edited(scene, "network: BS.3.out", "power: 5 kW")), 1.5) << "control: other light continues";
+  std::string const oblique = with_entry(scene,
+                                         "name: fold, shape: {disk: {outer_radius: 20 cm}}, at: [0 m, 0 m, -1.2 m], "
+                                         "facing: [1, 0, -1], body: m, material: etm");
+  EXPECT_THAT(checked_text(folder, oblique).err, HasSubstr("runs on behind the mirror 'fold'"));
+  EXPECT_THAT(checked_text(folder, scene).err, Not(HasSubstr("runs on"))) << "control";
 }
 
 // Light from a splitter of glass starts on its surface, which does not cut it, however near the next surface is.
