@@ -123,6 +123,11 @@ TEST(MovingRims, edge_integral_of_a_circle) {
   lens.screen = false;
   EXPECT_NEAR(rim_derivatives(lens, {}).slope[0] / slope_of(a, d), 1, 1e-9);
   EXPECT_NEAR(rim_derivatives(lens, {}).removed, 1 - 0.8557401455, 1e-10);
+  constexpr double sides = 400;  // of a polygon between its circles: their radii differ by (pi/sides)^2/2 = 3e-5
+  lens.rim.outer = {a, a, sides, 0.2, a * std::cos(pi / sides)};
+  EXPECT_NEAR(rim_derivatives(lens, {}).slope[0] / slope_of(a, d), 1, 1e-3);
+  lens.rim.outer = {a, a, 6, 0.2, a * std::cos(pi / 6)};
+  EXPECT_GT(std::fabs(rim_derivatives(lens, {}).slope[0] / slope_of(a, d) - 1), 0.02) << "control: a hexagon";
   Vec3 const axis = unit({0.5, 0.2, 1});
   Frame const f = Frame::around(axis);
   Mode const beam = propagated(elliptic_mode({}, {1, 0, 0}, {0, 0, 1}, {w, 0.6 * w}, {0.3, -0.2}, lambda), 0.4);
