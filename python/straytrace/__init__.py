@@ -17,7 +17,7 @@ import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from .curves import Bands, Curve, Noise
+from .curves import Bands, Curve, Noise, Positions
 from .engine import Progress
 from .errors import InputError, NumericalError, Problem, RunError, StraytraceWarning
 from .paths import Path, PathColumn, Paths
@@ -74,6 +74,6 @@ def run(model: Model | Mapping[str, Any] | str | os.PathLike[str], out: str | os
     return _model(model).run(out, **options)
 
 
-__all__ = ["Bands", "Check", "Curve", "InputError", "Interferometer", "Irradiance", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Path", "PathColumn", "Paths",
+__all__ = ["Bands", "Check", "Curve", "InputError", "Interferometer", "Irradiance", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Path", "PathColumn", "Paths", "Positions",
            "Problem", "Progress", "Receiver", "Receivers", "Routes", "Run", "RunError", "Scan", "ScanPoint",
            "SeamCheck", "StraytraceWarning", "Table", "Wave", "WaveRing", "check", "open", "open_run", "quantity", "run", "scan", "trace"]

@@ -66,6 +66,27 @@ class Bands:
 
 
 @dataclass
+class Positions:
+    """Totals with one body at several positions along the beam, over a quarter of the wavelength."""
+
+    body: str
+    static_phase: Array               # [p] rad, of the light that it moves
+    asd: Array                        # [p, n] 1/sqrt(Hz); the mean of the PSDs is that of the total
+
+    @property
+    def low(self) -> Array:
+        """[n] Lowest curve at each frequency."""
+        lowest: Array = np.min(self.asd, axis=0)
+        return lowest
+
+    @property
+    def high(self) -> Array:
+        """[n] Highest curve at each frequency."""
+        highest: Array = np.max(self.asd, axis=0)
+        return highest
+
+
+@dataclass
 class Noise:
     """The strain noise of a run. Call it to get the noise for other motion: ``run.noise(motion="storm.yaml")``."""
 
@@ -78,6 +99,7 @@ class Noise:
     design: dict[str, Array]          # name: ASD
     margin: float                     # of the first design curve
     bands: Bands | None = None      # None if only the mean was computed
+    positions: Positions | None = None  # of a body whose `static_phase` has `positions`
     run: Run | None = field(default=None, repr=False, compare=False)
 
     @property

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .curves import Bands, Curve, Noise
+from .curves import Bands, Curve, Noise, Positions
 from .errors import RunError
 from .routes import Receiver, Receivers, Routes
 
@@ -117,6 +117,13 @@ def _bands(group: Any) -> Bands | None:
     return Bands(**curves, sources=sources, taken_as_exact=texts(bands["taken_as_exact"]))
 
 
+def _positions(group: Any) -> Positions | None:
+    if "positions" not in group:
+        return None
+    part = group["positions"]
+    return Positions(text(part.attrs["body"]), part["phase"][()], part["asd"][()])
+
+
 def noise_of(file: Any) -> Noise | None:
     """/noise."""
     if "noise" not in file:
@@ -145,6 +152,7 @@ def noise_of(file: Any) -> Noise | None:
         design=dict(zip(texts(design["name"]), design["asd"][()])),
         margin=float(group.attrs["margin"]),
         bands=_bands(group),
+        positions=_positions(group),
     )
 
 

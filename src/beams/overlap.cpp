@@ -9,14 +9,23 @@ namespace straytrace::beams {
 
 namespace {
 
-std::complex<double> log_overlap(Mode const& u, Mode const& v) {
+void require_one_medium(Mode const& u, Mode const& v) {
   if (std::fabs(u.wavelength / v.wavelength - 1) > 1e-9)
     throw NumericalError(fmt::format(
         "beams of {:.9g} m and {:.9g} m have no overlap: they must be in the same medium, of one wavelength",
         u.wavelength, v.wavelength));
-  if (!(dot(u.travel, v.travel) > 0)) return -infinity;
+}
+
+// Halfway between both directions.
+Plane plane_across(Mode const& u, Mode const& v) {
   Vec3 const normal = unit(u.travel + v.travel), t1 = any_normal(normal);
-  Plane const plane{0.5 * (u.origin + v.origin), t1, cross(normal, t1)};
+  return {0.5 * (u.origin + v.origin), t1, cross(normal, t1)};
+}
+
+std::complex<double> log_overlap(Mode const& u, Mode const& v) {
+  require_one_medium(u, v);
+  if (!(dot(u.travel, v.travel) > 0)) return -infinity;
+  Plane const plane = plane_across(u, v);
   return product(on_plane(u, plane), on_plane(v, plane)).log_integral();
 }
 
@@ -25,6 +34,34 @@ std::complex<double> log_overlap(Mode const& u, Mode const& v) {
 std::complex<double> overlap(Mode const& u, Mode const& v) { return std::exp(log_overlap(u, v)); }
 double power_overlap(Mode const& u, Mode const& v) { return std::exp(log_power_overlap(u, v)); }
 double log_power_overlap(Mode const& u, Mode const& v) { return 2 * log_overlap(u, v).real(); }
+
+// On the plane u = exp ik[slope.t + t.q t/2], t from its chief ray. A ray moved by c on the plane and by `slope` of its
+// direction changes ln u by ik (slope.t - c.q t) about the phase that it has there, and ln of the integral by the same
+// with the mean of t, weighted by u conj(v).
+OverlapSlope overlap_slope(Mode const& u, Mode const& v) {
+  require_one_medium(u, v);
+  if (!(dot(u.travel, v.travel) > 0)) return {};
+  Plane const plane = plane_across(u, v);
+  PlaneField const moving = on_plane(u, plane), fixed = on_plane(v, plane);
+  FieldProduct const p = product(moving, fixed);
+  Eigen::Vector2cd const mean =
+      -(p.s.inverse() * p.g) - (moving.centre - fixed.centre).cast<std::complex<double>>();
+  Eigen::Vector2cd const bent = moving.q * mean;
+  std::complex<double> const ik(0, p.k);
+  Vec3 const normal = plane.normal();
+  double const cosine = dot(u.travel, normal), z = dot(plane.point - u.origin, normal) / cosine;
+  auto const at = [](Vec3 a, int i) { return i == 0 ? a.x : i == 1 ? a.y : a.z; };
+  // Along the ray onto the plane.
+  std::complex<double> const along =
+      (bent(0) * dot(plane.t1, u.travel) + bent(1) * dot(plane.t2, u.travel)) / cosine;
+  OverlapSlope slope;
+  for (int i = 0; i < 3; ++i) {
+    auto const part = std::size_t(i);
+    slope.shift[part] = -ik * (bent(0) * at(plane.t1, i) + bent(1) * at(plane.t2, i) - along * at(normal, i));
+    slope.turn[part] = ik * (mean(0) * at(plane.t1, i) + mean(1) * at(plane.t2, i)) + z * slope.shift[part];
+  }
+  return slope;
+}
 
 PlaneField on_plane(Mode const& m, Plane const& plane) {
   double const cosine = dot(m.travel, plane.normal());

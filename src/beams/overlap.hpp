@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include <array>
 #include <complex>
 
 #include "beams/mode.hpp"
@@ -20,6 +21,20 @@ double power_overlap(Mode const&, Mode const&);
 // Its natural logarithm, also where the share is too small for a number; minus infinity when the beams run apart by a
 // right angle or more.
 double log_power_overlap(Mode const&, Mode const&);
+
+// Change of ln overlap(u, v) to first order when u moves: its chief ray by `shift` [m] at its origin and by `turn` [rad] of
+// its direction, both across its travel. The field keeps its phase on the moved ray, where a phase that is stationary
+// along the ray (eq. 2.2) is taken: what is left is the change of the overlap (eq. N.27). For motion of v take the
+// conjugate of that of overlap(v, u).
+struct OverlapSlope {
+  std::array<std::complex<double>, 3> shift{}, turn{};  // 1/m, 1/rad; vectors of space
+  std::complex<double> of(Vec3 moved, Vec3 turned) const {
+    return shift[0] * moved.x + shift[1] * moved.y + shift[2] * moved.z + turn[0] * turned.x + turn[1] * turned.y +
+           turn[2] * turned.z;
+  }
+};
+// Zero when the beams run apart by a right angle or more.
+OverlapSlope overlap_slope(Mode const& u, Mode const& v);
 
 // Field of a beam on a plane that it crosses at a small angle, and the product of two such fields.
 

@@ -2,6 +2,7 @@
 // coupling table x motion x interferometer -> strain noise (docs/theory/spectra.md).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -87,12 +88,27 @@ struct StaticPhase {
   double phase = 0;
 };
 
+// Positions of a body along the beam, equally spaced over a quarter of the wavelength: static phases of k 180 deg /
+// count. The phase of a route, and so its spectrum, repeats after that (docs/theory/spectra.md, eq. N.26).
+struct ScannedPhase {
+  std::string body;
+  std::uint32_t count = 0;
+  double phase(std::uint32_t k) const { return pi * k / count; }  // rad
+};
+
 struct NoiseSettings {
   FrequencyGrid grid;
   std::vector<StaticPhase> static_phases{};  // all others are random
+  std::optional<ScannedPhase> scanned{};     // of one body; the budget is the mean over its positions
   bool delay = false;   // each hit acts as early as the light met it (docs/theory/time_domain.md, eq. N.29)
   double margin = 0.1;  // of the design curve (docs/theory/sensitivity.md)
   std::vector<std::string> compare;  // design curves by name or file
+};
+
+// Total with a body at one of its positions.
+struct PositionCurve {
+  double phase = 0;         // rad, of the stray field of the routes that it moves
+  std::vector<double> asd;  // 1/sqrt(Hz)
 };
 
 struct NoiseBudget {
@@ -109,12 +125,20 @@ struct NoiseBudget {
   double margin = 0.1;
   double seconds = 0;
   NoiseBands bands;  // of the total
+  std::string scanned_body;              // empty: none
+  std::vector<PositionCurve> positions;  // of it; the mean of their PSDs is that of the total
   // Where more histories do not lower the error; where drawn paths represent all (SpectrumInterpolator): their
   // contribution to the error, included in `sigma`.
   std::vector<std::string> warnings;
 };
 
 NoiseSettings read_noise_settings(Node const& table);  // table `noise`; absent keys have defaults
+// Lowest and highest curve over the positions, per bin; empty without positions.
+struct PositionBand {
+  std::vector<double> low, high;  // 1/sqrt(Hz)
+};
+PositionBand position_band(NoiseBudget const&);
+
 // Design curves: built-in fits (docs/theory/environment.md, eq. 12.1) or two-column text read through the table's
 // document.
 std::vector<DesignCurve> read_design_curves(Node const& noise_table, NoiseSettings const&);

@@ -69,7 +69,9 @@ void read_noise(ProjectionModel& model, Scene const& scene) {
   model.noise = read_noise_settings(table);
   model.design = read_design_curves(table, model.noise);
   if (table) table.refuse_unknown("'noise'");
-  for (StaticPhase const& phase : model.noise.static_phases)
+  std::vector<StaticPhase> phases = model.noise.static_phases;
+  if (model.noise.scanned) phases.push_back({model.noise.scanned->body});
+  for (StaticPhase const& phase : phases)
     if (!model.motion.bodies.empty() && std::ranges::find(model.motion.bodies, phase.body) == model.motion.bodies.end())
       table["static_phase"][phase.body].problem(
           fmt::format("there is no body '{}'", phase.body),
@@ -405,6 +407,11 @@ std::vector<std::string> ProjectionModel::assumptions() const {
     if (noise.delay)
       lines.push_back("delays: light meets each body before it rejoins (docs/theory/time_domain.md, eq. N.29)");
     lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
+    if (noise.scanned)
+      lines.push_back(
+          fmt::format("mean over {} positions of '{}', a quarter of the wavelength: the routes that it moves as of one "
+                      "point-like scatterer each",
+                      noise.scanned->count, noise.scanned->body));
     for (StaticPhase const& s : noise.static_phases)
       lines.push_back(
           fmt::format("static phase of routes that '{}' moves: {:g} deg, as of one point-like scatterer each; "

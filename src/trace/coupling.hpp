@@ -59,6 +59,8 @@ struct PathRecord {
   double weight = 0;             // share of the class mean it stands for; the weights of a class sum to the mean
   double path_length = 0;        // optical, m
   std::vector<PhaseSensitivity> phase_sensitivities;  // relative to the main mode; one entry per body touched
+  // d(ln |s|)/d(coordinate) [1/m, 1/rad] of ghosts, by body; moments are not used (docs/theory/ghosts.md, eq. N.27).
+  std::vector<PhaseSensitivity> amplitude_levers{};
   // Of a specular path of a coherent family: its field over that of the main mode, by principal state of polarisation,
   // phase relative to the other paths of its class; the squares sum to `weight`. Zero: its static phase is unknown.
   std::array<std::complex<double>, 2> field{};

@@ -3,12 +3,16 @@
 
 import numpy as np
 
-SPECKLE, INPUT = "#56B4E9", "#E69F00"     # Okabe and Ito
+SPECKLE, INPUT, POSITIONS = "#56B4E9", "#E69F00", "#009E73"     # Okabe and Ito
 
 
 def draw_bands(axes, noise):
     """Uncertainty by static phases and inputs: the wide pale band is speckle, the hatched one the inputs."""
     bands, f = noise.bands, noise.frequency
+    if noise.positions is not None:
+        p = noise.positions
+        axes.fill_between(f, np.maximum(p.low, 1e-300), p.high, color=POSITIONS, alpha=0.3, lw=0, zorder=2,
+                          label=f"{len(p.static_phase)} positions of {p.body}")
     if bands is None:
         return
     axes.fill_between(f, np.maximum(bands.speckle_05, 1e-300), bands.speckle_95, color=SPECKLE, alpha=0.22, lw=0,

@@ -237,7 +237,7 @@ constexpr Mark marks[] = {
     {"lower bound", "routes are unresolved: the total contains their observed part, with an equal error"},
     {"unresolved", "the histories do not suffice for an error; the status says why"},
     {"computed", "without a Monte-Carlo error, since it is not sampled"},
-    {"still", "nothing on the route moves: it makes exactly no noise"},
+    {"still", "nothing on the route moves and its light is steady: it makes exactly no noise"},
     {"too faint to matter", "unresolved, but the observed part is below 0.1 % of the noise power at any frequency"},
     {"no light seen", "no history has brought light there: its power is unknown, and may be above zero"},
     {"effective scores",

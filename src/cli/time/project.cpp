@@ -42,7 +42,26 @@ struct ProjectOptions {
   TimeFiles files;
   DataOptions data;                            // segments, --format, --quiet
   std::string witness, target, coupling_unit;  // of a coupling function instead of a run
-  std::uint32_t realisations = 1;
+  std::uint32_t realisations = 0;              // 0: one, or one for each position of a scanned body
+};
+
+// Realisations by position of the body that `static_phase` scans, one after the other.
+struct PositionRuns {
+  std::optional<ScannedPhase> body;
+  std::vector<bool> routes;                       // that it gives its phase
+  std::vector<Realisations> runs{};               // by position
+  std::vector<TimeDomainSummary> summaries{};     // the same
+  PositionRuns(TimeInputs const& in) : body(in.model.noise.scanned) {
+    if (!body) return;
+    routes = scanned_routes(in.coupling(), in.model.motion, in.model.noise, *in.model.detector);
+    runs.resize(body->count);
+  }
+  std::size_t of(std::uint32_t realisation) const { return realisation % std::max<std::size_t>(1, runs.size()); }
+  void set(PathChoice& paths) const {
+    for (std::size_t r = 0; r < routes.size(); ++r)
+      if (routes[r]) paths.phases[r] = body->phase(std::uint32_t(of(paths.realisation)));
+  }
+  double degrees(std::size_t k) const { return body->phase(std::uint32_t(k)) * 180 / pi; }
 };
 
 // Default number of fields that are summed, without copies: takes seconds for a minute of data at 8 kHz.
@@ -207,6 +226,19 @@ std::string level_text(BandLevel const& b, std::size_t realisations) {
   return text + (std::isfinite(b.exact) ? fmt::format("; mean by spectra {:.4g}", b.exact) : "");
 }
 
+std::string positions_text(PositionRuns const& p) {
+  std::string text;
+  for (std::size_t k = 0; k < p.summaries.size(); ++k) {
+    std::string levels;
+    for (BandLevel const& b : p.summaries[k].levels)
+      if (std::isfinite(b.asd))
+        levels += fmt::format("{}{} at {:g} Hz", levels.empty() ? "" : ", ", with_error(b.asd, b.sigma), b.hz);
+    text += fmt::format("\n'{}' at a static phase of {:g} deg, {}: h = {} /sqrt(Hz)", p.body->body, p.degrees(k),
+                        counted(p.runs[k].size(), "realisation"), levels.empty() ? "unknown" : levels);
+  }
+  return text;
+}
+
 std::string project_text(TimeDomainSummary const& r) {
   std::string text =
       fmt::format("{:g} s at {:g} Hz from GPS {}, seed {}: {}, {}\n", r.times.duration(), r.times.rate,
@@ -235,7 +267,7 @@ std::string project_text(TimeDomainSummary const& r) {
   return text;
 }
 
-std::string project_json(TimeDomainSummary const& r) {
+std::string project_json(TimeDomainSummary const& r, PositionRuns const& positions) {
   auto const number = [](double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(); };
   nlohmann::ordered_json j = {{"gps", r.times.start},
                               {"duration", r.times.duration()},
@@ -267,6 +299,15 @@ std::string project_json(TimeDomainSummary const& r) {
                            {"percentile_50", number(b.median)},
                            {"percentile_95", number(b.above)},
                            {"mean_by_spectra", number(b.exact)}});
+  for (std::size_t k = 0; k < positions.summaries.size(); ++k) {
+    nlohmann::ordered_json levels = nlohmann::ordered_json::array();
+    for (BandLevel const& b : positions.summaries[k].levels)
+      levels.push_back({{"frequency", b.hz}, {"asd", number(b.asd)}, {"sigma", number(b.sigma)}});
+    j["positions"].push_back({{"body", positions.body->body},
+                              {"static_phase_deg", positions.degrees(k)},
+                              {"realisations", positions.runs[k].size()},
+                              {"strain", std::move(levels)}});
+  }
   return j.dump(2);
 }
 
@@ -310,7 +351,7 @@ std::vector<std::string> notes_of(TimeDomainSummary const& r) {
           welch_text(r)};
 }
 
-void write_spectrum(std::string const& file, TimeDomainSummary const& r) {
+void write_spectrum(std::string const& file, TimeDomainSummary const& r, PositionRuns const& positions) {
   CurveSheet sheet;
   sheet.title = "strain of stray light from its time series";
   sheet.notes = notes_of(r);
@@ -325,6 +366,10 @@ void write_spectrum(std::string const& file, TimeDomainSummary const& r) {
     double const values[] = {b.asd, b.sigma, b.exact, b.below, b.median, b.above};
     for (std::size_t i = 0; i < sheet.y.size(); ++i) sheet.y[i].values.push_back(values[i]);
   }
+  for (std::size_t k = 0; k < positions.summaries.size(); ++k) {
+    sheet.y.push_back({fmt::format("static_phase_{:g}deg", positions.degrees(k)), unit, {}});
+    for (BandLevel const& b : positions.summaries[k].spectrum) sheet.y.back().values.push_back(b.asd);
+  }
   write_curves({file}, sheet);
 }
 
@@ -335,7 +380,7 @@ void check_time_files(TimeFiles const& f) {
 }
 
 std::vector<std::string> write_time_files(TimeFiles const& f, TimeInputs const& in, StrayLight const& light,
-                                          TimeDomainSummary const& r) {
+                                          TimeDomainSummary const& r, PositionRuns const& positions) {
   std::vector<std::string> written;
   auto const wanted = [&](std::string const& file) {
     if (!file.empty()) written.push_back(file);
@@ -345,7 +390,7 @@ std::vector<std::string> write_time_files(TimeFiles const& f, TimeInputs const& 
     write_series(f.strain, is_hdf5(f.strain) ? strain_channels(in, light) : std::vector{strain_series(light)},
                  "strain of stray light");
   if (wanted(f.motion)) write_series(f.motion, motion_channels(light.motion, in.model.motion), "motion of the bodies");
-  if (wanted(f.asd)) write_spectrum(f.asd, r);
+  if (wanted(f.asd)) write_spectrum(f.asd, r, positions);
   if (wanted(f.spectrogram)) {
     double const stride = f.stride.empty() ? std::min(0.5, r.times.duration() / 4)
                                            : option_quantity(f.stride, dim::time, "--stride", "0.5 s");
@@ -364,6 +409,9 @@ int project(ProjectOptions const& o) {
   segment_of(o.data, "h", in.duration);
   if (!o.data.quiet) std::cerr << (o.data.json() ? in.model.warnings_json : in.model.warnings);
   TimeDomainSettings settings = settings_of(o, in);
+  PositionRuns positions(in);
+  std::uint32_t const realisations =
+      o.realisations > 0 ? o.realisations : std::max(1u, std::uint32_t(positions.runs.size()));
   Realisations all;
   StrayLight first;
   ProgressLine progress(o.data.quiet);
@@ -371,23 +419,31 @@ int project(ProjectOptions const& o) {
   TimeLeft left;
   settings.progress = [&](double share) {
     double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-                 done = (settings.paths.realisation + share) / o.realisations;
+                 done = (settings.paths.realisation + share) / realisations;
     double const more = left.at(seconds, done);
     progress.at(seconds, [&] { return progress_line(done, more, in.duration); });
   };
-  for (std::uint32_t r = 0; r < o.realisations; ++r) {
+  for (std::uint32_t r = 0; r < realisations; ++r) {
     settings.paths.realisation = r;
+    positions.set(settings.paths);
     StrayLight light = stray_light(in.coupling(), in.model.motion, *in.model.detector, settings);
     TimeSeries const h = strain_series(light);
-    all.add(welch(h.samples, h.rate, welch_of(o.data, h)));
+    WelchSpectrum const spectrum = welch(h.samples, h.rate, welch_of(o.data, h));
+    all.add(spectrum);
+    if (!positions.runs.empty()) positions.runs[positions.of(r)].add(spectrum);
     if (r == 0) {
       settings.rate = light.times.rate;
       first = std::move(light);
     }
   }
   TimeDomainSummary const result = summarise(in.coupling(), in.model.motion, in.exact, settings, first, all);
-  std::cout << (o.data.json() ? project_json(result) : project_text(result)) << '\n';
-  for (std::string const& name : write_time_files(o.files, in, first, result))
+  for (Realisations const& run : positions.runs)
+    if (run.size() > 0)
+      positions.summaries.push_back(
+          summarise(in.coupling(), in.model.motion, in.exact, settings, first, run));
+  std::cout << (o.data.json() ? project_json(result, positions) : project_text(result) + positions_text(positions))
+            << '\n';
+  for (std::string const& name : write_time_files(o.files, in, first, result, positions))
     if (!o.data.quiet) std::cerr << "wrote " << name << '\n';
   return done;
 }
@@ -410,7 +466,8 @@ void add_project(CLI::App& app, int& exit_code) {
       ->add_option("--paths-per-route", o.per_route,
                    "number of fields drawn for each route; default: about 2048 in total, at least 16")
       ->check(whole_between(1, 1e6, "64"));
-  command->add_option("--realisations", o.realisations, "number of independent draws of motion and static phases")
+  command->add_option("--realisations", o.realisations, "number of independent draws of motion and static phases; default: 1, or one for each position of "
+                  "'static_phase'")
       ->check(whole_between(1, 1e5, "20"));
   command->add_flag("--retarded", o.retarded, "delay the motion of each path by half of its length");
   command->add_option("--threads", o.threads, "default: all cores; does not change the result")

@@ -178,24 +178,29 @@ struct PhasePower {
   double late = 0, at_once = 0;
 };
 
-// Of Gaussian inputs at one frequency.
+// Of Gaussian inputs and tones in a bin.
 class PhaseAt {
  public:
-  PhaseAt(MotionSet const& motion, std::size_t bodies, double hz) : omega_(2 * pi * hz), by_body_(bodies) {
+  PhaseAt(MotionSet const& motion, std::size_t bodies, FrequencyGrid const& grid, std::size_t bin)
+      : hz_(grid.centre(bin)), by_body_(bodies) {
     for (std::uint32_t i = 0; i < motion.inputs.size(); ++i) {
       MotionInput const& input = motion.inputs[i];
-      psd_.push_back(input.drift || input.tone_frequency > 0 ? 0 : input.spectrum.at(hz));
+      bool const tone = input.tone_frequency > 0;
+      double const of_tone = tone && grid.bin_of(input.tone_frequency) == bin ? 0.5 / grid.width(bin) : 0;
+      psd_.push_back(input.drift ? 0 : tone ? of_tone : input.spectrum.at(hz_));
+      // Transfer functions are those of exp(-2 pi i f t), a tone is Im(value exp(+2 pi i f t)).
+      omega_.push_back(2 * pi * (tone ? -input.tone_frequency : hz_));
       if (!(psd_.back() > 0)) continue;
       for (Gain const& g : input.gains)
-        by_body_[g.body.value].push_back({i, g.axis, g.value * (g.transfer ? (*g.transfer)(hz) : 1.0)});
+        by_body_[g.body.value].push_back({i, g.axis, g.value * (g.transfer ? (*g.transfer)(hz_) : 1.0)});
     }
   }
   PhasePower of(PathRecord const& r) const {
     std::vector<std::complex<double>> late(psd_.size()), at_once(psd_.size());
     for (PhaseSensitivity const& s : r.phase_sensitivities)
       for (Term const& t : by_body_[s.body.value]) {
-        double const d = s.d[t.axis], turn = omega_ * s.moment[t.axis];
-        bool const one = d != 0 && turn / d >= 0 && turn / d <= omega_ * r.path_length / speed_of_light;
+        double const d = s.d[t.axis], delay = s.moment[t.axis] / d, turn = omega_[t.input] * s.moment[t.axis];
+        bool const one = d != 0 && delay >= 0 && delay <= r.path_length / speed_of_light;
         at_once[t.input] += t.gain * d;
         late[t.input] += t.gain * (one ? std::polar(1.0, turn / d) * d : std::complex<double>(d, turn));
       }
@@ -213,20 +218,31 @@ class PhaseAt {
     int axis;
     std::complex<double> gain;
   };
-  double omega_;
-  std::vector<double> psd_;
+  double hz_;
+  std::vector<double> psd_, omega_;  // by input
   std::vector<std::vector<Term>> by_body_;
 };
+
+// From the highest down, and those with tones.
+std::vector<std::size_t> bins_looked_at(FrequencyGrid const& grid, MotionSet const& motion) {
+  std::size_t const bins = grid.size(), step = std::max<std::size_t>(1, bins / looked_at);
+  std::vector<std::size_t> some;
+  for (std::size_t bin = bins - 1; bin < bins; bin -= std::min(step, bin + 1)) some.push_back(bin);
+  for (MotionInput const& input : motion.inputs)
+    if (std::size_t const bin = input.tone_frequency > 0 ? grid.bin_of(input.tone_frequency) : bins;
+        bin < bins && std::ranges::find(some, bin) == some.end())
+      some.push_back(bin);
+  return some;
+}
 
 }  // namespace
 
 DelayEffect delay_effect(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
                          NoiseBudget const& budget) {
   DelayEffect worst;
-  std::size_t const bins = budget.grid.size(), step = std::max<std::size_t>(1, bins / looked_at);
-  for (std::size_t bin = bins - 1; bin < bins; bin -= std::min(step, bin + 1)) {
+  for (std::size_t const bin : bins_looked_at(budget.grid, motion)) {
     double const hz = budget.grid.centre(bin), linear = budget.total.linear_share[bin];
-    PhaseAt const phase(motion, std::max(table.bodies.size(), motion.bodies.size()), hz);
+    PhaseAt const phase(motion, std::max(table.bodies.size(), motion.bodies.size()), budget.grid, bin);
     PhasePower sum;
     for (CouplingClass const& c : table.classes) {
       double const strain =

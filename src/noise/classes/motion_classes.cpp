@@ -143,6 +143,15 @@ std::vector<double> kappa_of(MotionSet const& motion, std::vector<MotionClass> c
   return kappa;
 }
 
+std::vector<double> kappa_of(MotionSet const& motion, std::vector<MotionClass> const& classes, PathRecord const& r) {
+  std::vector<double> kappa = kappa_of(motion, classes, r.phase_sensitivities);
+  if (r.amplitude_levers.empty()) return kappa;
+  std::vector<double> const amplitude = kappa_of(motion, classes, r.amplitude_levers);
+  for (std::size_t c = 0; c < kappa.size(); ++c)
+    if (!classes[c].drift) kappa[c] += amplitude[c];
+  return kappa;
+}
+
 std::vector<KappaSum> kappa_sums(MotionSet const& motion, std::vector<MotionClass> const& classes,
                                  std::span<PhaseSensitivityProduct const> products) {
   constexpr double rounding = 1e-9;  // of the sum of the moduli of the terms

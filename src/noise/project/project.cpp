@@ -8,6 +8,7 @@
 #include <cmath>
 #include <complex>
 #include <optional>
+#include <ranges>
 #include <tuple>
 #include <utility>
 
@@ -35,15 +36,17 @@ struct Response {
   double both(std::size_t i) const { return phase[i] + amplitude[i] + (cross.empty() ? 0 : cross[i]); }
 };
 
-// Eq. N.26: with S the mean over static phases, Im s has S (1 - cos 2 phi_0 q), Re s S (1 + cos 2 phi_0 q), and their
-// cross spectrum is S sin 2 phi_0 q, q = S'/S.
-Response with_static_phase(Response const& mean, Bins const& ratio, double phase) {
+// Eq. N.26: with S the mean over static phases and q = exp(2i phi_0) S'/S, Im s has S (1 - Re q), Re s S (1 + Re q), and
+// their cross spectrum is S Im q.
+Response with_static_phase(Response const& mean, std::vector<std::complex<double>> const& ratio, double phase) {
   Response t = mean;
   t.cross.resize(ratio.size());
+  std::complex<double> const turn(std::cos(2 * phase), std::sin(2 * phase));
   for (std::size_t i = 0; i < ratio.size(); ++i) {
-    t.phase[i] *= 1 - std::cos(2 * phase) * ratio[i];
-    t.amplitude[i] *= 1 + std::cos(2 * phase) * ratio[i];
-    t.cross[i] = std::sin(2 * phase) * ratio[i] * t.relation[i];
+    std::complex<double> const q = turn * ratio[i];
+    t.phase[i] *= 1 - q.real();
+    t.amplitude[i] *= 1 + q.real();
+    t.cross[i] = q.imag() * t.relation[i];
   }
   return t;
 }
@@ -124,7 +127,7 @@ Strengths strengths_of(CouplingTable const& table, MotionSet const& motion, Phas
   for (CouplingClass const& c : table.classes) {
     out.first.push_back(out.weight.size());
     for (PathRecord const& record : c.records) {
-      std::vector<double> const kappa = kappa_of(motion, spectra.classes(), record.phase_sensitivities);
+      std::vector<double> const kappa = kappa_of(motion, spectra.classes(), record);
       out.kappa.insert(out.kappa.end(), kappa.begin(), kappa.end());
       out.weight.push_back(record.weight);
     }
@@ -243,11 +246,76 @@ void add_draws(NoiseTrace& trace, DrawBand const& draws, Bins const& to_strain) 
   }
 }
 
+// What is known of the static phases of routes.
+struct RoutePhases {
+  std::vector<std::optional<double>> known;  // rad
+  std::vector<bool> scanned;                 // those of the scanned body; empty: no body is scanned
+  bool scans(std::size_t route) const { return route < scanned.size() && scanned[route]; }
+};
+
+// PSDs of the total with the scanned body at each of its positions, less their mean.
+class Positions {
+ public:
+  Positions(NoiseSettings const& s) : scanned_(s.scanned) {
+    if (scanned_) change_.assign(scanned_->count, Bins(s.grid.size()));
+  }
+  void add(RouteSpectrum const& route, Response const& random, std::vector<std::complex<double>> const& ratio,
+           double factor) {
+    for (std::uint32_t k = 0; k < change_.size(); ++k) {
+      Response const t = with_static_phase(random, ratio, scanned_->phase(k));
+      for (std::size_t i = 0; i < route.psd.size(); ++i)
+        change_[k][i] += factor * (t.both(i) - random.both(i)) * route.psd[i];
+    }
+  }
+  void put_into(NoiseBudget& b) const {
+    if (!scanned_) return;
+    b.scanned_body = scanned_->body;
+    for (std::uint32_t k = 0; k < change_.size(); ++k) {
+      PositionCurve curve{scanned_->phase(k), {}};
+      for (std::size_t i = 0; i < change_[k].size(); ++i)
+        curve.asd.push_back(std::sqrt(std::max(0.0, b.total.psd(i) + change_[k][i])));
+      b.positions.push_back(std::move(curve));
+    }
+  }
+
+ private:
+  std::optional<ScannedPhase> scanned_;
+  std::vector<Bins> change_;
+};
+
+// Paths whose amplitude moves too much for the first order in their levers, and families, whose fields add without it.
+void warn_of_levers(NoiseBudget& b, CouplingTable const& table, MotionSet const& motion, PhaseSpectra const& spectra) {
+  constexpr double much = 0.1, share = 0.01;  // rms change of the amplitude; of the mean-square phase
+  double worst = much, left_out = share;
+  CouplingClass const *moved = nullptr, *family = nullptr;
+  for (CouplingClass const& c : table.classes)
+    for (PathRecord const& r : c.records) {
+      if (r.amplitude_levers.empty()) continue;
+      std::vector<double> const a = kappa_of(motion, spectra.classes(), r.amplitude_levers);
+      double square = 0;
+      for (std::size_t k = 0; k < a.size(); ++k)
+        if (!spectra.classes()[k].drift) square += a[k] * spectra.variance(k);
+      if (std::sqrt(square) > worst) std::tie(worst, moved) = std::pair(std::sqrt(square), &c);
+      if (!c.adds_fields() || !(square > 0)) continue;
+      double const phase = spectra.mean_square_phase(kappa_of(motion, spectra.classes(), r.phase_sensitivities));
+      if (square / phase > left_out) std::tie(left_out, family) = std::pair(square / phase, &c);
+    }
+  if (moved)
+    b.warnings.push_back(fmt::format(
+        "the motion of bodies changes the amplitude of route '{}' by {:.2g} of itself (rms), too much for the first "
+        "order that its noise contains (docs/theory/ghosts.md, eq. N.27)",
+        route_name(table, *moved), worst));
+  if (family)
+    b.warnings.push_back(fmt::format(
+        "ghosts whose fields add have no levers of the amplitude in h: those of route '{}' have {:.2g} of the power of "
+        "the phase (docs/theory/ghosts.md, eq. N.27)",
+        route_name(table, *family), left_out));
+}
+
 // `sidebands`: of each route with light of modulated amplitude, their class; of such a class there is no curve.
-// `phases`: of the static phases of the routes.
 NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
                             NoiseSettings const& settings, std::span<std::optional<std::size_t> const> sidebands,
-                            std::vector<std::optional<double>> const& phases) {
+                            RoutePhases const& phases) {
   auto const start = std::chrono::steady_clock::now();
   std::size_t const bins = settings.grid.size();
   PhaseSpectra const spectra(group_by_shape(motion), settings.grid);
@@ -272,16 +340,21 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
   budget.grid = settings.grid;
   budget.margin = settings.margin;
   PowerSum total(bins), unresolved(bins), faint(bins);
+  Positions positions(settings);
   std::vector<std::pair<std::size_t, PowerSum>> doubtful;
   for (std::size_t r = 0; r < sidebands.size(); ++r) {
     CouplingClass const& c = table.classes[r];
     bool const of_rim = c.kind == ClassKind::rim;
     RouteSpectrum const route = spectrum_of(r);
     Response const random = of_rim ? passing_response(ifo, table, c, settings.grid) : response.at(c.port.value);
-    Response const t = phases[r] ? with_static_phase(random, phase_relation(spectra, motion, c), *phases[r]) : random;
+    std::optional<double> const known = phases.known[r];
+    auto const relation = known || phases.scans(r) ? phase_relation(spectra, motion, c)
+                                                   : std::vector<std::complex<double>>{};
+    Response const t = known ? with_static_phase(random, relation, *known) : random;
     std::string const name = route_name(table, c), why_not = objection(table, c, route);
     PowerSum own(bins);
     double const factor = c.reverse * ifo.copies(c.port);
+    if (phases.scans(r)) positions.add(route, random, relation, factor);
     auto const add_to = [&](PowerSum& sum) {
       sum.add(route, t, factor, c.coupling.mean);
       if (sidebands[r]) sum.add(spectrum_of(*sidebands[r]), random, factor, 0);
@@ -320,7 +393,9 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
       (budget.total.*curve).assign(bins, not_a_number);
   if (!budget.total.resolved)
     budget.total.why_not = "a lower bound: of unresolved routes it contains the observed part";
+  positions.put_into(budget);
   find_bounds(budget, table);
+  warn_of_levers(budget, table, motion, spectra);
   budget.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (std::string note = floor_note(budget, table); !note.empty()) budget.warnings.push_back(std::move(note));
   if (nodes.sampled())
@@ -333,8 +408,8 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
 NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
                           NoiseSettings const& settings) {
   ModulatedLight const light(table, motion);
-  std::vector<std::optional<double>> const phases =
-      known_phases(light.table(), light.motion(), settings.static_phases, ifo);
+  RoutePhases const phases{known_phases(light.table(), light.motion(), settings.static_phases, ifo),
+                           scanned_routes(light.table(), light.motion(), settings, ifo)};
   auto const project = [&](CouplingTable const& all, MotionSet const& moved,
                            std::span<std::optional<std::size_t> const> sidebands) {
     if (!settings.delay) return project_at_once(all, moved, ifo, settings, sidebands, phases);
@@ -345,6 +420,16 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
     return project(light.table(), light.motion(), std::vector<std::optional<std::size_t>>(table.classes.size()));
   AmplitudeSidebands const all = amplitude_sidebands(light.table(), light.motion());
   return project(all.table, all.motion, all.of);
+}
+
+PositionBand position_band(NoiseBudget const& b) {
+  PositionBand band;
+  for (std::size_t i = 0; !b.positions.empty() && i < b.grid.size(); ++i) {
+    auto const at = [&](PositionCurve const& c) { return c.asd[i]; };
+    band.low.push_back(std::ranges::min(b.positions | std::views::transform(at)));
+    band.high.push_back(std::ranges::max(b.positions | std::views::transform(at)));
+  }
+  return band;
 }
 
 // Which curves are upper bounds (docs/theory/diffraction.md, eq. 8.11: rims as one smooth wave; speckle lowers that).
@@ -381,6 +466,27 @@ FrequencyGrid logarithmic_grid(double low_hz, double high_hz, double points_per_
   return grid;
 }
 
+namespace {
+
+// Of each body an angle, or of one a number of positions.
+void read_static_phases(Node const& table, NoiseSettings& settings) {
+  for (auto const& [body, phase] : table.items()) {
+    if (body == "override") continue;
+    if (phase.kind() != Node::Kind::table) {
+      settings.static_phases.push_back({body, phase.as_number(dim::angle, -1e6, 1e6)});
+      continue;
+    }
+    auto const count = std::uint32_t(phase.whole("positions", 8, 2, 360));
+    phase.refuse_unknown("'static_phase'");
+    if (settings.scanned)
+      phase.problem(fmt::format("'{}' and '{}' both have positions", settings.scanned->body, body),
+                    "scan one body, and state an angle for the other or leave it out");
+    settings.scanned = ScannedPhase{body, count};
+  }
+}
+
+}  // namespace
+
 NoiseSettings read_noise_settings(Node const& table) {
   double low = 3, high = 1000, density = 60;
   NoiseSettings settings;
@@ -394,8 +500,7 @@ NoiseSettings read_noise_settings(Node const& table) {
       else if (low < lowest_hz || high > highest_hz)
         band.problem("the band exceeds 1 nHz to 1 THz", "write '[3 Hz, 1 kHz]'");
     }
-    for (auto const& [body, phase] : table.table("static_phase").items())
-      if (body != "override") settings.static_phases.push_back({body, phase.as_number(dim::angle, -1e6, 1e6)});
+    read_static_phases(table.table("static_phase"), settings);
     settings.delay = table.flag("delay", settings.delay);
     density = table.number("points_per_decade", dim::plain, density, 1, 1000);
     settings.margin = table.number("margin", dim::plain, settings.margin, 1e-6, 1e6);

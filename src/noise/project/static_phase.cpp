@@ -20,42 +20,84 @@ bool moved_by(CouplingClass const& c, std::uint32_t body) {
                              [&](PathRecord const& r) { return std::ranges::any_of(r.phase_sensitivities, moves); });
 }
 
+// The one of these bodies that moves a route.
+StaticPhase const* body_of(CouplingTable const& table, CouplingClass const& c, MotionSet const& motion,
+                           std::vector<StaticPhase> const& stated, ifo::Interferometer const& ifo) {
+  if (c.deterministic() && (c.kind != ClassKind::ghost || c.adds_fields())) return nullptr;
+  StaticPhase const* by = nullptr;
+  for (StaticPhase const& s : stated) {
+    auto const body = std::ranges::find(motion.bodies, s.body);
+    if (body == motion.bodies.end() || !moved_by(c, std::uint32_t(body - motion.bodies.begin()))) continue;
+    if (by)
+      throw InputError(
+          fmt::format("'{}' and '{}' both state the static phase of route '{}'", by->body, s.body, route_name(table, c)),
+          "keep one of them in 'static_phase' of 'noise'");
+    by = &s;
+  }
+  if (by && ifo.copies(c.port) != 1)
+    throw InputError(
+        fmt::format("'static_phase' of '{}' is that of one scatterer, and port '{}' has {:g} equal copies", by->body,
+                    table.ports[c.port.value], ifo.copies(c.port)),
+        "write 'copies: 1' for this port in the interferometer, or 'arms: 1'");
+  return by;
+}
+
 }  // namespace
 
 std::vector<std::optional<double>> known_phases(CouplingTable const& table, MotionSet const& motion,
                                                 std::vector<StaticPhase> const& stated,
                                                 ifo::Interferometer const& ifo) {
   std::vector<std::optional<double>> phases(table.classes.size());
-  for (std::size_t r = 0; !stated.empty() && r < table.classes.size(); ++r) {
-    CouplingClass const& c = table.classes[r];
-    if (c.deterministic() && (c.kind != ClassKind::ghost || c.adds_fields())) continue;
-    StaticPhase const* by = nullptr;
-    for (StaticPhase const& s : stated) {
-      auto const body = std::ranges::find(motion.bodies, s.body);
-      if (body == motion.bodies.end() || !moved_by(c, std::uint32_t(body - motion.bodies.begin()))) continue;
-      if (by)
-        throw InputError(fmt::format("'{}' and '{}' both state the static phase of route '{}'", by->body, s.body,
-                                     route_name(table, c)),
-                         "keep one of them in 'static_phase' of 'noise'");
-      by = &s;
-    }
-    if (!by) continue;
-    if (ifo.copies(c.port) != 1)
-      throw InputError(
-          fmt::format("'static_phase' of '{}' is that of one scatterer, and port '{}' has {:g} equal copies", by->body,
-                      table.ports[c.port.value], ifo.copies(c.port)),
-          "write 'copies: 1' for this port in the interferometer, or 'arms: 1'");
-    phases[r] = by->phase;
-  }
+  for (std::size_t r = 0; !stated.empty() && r < table.classes.size(); ++r)
+    if (StaticPhase const* by = body_of(table, table.classes[r], motion, stated, ifo)) phases[r] = by->phase;
   return phases;
+}
+
+std::vector<bool> scanned_routes(CouplingTable const& table, MotionSet const& motion, NoiseSettings const& settings,
+                                 ifo::Interferometer const& ifo) {
+  if (!settings.scanned) return {};
+  std::vector<StaticPhase> stated = settings.static_phases;
+  stated.push_back({settings.scanned->body});
+  std::vector<bool> scanned;
+  for (CouplingClass const& c : table.classes)
+    scanned.push_back(body_of(table, c, motion, stated, ifo) == &stated.back());
+  return scanned;
 }
 
 namespace {
 
 struct Strength {
-  std::vector<double> kappa;
-  double weight = 0, square = 0;  // square: mean-square phase
+  std::vector<double> phase, amplitude, both;  // per class; `both`: of their cross spectrum
+  double weight = 0, square = 0;               // square: mean-square phase
+  bool has_amplitude() const { return std::ranges::any_of(amplitude, [](double k) { return k != 0; }); }
 };
+
+// Of the sum of the lever of the phase and `sign` times that of the amplitude.
+std::vector<double> kappa_of_sum(MotionSet const& motion, std::vector<MotionClass> const& classes, PathRecord const& r,
+                                 double sign) {
+  std::vector<PhaseSensitivity> sum = r.phase_sensitivities;
+  for (PhaseSensitivity const& a : r.amplitude_levers) {
+    auto at = std::ranges::find(sum, a.body, &PhaseSensitivity::body);
+    if (at == sum.end()) at = sum.insert(at, PhaseSensitivity{a.body});
+    at->add(a, sign);
+  }
+  return kappa_of(motion, classes, sum);
+}
+
+Strength strength_of(PhaseSpectra const& spectra, MotionSet const& motion, PathRecord const& r) {
+  std::vector<MotionClass> const& classes = spectra.classes();
+  std::vector<double> const none(classes.size());
+  Strength s{kappa_of(motion, classes, r.phase_sensitivities), none, none, r.weight, 0};
+  s.square = spectra.mean_square_phase(s.phase);
+  if (r.amplitude_levers.empty()) return s;
+  s.amplitude = kappa_of(motion, classes, r.amplitude_levers);
+  std::vector<double> const plus = kappa_of_sum(motion, classes, r, 1), minus = kappa_of_sum(motion, classes, r, -1);
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    if (classes[c].drift) s.amplitude[c] = 0;
+    if (!classes[c].drift) s.both[c] = (plus[c] - minus[c]) / 4;
+  }
+  return s;
+}
 
 // Shares of equal power in the order of strength, each by the path in its middle.
 std::vector<Strength> chosen(std::vector<Strength> all) {
@@ -79,26 +121,55 @@ std::vector<Strength> chosen(std::vector<Strength> all) {
 
 }  // namespace
 
-std::vector<double> phase_relation(PhaseSpectra const& spectra, MotionSet const& motion, CouplingClass const& c) {
+namespace {
+
+std::vector<double> sum_of(std::vector<double> const& a, std::vector<double> const& b, double factor) {
+  std::vector<double> sum = a;
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += factor * b[i];
+  return sum;
+}
+
+// exp[-(own R(0) - cross R)], own of phase and amplitude together; the amplitude has the same sign in both factors of
+// s s', the phase the opposite one.
+PhasePair opposite_pair(Strength const& s) {
+  return {s.weight, sum_of(s.phase, s.amplitude, 1), sum_of(s.amplitude, s.phase, -1)};
+}
+
+// Of 2 <a phi'>: half a difference of two exponents moved by a part of it.
+void add_cross_terms(Strength const& s, std::vector<PhasePair>& pairs) {
+  double part = 1;
+  PhasePair const middle = opposite_pair(s);
+  for (std::size_t c = 0; c < s.both.size(); ++c)
+    if (s.both[c] != 0)
+      part = std::min(part, (std::fabs(middle.own[c]) - std::fabs(middle.cross[c])) / std::fabs(s.both[c]));
+  if (!(part > 1e-6)) return;
+  for (double const sign : {1.0, -1.0})
+    pairs.push_back({sign * s.weight / part, middle.own, sum_of(middle.cross, s.both, sign * part)});
+}
+
+}  // namespace
+
+std::vector<std::complex<double>> phase_relation(PhaseSpectra const& spectra, MotionSet const& motion,
+                                                 CouplingClass const& c) {
   std::vector<Strength> all;
-  for (PathRecord const& r : c.records) {
-    if (!(r.weight > 0)) continue;
-    Strength s{kappa_of(motion, spectra.classes(), r.phase_sensitivities), r.weight, 0};
-    s.square = spectra.mean_square_phase(s.kappa);
-    all.push_back(std::move(s));
-  }
-  std::vector<double> ratio(spectra.grid().size());
+  for (PathRecord const& r : c.records)
+    if (r.weight > 0) all.push_back(strength_of(spectra, motion, r));
+  std::vector<std::complex<double>> ratio(spectra.grid().size());
   if (all.empty()) return ratio;
-  std::vector<PhasePair> same, opposite;
+  std::vector<PhasePair> same, opposite, across;
   for (Strength const& s : chosen(std::move(all))) {
-    std::vector<double> turned = s.kappa;
-    for (double& k : turned) k = -k;
-    same.push_back({s.weight, s.kappa, s.kappa});
-    opposite.push_back({s.weight, s.kappa, std::move(turned)});
+    std::vector<double> const own = sum_of(s.phase, s.amplitude, 1);
+    same.push_back({s.weight, own, own});
+    opposite.push_back(opposite_pair(s));
+    if (s.has_amplitude()) add_cross_terms(s, across);
   }
-  PairSpectrum const mean = pair_spectrum(spectra, same), relation = pair_spectrum(spectra, opposite);
-  for (std::size_t i = 0; i < ratio.size(); ++i)
-    ratio[i] = mean.psd[i] > 0 ? std::clamp(relation.psd[i] / mean.psd[i], -1.0, 1.0) : 0;
+  PairSpectrum const mean = pair_spectrum(spectra, same), real = pair_spectrum(spectra, opposite),
+                     imaginary = across.empty() ? PairSpectrum{} : pair_spectrum(spectra, across);
+  for (std::size_t i = 0; i < ratio.size(); ++i) {
+    if (!(mean.psd[i] > 0)) continue;
+    ratio[i] = {real.psd[i] / mean.psd[i], across.empty() ? 0 : imaginary.psd[i] / mean.psd[i]};
+    if (double const size = std::abs(ratio[i]); size > 1) ratio[i] /= size;
+  }
   return ratio;
 }
 

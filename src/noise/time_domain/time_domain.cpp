@@ -103,6 +103,26 @@ void add_amplitude(std::vector<std::complex<double>>& field, std::span<StrayPath
   }
 }
 
+// s_j(t) times the change of its amplitude, to first order: by coordinate, its position times a sum over paths.
+void add_levers(std::vector<std::complex<double>>& field, std::span<StrayPath const> paths, MotionSeries const& motion,
+                auto const& sum_of) {
+  std::vector<std::complex<double>> changes;
+  for (MovingCoordinate const& m : motion.coordinates) {
+    std::vector<StrayPath> moved;
+    for (StrayPath const& p : paths)
+      for (PhaseSensitivity const& lever : p.amplitude_levers)
+        if (lever.body == m.body && lever.d[m.axis] != 0) {
+          moved.push_back(p);
+          moved.back().amplitude *= lever.d[m.axis];
+        }
+    if (moved.empty()) continue;
+    std::vector<std::complex<double>> const s = sum_of(moved);
+    changes.resize(field.size());
+    for (std::size_t i = 0; i < field.size(); ++i) changes[i] += m.position[i] * s[i];
+  }
+  for (std::size_t i = 0; i < changes.size(); ++i) field[i] += changes[i];
+}
+
 }  // namespace
 
 double SamplingRule::automatic() const {
@@ -130,6 +150,8 @@ std::vector<PortField> stray_fields(std::span<StrayPath const> paths, MotionSeri
     };
     PortField field{PortId{port}, sum(by_port[port], of_all)};
     done += by_port[port].size();
+    add_levers(field.field, by_port[port], motion,
+               [&](std::span<StrayPath const> some) { return sum(some, {}); });
     for (LightTone const& tone : motion.light.tones)
       add_amplitude(field.field, by_port[port], tone, motion,
                     [&](std::span<StrayPath const> some) { return sum(some, {}); });
@@ -381,7 +403,7 @@ std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer co
         PathRecord const& r = c.records[picks[p].record];
         repeat = p > 0 && picks[p - 1].record == picks[p].record ? repeat + 1 : 0;
         StrayPath path{c.port, 0, 0, r.path_length, r.phase_sensitivities, route, std::uint32_t(picks[p].record),
-                       r.beam};
+                       r.beam, r.amplitude_levers};
         path.amplitude = std::sqrt(c.reverse * c.coupling.mean * picks[p].share * copies / drawn);
         if (known) {
           path.turns = *known / (2 * pi);

@@ -28,6 +28,7 @@ struct StrayPath {
   std::span<PhaseSensitivity const> phase_sensitivities;  // in the table
   std::uint32_t route = 0, record = 0;
   std::uint32_t beam = beam_of_port;  // as PathRecord::beam
+  std::span<PhaseSensitivity const> amplitude_levers{};
 };
 
 struct PathChoice {

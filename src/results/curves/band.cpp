@@ -205,15 +205,36 @@ std::string lines_text(PathTable const& table) {
   return text;
 }
 
+namespace {
+
+// Lowest, mean and highest h over the positions of a body.
+std::string position_text(NoiseBudget const& b, std::vector<double> const& frequencies) {
+  if (b.positions.empty()) return "";
+  PositionBand const band = position_band(b);
+  Columns c;
+  c.titles = {"frequency/Hz", "lowest h", "mean", "highest"};
+  for (double const hz : frequencies) {
+    std::vector<std::string> row{fmt::format("{:g}", hz)};
+    for (auto const* curve : {&band.low, &b.total.asd, &band.high})
+      row.push_back(strain_number(b, band_at(*curve, b.grid, hz)));
+    c.rows.push_back(std::move(row));
+  }
+  return fmt::format("{} positions of '{}' over a quarter of the wavelength; mean: of the PSDs (eq. 1.13)\n{}",
+                     b.positions.size(), b.scanned_body, aligned(c));
+}
+
+}  // namespace
+
 std::string band_summary(NoiseBudget const& b, std::vector<double> const& frequencies) {
-  if (!b.bands.made()) return "";
+  if (!b.bands.made()) return position_text(b, frequencies);
   NoiseBands const& d = b.bands;
   bool const answer = std::any_of(b.total.asd.begin(), b.total.asd.end(), [](double h) { return h > 0; });
   if (!answer && !b.unresolved.empty())
     return "one realisation and input uncertainty: unknown, no route that causes noise is resolved\n";
   bool const bound = std::any_of(frequencies.begin(), frequencies.end(),
                                  [&](double hz) { return strain_at(b.total, b.grid, hz).at_most; });
-  std::string text = fmt::format("one realisation (5 to 95 %){} at {:g} Hz: {}\n",
+  std::string text = position_text(b, frequencies);
+  text += fmt::format("one realisation (5 to 95 %){} at {:g} Hz: {}\n",
                                  !bound                 ? ""
                                  : b.unresolved.empty() ? " of the upper bound"
                                                         : " of the total, which is no bound,",

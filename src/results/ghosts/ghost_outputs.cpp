@@ -32,6 +32,7 @@ struct GhostLine {
   GhostRow const& row;
   std::string const& where;
   double power;
+  std::vector<std::string> const& bodies;
 
   Ghost const& ghost() const { return row.ghost; }
   GhostAlignment const& alignment() const { return row.ghost.standing; }
@@ -148,6 +149,59 @@ void add_ghost_alignment(GhostList& all) {
     .value = [](GhostLine const& l) { return l.alignment().against; }, .json = {10}});
 }
 
+// The largest part of one kind, and the coordinate that it belongs to.
+struct LargestLever {
+  std::complex<double> value = 0;
+  std::string coordinate;  // "BS ry"; empty: none
+};
+LargestLever largest_lever(GhostLine const& l, bool turns) {
+  static constexpr char const* names[] = {"x", "y", "z", "rx", "ry", "rz"};
+  LargestLever largest;
+  for (OverlapLever const& lever : l.row.levers)
+    for (std::size_t i = turns ? 3 : 0; i < (turns ? 6u : 3u); ++i)
+      if (std::abs(lever.d[i]) > 1.001 * std::abs(largest.value))
+        largest = {lever.d[i], fmt::format("{} {}", l.bodies.at(lever.body.value), names[i])};
+  return largest;
+}
+
+std::string lever_text(GhostLine const& l) {
+  LargestLever const lever = l.back() ? largest_lever(l, true) : LargestLever{};
+  if (lever.coordinate.empty() || !(std::abs(lever.value) > 0.5)) return "-";
+  return fmt::format("{:.3g}{:+.3g}i {}", lever.value.real(), lever.value.imag(), lever.coordinate);
+}
+
+// Re and Im of all six coordinates, by body.
+GhostJson levers_json(GhostLine const& l) {
+  GhostJson all = GhostJson::object();
+  for (OverlapLever const& lever : l.row.levers) {
+    GhostJson& of_body = all[l.bodies.at(lever.body.value)] = GhostJson::array();
+    for (std::complex<double> const d : lever.d) of_body.push_back({d.real(), d.imag()});
+  }
+  return all;
+}
+
+// `shown`: in the text; some row has one.
+void add_ghost_levers(GhostList& all, bool shown) {
+  all.push_back({.key = "lever", .kind = ColumnKind::text, .unit = "1/rad",
+    .help = "largest change of ln s by a rotation, without the phase at the hits (eq. N.27)",
+    .text = {85 * shown, "lever*rad"}, .as_text = lever_text});
+  for (bool const turns : {false, true})
+    for (bool const real : {true, false})
+      all.push_back({.key = fmt::format("lever_{}_{}", turns ? "rotation" : "shift", real ? "re" : "im"),
+        .unit = turns ? "1/rad" : "1/m",
+        .help = fmt::format("{} part of the largest change of ln s by a {}", real ? "real" : "imaginary",
+                            turns ? "rotation" : "translation"),
+        .value = [turns, real](GhostLine const& l) {
+          if (!l.back()) return not_a_number;
+          std::complex<double> const d = largest_lever(l, turns).value;
+          return real ? d.real() : d.imag(); },
+        .csv = {195}});
+  all.push_back({.key = "levers", .kind = ColumnKind::list, .unit = "1/m, 1/rad",
+    .help = "complex levers beyond the phase at the hits, by body: x, y, z, then rotations, each [Re, Im]",
+    .json = {10}, .as_json = [](GhostLine const& l) {
+      return l.back() ? levers_json(l) : GhostJson(GhostJson::value_t::discarded); }});
+}
+
 void add_ghost_strain(GhostList& all, bool noise) {
   for (std::size_t i = 0; i < ghost_frequencies.size(); ++i) {
     double const hz = ghost_frequencies[i];
@@ -166,23 +220,27 @@ void add_ghost_strain(GhostList& all, bool noise) {
 
 // clang-format on
 
-GhostList ghost_columns(bool watts, bool noise) {
+GhostList ghost_columns(bool watts, bool noise, bool levers = false) {
   GhostList all;
   add_ghost_names(all);
   add_ghost_powers(all, watts);
   add_ghost_shape(all);
   add_ghost_alignment(all);
+  add_ghost_levers(all, levers);
   add_ghost_strain(all, noise);
   return all;
 }
 
 GhostLine line_of(GhostReport const& report, GhostRow const& r) {
   static std::string const none;
-  return {report.beam, r, r.ghost.where.valid() ? report.groups.at(r.ghost.where.value) : none, report.power};
+  return {report.beam, r, r.ghost.where.valid() ? report.groups.at(r.ghost.where.value) : none, report.power,
+          report.bodies};
 }
 
 std::string rows_text(GhostReport const& report) {
-  TableWriter<GhostLine> const list(ghost_columns(report.power > 0, report.has_noise));
+  bool const levers =
+      std::ranges::any_of(report.rows, [&](GhostRow const& r) { return lever_text(line_of(report, r)) != "-"; });
+  TableWriter<GhostLine> const list(ghost_columns(report.power > 0, report.has_noise, levers));
   Columns table = list.text_head();
   std::uint64_t main = 0;
   for (GhostRow const& r : report.rows) {
@@ -392,8 +450,9 @@ GhostCsv::~GhostCsv() = default;
 
 std::string GhostCsv::head() const { return list_->csv_head(); }
 
-std::string GhostCsv::row(std::string const& beam, GhostRow const& row, std::string const& where, double power) const {
-  return list_->csv_row({beam, row, where, power});
+std::string GhostCsv::row(std::string const& beam, GhostRow const& row, std::string const& where, double power,
+                          std::vector<std::string> const& bodies) const {
+  return list_->csv_row({beam, row, where, power, bodies});
 }
 
 }  // namespace straytrace::results

@@ -111,20 +111,27 @@ void take_moments(std::vector<PhaseSensitivity>& to, std::vector<PhaseSensitivit
 }
 
 // A weaker route makes room for a stronger one and joins the rest.
-void GhostFamilies::add_part(GhostFamily& f, GhostPart part) {
+void GhostFamilies::add_part(GhostFamily& f, GhostPart part, Ghost const& g) {
   auto const same = std::ranges::find(f.parts, part.steps, &GhostPart::steps);
   if (same != f.parts.end()) {
     same->share += part.share;
-    if (part.largest > same->largest) std::tie(same->largest, same->path_length) = {part.largest, part.path_length};
+    if (!(part.largest > same->largest)) return;
+    same->largest = part.largest;
+    same->path_length = part.path_length;
+    same->levers = levers_of(g);
     return;
   }
   if (f.parts.empty() || (f.parts.size() < most_parts && parts_ < most)) {
+    part.levers = levers_of(g);
     f.parts.push_back(std::move(part));
     ++parts_;
     return;
   }
   auto const weakest = std::ranges::min_element(f.parts, {}, &GhostPart::share);
-  if (weakest->share < part.share) std::swap(*weakest, part);
+  if (weakest->share < part.share) {
+    part.levers = levers_of(g);
+    std::swap(*weakest, part);
+  }
   ++f.others;
   double const share = f.rest.share + part.reverse * part.share;
   if (part.largest > f.rest.largest) f.rest = std::move(part);
@@ -160,10 +167,11 @@ void GhostFamilies::add(Ghost const& g) {
   f.root_sum += std::sqrt(*share);
   ++f.ghosts;
   for_each_met(world_, g, [&](std::uint32_t group) { f.through[group] += reverse * *share; });
-  add_part(f, {steps, *share, reverse, *share, g.standing.difference});
+  add_part(f, {steps, *share, reverse, *share, g.standing.difference}, g);
   if (*share <= f.largest) return;
   f.largest = *share;
   f.strongest = g.number;
+  f.levers = levers_of(g);
   f.path_length = g.standing.difference;
   take_moments(f.phase_sensitivities, phase_sensitivities);
   f.steps = std::move(steps);
@@ -206,6 +214,7 @@ GhostRow GhostTable::row(Ghost const& g) const {
     r.points.push_back(s.point);
   }
   r.points.push_back(g.point);
+  r.levers = families_.levers_of(g);
   r.strain = families_.strain_of(g);
   return r;
 }

@@ -44,6 +44,7 @@ struct GhostPart {
   std::vector<PathStep> steps;
   double share = 0, reverse = 1;        // sum of the shares at the port, without C_rev; C_rev (eq. 1.5)
   double largest = 0, path_length = 0;  // of the strongest
+  std::vector<OverlapLever> levers{};   // of the strongest (eq. N.27)
 };
 
 // Ghosts that return to the port with equal phase sensitivities: they move together (docs/theory/ghosts.md, eq. 10.5).
@@ -55,6 +56,7 @@ struct GhostFamily {
   std::uint64_t ghosts = 0, strongest = 0;      // number of them; of the strongest one
   double largest = 0, path_length = 0;          // of the strongest
   std::vector<PathStep> steps;                  // all of the strongest, and its way back
+  std::vector<OverlapLever> levers;             // of the strongest (eq. N.27)
   std::map<std::uint32_t, double> through;      // of `incoherent`, by group that a ghost has met or left
   std::vector<GhostPart> parts;                 // the strongest routes
   std::uint64_t others = 0;                     // ghosts of weaker routes, and
@@ -81,13 +83,16 @@ class GhostFamilies {
   // the network counts too (eq. N.18).
   std::optional<double> share_at_port(Ghost const&) const;
   GhostStrain strain_of(Ghost const&) const;  // of this ghost alone
+  std::vector<OverlapLever> levers_of(Ghost const& g) const {
+    return main_.overlap_levers(g.standing.recoupled, g.way);
+  }
   std::uint64_t left_out = 0;                 // ghosts beyond the most families, and
   double left_out_share = 0;                  // the sum of their shares
   std::optional<PortId> port() const { return port_; }
 
  private:
   using Key = std::vector<long long>;
-  void add_part(GhostFamily&, GhostPart);
+  void add_part(GhostFamily&, GhostPart, Ghost const&);
   Key key_of(bool against, std::vector<PhaseSensitivity> const&) const;
   std::vector<PathStep> steps_of(Ghost const&) const;  // to where it joins the main beam, and back along that
   double factor(bool against) const;                   // of a share at the port
@@ -116,6 +121,7 @@ struct GhostRow {
   std::string route, end;
   std::vector<PathStep> steps;
   std::vector<Vec3> points;  // of the way, from the launch
+  std::vector<OverlapLever> levers;
   GhostStrain strain;
   double key = 0;
 };
@@ -164,7 +170,7 @@ struct GhostReport {
   GhostRank rank = GhostRank::power;
   std::vector<GhostRow> rows;
   std::vector<GhostObject> objects;
-  std::vector<std::string> groups;
+  std::vector<std::string> groups, bodies;
   std::vector<std::string> notes, warnings;
   BeamEnergyBalance energy_balance;
   std::uint64_t ghosts = 0;
@@ -190,7 +196,8 @@ class GhostCsv {
   ~GhostCsv();
   std::string head() const;
   // `where`: object on which it ends; `power`: W launched, 0: not stated.
-  std::string row(std::string const& beam, GhostRow const&, std::string const& where, double power) const;
+  std::string row(std::string const& beam, GhostRow const&, std::string const& where, double power,
+                  std::vector<std::string> const& bodies) const;
 
  private:
   struct List;

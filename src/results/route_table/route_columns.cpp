@@ -22,8 +22,11 @@ constexpr char const* unresolved = "unresolved";
 constexpr char const* still = "still";
 constexpr char const* strain_unit = "1/√Hz";
 
-// A route without moving surfaces causes exactly no noise.
-bool moves(PathRow const& row) { return !row.resolved || row.rms_phase > 0; }
+// A route without moving surfaces and with steady light causes exactly no noise.
+bool moves(PathRow const& row) {
+  auto const any = [](WithError const& h) { return h.value > 0; };
+  return !row.resolved || row.rms_phase > 0 || row.power.value > 0 || std::ranges::any_of(row.strain, any);
+}
 
 std::string share_text(PathRow const& row) {
   if (!row.resolved) return unresolved;

@@ -102,6 +102,12 @@ void phase_sensitivity_columns(Column&& column) {
                     not_a_number});  // since schema 2.4
 }
 
+template <class Column>
+void amplitude_lever_columns(Column&& column) {
+  column("_body", "row of /names/bodies", through(&PhaseSensitivity::body, &BodyId::value));
+  column("", "3 x 1/m, 3 x 1/rad", &PhaseSensitivity::d);
+}
+
 // Of light to ports only.
 template <class Column>
 void member_column(Column&& column) {
@@ -192,6 +198,10 @@ void write_records(hdf5::Writer& out, Section const& at, CouplingTable const& ta
   write_lists(out, sensitivity + "_offset", sensitivity, records.rows, &PathRecord::phase_sensitivities,
               [](auto&& list) { phase_sensitivity_columns(list); });
   column("field", "1", field_column);
+  std::string const lever = at.records + "/amplitude_lever";
+  if (at.list == to_ports.list)
+    write_lists(out, lever + "_offset", lever, records.rows, &PathRecord::amplitude_levers,
+                [](auto&& list) { amplitude_lever_columns(list); });
   if (at.list == to_ports.list) member_column(column);
   beam_column(column);
 }
@@ -256,10 +266,15 @@ void read_records(hdf5::Reader const& in, Section const& at, CouplingTable& tabl
   read_lists(in, sensitivity + "_offset", sensitivity, records, &PathRecord::phase_sensitivities,
              [](auto&& list) { phase_sensitivity_columns(list); });
   column("field", "1", field_column, std::array<double, 4>{});  // since schema 1.6
+  if (std::string const lever = at.records + "/amplitude_lever"; in.has(lever + "_offset"))  // since schema 2.4
+    read_lists(in, lever + "_offset", lever, records, &PathRecord::amplitude_levers,
+               [](auto&& list) { amplitude_lever_columns(list); });
   if (at.list == to_ports.list) member_column(column);
   beam_column(column);
   for (std::size_t i = 0; i < records.size(); ++i) {
     for (PhaseSensitivity const& s : records[i].phase_sensitivities)
+      if (s.body.value >= table.bodies.size()) damaged_run("a body without a name");
+    for (PhaseSensitivity const& s : records[i].amplitude_levers)
       if (s.body.value >= table.bodies.size()) damaged_run("a body without a name");
     CouplingClass& route = (table.*at.list)[owner[i]];
     if (records[i].member != no_member && records[i].member >= route.members.size())

@@ -114,6 +114,25 @@ NoiseBands read_bands(hdf5::Reader const& in, std::size_t bins) {
   return bands;
 }
 
+void write_positions(hdf5::Writer& out, NoiseBudget const& b, std::size_t bins) {
+  out.group("/noise/positions", "total with one body at several positions along the beam, of known static phase");
+  out.attribute("/noise/positions", "body", b.scanned_body);
+  Doubles phases, all;
+  for (PositionCurve const& p : b.positions) {
+    phases.push_back(p.phase);
+    append_bins(all, p.asd, bins, "position of " + b.scanned_body);
+  }
+  out.array("/noise/positions/phase", phases, "rad");
+  out.array("/noise/positions/asd", all, strain, {b.positions.size(), bins});
+}
+
+void read_positions(hdf5::Reader const& in, NoiseBudget& b) {
+  b.scanned_body = in.attribute_text("/noise/positions", "body");
+  Doubles const phases = in.array<double>("/noise/positions/phase");
+  Doubles const all = in.rows<double>("/noise/positions/asd", phases.size(), b.grid.size());
+  for (std::size_t i = 0; i < phases.size(); ++i) b.positions.push_back({phases[i], slice(all, i, b.grid.size())});
+}
+
 void read_routes(hdf5::Reader const& in, NoiseBudget& b) {
   route_columns_of_noise(ColumnReader(in, "/noise/routes/", b.routes, RowCount::of_first_column));
   for (TraceColumn const& curve : curves_of_routes) {
@@ -168,6 +187,7 @@ void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
   out.group("/noise/design", "design curves at the centres of the bins");
   write_design(out, b.design, bins);
   if (b.bands.made()) write_bands(out, b.bands, bins);
+  if (!b.positions.empty()) write_positions(out, b, bins);
 }
 
 NoiseBudget read_noise(hdf5::Reader const& in) {
@@ -186,6 +206,7 @@ NoiseBudget read_noise(hdf5::Reader const& in) {
   Doubles const all = in.rows<double>("/noise/design/asd", names.size(), bins);
   for (std::size_t i = 0; i < names.size(); ++i) b.design.push_back({names[i], slice(all, i, bins)});
   if (in.has("/noise/bands")) b.bands = read_bands(in, bins);
+  if (in.has("/noise/positions")) read_positions(in, b);  // since schema 2.4
   return b;
 }
 

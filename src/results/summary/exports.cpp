@@ -121,6 +121,20 @@ void add_receivers(Json& j, RunContent const& run) {
   j["receivers"] = table["receivers"];
 }
 
+void add_positions(Json& j, NoiseBudget const& b, std::vector<double> const& frequencies) {
+  PositionBand const band = position_band(b);
+  for (std::size_t i = 0; !b.positions.empty() && i < frequencies.size(); ++i) {
+    double const hz = frequencies[i];
+    Json all = Json::array();
+    for (PositionCurve const& p : b.positions)
+      all.push_back({{"static_phase_deg", p.phase * 180 / pi}, {"h", band_at(p.asd, b.grid, hz)}});
+    j["total_strain"][i]["positions"] = {{"body", b.scanned_body},
+                                         {"lowest", band_at(band.low, b.grid, hz)},
+                                         {"highest", band_at(band.high, b.grid, hz)},
+                                         {"curves", std::move(all)}};
+  }
+}
+
 void add_bands(Json& j, NoiseBudget const& b, std::vector<double> const& frequencies) {
   for (std::size_t i = 0; i < frequencies.size(); ++i) {
     double const hz = frequencies[i];
@@ -197,6 +211,7 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
   j["bound"] = bound_name(table.has_upper_bounds(), table.incomplete());
   j["lower_bound"] = j["bound"] == "lower";
   j["total_strain"] = total_strain(table);
+  if (run.noise) add_positions(j, *run.noise, table.frequencies);
   if (run.noise && run.noise->bands.made()) add_bands(j, *run.noise, table.frequencies);
   j["unresolved"] = Json::array();
   for (PathRow const& row : table.rows)
@@ -238,12 +253,20 @@ std::string asd_text(RunContent const& run) {
                       b.unresolved.empty() ? ": upper bound" : "");
   text += "# resolved: 1, or 0 where routes are unresolved\n";
   text += "# bound_share: part of h_mean^2 that is an upper bound (routes of kind edge)\n";
+  if (!b.positions.empty())
+    text += fmt::format(
+        "# static_phase_...: '{}' at this phase, of {} positions over a quarter of the wavelength; positions_low, "
+        "positions_high: their range\n",
+        b.scanned_body, b.positions.size());
   text += "# design: " + (b.design.empty() ? "none" : b.design.front().name) + "; ratio = h_mean/design\n";
   text += bound_lines(b);
   text += "# units: frequency Hz, ratio 1, all others 1/sqrt(Hz)\n";
   text +=
       "# frequency_Hz h_mean h_low h_high input_low input_high speckle_05 speckle_50 speckle_95 resolved sigma "
-      "phase_only amplitude_only coherent design ratio bound_share\n";
+      "phase_only amplitude_only coherent design ratio bound_share";
+  for (PositionCurve const& p : b.positions) text += fmt::format(" static_phase_{:g}deg", p.phase * 180 / pi);
+  text += b.positions.empty() ? "\n" : " positions_low positions_high\n";
+  PositionBand const positions = position_band(b);
   for (std::size_t i = 0; i < b.grid.size(); ++i) {
     double const h = b.total.asd.at(i), s = b.total.sigma.at(i);
     double const design = b.design.empty() ? not_a_number : b.design.front().asd.at(i);
@@ -253,9 +276,12 @@ std::string asd_text(RunContent const& run) {
     text += fmt::format("{:.9e} {:.9e} {:.9e} {:.9e}", b.grid.centre(i), h, low, h + s);
     for (auto const* curve : {&d.input_low, &d.input_high, &d.speckle_05, &d.speckle_50, &d.speckle_95})
       text += fmt::format(" {:.9e}", band(*curve));
-    text += fmt::format(" {} {:.3e} {:.9e} {:.9e} {:.9e} {:.9e} {:.6e} {:.4g}\n", int(b.unresolved.empty()), s,
+    text += fmt::format(" {} {:.3e} {:.9e} {:.9e} {:.9e} {:.9e} {:.6e} {:.4g}", int(b.unresolved.empty()), s,
                         b.total.phase_asd.at(i), b.total.amplitude_asd.at(i), band(d.coherent), design, h / design,
                         b.total.bound_share.empty() ? 0 : b.total.bound_share.at(i));
+    for (PositionCurve const& p : b.positions) text += fmt::format(" {:.9e}", p.asd.at(i));
+    if (!b.positions.empty()) text += fmt::format(" {:.9e} {:.9e}", positions.low.at(i), positions.high.at(i));
+    text += '\n';
   }
   return text;
 }

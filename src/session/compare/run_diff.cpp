@@ -103,8 +103,11 @@ Change route_change(NoiseTrace const* b, NoiseTrace const* a, FrequencyGrid cons
   bool const open = (b && !b->resolved) || (a && !a->resolved);
   WithError const x = b ? band_rms(*b, before, d.low, d.high) : WithError{},
                   y = a ? band_rms(*a, after, d.low, d.high) : WithError{};
-  return {any.name, fmt::format("{:016x}", any.hash), x, y, error_of_change(x, y, d.common), open,
-          {},       held_change(x, y, d.common)};
+  Change change{any.name, fmt::format("{:016x}", any.hash), x, y, error_of_change(x, y, d.common), open,
+                {},       held_change(x, y, d.common)};
+  change.has_before = b;
+  change.has_after = a;
+  return change;
 }
 
 // Rows of one run that are compared together. Their errors may come from the same histories: up to twice the squares.
@@ -205,6 +208,56 @@ std::vector<ChangedKind> changed_kinds(RunFile const& b, RunFile const& a, ByKey
   return found;
 }
 
+// Rows of ghosts, whose ids name the numbers of objects, or the strongest of several ghosts: in another scene, or where
+// another ghost is the strongest, a row has another id. Those of one name are the same; the sums of several ghosts that
+// are left at a port are compared together.
+std::vector<Change> ghost_changes(RunFile const& b, RunFile const& a, ByKey& x, ByKey& y, auto const& change_of,
+                                  RunDifference const& d) {
+  std::vector<Change> all;
+  struct Sum {
+    Together before, after;
+    std::uint64_t hash = 0;
+    bool has_before = false, has_after = false;
+  };
+  std::map<std::string, Sum> sums;  // by port
+  auto const is_ghost = [](Listed const& l) { return l.route->kind == ClassKind::ghost; };
+  for (auto one = x.begin(); one != x.end();) {
+    auto const same = std::ranges::find_if(y, [&](auto const& entry) {
+      return is_ghost(one->second) && is_ghost(entry.second) && one->second.noise->name == entry.second.noise->name &&
+             port_of(b, *one->second.route) == port_of(a, *entry.second.route) && !x.contains(entry.first);
+    });
+    if (y.contains(one->first) || same == y.end()) {
+      ++one;
+      continue;
+    }
+    all.push_back(change_of(one->second.noise, same->second.noise));
+    y.erase(same);
+    one = x.erase(one);
+  }
+  auto const take = [&](RunFile const& run, ByKey& rows, ByKey const& other, bool after) {
+    std::erase_if(rows, [&](auto const& entry) {
+      Listed const& l = entry.second;
+      if (!is_ghost(l) || l.route->folded_routes == 0 || other.contains(entry.first)) return false;
+      Sum& sum = sums[port_of(run, *l.route)];
+      (after ? sum.after : sum.before).add(*l.noise, run.noise->grid, d);
+      (after ? sum.has_after : sum.has_before) = true;
+      sum.hash = l.route->hash;
+      return true;
+    });
+  };
+  ByKey const first = x;
+  take(b, x, y, false);
+  take(a, y, first, true);
+  for (auto const& [port, sum] : sums) {
+    WithError const before = sum.before.rms(), after = sum.after.rms();
+    all.push_back({fmt::format("weaker ghosts at {}", port), fmt::format("{:016x}", sum.hash), before, after,
+                   error_of_change(before, after, false), sum.before.open || sum.after.open});
+    all.back().has_before = sum.has_before;
+    all.back().has_after = sum.has_after;
+  }
+  return all;
+}
+
 std::vector<Change> route_changes(RunFile const& b, RunFile const& a, RunDifference const& d) {
   ByKey x = by_key(b), y = by_key(a);
   ComparedRows to{b, a, d};
@@ -216,6 +269,7 @@ std::vector<Change> route_changes(RunFile const& b, RunFile const& a, RunDiffere
     change.what += fmt::format(" ({} -> {})", name_of(c.before.route->kind), name_of(c.after.route->kind));
     to.named.push_back(std::move(change));
   }
+  for (Change& change : ghost_changes(b, a, x, y, change_of, d)) to.named.push_back(std::move(change));
   for (auto const& [key, one] : x) {
     auto const hit = y.find(key);
     if (hit == y.end())
@@ -275,10 +329,11 @@ std::string line(Change const& c, std::size_t width) {
       : c.before.at_most || c.after.at_most ? (c.bound ? "contains upper bounds: speckle may hide the change"
                                                        : "an upper bound: speckle may hide the change")
                                             : "changed, without an error";
-  auto const value = [&](WithError const& w) {
-    return w.value > 0 ? with_error(w) : c.within.empty() ? std::string("none") : "in '" + c.within + "'";
+  auto const value = [&](WithError const& w, bool there) {
+    return w.value > 0 ? with_error(w) : there ? "still" : c.within.empty() ? "none" : "in '" + c.within + "'";
   };
-  return fmt::format("  {:<{}}  {} -> {}  {}{}\n", c.what, width, value(c.before), value(c.after), verdict,
+  return fmt::format("  {:<{}}  {} -> {}  {}{}\n", c.what, width, value(c.before, c.has_before),
+                     value(c.after, c.has_after), verdict,
                      c.bound ? " (unresolved: more may be missing)" : "");
 }
 

@@ -29,14 +29,31 @@ constexpr char const* fields_text =
     "ghosts with equal phase sensitivities; their fields add with the phases of the drawn geometry "
     "(docs/theory/ghosts.md, eq. 10.5)";
 
-PathRecord record_of(GhostFamily const& f, double share, double path_length) {
+// The imaginary part of a lever is phase, felt in the mean half of the path ago; its real part moves the amplitude.
+void add_levers(PathRecord& record, std::vector<OverlapLever> const& levers) {
+  for (OverlapLever const& lever : levers) {
+    PhaseSensitivity amplitude{lever.body, {}}, phase{lever.body, {}};
+    for (std::size_t i = 0; i < lever.d.size(); ++i) {
+      amplitude.d[i] = lever.d[i].real();
+      phase.d[i] = lever.d[i].imag();
+      phase.moment[i] = phase.d[i] * std::max(0.0, record.path_length) / (2 * speed_of_light);
+    }
+    auto const moves = [](PhaseSensitivity const& s) { return std::ranges::any_of(s.d, [](double d) { return d != 0; }); };
+    if (moves(amplitude)) record.amplitude_levers.push_back(amplitude);
+    if (moves(phase)) phase_sensitivity_of(record.phase_sensitivities, lever.body).add(phase, 1);
+  }
+  std::ranges::sort(record.phase_sensitivities, {}, [](PhaseSensitivity const& s) { return s.body.value; });
+}
+
+PathRecord record_of(GhostFamily const& f, double share, double path_length, std::vector<OverlapLever> const& levers) {
   PathRecord record;
   record.coupling = record.weight = share;
   record.path_length = path_length;
   record.phase_sensitivities = f.phase_sensitivities;
+  add_levers(record, levers);
   return record;
 }
-PathRecord record_of(GhostFamily const& f) { return record_of(f, f.share(), f.path_length); }
+PathRecord record_of(GhostFamily const& f) { return record_of(f, f.share(), f.path_length, f.levers); }
 
 // Number of families, strongest first, that add as fields.
 std::size_t coherent_of(std::span<GhostFamily const* const> by_share) {
@@ -112,10 +129,10 @@ std::vector<CouplingClass> classes_of(GhostFamily const& f, PortId port) {
   }
   for (GhostPart const& part : f.parts)
     all.push_back(deterministic_class(ClassKind::ghost, part.steps, port, part.reverse,
-                                      {record_of(f, part.share, part.path_length)}, apart_text));
+                                      {record_of(f, part.share, part.path_length, part.levers)}, apart_text));
   if (f.others == 0) return all;
   all.push_back(deterministic_class(ClassKind::ghost, f.rest.steps, port, 1,
-                                    {record_of(f, f.rest.share, f.rest.path_length)}, rest_text));
+                                    {record_of(f, f.rest.share, f.rest.path_length, f.rest.levers)}, rest_text));
   all.back().hash = ~all.back().hash;  // not the route of that name alone
   all.back().folded_routes = f.others;
   return all;
@@ -279,12 +296,10 @@ GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
   settings.grid = logarithmic_grid(5, 200, 60);
   // The strain is linear in the share: each family once with a share of 1, whatever its fields sum to.
   for (std::size_t i = 0; i < families.all().size(); ++i) {
-    PathRecord record;
-    record.coupling = record.weight = 1;
-    record.path_length = families.all()[i].path_length;
-    record.phase_sensitivities = families.all()[i].phase_sensitivities;
+    GhostFamily const& f = families.all()[i];
+    PathRecord const record = record_of(f, 1, f.path_length, f.levers);
     CouplingClass one =
-        deterministic_class(ClassKind::ghost, families.all()[i].steps, families.all()[i].port, 1, {record}, "");
+        deterministic_class(ClassKind::ghost, f.steps, f.port, 1, {record}, "");
     one.hash = i;
     table.classes.push_back(std::move(one));
   }

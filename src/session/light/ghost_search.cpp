@@ -100,6 +100,7 @@ GhostReport begun(GhostSearch const& search, BeamLaunch const& launch) {
   report.limits.stop = search.stop;
   report.rank = search.rank;
   report.groups = world.groups();
+  report.bodies = world.body_names();
   return report;
 }
 

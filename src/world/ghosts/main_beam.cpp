@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
-#include "beams/overlap.hpp"
+#include "beams/aperture.hpp"
 #include "geometry/common/shape.hpp"
 #include "world/ghosts/lit_surfaces.hpp"
+#include "world/ghosts/obstacle.hpp"
 #include "world/model/body.hpp"
 
 namespace straytrace::world {
@@ -47,17 +49,31 @@ std::array<std::complex<double>, 2> with_main(LeavingBeam const& ghost, LeavingB
 
 using Complex = std::complex<double>;
 
+// p of eq. N.11's t^p, where t is the share of the power that a rim takes and t^p the part of the field that it takes
+// from the mode `heard` there; 1: the same mode.
+Complex power_of_shadow(RimCut const& cut, Mode const& heard) {
+  auto const mean = [](Mode const& m) { return 0.5 * (m.q11 + m.q22); };
+  Complex const sent = mean(cut.mode);
+  return Complex(0, -0.5) * (sent - std::conj(mean(heard))) / sent.imag();
+}
+
 // What a rim leaves of the field in the mode `heard` there, both about one axis, over the root of the share of the
 // power that it leaves. Of a round hole exactly: integral of u_heard* u over its inside, eq. 5.7 and N.11.
 Complex kept_by(RimCut const& cut, Mode const& heard) {
   double const left = cut.reflected ? cut.taken : 1 - cut.taken;
   if (!(left > 0)) return 0;
   if (cut.again) return 1 / std::sqrt(left);
-  auto const mean = [](Mode const& m) { return 0.5 * (m.q11 + m.q22); };
-  Complex const sent = mean(cut.mode),
-                power = Complex(0, -0.5) * (sent - std::conj(mean(heard))) / sent.imag();  // 1: the same mode
-  Complex const shadow = std::exp(power * std::log(cut.taken));
+  Complex const shadow = std::exp(power_of_shadow(cut, heard) * std::log(cut.taken));
   return (cut.reflected ? shadow : 1.0 - shadow) / std::sqrt(left);
+}
+
+// d ln(1 - t^p)/dt, or of t^p; `p` as power_of_shadow.
+RimSlope slope_of(RimCut const& cut, Complex p) {
+  RimSlope slope{cut.by, cut.mode, cut.taken, 0};
+  if (cut.again || !(cut.taken > 0)) return slope;
+  Complex const shadow = std::exp(p * std::log(cut.taken)), change = p * shadow / cut.taken;
+  slope.of_taken = cut.reflected ? p / cut.taken : -change / (1.0 - shadow);
+  return slope;
 }
 
 Mode along(Mode m, Vec3 travel, Vec3 origin) {
@@ -95,33 +111,49 @@ double kept_of_main(RimCut const& cut, bool again) {
   return again || cut.again ? 1 / root : root;
 }
 
+// Of ln of a field that has passed the rims.
+struct RimFactor {
+  Complex factor = 1;
+  std::vector<RimSlope> slopes;
+  void ghost(RimCut const& cut, Mode const& heard) {
+    factor *= kept_by(cut, heard);
+    slopes.push_back(slope_of(cut, power_of_shadow(cut, heard)));
+  }
+  void main(RimCut const& cut, double kept, double sign) {
+    factor *= sign > 0 ? kept : 1 / kept;
+    slopes.push_back(slope_of(cut, 1));
+    slopes.back().of_taken *= sign;
+  }
+};
+
 // With the main beam: rims that both have passed are in both.
-Complex rims_with(WorldView const& view, LeavingBeam const& ghost, LeavingBeam const& main,
-                  std::span<BeamStep const> way) {
+RimFactor rims_with(WorldView const& view, LeavingBeam const& ghost, LeavingBeam const& main,
+                    std::span<BeamStep const> way) {
   std::size_t both = 0;
   while (both < ghost.cuts.size() && both < main.cuts.size() && ghost.cuts[both].by == main.cuts[both].by &&
          ghost.cuts[both].at == main.cuts[both].at && !ghost.cuts[both].reflected)
     ++both;
-  Complex factor = 1;
+  RimFactor all;
   for (std::size_t i = both; i < ghost.cuts.size(); ++i)
-    factor *= kept_by(ghost.cuts[i], heard_at(view, ghost.cuts[i], main.mode, way));
-  for (std::size_t i = both; i < main.cuts.size(); ++i) factor /= kept_of_main(main.cuts[i], false);
-  return factor;
+    all.ghost(ghost.cuts[i], heard_at(view, ghost.cuts[i], main.mode, way));
+  for (std::size_t i = both; i < main.cuts.size(); ++i) all.main(main.cuts[i], kept_of_main(main.cuts[i], false), -1);
+  return all;
 }
 
 // Against it: the rims of the main beam cut the mode again on the way back, but for one just passed, K^2 = K.
-Complex rims_against(WorldView const& view, LeavingBeam const& ghost, BeamSpot const& main,
-                     std::span<BeamStep const> way) {
-  Complex factor = 1;
-  for (RimCut const& cut : ghost.cuts) factor *= kept_by(cut, heard_at(view, cut, reversed(main.mode), way));
+RimFactor rims_against(WorldView const& view, LeavingBeam const& ghost, BeamSpot const& main,
+                       std::span<BeamStep const> way) {
+  RimFactor all;
+  for (RimCut const& cut : ghost.cuts) all.ghost(cut, heard_at(view, cut, reversed(main.mode), way));
   for (std::size_t i = 0; i < main.cuts.size(); ++i) {
     RimCut const& cut = main.cuts[i];
     bool const sharp =
         i + 1 == main.cuts.size() && !ghost.cuts.empty() &&
         ghost.cuts.back().repeats_in(cut, ghost.path_length - ghost.cuts.back().at + main.path_length - cut.at);
-    factor *= kept_of_main(cut, sharp);
+    all.main(cut, kept_of_main(cut, sharp), 1);
+    if (sharp) all.slopes.back().of_taken = 0;
   }
-  return factor;
+  return all;
 }
 
 // Into the reversed main beam, as it arrives at the plane of the launch: by reciprocity E_main . E_ghost at the
@@ -154,6 +186,7 @@ class MainSink final : public BeamSink {
     node.spot = spot;
     node.way.assign(way.begin(), way.end());
     node.phase_sensitivities = phase_sensitivities_of_way(world_, way, 2 * pi / world_.wavelength);
+    node.moved = moved_rays(world_, way, spot.mode.origin);
     nodes_.push_back(std::move(node));
   }
   // A place where what the screen reflects may come into line.
@@ -171,6 +204,7 @@ class MainSink final : public BeamSink {
     node.spot.gouy = s.gouy;
     node.way.assign(way.begin(), way.end());
     node.phase_sensitivities = phase_sensitivities_of_way(world_, way, 2 * pi / world_.wavelength);
+    node.moved = moved_rays(world_, way, s.screen.mode.origin);
     screens_.push_back(std::move(node));
   }
   void left(LeavingBeam const& beam, std::span<BeamStep const> way) override {
@@ -178,7 +212,8 @@ class MainSink final : public BeamSink {
     auto const at = node_of_spot_.find(way.back().spot);
     if (at == node_of_spot_.end()) return;
     nodes_[at->second].ways.push_back({beam, way.back().event, way.back().diffracted,
-                                       phase_sensitivities_of_way(world_, way, 2 * pi / world_.wavelength)});
+                                       phase_sensitivities_of_way(world_, way, 2 * pi / world_.wavelength),
+                                       moved_rays(world_, way, beam.mode.origin)});
   }
   bool complete = true;
 
@@ -243,11 +278,16 @@ struct MainBeam::Candidate {
       return;
     }
     r.field = r.against ? against_main(ghost, node.spot, k) : with_main(ghost, node.ways[r.way].beam, k);
-    Complex const rims =
+    RimFactor rims =
         r.against ? rims_against(view, ghost, node.spot, way) : rims_with(view, ghost, node.ways[r.way].beam, way);
-    for (Complex& state : r.field) state *= rims;
-    if (!found || r.share() > best.recoupled.share()) best.recoupled = r;
+    for (Complex& state : r.field) state *= rims.factor;
+    if (found && !(r.share() > best.recoupled.share())) return;
     found = true;
+    Mode const heard = r.against ? reversed(main) : main;
+    r.ghost = overlap_slope(ghost.mode, heard);
+    r.main = overlap_slope(heard, ghost.mode);
+    r.rims = std::move(rims.slopes);
+    best.recoupled = std::move(r);
   }
 };
 
@@ -308,6 +348,79 @@ std::vector<PhaseSensitivity> MainBeam::phase_sensitivities(Recoupling const& r,
   std::ranges::sort(phase_sensitivities,
                     [](PhaseSensitivity const& a, PhaseSensitivity const& b) { return a.body < b.body; });
   return phase_sensitivities;
+}
+
+namespace {
+
+OverlapLever& lever_of(std::vector<OverlapLever>& all, BodyId body) {
+  auto const at = std::ranges::find(all, body, &OverlapLever::body);
+  return at != all.end() ? *at : all.emplace_back(OverlapLever{body});
+}
+
+// The round edge that cuts a beam: of the hole of a screen, or the outline of a surface that it meets.
+std::optional<Aperture> round_rim(World const& world, RimSlope const& cut) {
+  std::vector<Aperture> edges;
+  if (auto const hole = rim_of(world, cut.by); hole && hole->tooth_depth == 0)
+    edges.push_back({hole->centre, hole->axis, hole->radius});
+  for (FlatRim const& f : flat_rims(world.view(), cut.by)) {
+    bool const round = f.outer.sides == 0 && f.outer.semi_x == f.outer.semi_y;
+    if (round) edges.push_back({f.centre, f.axis, f.outer.semi_x});
+  }
+  for (Aperture const& edge : edges)  // that which takes this share
+    if (std::fabs(clipped_share(edge, cut.mode) / cut.taken - 1) < 0.05) return edge;
+  return {};
+}
+
+Aperture displaced(Aperture rim, Vec3 pivot, int coordinate, double by) {
+  Vec3 const axis{double(coordinate % 3 == 0), double(coordinate % 3 == 1), double(coordinate % 3 == 2)};
+  if (coordinate < 3) {
+    rim.centre = rim.centre + by * axis;
+    return rim;
+  }
+  rim.centre = rim.centre + by * cross(axis, rim.centre - pivot);
+  rim.normal = unit(rim.normal + by * cross(axis, rim.normal));
+  return rim;
+}
+
+// By the motion of a rim, eq. 5.6 with differences of second order.
+void add_rim(std::vector<OverlapLever>& levers, World const& world, RimSlope const& cut) {
+  BodyId const body = world.surfaces()[cut.by.value].body;
+  if (!body.valid() || cut.of_taken == 0.0) return;
+  std::optional<Aperture> const rim = round_rim(world, cut);
+  if (!rim) return;
+  Vec3 const pivot = world.bodies()[body.value].pivot;
+  double const w = spot(cut.mode).minor, shift = 1e-3 * std::min(w, w * w / (4 * rim->radius)),
+               turn = shift / std::max(length(rim->centre - pivot), rim->radius);
+  OverlapLever& lever = lever_of(levers, body);
+  for (int i = 0; i < 6; ++i) {
+    double const step = i < 3 ? shift : turn;
+    double const change = clipped_share(displaced(*rim, pivot, i, step), cut.mode) -
+                          clipped_share(displaced(*rim, pivot, i, -step), cut.mode);
+    if (std::fabs(change) > 1e-9 * cut.taken) lever.d[std::size_t(i)] += cut.of_taken * change / (2 * step);
+  }
+}
+
+}  // namespace
+
+std::vector<OverlapLever> MainBeam::overlap_levers(Recoupling const& r, std::span<BeamStep const> way) const {
+  std::vector<OverlapLever> levers;
+  if (!r.any || r.steps == 0) return levers;
+  std::span<BeamStep const> const passed = way.first(r.steps);
+  MainNode const& node = nodes_[r.node];
+  for (MovedRay const& ray : moved_rays(world_, passed, passed.back().point))
+    for (std::size_t i = 0; i < 6; ++i)
+      lever_of(levers, ray.body).d[i] += r.ghost.of(ray.by[i].shift, ray.by[i].turn);
+  double const side = r.against ? -1 : 1;  // the reversed mode turns the other way
+  for (MovedRay const& ray : r.against ? node.moved : node.ways[r.way].moved)
+    for (std::size_t i = 0; i < 6; ++i)
+      lever_of(levers, ray.body).d[i] += std::conj(r.main.of(ray.by[i].shift, side * ray.by[i].turn));
+  for (RimSlope const& cut : r.rims) add_rim(levers, world_, cut);
+  double const rounding = 1e-9 * 2 * pi / world_.wavelength;
+  for (OverlapLever& lever : levers)
+    for (Complex& d : lever.d)
+      d = {std::fabs(d.real()) > rounding ? d.real() : 0, std::fabs(d.imag()) > rounding ? d.imag() : 0};
+  std::ranges::sort(levers, {}, [](OverlapLever const& l) { return l.body.value; });
+  return levers;
 }
 
 namespace {

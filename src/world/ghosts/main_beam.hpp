@@ -10,7 +10,9 @@
 #include <map>
 #include <vector>
 
+#include "beams/overlap.hpp"
 #include "world/ghosts/beam_tree.hpp"
+#include "world/ghosts/moved_rays.hpp"
 
 namespace straytrace::world {
 
@@ -22,11 +24,28 @@ struct MainNode {
     Event event = Event::transmit;
     int diffracted = 0;                                 // order of a grating
     std::vector<PhaseSensitivity> phase_sensitivities;  // of the way to here including this surface, rad/m and rad
+    std::vector<MovedRay> moved;                        // at the origin of the mode
   };
   BeamSpot spot;
   std::vector<BeamStep> way;                          // to here, without this surface
   std::vector<PhaseSensitivity> phase_sensitivities;  // of the way to here, without this surface
+  std::vector<MovedRay> moved;                        // arriving, at the origin of the mode
   std::vector<Way> ways;
+};
+
+// Change of ln of the field of a ghost by the share that a rim takes of it.
+struct RimSlope {
+  SurfaceId by;
+  Mode mode;  // that comes
+  double taken = 0;
+  std::complex<double> of_taken = 0;
+};
+
+// d(ln s)/d(coordinate) of a body [1/m, 1/rad] beyond i times its phase sensitivity (eq. N.27): the change of the
+// overlap of a ghost with the main mode, and of what rims leave of it.
+struct OverlapLever {
+  BodyId body;
+  std::array<std::complex<double>, 6> d{};
 };
 
 // A ghost that is aligned with the main beam.
@@ -38,6 +57,8 @@ struct Recoupling {
   std::uint32_t node = 0, way = 0;              // of the main beam; way: not against
   std::size_t steps = 0;                        // of the ghost, up to that surface
   std::array<std::complex<double>, 2> field{};  // by state of polarisation; their squares sum to the share
+  beams::OverlapSlope ghost{}, main{};  // of ln of their overlap, with both chief rays; the modes along their own travel
+  std::vector<RimSlope> rims{};
   double share() const { return std::norm(field[0]) + std::norm(field[1]); }
 };
 
@@ -60,6 +81,8 @@ class MainBeam {
   GhostAlignment standing(GhostAlignment const& before, LeavingBeam const&, std::span<BeamStep const> way) const;
   // Phase sensitivities of a ghost relative to the main mode; empty without recoupling.
   std::vector<PhaseSensitivity> phase_sensitivities(Recoupling const&, std::span<BeamStep const> way) const;
+  // The rest of the complex lever, by body; the launched mode is at rest.
+  std::vector<OverlapLever> overlap_levers(Recoupling const&, std::span<BeamStep const> way) const;
 
  private:
   struct Candidate;

@@ -112,6 +112,26 @@ TEST(Delay, EffectIsTheRatioOfBothBudgets) {
       << "negative control: one body";
 }
 
+// The same of a line alone.
+TEST(Delay, EffectOnALine) {
+  MotionSet motion = alike(true, 700);
+  motion.inputs[0].gains[1].value = 1.02e-15;
+  CouplingTable const table = known_table({known_class(1, 1, {out_and_back(1500)})});
+  NoiseSettings s = on(logarithmic_grid(10, 1000, 20).edges);
+  NoiseBudget const frozen = project_noise(table, motion, UnitDetector(), s);
+  s.delay = true;
+  NoiseBudget const late = project_noise(table, motion, UnitDetector(), s);
+  DelayEffect const e = delay_effect(table, motion, UnitDetector(), frozen);
+  std::size_t const bin = s.grid.bin_of(700);
+  EXPECT_EQ(s.grid.bin_of(e.hz), bin);
+  EXPECT_TRUE(e.matters());
+  EXPECT_NEAR(late.total.asd[bin] / frozen.total.asd[bin], e.factor, 1e-3 * e.factor);
+  EXPECT_FALSE(
+      delay_effect(known_table({known_class(1, 1, {path(3000, {{1, 1, 1500}})})}), motion, UnitDetector(), frozen)
+          .matters())
+      << "negative control: one body";
+}
+
 TimeDomainSettings in_time(double rate, Delay delay, unsigned threads = 1) {
   TimeDomainSettings s;
   s.paths = {{0}, 0, 7, 0, {0.0}};

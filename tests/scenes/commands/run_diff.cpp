@@ -117,6 +117,33 @@ TEST(RunDiff, ARouteOfAnotherKindIsNamed) {
             "other > ITM");
 }
 
+// The ids of rows of ghosts name numbers of objects, and of a sum its strongest ghost. Control: a scattered route.
+TEST(RunDiff, GhostsAreComparedByName) {
+  auto const run = [](std::uint64_t seed, ClassKind kind, std::uint64_t id, bool swapped) {
+    RunFile r = run_of(seed, groups, {{{0, 1, 0}, 1e-22}, {{0, swapped ? 1u : 2u, 2}, 4e-23}, {{0, 2, 0}, 0}});
+    for (std::size_t i : {0, 1, 2}) {
+      CouplingClass& c = r.trace.coupling.classes[i];
+      c.kind = kind;
+      c.hash = r.noise->routes[i].hash = id + i;
+      if (i != 1) continue;
+      c.folded_routes = 5;
+      r.noise->routes[i].name = route_name(r.trace.coupling, c);
+    }
+    return r;
+  };
+  RunDifference const d = run_differences(run(1, ClassKind::ghost, 11, false), run(2, ClassKind::ghost, 21, true));
+  EXPECT_EQ(d.routes.size(), 3u);
+  for (Change const& c : d.routes) EXPECT_EQ(c.before.value, c.after.value) << c.what;
+  EXPECT_EQ(row(d, "weaker ghosts at ITM").before.value, row(d, "weaker ghosts at ITM").after.value);
+  std::string const text = run_difference_text(d);
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("none")));
+  EXPECT_THAT(text, HasSubstr("still -> still"));
+  EXPECT_THAT(run_difference_text(run_differences(run(1, ClassKind::scattered, 11, false),
+                                                  run(2, ClassKind::scattered, 21, true))),
+              HasSubstr("none"))
+      << "control";
+}
+
 // Old files name `other` by the least id of its routes: it varies, and may be that of a route of the other run. Rows
 // `other` are compared with each other, those of each C_rev, and nothing is compared with none. Controls: a route that
 // only one of the runs can have, and the ids differ.

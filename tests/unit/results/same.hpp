@@ -77,7 +77,11 @@ inline bool same(PathRecord const& a, PathRecord const& b) {
   bool equal = a.history == b.history && a.event == b.event && a.connection == b.connection &&
                same_bits(a.coupling, b.coupling) && same_bits(a.weight, b.weight) &&
                same_bits(a.path_length, b.path_length) && a.field == b.field && a.member == b.member &&
-               a.beam == b.beam && a.phase_sensitivities.size() == b.phase_sensitivities.size();
+               a.beam == b.beam && a.phase_sensitivities.size() == b.phase_sensitivities.size() &&
+               a.amplitude_levers.size() == b.amplitude_levers.size();
+  for (std::size_t i = 0; equal && i < a.amplitude_levers.size(); ++i)
+    equal = a.amplitude_levers[i].body == b.amplitude_levers[i].body &&
+            std::ranges::equal(a.amplitude_levers[i].d, b.amplitude_levers[i].d);
   for (std::size_t i = 0; equal && i < a.phase_sensitivities.size(); ++i)
     equal =
         a.phase_sensitivities[i].body == b.phase_sensitivities[i].body &&
@@ -144,7 +148,10 @@ inline bool same(NoiseBudget const& a, NoiseBudget const& b) {
   bool equal = same_bits(a.grid.edges, b.grid.edges) && same(a.total, b.total) && same(a.bands, b.bands) &&
                a.routes.size() == b.routes.size() && a.unresolved == b.unresolved &&
                same_bits(a.unresolved_hint, b.unresolved_hint) && a.design.size() == b.design.size() &&
-               same_bits(a.margin, b.margin) && same_bits(a.seconds, b.seconds);
+               same_bits(a.margin, b.margin) && same_bits(a.seconds, b.seconds) && a.scanned_body == b.scanned_body &&
+               a.positions.size() == b.positions.size();
+  for (std::size_t i = 0; equal && i < a.positions.size(); ++i)
+    equal = same_bits(a.positions[i].phase, b.positions[i].phase) && same_bits(a.positions[i].asd, b.positions[i].asd);
   for (std::size_t i = 0; equal && i < a.routes.size(); ++i) equal = same(a.routes[i], b.routes[i]);
   for (std::size_t i = 0; equal && i < a.design.size(); ++i)
     equal = a.design[i].name == b.design[i].name && same_bits(a.design[i].asd, b.design[i].asd);

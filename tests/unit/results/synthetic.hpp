@@ -86,6 +86,7 @@ inline PathRecord record(std::size_t c, std::size_t k) {
   r.path_length = 200.0 * double(c + 1) + 3 * spread(k);
   r.phase_sensitivities.push_back({{0}, {1e5 * spread(k), 2e5 * spread(k + 1), 1.18e7, 0, 3, 4}, {1, 2, spread(k)}});
   if (c % 2 == 0) r.phase_sensitivities.push_back({{1}, {1e4, 2e4, -1.18e7 * spread(k), 1, 2, 0}});
+  if (k % 2 == 0) r.amplitude_levers.push_back({{1}, {1, 0, 0, 0, -4359 * spread(k), 0}});
   return r;
 }
 
@@ -195,6 +196,9 @@ inline NoiseBudget noise_budget(CouplingTable const& table, double size = 6e-24)
       t.input_high.push_back(2 * t.asd[i]);
     }
   }
+  b.scanned_body = "tube";
+  for (double const factor : {0.5, 1.3229})
+    b.positions.push_back({factor, b.total.asd});
   b.bands.sources = {{"material steel", "bracket: x 0.25 to 4 (assumed)", 0.5, 2, 0.8}};
   b.bands.taken_as_exact = {"motion of tube"};
   b.seconds = 0.5;
