@@ -57,6 +57,14 @@ std::size_t quick_size(double n) {
   return 2 * below;
 }
 
+// Factors of a tone over one of its periods: on the lags it repeats exactly.
+std::vector<double> factors_of(PhaseTone const& t, LagGrid const& lags) {
+  std::vector<double> factors(std::min(lags.period(t.frequency), lags.size()));
+  for (std::size_t i = 0; i < factors.size(); ++i)
+    factors[i] = ::j0(2 * t.peak * std::sin(pi * lags.turns(t.frequency, i)));
+  return factors;
+}
+
 // exp(-(R(0) - R(tau))) times one Bessel factor per tone (eq. 7.11), minus its constant part.
 std::vector<double> correlation(SlowPhase const& p, Covariance r, LagGrid const& lags, double constant) {
   std::vector<double> c = std::move(r.at);
@@ -64,11 +72,13 @@ std::vector<double> correlation(SlowPhase const& p, Covariance r, LagGrid const&
     for (double& x : c) x = constant * std::expm1(x);  // no cancellation, however small the motion
     return c;
   }
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    c[i] = std::exp(c[i] - r.at_zero);
-    for (PhaseTone const& t : p.tones) c[i] *= ::j0(2 * t.peak * std::sin(pi * lags.turns(t.frequency, i)));
-    c[i] -= constant;
+  for (double& x : c) x = std::exp(x - r.at_zero);
+  for (PhaseTone const& t : p.tones) {
+    std::vector<double> const factors = factors_of(t, lags);
+    for (std::size_t first = 0; first < c.size(); first += factors.size())
+      for (std::size_t i = 0; i < std::min(factors.size(), c.size() - first); ++i) c[first + i] *= factors[i];
   }
+  for (double& x : c) x -= constant;
   return c;
 }
 
@@ -91,6 +101,11 @@ double norm1(std::vector<double> const& v) {
 double LagGrid::turns(double hz, std::size_t n) const {
   std::uint64_t const turn = 2 * std::uint64_t{samples}, line = std::uint64_t(std::round(hz / spacing));
   return static_cast<double>(line % turn * (2 * n + 1) % turn) / static_cast<double>(turn);
+}
+
+std::size_t LagGrid::period(double hz) const {
+  std::uint64_t const turn = 2 * std::uint64_t{samples}, line = std::uint64_t(std::round(hz / spacing)) % turn;
+  return std::size_t(turn / std::gcd(2 * line, turn));
 }
 
 Covariance covariance(std::vector<double> lines, LagGrid const& lags) {

@@ -24,6 +24,7 @@ struct LagGrid {
   std::size_t size() const { return samples / 2; }
   // Turns of a tone, taken to the nearest line, at a lag; between 0 and 1.
   double turns(double hz, std::size_t n) const;
+  std::size_t period(double hz) const;  // lags after which the turns of a tone repeat
 };
 
 // Autocovariance of a Gaussian phase, rad^2.

@@ -238,8 +238,13 @@ GhostLine line_of(GhostReport const& report, GhostRow const& r) {
 }
 
 std::string rows_text(GhostReport const& report) {
-  bool const levers =
-      std::ranges::any_of(report.rows, [&](GhostRow const& r) { return lever_text(line_of(report, r)) != "-"; });
+  constexpr double faint = 1e-12;  // of the strongest: its lever does not matter
+  double strongest = 0;
+  for (GhostRow const& r : report.rows) strongest = std::fmax(strongest, line_of(report, r).recoupled());
+  bool const levers = std::ranges::any_of(report.rows, [&](GhostRow const& r) {
+    GhostLine const line = line_of(report, r);
+    return line.recoupled() > faint * strongest && lever_text(line) != "-";
+  });
   TableWriter<GhostLine> const list(ghost_columns(report.power > 0, report.has_noise, levers));
   Columns table = list.text_head();
   std::uint64_t main = 0;

@@ -202,6 +202,7 @@ TEST(AmplitudeLever, SeriesAgree) {
 // What the first order leaves out is a warning with its size.
 TEST(AmplitudeLever, TooMuchMotionIsAWarning) {
   CouplingTable table = one_path();
+  table.classes[0].records[0].phase_sensitivities = {phase_sensitivity(0, 2, 100)};
   table.classes[0].records[0].amplitude_levers = {phase_sensitivity(0, 2, 1e4)};
   auto const warned = [&](double rms) {
     MotionSet const motion = moving({power_law_asd(rms, 10, 0, 9.5, 10.5)});

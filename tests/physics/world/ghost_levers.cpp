@@ -63,7 +63,7 @@ World bench(Coordinates const& lens, Coordinates const& mirror) {
                     world.add_group("front"), volume);
   world.add_surface(cap(-1 / roc, 0, 0.05, a.place({2e-4, 1e-4, d}, axis)), clear, clear, first,
                     world.add_group("back"), volume);
-  world.add_surface(cap(0.3, 0, 0.05, b.place({}, unit({tilt, 0.5 * tilt, -1}))), weak, weak, second,
+  world.add_surface(cap(0.3, 0, 0.05, b.place({0, 0, 0.6}, unit({tilt, 0.5 * tilt, -1}))), weak, weak, second,
                     world.add_group("mirror"));
   world.finish();
   return world;
@@ -129,7 +129,7 @@ TEST(GhostLevers, OverlapOfAMovedLensAndMirror) {
 
 // A hole off the axis that moves: of 1 - t, eq. N.11, of the ghost of a plate behind it. Centred: none.
 TEST(GhostLevers, MovingHole) {
-  constexpr double w = 5e-3, a = 5e-3;
+  constexpr double a = 5e-3;
   auto const world_of = [&](double off) {
     World world;
     world.wavelength = lambda;
