@@ -165,9 +165,8 @@ LargestLever largest_lever(GhostLine const& l, bool turns) {
 }
 
 std::string lever_text(GhostLine const& l) {
-  LargestLever const lever = l.back() ? largest_lever(l, true) : LargestLever{};
-  if (lever.coordinate.empty() || !(std::abs(lever.value) > 0.5)) return "-";
-  return fmt::format("{:.3g}{:+.3g}i {}", lever.value.real(), lever.value.imag(), lever.coordinate);
+  double const amplitude = l.back() ? largest_lever(l, true).value.real() : 0;
+  return std::fabs(amplitude) > 0.5 ? fmt::format("{:.2g}", amplitude) : "-";
 }
 
 // Re and Im of all six coordinates, by body.
@@ -183,8 +182,11 @@ GhostJson levers_json(GhostLine const& l) {
 // `shown`: in the text; some row has one.
 void add_ghost_levers(GhostList& all, bool shown) {
   all.push_back({.key = "lever", .kind = ColumnKind::text, .unit = "1/rad",
-    .help = "largest change of ln s by a rotation, without the phase at the hits (eq. N.27)",
+    .help = "change of ln |s| by the rotation that changes ln s most, without the phase at the hits (eq. N.27)",
     .text = {85 * shown, "lever*rad"}, .as_text = lever_text});
+  all.push_back({.key = "lever_of", .kind = ColumnKind::text, .help = "body and axis of that rotation",
+    .value = [](GhostLine const& l) { return l.back() ? largest_lever(l, true).coordinate : std::string(); },
+    .csv = {195}});
   for (bool const turns : {false, true})
     for (bool const real : {true, false})
       all.push_back({.key = fmt::format("lever_{}_{}", turns ? "rotation" : "shift", real ? "re" : "im"),

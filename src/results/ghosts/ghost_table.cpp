@@ -157,6 +157,10 @@ void GhostFamilies::add(Ghost const& g) {
     families_.back().sum = sum_;
     families_.back().port = r.against ? *port_ : forward_->port;
   }
+  for (RimSlope const& cut : main_.rims_without_lever(r)) {
+    double& largest = rims_left_out[cut.by.value];
+    largest = std::max(largest, 2 * std::abs(cut.of_taken) * cut.taken * *share);
+  }
   GhostFamily& f = families_[at->second];
   std::vector<PathStep> steps = steps_of(g);
   // C_rev: the reverse is another ghost with the same phase, or the same light found from the other beam.

@@ -47,25 +47,36 @@ struct Listed {
 
 std::string port_of(RunFile const& run, CouplingClass const& c) { return run.trace.coupling.ports.at(c.port.value); }
 
-// The key of a row in both runs: the id of its route; of a row `other` its port and C_rev, since the ids of such rows
-// vary in old files.
+// The key of a row in both runs: the id of its route, or, in runs whose objects have other numbers, which ids contain,
+// its kind, name and place among those of one name; of a row `other` its port and C_rev, since the ids of such rows vary
+// in old files.
 struct RowKey {
   std::uint64_t hash = 0;
   std::string port{};
   double reverse = 0;
+  std::string name{};
+  std::size_t place = 0;
   auto operator<=>(RowKey const&) const = default;
 };
 using ByKey = std::map<RowKey, Listed>;
 
-RowKey key_of(RunFile const& run, CouplingClass const& c) {
-  return c.steps.empty() ? RowKey{0, port_of(run, c), c.reverse} : RowKey{c.hash};
+bool same_numbers(RunFile const& b, RunFile const& a) {
+  CouplingTable const &x = b.trace.coupling, &y = a.trace.coupling;
+  return x.groups == y.groups && x.ports == y.ports;
 }
 
-ByKey by_key(RunFile const& run) {
+ByKey by_key(RunFile const& run, bool by_name = false) {
   ByKey out;
   auto const& classes = run.trace.coupling.classes;
-  for (std::size_t r = 0; r < run.noise->routes.size() && r < classes.size(); ++r)
-    out[key_of(run, classes[r])] = {&run.noise->routes[r], &classes[r]};
+  for (std::size_t r = 0; r < run.noise->routes.size() && r < classes.size(); ++r) {
+    CouplingClass const& c = classes[r];
+    RowKey key = c.steps.empty() ? RowKey{0, port_of(run, c), c.reverse} : RowKey{c.hash};
+    if (by_name && !c.steps.empty()) {
+      key = {0, port_of(run, c), 0, fmt::format("{} {}", name_of(c.kind), run.noise->routes[r].name)};
+      while (out.contains(key)) ++key.place;
+    }
+    out[key] = {&run.noise->routes[r], &c};
+  }
   return out;
 }
 
@@ -259,7 +270,8 @@ std::vector<Change> ghost_changes(RunFile const& b, RunFile const& a, ByKey& x, 
 }
 
 std::vector<Change> route_changes(RunFile const& b, RunFile const& a, RunDifference const& d) {
-  ByKey x = by_key(b), y = by_key(a);
+  bool const by_name = !same_numbers(b, a);
+  ByKey x = by_key(b, by_name), y = by_key(a, by_name);
   ComparedRows to{b, a, d};
   auto const change_of = [&](NoiseTrace const* before, NoiseTrace const* after) {
     return route_change(before, after, b.noise->grid, a.noise->grid, d);

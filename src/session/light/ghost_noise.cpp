@@ -236,7 +236,7 @@ GhostClasses ghosts_beside(World const& world, GhostSettings const& settings) {
     GhostFamilies families(world, launch, main, ghost_port(world, launch, main), settings.sum);
     if (!families.port()) continue;
     find_ghosts(world, launch, limits, main, [&](Ghost const& g) { families.add(g); });
-    GhostClasses made = ghost_classes(families);
+    GhostClasses made = ghost_classes(world, families);
     std::move(made.classes.begin(), made.classes.end(), std::back_inserter(all.classes));
     for (std::string const& warning : made.warnings)
       all.warnings.push_back(fmt::format("ghosts of the beam '{}': {}", launch.name, warning));
@@ -274,7 +274,7 @@ void add_classes(std::vector<GhostFamily const*> const& by_share, PortId port, G
 
 }  // namespace
 
-GhostClasses ghost_classes(GhostFamilies const& families) {
+GhostClasses ghost_classes(World const& world, GhostFamilies const& families) {
   std::map<std::uint32_t, std::vector<GhostFamily const*>> by_port;
   for (GhostFamily const& f : families.all())
     if (f.share() > 0) by_port[f.port.value].push_back(&f);
@@ -283,6 +283,15 @@ GhostClasses ghost_classes(GhostFamilies const& families) {
     std::stable_sort(list.begin(), list.end(), [](auto* a, auto* b) { return a->share() > b->share(); });
     add_classes(list, {port}, all);
   }
+  double shares = 0;
+  for (GhostFamily const& f : families.all()) shares += f.share();
+  for (auto const& [surface, change] : families.rims_left_out)
+    if (change > 1e-6 * shares)
+      all.warnings.push_back(
+          fmt::format("'{}' cuts ghosts and moves, but is not round, so that h lacks the change of their amplitude; "
+                      "all that it takes of them is {:.2g} of the main mode at the port (docs/theory/ghosts.md, "
+                      "eq. N.27)",
+                      world.name_of({surface}), change));
   return all;
 }
 
@@ -313,7 +322,7 @@ GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
     }
   GhostStrain all;
   for (std::size_t k = 0; k < all.size(); ++k) all[k] = std::sqrt(square[k]);
-  table.classes = ghost_classes(families).classes;
+  table.classes = ghost_classes(model.world, families).classes;
   if (std::none_of(table.classes.begin(), table.classes.end(), [](auto& c) { return c.adds_fields(); })) return all;
   NoiseTrace const total = project_noise(table, model.motion, *model.detector, settings).total;
   for (std::size_t k = 0; k < all.size(); ++k) all[k] = strain_at(total, settings.grid, ghost_frequencies[k]).value;

@@ -25,7 +25,7 @@ GhostClasses ghosts_beside(World const&, GhostSettings const&);
 // A deterministic class for each route of each family of equal phase sensitivities, the weakest of many together;
 // powers of classes add. With GhostSum::coherent one class for the `most_coherent` strongest families of the beam,
 // whose fields add (eq. 10.5); a warning states the omitted light.
-GhostClasses ghost_classes(GhostFamilies const&);
+GhostClasses ghost_classes(World const&, GhostFamilies const&);
 
 // Strain of each family for the motion and the interferometer of the model, into the families; returns that of all.
 GhostStrain project_ghosts(Model const&, GhostFamilies&);

@@ -84,7 +84,7 @@ void sum_families(GhostSearch const& search, GhostFamilies& families, GhostRepor
     report.worst += f.worst();
   }
   report.families = families.all().size();
-  report.warnings = ghost_classes(families).warnings;
+  report.warnings = ghost_classes(search.model.world, families).warnings;
   if (report.has_noise && report.families > 0) report.strain = project_ghosts(search.model, families);
 }
 

@@ -402,6 +402,14 @@ void add_rim(std::vector<OverlapLever>& levers, World const& world, RimSlope con
 
 }  // namespace
 
+std::vector<RimSlope> MainBeam::rims_without_lever(Recoupling const& r) const {
+  std::vector<RimSlope> some;
+  for (RimSlope const& cut : r.rims)
+    if (cut.of_taken != 0.0 && world_.surfaces()[cut.by.value].body.valid() && !round_rim(world_, cut))
+      some.push_back(cut);
+  return some;
+}
+
 std::vector<OverlapLever> MainBeam::overlap_levers(Recoupling const& r, std::span<BeamStep const> way) const {
   std::vector<OverlapLever> levers;
   if (!r.any || r.steps == 0) return levers;

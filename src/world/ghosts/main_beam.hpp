@@ -83,6 +83,8 @@ class MainBeam {
   std::vector<PhaseSensitivity> phase_sensitivities(Recoupling const&, std::span<BeamStep const> way) const;
   // The rest of the complex lever, by body; the launched mode is at rest.
   std::vector<OverlapLever> overlap_levers(Recoupling const&, std::span<BeamStep const> way) const;
+  // Rims on bodies that cut it but have no round edge, so that their motion is not in its levers.
+  std::vector<RimSlope> rims_without_lever(Recoupling const&) const;
 
  private:
   struct Candidate;

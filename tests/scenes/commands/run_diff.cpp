@@ -117,6 +117,20 @@ TEST(RunDiff, ARouteOfAnotherKindIsNamed) {
             "other > ITM");
 }
 
+// A new object before the others gives them new numbers, and routes new ids: one may be that of another route. They are
+// compared by name. Control: the same ids with other names of the objects.
+TEST(RunDiff, NewNumbersOfObjects) {
+  RunFile const x = run_of(1, {"ITM", "wall", "tube"}, {{{0, 1, 0}, 1e-22}, {{0, 2, 0}, 4e-23}}),
+                y = run_of(2, {"ITM", "new", "wall", "tube"}, {{{0, 2, 0}, 1e-22}, {{0, 3, 0}, 4e-23}});
+  EXPECT_EQ(x.trace.coupling.classes[1].hash, y.trace.coupling.classes[0].hash) << "control";
+  RunDifference const d = run_differences(x, y);
+  EXPECT_EQ(d.routes.size(), 2u);
+  for (Change const& c : d.routes) EXPECT_EQ(c.before.value, c.after.value) << c.what;
+  RunFile other = y;
+  other.trace.coupling.groups = {"ITM", "wall", "tube"};
+  EXPECT_GT(row(run_differences(x, other), "ITM·S > tube").after.value, 2e-22) << "control";
+}
+
 // The ids of rows of ghosts name numbers of objects, and of a sum its strongest ghost. Control: a scattered route.
 TEST(RunDiff, GhostsAreComparedByName) {
   auto const run = [](std::uint64_t seed, ClassKind kind, std::uint64_t id, bool swapped) {

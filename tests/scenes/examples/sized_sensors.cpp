@@ -55,6 +55,23 @@ nlohmann::json row_of(nlohmann::json const& table, std::string const& signal) {
   return {};
 }
 
+// Light of modulated amplitude makes noise although nothing moves. Control: without modulation.
+TEST(SizedSensors, AmplitudeAloneIsNotStill) {
+  Folder const folder;
+  std::string const shaking = "z: {sine: {amplitude: 1 nm peak, frequency: 10 Hz}}",
+                    modulation = ", modulation: {amplitude: 1 %, frequency: 40 Hz}";
+  std::string text = scene("");
+  text.replace(text.find(shaking), shaking.size(), "z: still");
+  auto const printed = [&](std::string const& name) {
+    write_file(folder / (name + ".yaml"), text);
+    traced_in(folder, name + ".h5", {folder / (name + ".yaml"), "--force"});
+    return expect_done({"noise", folder / (name + ".h5"), "--quiet"}).out;
+  };
+  EXPECT_THAT(printed("modulated"), ::testing::Not(HasSubstr("still")));
+  text.replace(text.find(modulation), modulation.size(), "");
+  EXPECT_THAT(printed("steady"), HasSubstr("still")) << "control";
+}
+
 // The beat relative to the main light rises by 1/sqrt(eta), and light without overlap by 1/eta.
 TEST(SizedSensors, CutAndLightWithoutOverlapN22N23) {
   Folder const folder;
