@@ -44,16 +44,14 @@ OverlapSlope overlap_slope(Mode const& u, Mode const& v) {
   Plane const plane = plane_across(u, v);
   PlaneField const moving = on_plane(u, plane), fixed = on_plane(v, plane);
   FieldProduct const p = product(moving, fixed);
-  Eigen::Vector2cd const mean =
-      -(p.s.inverse() * p.g) - (moving.centre - fixed.centre).cast<std::complex<double>>();
+  Eigen::Vector2cd const mean = -(p.s.inverse() * p.g) - (moving.centre - fixed.centre).cast<std::complex<double>>();
   Eigen::Vector2cd const bent = moving.q * mean;
   std::complex<double> const ik(0, p.k);
   Vec3 const normal = plane.normal();
   double const cosine = dot(u.travel, normal), z = dot(plane.point - u.origin, normal) / cosine;
   auto const at = [](Vec3 a, int i) { return i == 0 ? a.x : i == 1 ? a.y : a.z; };
   // Along the ray onto the plane.
-  std::complex<double> const along =
-      (bent(0) * dot(plane.t1, u.travel) + bent(1) * dot(plane.t2, u.travel)) / cosine;
+  std::complex<double> const along = (bent(0) * dot(plane.t1, u.travel) + bent(1) * dot(plane.t2, u.travel)) / cosine;
   OverlapSlope slope;
   for (int i = 0; i < 3; ++i) {
     auto const part = std::size_t(i);

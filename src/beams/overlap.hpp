@@ -22,10 +22,10 @@ double power_overlap(Mode const&, Mode const&);
 // right angle or more.
 double log_power_overlap(Mode const&, Mode const&);
 
-// Change of ln overlap(u, v) to first order when u moves: its chief ray by `shift` [m] at its origin and by `turn` [rad] of
-// its direction, both across its travel. The field keeps its phase on the moved ray, where a phase that is stationary
-// along the ray (eq. 2.2) is taken: what is left is the change of the overlap (eq. N.27). For motion of v take the
-// conjugate of that of overlap(v, u).
+// Change of ln overlap(u, v) to first order when u moves: its chief ray by `shift` [m] at its origin and by `turn`
+// [rad] of its direction, both across its travel. The field keeps its phase on the moved ray, where a phase that is
+// stationary along the ray (eq. 2.2) is taken: what is left is the change of the overlap (eq. N.27). For motion of v
+// take the conjugate of that of overlap(v, u).
 struct OverlapSlope {
   std::array<std::complex<double>, 3> shift{}, turn{};  // 1/m, 1/rad; vectors of space
   std::complex<double> of(Vec3 moved, Vec3 turned) const {

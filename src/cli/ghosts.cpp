@@ -115,9 +115,8 @@ class Answers {
     if (!options_.csv && !csv_) return {};
     double const power = world_.beam_power * world_.footprints()[launch.footprint].share;
     return [this, name = launch.name, power](GhostTable const& table, Ghost const& g) {
-      std::string const line =
-          rows_.row(name, table.row(g), g.where.valid() ? world_.groups()[g.where.value] : "", power,
-                     world_.body_names());
+      std::string const line = rows_.row(name, table.row(g), g.where.valid() ? world_.groups()[g.where.value] : "",
+                                         power, world_.body_names());
       if (options_.csv) std::cout << line;
       if (csv_) csv_->write(line);
     };

@@ -124,7 +124,7 @@ struct NoiseBudget {
   std::vector<DesignCurve> design;
   double margin = 0.1;
   double seconds = 0;
-  NoiseBands bands;  // of the total
+  NoiseBands bands;                      // of the total
   std::string scanned_body;              // empty: none
   std::vector<PositionCurve> positions;  // of it; the mean of their PSDs is that of the total
   // Where more histories do not lower the error; where drawn paths represent all (SpectrumInterpolator): their

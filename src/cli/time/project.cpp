@@ -48,9 +48,9 @@ struct ProjectOptions {
 // Realisations by position of the body that `static_phase` scans, one after the other.
 struct PositionRuns {
   std::optional<ScannedPhase> body;
-  std::vector<bool> routes;                       // that it gives its phase
-  std::vector<Realisations> runs{};               // by position
-  std::vector<TimeDomainSummary> summaries{};     // the same
+  std::vector<bool> routes;                    // that it gives its phase
+  std::vector<Realisations> runs{};            // by position
+  std::vector<TimeDomainSummary> summaries{};  // the same
   PositionRuns(TimeInputs const& in) : body(in.model.noise.scanned) {
     if (!body) return;
     routes = scanned_routes(in.coupling(), in.model.motion, in.model.noise, *in.model.detector);
@@ -439,8 +439,7 @@ int project(ProjectOptions const& o) {
   TimeDomainSummary const result = summarise(in.coupling(), in.model.motion, in.exact, settings, first, all);
   for (Realisations const& run : positions.runs)
     if (run.size() > 0)
-      positions.summaries.push_back(
-          summarise(in.coupling(), in.model.motion, in.exact, settings, first, run));
+      positions.summaries.push_back(summarise(in.coupling(), in.model.motion, in.exact, settings, first, run));
   std::cout << (o.data.json() ? project_json(result, positions) : project_text(result) + positions_text(positions))
             << '\n';
   for (std::string const& name : write_time_files(o.files, in, first, result, positions))
@@ -466,8 +465,10 @@ void add_project(CLI::App& app, int& exit_code) {
       ->add_option("--paths-per-route", o.per_route,
                    "number of fields drawn for each route; default: about 2048 in total, at least 16")
       ->check(whole_between(1, 1e6, "64"));
-  command->add_option("--realisations", o.realisations, "number of independent draws of motion and static phases; default: 1, or one for each position of "
-                  "'static_phase'")
+  command
+      ->add_option("--realisations", o.realisations,
+                   "number of independent draws of motion and static phases; default: 1, or one for each position of "
+                   "'static_phase'")
       ->check(whole_between(1, 1e5, "20"));
   command->add_flag("--retarded", o.retarded, "delay the motion of each path by half of its length");
   command->add_option("--threads", o.threads, "default: all cores; does not change the result")

@@ -50,8 +50,8 @@ std::vector<MotionClass> group_by_shape(MotionSet const&);
 // squared.
 std::vector<double> kappa_of(MotionSet const&, std::vector<MotionClass> const&, std::span<PhaseSensitivity const>);
 
-// The same of a path, with the levers of its amplitude: in the mean over the static phase, s (1 + a) has, to first order
-// in a, the spectrum of a path that an independent phase of the same PSD as a moves too (eq. N.27).
+// The same of a path, with the levers of its amplitude: in the mean over the static phase, s (1 + a) has, to first
+// order in a, the spectrum of a path that an independent phase of the same PSD as a moves too (eq. N.27).
 std::vector<double> kappa_of(MotionSet const&, std::vector<MotionClass> const&, PathRecord const&);
 
 // Of one class, from second moments of phase sensitivities: the sum over paths of coupling times kappa, as

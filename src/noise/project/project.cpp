@@ -36,8 +36,8 @@ struct Response {
   double both(std::size_t i) const { return phase[i] + amplitude[i] + (cross.empty() ? 0 : cross[i]); }
 };
 
-// Eq. N.26: with S the mean over static phases and q = exp(2i phi_0) S'/S, Im s has S (1 - Re q), Re s S (1 + Re q), and
-// their cross spectrum is S Im q.
+// Eq. N.26: with S the mean over static phases and q = exp(2i phi_0) S'/S, Im s has S (1 - Re q), Re s S (1 + Re q),
+// and their cross spectrum is S Im q.
 Response with_static_phase(Response const& mean, std::vector<std::complex<double>> const& ratio, double phase) {
   Response t = mean;
   t.cross.resize(ratio.size());
@@ -348,8 +348,8 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
     RouteSpectrum const route = spectrum_of(r);
     Response const random = of_rim ? passing_response(ifo, table, c, settings.grid) : response.at(c.port.value);
     std::optional<double> const known = phases.known[r];
-    auto const relation = known || phases.scans(r) ? phase_relation(spectra, motion, c)
-                                                   : std::vector<std::complex<double>>{};
+    auto const relation =
+        known || phases.scans(r) ? phase_relation(spectra, motion, c) : std::vector<std::complex<double>>{};
     Response const t = known ? with_static_phase(random, relation, *known) : random;
     std::string const name = route_name(table, c), why_not = objection(table, c, route);
     PowerSum own(bins);

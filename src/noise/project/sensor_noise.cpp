@@ -90,7 +90,7 @@ SensorNoise sensor_noise(CouplingTable const& table, MotionSet const& motion, No
   SensorNoise noise{port, {}, {}};
   bool const diffuse = kind == SensorKind::quadrant;
   settings.compare.clear();
-  settings.scanned.reset();  // the mean over its positions
+  settings.scanned.reset();                     // the mean over its positions
   if (diffuse) settings.static_phases.clear();  // of the mode itself, not of the one with a half reversed
   CouplingTable own = table;
   own.classes.clear();

@@ -29,16 +29,15 @@ StaticPhase const* body_of(CouplingTable const& table, CouplingClass const& c, M
     auto const body = std::ranges::find(motion.bodies, s.body);
     if (body == motion.bodies.end() || !moved_by(c, std::uint32_t(body - motion.bodies.begin()))) continue;
     if (by)
-      throw InputError(
-          fmt::format("'{}' and '{}' both state the static phase of route '{}'", by->body, s.body, route_name(table, c)),
-          "keep one of them in 'static_phase' of 'noise'");
+      throw InputError(fmt::format("'{}' and '{}' both state the static phase of route '{}'", by->body, s.body,
+                                   route_name(table, c)),
+                       "keep one of them in 'static_phase' of 'noise'");
     by = &s;
   }
   if (by && ifo.copies(c.port) != 1)
-    throw InputError(
-        fmt::format("'static_phase' of '{}' is that of one scatterer, and port '{}' has {:g} equal copies", by->body,
-                    table.ports[c.port.value], ifo.copies(c.port)),
-        "write 'copies: 1' for this port in the interferometer, or 'arms: 1'");
+    throw InputError(fmt::format("'static_phase' of '{}' is that of one scatterer, and port '{}' has {:g} equal copies",
+                                 by->body, table.ports[c.port.value], ifo.copies(c.port)),
+                     "write 'copies: 1' for this port in the interferometer, or 'arms: 1'");
   return by;
 }
 
@@ -69,7 +68,9 @@ namespace {
 struct Strength {
   std::vector<double> phase, amplitude, both;  // per class; `both`: of their cross spectrum
   double weight = 0, square = 0;               // square: mean-square phase
-  bool has_amplitude() const { return std::ranges::any_of(amplitude, [](double k) { return k != 0; }); }
+  bool has_amplitude() const {
+    return std::ranges::any_of(amplitude, [](double k) { return k != 0; });
+  }
 };
 
 // Of the sum of the lever of the phase and `sign` times that of the amplitude.

@@ -21,11 +21,13 @@ std::vector<std::optional<double>> known_phases(CouplingTable const&, MotionSet 
 
 // The routes that the body of settings.scanned gives its phases; empty where none is scanned. Throws as known_phases,
 // and where a stated phase and the scanned body meet on one route.
-std::vector<bool> scanned_routes(CouplingTable const&, MotionSet const&, NoiseSettings const&, ifo::Interferometer const&);
+std::vector<bool> scanned_routes(CouplingTable const&, MotionSet const&, NoiseSettings const&,
+                                 ifo::Interferometer const&);
 
 // S'_p/S_p per bin, of modulus 1 at most: exp(2i phi_0) S'/S has as its real part what the static phase takes from Im s
 // and adds to Re s, and as its imaginary part the cross spectrum of both over S. It is real where no amplitude moves.
-// Of at most `representatives` kept paths, equally many shares of the power of the route in the order of their strength.
+// Of at most `representatives` kept paths, equally many shares of the power of the route in the order of their
+// strength.
 std::vector<std::complex<double>> phase_relation(PhaseSpectra const&, MotionSet const&, CouplingClass const&);
 constexpr std::size_t representatives = 64;
 

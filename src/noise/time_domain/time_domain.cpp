@@ -150,8 +150,7 @@ std::vector<PortField> stray_fields(std::span<StrayPath const> paths, MotionSeri
     };
     PortField field{PortId{port}, sum(by_port[port], of_all)};
     done += by_port[port].size();
-    add_levers(field.field, by_port[port], motion,
-               [&](std::span<StrayPath const> some) { return sum(some, {}); });
+    add_levers(field.field, by_port[port], motion, [&](std::span<StrayPath const> some) { return sum(some, {}); });
     for (LightTone const& tone : motion.light.tones)
       add_amplitude(field.field, by_port[port], tone, motion,
                     [&](std::span<StrayPath const> some) { return sum(some, {}); });
@@ -402,8 +401,15 @@ std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer co
       for (std::size_t p = 0; p < picks.size(); ++p) {
         PathRecord const& r = c.records[picks[p].record];
         repeat = p > 0 && picks[p - 1].record == picks[p].record ? repeat + 1 : 0;
-        StrayPath path{c.port, 0, 0, r.path_length, r.phase_sensitivities, route, std::uint32_t(picks[p].record),
-                       r.beam, r.amplitude_levers};
+        StrayPath path{c.port,
+                       0,
+                       0,
+                       r.path_length,
+                       r.phase_sensitivities,
+                       route,
+                       std::uint32_t(picks[p].record),
+                       r.beam,
+                       r.amplitude_levers};
         path.amplitude = std::sqrt(c.reverse * c.coupling.mean * picks[p].share * copies / drawn);
         if (known) {
           path.turns = *known / (2 * pi);

@@ -235,10 +235,10 @@ std::string band_summary(NoiseBudget const& b, std::vector<double> const& freque
                                  [&](double hz) { return strain_at(b.total, b.grid, hz).at_most; });
   std::string text = position_text(b, frequencies);
   text += fmt::format("one realisation (5 to 95 %){} at {:g} Hz: {}\n",
-                                 !bound                 ? ""
-                                 : b.unresolved.empty() ? " of the upper bound"
-                                                        : " of the total, which is no bound,",
-                                 fmt::join(frequencies, ", "), ranges(b, frequencies, d.speckle_05, d.speckle_95));
+                      !bound                 ? ""
+                      : b.unresolved.empty() ? " of the upper bound"
+                                             : " of the total, which is no bound,",
+                      fmt::join(frequencies, ", "), ranges(b, frequencies, d.speckle_05, d.speckle_95));
   if (d.sources.empty())
     return text + fmt::format("inputs{} are taken as exact: no bracket or uncertainty is stated{}\n",
                               b.unresolved.empty() ? "" : " of the resolved routes",

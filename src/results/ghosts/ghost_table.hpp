@@ -89,8 +89,8 @@ class GhostFamilies {
   // By surface, of rims whose motion is in no lever: the largest change of the share at the port per share that they
   // take.
   std::map<std::uint32_t, double> rims_left_out;
-  std::uint64_t left_out = 0;                 // ghosts beyond the most families, and
-  double left_out_share = 0;                  // the sum of their shares
+  std::uint64_t left_out = 0;  // ghosts beyond the most families, and
+  double left_out_share = 0;   // the sum of their shares
   std::optional<PortId> port() const { return port_; }
 
  private:

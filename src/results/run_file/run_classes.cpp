@@ -265,7 +265,7 @@ void read_records(hdf5::Reader const& in, Section const& at, CouplingTable& tabl
   std::string const sensitivity = at.records + "/phase_sensitivity";
   read_lists(in, sensitivity + "_offset", sensitivity, records, &PathRecord::phase_sensitivities,
              [](auto&& list) { phase_sensitivity_columns(list); });
-  column("field", "1", field_column, std::array<double, 4>{});  // since schema 1.6
+  column("field", "1", field_column, std::array<double, 4>{});                               // since schema 1.6
   if (std::string const lever = at.records + "/amplitude_lever"; in.has(lever + "_offset"))  // since schema 2.4
     read_lists(in, lever + "_offset", lever, records, &PathRecord::amplitude_levers,
                [](auto&& list) { amplitude_lever_columns(list); });

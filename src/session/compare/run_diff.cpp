@@ -48,8 +48,8 @@ struct Listed {
 std::string port_of(RunFile const& run, CouplingClass const& c) { return run.trace.coupling.ports.at(c.port.value); }
 
 // The key of a row in both runs: the id of its route, or, in runs whose objects have other numbers, which ids contain,
-// its kind, name and place among those of one name; of a row `other` its port and C_rev, since the ids of such rows vary
-// in old files.
+// its kind, name and place among those of one name; of a row `other` its port and C_rev, since the ids of such rows
+// vary in old files.
 struct RowKey {
   std::uint64_t hash = 0;
   std::string port{};
@@ -345,8 +345,7 @@ std::string line(Change const& c, std::size_t width) {
     return w.value > 0 ? with_error(w) : there ? "still" : c.within.empty() ? "none" : "in '" + c.within + "'";
   };
   return fmt::format("  {:<{}}  {} -> {}  {}{}\n", c.what, width, value(c.before, c.has_before),
-                     value(c.after, c.has_after), verdict,
-                     c.bound ? " (unresolved: more may be missing)" : "");
+                     value(c.after, c.has_after), verdict, c.bound ? " (unresolved: more may be missing)" : "");
 }
 
 std::string lines(std::vector<Change> const& all, std::size_t most) {

@@ -20,10 +20,10 @@ struct Change {
   // Of a route that only one of the runs lists: the row of the other that may hold it, "other > ITM". It is compared
   // there, together with all such routes.
   std::string within{};
-  double held = 0;         // of the same histories: error of the spectra, 5e-4 of each value
+  double held = 0;                           // of the same histories: error of the spectra, 5e-4 of each value
   bool has_before = true, has_after = true;  // whether that run has this route
-  bool too_small() const;  // to count as a change
-  double sigmas() const;   // NaN: no answer
+  bool too_small() const;                    // to count as a change
+  double sigmas() const;                     // NaN: no answer
 };
 
 struct RunDifference {

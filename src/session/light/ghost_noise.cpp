@@ -38,7 +38,9 @@ void add_levers(PathRecord& record, std::vector<OverlapLever> const& levers) {
       phase.d[i] = lever.d[i].imag();
       phase.moment[i] = phase.d[i] * std::max(0.0, record.path_length) / (2 * speed_of_light);
     }
-    auto const moves = [](PhaseSensitivity const& s) { return std::ranges::any_of(s.d, [](double d) { return d != 0; }); };
+    auto const moves = [](PhaseSensitivity const& s) {
+      return std::ranges::any_of(s.d, [](double d) { return d != 0; });
+    };
     if (moves(amplitude)) record.amplitude_levers.push_back(amplitude);
     if (moves(phase)) phase_sensitivity_of(record.phase_sensitivities, lever.body).add(phase, 1);
   }
@@ -174,13 +176,14 @@ std::optional<GroupId> only_face(CouplingClass const& c) {
   return reflects(middle) && std::ranges::count_if(steps, reflects) == 1 ? std::optional(middle.group) : std::nullopt;
 }
 
-// Whether two ghosts move by opposite phases, to a millionth of the wave number.
+// Whether two ghosts move by opposite phases, to a hundredth of the wave number: of the same face, and their overlaps
+// add phases of their own (eq. N.27).
 bool move_oppositely(CouplingClass const& a, CouplingClass const& b, double wavelength) {
   std::map<std::uint32_t, std::array<double, 6>> sum;
   for (CouplingClass const* c : {&a, &b})
     for (PhaseSensitivity const& s : c->records.front().phase_sensitivities)
       for (std::size_t i = 0; i < 6; ++i) sum[s.body.value][i] += s.d[i];
-  double const small = 1e-6 * 2 * pi / wavelength;
+  double const small = 1e-2 * 2 * pi / wavelength;
   return std::ranges::all_of(sum, [&](auto const& of_body) {
     return std::ranges::all_of(of_body.second, [&](double d) { return std::fabs(d) < small; });
   });
@@ -307,8 +310,7 @@ GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
   for (std::size_t i = 0; i < families.all().size(); ++i) {
     GhostFamily const& f = families.all()[i];
     PathRecord const record = record_of(f, 1, f.path_length, f.levers);
-    CouplingClass one =
-        deterministic_class(ClassKind::ghost, f.steps, f.port, 1, {record}, "");
+    CouplingClass one = deterministic_class(ClassKind::ghost, f.steps, f.port, 1, {record}, "");
     one.hash = i;
     table.classes.push_back(std::move(one));
   }

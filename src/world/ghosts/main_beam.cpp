@@ -416,8 +416,7 @@ std::vector<OverlapLever> MainBeam::overlap_levers(Recoupling const& r, std::spa
   std::span<BeamStep const> const passed = way.first(r.steps);
   MainNode const& node = nodes_[r.node];
   for (MovedRay const& ray : moved_rays(world_, passed, passed.back().point))
-    for (std::size_t i = 0; i < 6; ++i)
-      lever_of(levers, ray.body).d[i] += r.ghost.of(ray.by[i].shift, ray.by[i].turn);
+    for (std::size_t i = 0; i < 6; ++i) lever_of(levers, ray.body).d[i] += r.ghost.of(ray.by[i].shift, ray.by[i].turn);
   double const side = r.against ? -1 : 1;  // the reversed mode turns the other way
   for (MovedRay const& ray : r.against ? node.moved : node.ways[r.way].moved)
     for (std::size_t i = 0; i < 6; ++i)

@@ -57,7 +57,8 @@ struct Recoupling {
   std::uint32_t node = 0, way = 0;              // of the main beam; way: not against
   std::size_t steps = 0;                        // of the ghost, up to that surface
   std::array<std::complex<double>, 2> field{};  // by state of polarisation; their squares sum to the share
-  beams::OverlapSlope ghost{}, main{};  // of ln of their overlap, with both chief rays; the modes along their own travel
+  beams::OverlapSlope ghost{},
+      main{};  // of ln of their overlap, with both chief rays; the modes along their own travel
   std::vector<RimSlope> rims{};
   double share() const { return std::norm(field[0]) + std::norm(field[1]); }
 };

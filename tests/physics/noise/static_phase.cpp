@@ -192,7 +192,8 @@ TEST(AmplitudeLever, SeriesAgree) {
   time.rate = 1024;
   std::vector<std::complex<double>> const field = stray_light(table, motion, UnitDetector(), time).fields[0].field;
   std::complex<double> sum = 0;
-  for (std::size_t i = 0; i < field.size(); ++i) sum += field[i].imag() * std::polar(1.0, -2 * pi * 10 * double(i) / 1024);
+  for (std::size_t i = 0; i < field.size(); ++i)
+    sum += field[i].imag() * std::polar(1.0, -2 * pi * 10 * double(i) / 1024);
   double const line = 2 * std::norm(sum / double(field.size()));
   NoiseBudget const b = project_noise(table, motion, UnitDetector(), at(0.6, {5, 15}));
   EXPECT_NEAR(line / (b.total.psd(0) * 10), 1, 1e-3);

@@ -26,7 +26,8 @@ TEST(GhostLevers, TiltOfABeamT28) {
 // Eq. N.7: of a shifted beam at its waist, the tilt turns the phase about the middle between both: -i k d/2.
 TEST(GhostLevers, TiltOfAShiftedBeam) {
   constexpr double d = 1e-3, w = 5e-3;
-  Mode const line = circular_mode({}, {0, 0, 1}, w, 0, lambda), shifted = circular_mode({d, 0, 0}, {0, 0, 1}, w, 0, lambda);
+  Mode const line = circular_mode({}, {0, 0, 1}, w, 0, lambda),
+             shifted = circular_mode({d, 0, 0}, {0, 0, 1}, w, 0, lambda);
   OverlapSlope const slope = overlap_slope(shifted, line);
   EXPECT_NEAR(slope.of({}, {1, 0, 0}).imag() / (-pi / lambda * d), 1, 1e-6);
   EXPECT_NEAR(slope.of({1, 0, 0}, {}).real() / (-d / (w * w)), 1, 1e-6);  // of exp(-d^2/(2 w^2)), eq. 5.2

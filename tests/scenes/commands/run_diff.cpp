@@ -152,8 +152,8 @@ TEST(RunDiff, GhostsAreComparedByName) {
   std::string const text = run_difference_text(d);
   EXPECT_THAT(text, ::testing::Not(HasSubstr("none")));
   EXPECT_THAT(text, HasSubstr("still -> still"));
-  EXPECT_THAT(run_difference_text(run_differences(run(1, ClassKind::scattered, 11, false),
-                                                  run(2, ClassKind::scattered, 21, true))),
+  EXPECT_THAT(run_difference_text(
+                  run_differences(run(1, ClassKind::scattered, 11, false), run(2, ClassKind::scattered, 21, true))),
               HasSubstr("none"))
       << "control";
 }

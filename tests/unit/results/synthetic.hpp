@@ -197,8 +197,7 @@ inline NoiseBudget noise_budget(CouplingTable const& table, double size = 6e-24)
     }
   }
   b.scanned_body = "tube";
-  for (double const factor : {0.5, 1.3229})
-    b.positions.push_back({factor, b.total.asd});
+  for (double const factor : {0.5, 1.3229}) b.positions.push_back({factor, b.total.asd});
   b.bands.sources = {{"material steel", "bracket: x 0.25 to 4 (assumed)", 0.5, 2, 0.8}};
   b.bands.taken_as_exact = {"motion of tube"};
   b.seconds = 0.5;
