@@ -52,11 +52,11 @@ struct Moved {
 
 // A lens on one body, out of line, and a curved mirror on another one, tilted by 30 urad: the ghost of the mirror.
 constexpr Vec3 pivot_of_lens{0.01, -0.02, 0.05}, pivot_of_mirror{-0.03, 0.01, 0.6};
-World bench(Coordinates const& lens, Coordinates const& mirror) {
+World bench(Coordinates const& lens, Coordinates const& mirror, double reflects = 0) {
   World world;
   world.wavelength = lambda;
   constexpr double n = 1.45, d = 0.008, roc = 2, tilt = 30e-6;
-  std::uint32_t const clear = coated(world, 0), weak = coated(world, 1e-3), volume = world.add_volume({n, 0});
+  std::uint32_t const clear = coated(world, reflects), weak = coated(world, 1e-3), volume = world.add_volume({n, 0});
   BodyId const first = world.add_body("lens", pivot_of_lens), second = world.add_body("mirror", pivot_of_mirror);
   Moved const a{pivot_of_lens, lens}, b{pivot_of_mirror, mirror};
   Vec3 const axis = unit({2e-4, -1e-4, 1});
@@ -69,10 +69,10 @@ World bench(Coordinates const& lens, Coordinates const& mirror) {
   world.finish();
   return world;
 }
-World bench_of(int coordinate, double by) {
+World bench_of(int coordinate, double by, double reflects = 0) {
   Coordinates lens{}, mirror{};
   (coordinate < 6 ? lens : mirror)[std::size_t(coordinate % 6)] = by;
-  return bench(lens, mirror);
+  return bench(lens, mirror, reflects);
 }
 
 BeamLaunch light(World const& world) { return launched(world, 3e-3, {0, 0, -1}); }
@@ -82,13 +82,13 @@ struct Return {
   std::vector<PhaseSensitivity> phases;
   std::vector<OverlapLever> levers;
 };
-Return ghost_of(World const& world) {
+Return ghost_of(World const& world, std::uint32_t order = 1, bool against = true) {
   BeamLaunch const launch = light(world);
   MainBeam const main(world, launch, {});
   Rows sink(&main);
   grow_tree(world, launch, {}, sink);
   for (Row const& r : sink.all)
-    if (Recoupling const& back = r.standing.recoupled; r.order == 1 && back.any && back.against)
+    if (Recoupling const& back = r.standing.recoupled; r.order == order && back.any && back.against == against)
       return {back.field[0], main.phase_sensitivities(back, r.way), main.overlap_levers(back, r.way)};
   ADD_FAILURE() << "no ghost";
   return {};
@@ -106,27 +106,39 @@ Amplitude lever(Return const& r, int coordinate) {
 }
 
 // The field of the scene with one body moved both ways, less the phase at the hits.
-Amplitude by_difference(int coordinate, double phase) {
+Amplitude by_difference(int coordinate, double phase, auto const& ghost) {
   double const step = coordinate % 6 < 3 ? 1e-6 : 1e-7;
   Amplitude sum = 0;
   for (double const sign : {1.0, -1.0})
-    sum += sign * std::log(ghost_of(bench_of(coordinate, sign * step)).field * std::polar(1.0, -sign * phase * step) /
-                           ghost_of(bench_of(0, 0)).field);
+    sum += sign * std::log(ghost(coordinate, sign * step).field * std::polar(1.0, -sign * phase * step) /
+                           ghost(0, 0).field);
   return sum / (2 * step);
 }
 
 TEST(GhostLevers, OverlapOfAMovedLensAndMirror) {
-  Return const at_rest = ghost_of(bench_of(0, 0));
+  auto const ghost = [](int coordinate, double by) { return ghost_of(bench_of(coordinate, by)); };
+  Return const at_rest = ghost(0, 0);
   double const most = std::abs(lever(at_rest, 10));
   EXPECT_GT(most, 1000) << "a tilt of the mirror matters";
   EXPECT_GT(std::abs(lever(at_rest, 0)), 100) << "a shift of the lens matters";
   for (int c = 0; c < 12; ++c) {
-    Amplitude const found = lever(at_rest, c), expected = by_difference(c, phase_lever(at_rest, c));
+    Amplitude const found = lever(at_rest, c), expected = by_difference(c, phase_lever(at_rest, c), ghost);
     double const allowed = 1;  // 1/m, 1/rad: changes of the curvature are left out
     EXPECT_NEAR(found.real(), expected.real(), allowed + 2e-3 * std::abs(expected)) << "coordinate " << c;
     EXPECT_NEAR(found.imag(), expected.imag(), allowed + 2e-3 * std::abs(expected)) << "coordinate " << c;
   }
   EXPECT_GT(std::abs(lever(at_rest, 4)), 10) << "control: the lens, met on both ways, counts";
+}
+
+// Light that is reflected twice in the lens and leaves it with the main beam, which the lens moves too.
+TEST(GhostLevers, WithAMainBeamThatMoves) {
+  auto const ghost = [](int coordinate, double by) { return ghost_of(bench_of(coordinate, by, 1e-3), 2, false); };
+  Return const at_rest = ghost(0, 0);
+  for (int const c : {0, 1, 3, 4}) {
+    Amplitude const found = lever(at_rest, c), expected = by_difference(c, phase_lever(at_rest, c), ghost);
+    EXPECT_GT(std::abs(expected), 1000) << "it matters: coordinate " << c;
+    EXPECT_LT(std::abs(found - expected), 5e-3 * std::abs(expected)) << "coordinate " << c;
+  }
 }
 
 // A hole off the axis that moves: of 1 - t, eq. N.11, of the ghost of a plate behind it. Centred: none.
