@@ -110,8 +110,8 @@ Amplitude by_difference(int coordinate, double phase, auto const& ghost) {
   double const step = coordinate % 6 < 3 ? 1e-6 : 1e-7;
   Amplitude sum = 0;
   for (double const sign : {1.0, -1.0})
-    sum += sign * std::log(ghost(coordinate, sign * step).field * std::polar(1.0, -sign * phase * step) /
-                           ghost(0, 0).field);
+    sum += sign *
+           std::log(ghost(coordinate, sign * step).field * std::polar(1.0, -sign * phase * step) / ghost(0, 0).field);
   return sum / (2 * step);
 }
 
