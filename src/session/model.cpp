@@ -82,6 +82,8 @@ void read_noise(ProjectionModel& model, Scene const& scene) {
 // Light that a body scatters back moves with it and with the bodies on the way there: routes that a trace will find.
 void check_static_phases(Model const& model) {
   World const& world = model.world;
+  std::vector<StaticPhase> stated = model.noise.static_phases;
+  if (model.noise.scanned) stated.push_back({model.noise.scanned->body});
   std::set<std::pair<std::string, std::string>> said;
   for (std::uint32_t i = 0; i < world.footprints().size(); ++i) {
     Footprint const& f = world.footprints()[i];
@@ -90,9 +92,16 @@ void check_static_phases(Model const& model) {
     for (PhaseSensitivity const& s : world.feeds()[i].phase_sensitivities)
       if (std::ranges::any_of(s.d, [](double d) { return d != 0; })) moved.insert(s.body);
     StaticPhase const* by = nullptr;
-    for (StaticPhase const& phase : model.noise.static_phases) {
+    for (StaticPhase const& phase : stated) {
       auto const at = std::ranges::find(model.motion.bodies, phase.body) - model.motion.bodies.begin();
       if (!moved.contains(BodyId{std::uint32_t(at)})) continue;
+      if (double const copies = model.detector ? model.detector->copies(f.port) : 1;
+          !f.standing && copies != 1 && said.insert({phase.body, world.ports()[f.port.value]}).second)
+        model.scene.table("noise")["static_phase"][phase.body].problem(
+            fmt::format("it is that of one scatterer, and port '{}' of the light that '{}' scatters has {:g} equal "
+                        "copies",
+                        world.ports()[f.port.value], world.name_of(f.surface), copies),
+            "write 'copies: 1' for this port in the interferometer, or 'arms: 1'");
       if (by && said.insert({by->body, phase.body}).second)
         model.scene.table("noise")["static_phase"][phase.body].problem(
             fmt::format("'{}' and '{}' both state the static phase of the light that '{}' scatters at port '{}'",
@@ -105,9 +114,10 @@ void check_static_phases(Model const& model) {
 
 // Known only after a trace: routes over several bodies.
 void check_static_phases(ProjectionModel const& model, CouplingTable const& coupling) {
-  if (model.noise.static_phases.empty()) return;
+  if (model.noise.static_phases.empty() && !model.noise.scanned) return;
   try {
     known_phases(coupling, model.motion, model.noise.static_phases, *model.detector);
+    scanned_routes(coupling, model.motion, model.noise, *model.detector);
   } catch (InputError const& e) {
     Node const table = model.scene.table("noise")["static_phase"];
     if (!table) throw;  // stated in another file

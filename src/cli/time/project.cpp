@@ -410,6 +410,10 @@ int project(ProjectOptions const& o) {
   if (!o.data.quiet) std::cerr << (o.data.json() ? in.model.warnings_json : in.model.warnings);
   TimeDomainSettings settings = settings_of(o, in);
   PositionRuns positions(in);
+  if (!positions.runs.empty() && o.realisations % positions.runs.size() != 0)
+    throw InputError(fmt::format("--realisations {} do not divide among the {} positions of '{}'", o.realisations,
+                                 positions.runs.size(), positions.body->body),
+                     fmt::format("give a multiple of {}", positions.runs.size()));
   std::uint32_t const realisations =
       o.realisations > 0 ? o.realisations : std::max(1u, std::uint32_t(positions.runs.size()));
   Realisations all;

@@ -148,6 +148,29 @@ void add_cross_terms(Strength const& s, std::vector<PhasePair>& pairs) {
     pairs.push_back({sign * s.weight / part, middle.own, sum_of(middle.cross, s.both, sign * part)});
 }
 
+// Whether the first order in the motion holds to 1e-6. Where it does, differences of exponentials would be rounding.
+bool moves_little(PhaseSpectra const& spectra, Strength const& s) {
+  return s.square + spectra.mean_square_phase(s.amplitude) < 1e-6;
+}
+
+// (A + iJ)^2/(A^2 + J^2) of the motion in each bin.
+std::vector<std::complex<double>> small_relation(PhaseSpectra const& spectra, std::vector<Strength> const& all) {
+  std::vector<std::complex<double>> ratio(spectra.grid().size());
+  for (std::size_t i = 0; i < ratio.size(); ++i) {
+    std::complex<double> square = 0;
+    double size = 0;
+    for (std::size_t c = 0; c < spectra.classes().size(); ++c) {
+      double const power = spectra.first_order_weight(c, i);
+      for (Strength const& s : all) {
+        square += s.weight * power * std::complex<double>(s.amplitude[c] - s.phase[c], 2 * s.both[c]);
+        size += s.weight * power * (s.amplitude[c] + s.phase[c]);
+      }
+    }
+    if (size > 0) ratio[i] = square / size;
+  }
+  return ratio;
+}
+
 }  // namespace
 
 std::vector<std::complex<double>> phase_relation(PhaseSpectra const& spectra, MotionSet const& motion,
@@ -157,8 +180,11 @@ std::vector<std::complex<double>> phase_relation(PhaseSpectra const& spectra, Mo
     if (r.weight > 0) all.push_back(strength_of(spectra, motion, r));
   std::vector<std::complex<double>> ratio(spectra.grid().size());
   if (all.empty()) return ratio;
+  all = chosen(std::move(all));
+  if (std::ranges::all_of(all, [&](Strength const& s) { return moves_little(spectra, s); }))
+    return small_relation(spectra, all);
   std::vector<PhasePair> same, opposite, across;
-  for (Strength const& s : chosen(std::move(all))) {
+  for (Strength const& s : all) {
     std::vector<double> const own = sum_of(s.phase, s.amplitude, 1);
     same.push_back({s.weight, own, own});
     opposite.push_back(opposite_pair(s));

@@ -291,6 +291,7 @@ class PathDraws {
   double of_member(std::uint64_t route, std::size_t member, std::uint32_t copy) const {
     return Rng(seed_, mixed(route, std::uint64_t{copy} << 32 | member), no_vertex, Stream::static_phase).uniform();
   }
+  double sign_of(std::uint64_t route) const { return of_member(route, 0, no_vertex) < 0.5 ? 0.5 : 0; }  // turns
   double of_route(std::uint64_t route) const {
     return Rng(seed_, route, no_vertex - 1, Stream::static_phase).uniform();
   }
@@ -390,11 +391,13 @@ class CoordinateMoments {
 std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer const& ifo, PathChoice const& choice) {
   PathDraws const draws(choice.seed, choice.realisation);
   std::vector<StrayPath> paths;
+  CouplingClass const* first_known = nullptr;
   for (std::uint32_t const route : choice.routes) {
     CouplingClass const& c = table.classes.at(route);
     if (c.kind == ClassKind::rim) continue;
     double const copies = ifo.copies(c.port), drawn = std::max(1.0, std::round(copies));
     std::optional<double> const known = choice.phases.empty() ? std::nullopt : choice.phases.at(route);
+    if (known && !first_known) first_known = &c;
     std::vector<Pick> const picks = picked(c, known ? 1 : choice.per_route, draws.of_route(c.hash));
     for (std::uint32_t copy = 0; copy < std::uint32_t(drawn); ++copy) {
       std::uint32_t repeat = 0;  // of a record that represents several fields
@@ -412,7 +415,7 @@ std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer co
                        r.amplitude_levers};
         path.amplitude = std::sqrt(c.reverse * c.coupling.mean * picks[p].share * copies / drawn);
         if (known) {
-          path.turns = *known / (2 * pi);
+          path.turns = *known / (2 * pi) + (first_known == &c ? 0 : draws.sign_of(c.hash));
           paths.push_back(path);
           continue;
         }

@@ -248,7 +248,8 @@ std::vector<Change> ghost_changes(RunFile const& b, RunFile const& a, ByKey& x, 
   auto const take = [&](RunFile const& run, ByKey& rows, ByKey const& other, bool after) {
     std::erase_if(rows, [&](auto const& entry) {
       Listed const& l = entry.second;
-      if (!is_ghost(l) || l.route->folded_routes == 0 || other.contains(entry.first)) return false;
+      bool const family = l.route->adds_fields();
+      if (!is_ghost(l) || family || l.route->folded_routes == 0 || other.contains(entry.first)) return false;
       Sum& sum = sums[port_of(run, *l.route)];
       (after ? sum.after : sum.before).add(*l.noise, run.noise->grid, d);
       (after ? sum.has_after : sum.has_before) = true;
@@ -380,7 +381,8 @@ bool Change::too_small() const { return std::fabs(after.value - before.value) < 
 double Change::sigmas() const {
   double const change = too_small() ? 0 : after.value - before.value;
   if (!within.empty() || (change != 0 && (before.at_most || after.at_most))) return not_a_number;
-  return error > 0 ? change / error : change == 0 ? 0 : not_a_number;
+  bool const computed = error <= 1e-9 * std::max(before.value, after.value);  // rounding, no Monte-Carlo error
+  return !computed ? change / error : change == 0 ? 0 : not_a_number;
 }
 
 RunDifference run_differences(RunFile const& before, RunFile const& after) {

@@ -244,7 +244,19 @@ GhostClasses ghosts_beside(World const& world, GhostSettings const& settings) {
     for (std::string const& warning : made.warnings)
       all.warnings.push_back(fmt::format("ghosts of the beam '{}': {}", launch.name, warning));
   }
-  for (World::FacePort const& face : world.face_ports()) join_faces(world, face, all);
+  for (World::FacePort const& face : world.face_ports()) {
+    join_faces(world, face, all);
+    auto const family_at = [&](PortId port) {
+      return std::ranges::any_of(all.classes,
+                                 [&](CouplingClass const& c) { return c.port == port && c.adds_fields(); });
+    };
+    if (family_at(face.first) && family_at(face.second))
+      all.warnings.push_back(fmt::format(
+          "with 'sum: coherent' the fields of ghosts add within '{}' and within '{}'; the powers of both add, although "
+          "faces that both beams meet return one field (docs/theory/recoupling.md, eq. N.20): 'sum: independent' has "
+          "it",
+          world.ports()[face.first.value], world.ports()[face.second.value]));
+  }
   return all;
 }
 

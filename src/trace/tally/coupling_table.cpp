@@ -251,7 +251,9 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
     std::sort(list->begin(), list->end(), [](auto const& a, auto const& b) { return a.hash < b.hash; });
   for (CouplingClass& c : table.received) c.port.value -= first_receiver_end;
   table.warnings = off_list.warnings(table);
-  if (unpaired > 0)
+  double counted = 0;
+  for (CouplingClass const& c : table.classes) counted += c.coupling.mean;
+  if (unpaired > 1e-9 * counted)
     table.warnings.push_back(fmt::format(
         "{:.2g} of the light is scattered from a beam of the interferometer's network into another beam, or "
         "back, and is not counted (docs/theory/recoupling.md)",

@@ -55,7 +55,7 @@ class ReplaySink {
     vertices.resize(path.order + 1);
     double path_length = length_[path.order];
     bool const mode = goal < view_.lit.size;
-    if (!is_hit(number) || view_.surfaces[y.surface.value].clear) {
+    if (!is_hit(number) || (!mode && view_.surfaces[y.surface.value].clear)) {
       bool const through = dot(y.point - vertex.point, vertex.frame.e3) < 0;
       double const index = is_hit(number) ? 1 : through ? vertex.n_out : vertex.n_in;
       leave_towards(vertices, y.point, is_hit(number) ? path.hop.left_by : Event::scatter, index);

@@ -57,12 +57,26 @@ double read_power(Node const& beam, NetworkPowers const& network) {
 }
 
 // Light of both directions of a space returns from a face as one field (docs/theory/recoupling.md, eq. N.20), unless
-// the interferometer says of one of the two ports where its light joins.
+// the interferometer states the response of one of the two ports.
 void open_face_ports(Scene const& scene, World& world, std::vector<std::uint32_t> const& reverse) {
-  auto const stated = [&](PortId port) {
+  auto const stated = [&](PortId port, PortId partner) {
     Node const ifo = scene.root()["interferometer"], ports = ifo["ports"], files = ifo["responses"];
-    std::string const& name = world.ports()[port.value];
-    return (ports && ports.has(name)) || (files && files.has(name));
+    std::string const &name = world.ports()[port.value], &other = world.ports()[partner.value];
+    Node const entry = ports && ports.has(name) ? ports[name] : Node();
+    bool const table = entry.kind() == Node::Kind::table;
+    if (table && entry.has("both_sides"))
+      entry["both_sides"].problem(fmt::format("'{}' is a port too: light of the other side would count twice", other),
+                                  "remove 'both_sides': faces that both beams meet are found");
+    constexpr std::array keys = {"at", "lit_by", "distance", "lit_distance", "isolation", "pick_off"};
+    bool const place = table && std::ranges::any_of(keys, [&](char const*key) { return entry.has(key); }),
+               file = files && files.has(name);
+    if (place || file)
+      (place ? entry : files[name])
+          .warning(fmt::format("faces that the beams of '{}' and '{}' both meet return two fields, whose powers add, "
+                               "instead of one (docs/theory/recoupling.md, eq. N.20)",
+                               name, other),
+                   "state nothing but 'copies' here");
+    return place || file;
   };
   auto const port_of = [&](std::uint32_t beam) {
     auto const at =
@@ -72,7 +86,9 @@ void open_face_ports(Scene const& scene, World& world, std::vector<std::uint32_t
   for (std::uint32_t b = 0; b < reverse.size(); ++b) {
     if (reverse[b] == World::no_beam || reverse[b] < b) continue;
     PortId const first = port_of(b), second = port_of(reverse[b]);
-    if (first.valid() && second.valid() && !stated(first) && !stated(second)) world.open_face_port(first, second);
+    if (!first.valid() || !second.valid()) continue;
+    bool const one = stated(first, second), other = stated(second, first);
+    if (!one && !other) world.open_face_port(first, second);
   }
 }
 

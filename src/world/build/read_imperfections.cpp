@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include "base/input/document.hpp"
 #include "base/math/rng.hpp"
@@ -91,8 +92,8 @@ class ImperfectionReader {
       ImperfectionPiece one{placed ? at.x : rho * std::cos(turn), placed ? at.y : rho * std::sin(turn),
                             disc_area(drawn)};
       double const size = std::sqrt(-2 * std::log(1 - rng.uniform())), way = 2 * pi * rng.uniform();
-      one.slope_x = std::tan(tilt[0] + spread * size * std::cos(way));
-      one.slope_y = std::tan(tilt[1] + spread * size * std::sin(way));
+      one.slope_x = std::tan(std::clamp(tilt[0] + spread * size * std::cos(way), -steepest, steepest));
+      one.slope_y = std::tan(std::clamp(tilt[1] + spread * size * std::sin(way), -steepest, steepest));
       all.push_back({name, {one}});
     }
     return all;
@@ -153,11 +154,13 @@ class ImperfectionReader {
       return;
     }
     auto const range = node.as_numbers(dim::length, 2);
+    constexpr double least = 1e-9;  // m
     low_ = range.size() == 2 ? range[0] : not_a_number;
     high_ = range.size() == 2 ? range[1] : not_a_number;
     exponent_ = row_.number("exponent", dim::plain, 2, 0, 10);
-    if (!(std::isfinite(low_ + high_)) || (low_ > 0 && high_ >= low_ && high_ <= 0.1)) return;
-    node.problem("a range of diameters runs from the smallest to the largest, at most 10 cm", "write [10 um, 100 um]");
+    if (!(std::isfinite(low_ + high_)) || (low_ >= least && high_ >= low_ && high_ <= 0.1)) return;
+    node.problem("a range of diameters runs from the smallest, at least 1 nm, to the largest, at most 10 cm",
+                 "write [10 um, 100 um]");
     low_ = not_a_number;
   }
 
@@ -171,6 +174,10 @@ class ImperfectionReader {
     Vec3 const from = place(ends[0]), to = place(ends[1]);
     double const size = length(to - from);
     if (!std::isfinite(size + width)) return {};
+    if (!(size > width)) {
+      row_["scratch"].problem("the scratch is no longer than it is wide", "describe it as a dig: 'at' and 'diameter'");
+      return {};
+    }
     Imperfection one{name, {}};
     for (std::size_t i = 0; i < pieces_of_line; ++i) {
       Vec3 const p = from + ((double(i) + 0.5) / pieces_of_line) * (to - from);
@@ -282,6 +289,11 @@ class ImperfectionAdder {
         return false;
       }
       light += add_piece(name, host, piece, *where, optic);
+      if (too_large_)
+        row.problem(fmt::format("'{}' is {:.3g} of the beam '{}' wide, too large for one place", name, *too_large_,
+                                world_.beams[large_in_].name),
+                    "an imperfection is much smaller than the beam: describe larger ones as a surface of their own");
+      if (too_large_) return false;
     }
     if (light > strongest_[group].second) strongest_[group] = {name, light};
     ++found_[group];
@@ -331,6 +343,9 @@ class ImperfectionAdder {
       f.returns = !of_host.standing;
       if (!(f.share > 0)) continue;
       light += f.share * -dot(travel, where.e3);
+      constexpr double largest = 0.3;  // of the radius of the beam: |u|^2 changes by 17 % over the disc
+      if (of_host.profile == Profile::gaussian && disc.outer_radius > largest * of_host.radius)
+        std::tie(too_large_, large_in_) = std::pair(disc.outer_radius / of_host.radius, of_host.beam);
       Feed feed = world_.feeds()[i];
       if (of_host.standing) feed.mirror = std::uint32_t(i);
       world_.add_footprint(f, feed);
@@ -354,6 +369,8 @@ class ImperfectionAdder {
   World& world_;
   Registry const& names_;
   std::size_t spots_, count_ = 0;
+  std::optional<double> too_large_;  // radius of a disc over that of a beam
+  std::uint32_t large_in_ = 0;
   std::map<std::pair<double, double>, std::uint32_t> facets_;  // optics by reflectance and area
   std::map<std::string, std::size_t> named_, found_;
   std::map<std::string, std::pair<std::string, double>> strongest_;

@@ -71,6 +71,20 @@ TEST(StatedPhase, QuadraturesAddAsFields) {
   }
 }
 
+// However small: a sine of 1e-4 down to 1e-12 rad has 2 cos^2 phi_0 of its mean, where 1 - J_0 is below rounding.
+TEST(StatedPhase, SmallSines) {
+  std::vector<double> const edges = {5, 15};
+  for (double const peak : {1e-4, 1e-6, 1e-9, 1e-12}) {
+    MotionSet motion = sine();
+    motion.inputs = {tone(10, peak / two_k)};
+    double const mean = powers(UnitDetector(), on(edges), motion)[0];
+    EXPECT_NEAR(mean / (peak * peak / 4), 1, 1e-5) << peak;
+    EXPECT_NEAR(powers(UnitDetector(), at(0, edges), motion)[0] / mean, 2, 1e-5) << peak;
+    EXPECT_LT(powers(UnitDetector(), at(pi / 2, edges), motion)[0] / mean, 1e-5) << peak;
+    EXPECT_NEAR(powers(UnitDetector(), at(pi / 4, edges), motion)[0] / mean, 1, 1e-5) << "control: " << peak;
+  }
+}
+
 // Strong Gaussian motion against eq. 1.11 of both terms: S'/S vanishes where fringes wrap many times.
 TEST(StatedPhase, DoesNotMatterWhereFringesWrap) {
   MotionSet const strong = moving({power_law_asd(3e-7, 1, -1, 0.3, 3)}),

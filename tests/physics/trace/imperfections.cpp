@@ -117,6 +117,19 @@ TEST(Imperfections, chamfer_of_an_edge) {
   EXPECT_NEAR(found / flat, 1 / std::sqrt(2.0), 0.02);
 }
 
+// Straight back a glint is one vertex, its own reverse, and moves by 2k along the light (eq. 2.2).
+TEST(Imperfections, one_vertex_moves_by_twice_the_wave_number) {
+  CouplingTable const table =
+      run_histories(mirror_with("{at: [0 cm, 0 cm], diameter: 50 um, facet: 4 %}").world, 1024).coupling;
+  ASSERT_EQ(table.classes.size(), 1u);
+  CouplingClass const& glint = table.classes.front();
+  EXPECT_EQ(glint.steps.size(), 1u);
+  EXPECT_EQ(glint.reverse, 1);
+  ASSERT_FALSE(glint.records.empty());
+  ASSERT_EQ(glint.records.front().phase_sensitivities.size(), 1u);
+  EXPECT_NEAR(std::fabs(glint.records.front().phase_sensitivities.front().d[2]) / (4 * pi / wavelength), 1, 1e-9);
+}
+
 // Drawn imperfections: the same for the same seed, uniform over the disc, diameters with N(>d) ~ d^-2 in their range;
 // the note names the one in most light.
 TEST(Imperfections, drawn_from_a_distribution) {

@@ -331,6 +331,14 @@ TEST(NetworkBeams, FaceLitFromBothSides) {
   json const apart =
       traced(folder, edited(square, "1e12 kg", "1e12 kg, ports: {BS.3.out: {at: BS.3.in}}"), {"noise"})["total_strain"];
   EXPECT_LT(apart[0]["value"].get<double>(), 0.75 * noise[0]["value"].get<double>()) << "control: powers of both sides";
+  // The number of arms is no response: one arm has half of the power.
+  json const one = traced(folder, edited(square, "1e12 kg", "1e12 kg, ports: {ITMx.front.out: {copies: 1}}"),
+                          {"noise"})["total_strain"];
+  EXPECT_NEAR(one[0]["value"].get<double>() / noise[0]["value"].get<double>(), std::sqrt(0.5), 1e-6);
+  write_text(folder / "a.yaml", edited(square, "1e12 kg", "1e12 kg, ports: {BS.3.out: {both_sides: yes}}"));
+  Finished const twice = straytrace({"check", folder / "a.yaml"});
+  EXPECT_EQ(twice.code, 2);
+  EXPECT_THAT(twice.err, HasSubstr("would count twice"));
 }
 
 // Light that a tube scatters from one side of the plate to the other joins the beam of the other light. Both directions

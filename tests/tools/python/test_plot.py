@@ -105,10 +105,10 @@ def check_labels_fit(path):
 
 
 def check_curves(path):
-    """Loads with numpy as gwpy does: two columns of sixteen."""
+    """Loads with numpy as gwpy does: two columns of seventeen and those of the positions of a body."""
     table = np.loadtxt(path)
     frequency, h = np.loadtxt(path, usecols=(0, 1), unpack=True)
-    assert table.shape[1] == 17 and np.all(np.diff(frequency) > 0) and np.all(h >= 0)
+    assert table.shape[1] == 21 and np.all(np.diff(frequency) > 0) and np.all(h >= 0)
     np.testing.assert_allclose(table[:, 2], np.maximum(h - table[:, 10], 0), rtol=1e-3, atol=0)
     np.testing.assert_allclose(table[:, 15], h / table[:, 14], rtol=1e-5)
 

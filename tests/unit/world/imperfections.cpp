@@ -38,7 +38,8 @@ TEST(Imperfections, ErrorsNamePlaceAndRemedy) {
            {"[{at: [1 cm, 0 cm], diameter: 50 um, dig: 5, material: pit}]", "two sizes of one imperfection"},
            {"[{at: [1 cm, 0 cm], diameter: 50 um, count: 2, material: pit}]", "'count' draws places"},
            {"[{at: [11 cm, 0 cm], diameter: 50 um, material: pit}]", "'mirror/dig_1' lies beside the surface"},
-           {"[{count: 2, diameter: [50 um, 10 um], material: pit}]", "from the smallest to the largest"},
+           {"[{count: 2, diameter: [50 um, 10 um], material: pit}]",
+            "from the smallest, at least 1 nm, to the largest"},
            {"[{scratch: [[0 mm, 0 mm]], width: 2 um, material: pit}]", "a scratch runs between two places"},
            {"[{count: 400, dig: 1, material: pit}, {count: 400, dig: 1, material: pit}]",
             "more than 500 imperfections"},
@@ -49,6 +50,9 @@ TEST(Imperfections, ErrorsNamePlaceAndRemedy) {
            {"[{at: [1 cm, 0 cm], dig: 5, facet: 4 %, tilt: [85 deg, 0 deg]}]", "more than 80 deg"},
            {"[{chamfer: 5 cm, material: pit}]", "the chamfer is wide against the surface"},
            {"[{chamfer: 1 mm, material: pit, tilt: [1 deg, 0 deg]}]", "'tilt' is of a single disc"},
+           {"[{at: [1 cm, 0 cm], diameter: 1 cm, material: pit}]", "is 0.5 of the beam 'spot' wide"},
+           {"[{count: 2, diameter: [1e-300 m, 10 um], material: pit}]", "at least 1 nm"},
+           {"[{scratch: [[0 mm, 0 mm], [0 mm, 0 mm]], width: 2 um, material: pit}]", "no longer than it is wide"},
            {"[{chamfer: 1 mm}]", "the imperfection has no material"},
            {"[dig]", "an imperfection is a table"}})
     EXPECT_THAT(said(c.row), HasSubstr(c.words)) << c.row;
