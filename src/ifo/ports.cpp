@@ -295,6 +295,7 @@ void resolve_beams(Node const& interferometer, Network const& network, double ar
     auto way = stated_way(node, network, e);
     if (!way) continue;
     if (!(node && node.has("copies")) && is_in_an_arm(network, way->fed.beam)) e.copies = arms;
+    // A port of faces is named after those of both sides, and has as many copies.
     Node const side = ports && e.both_sides ? ports[e.name.substr(0, e.name.find(" + "))] : Node();
     if (!node && side && side.has("copies")) e.copies = side.number("copies", dim::plain, e.copies, 1, 1e6);
     if (!interferometer.healthy()) continue;
