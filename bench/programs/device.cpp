@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A device against one core: bench_device [ENGINE]. One JSON line per scene.
+// A device against one core: bench_device [ENGINE [EXAMPLE...]]. One JSON line per scene.
 #include <nlohmann/json.hpp>
 
 #include <chrono>
@@ -81,7 +81,9 @@ void compare(std::string const& name, std::string const& library) {
 int main(int argc, char** argv) {
   using namespace straytrace;
   try {
-    for (char const* name : {"virgo_arm", "arm_tube", "bench", "pipe"}) bench::compare(name, argc > 1 ? argv[1] : "");
+    std::vector<std::string> names{argv + std::min(argc, 2), argv + argc};
+    if (names.empty()) names = {"virgo_arm", "arm_tube", "bench", "pipe"};
+    for (std::string const& name : names) bench::compare(name, argc > 1 ? argv[1] : "");
   } catch (InputError const& e) {
     std::cerr << e.what() << '\n';
     return 2;

@@ -125,14 +125,22 @@ void SumTree::add(unsigned level, std::uint64_t index, BlockSums sums) {
     twice = twice || start + (std::uint64_t(1) << height) > first;
   }
   if (twice) throw std::logic_error("block counted twice");
-  auto const sibling = nodes_.find({(index ^ 1) << level, level});
-  if (sibling == nodes_.end()) {
+  if (auto other = take_sibling(level, index))
+    add(level + 1, index / 2, merged_siblings(index, std::move(sums), std::move(*other)));
+  else
     nodes_.emplace(std::pair{first, level}, std::move(sums));
-    return;
-  }
-  BlockSums other = std::move(sibling->second);
+}
+
+std::optional<BlockSums> SumTree::take_sibling(unsigned level, std::uint64_t index) {
+  auto const sibling = nodes_.find({(index ^ 1) << level, level});
+  if (sibling == nodes_.end()) return {};
+  std::optional<BlockSums> sums = std::move(sibling->second);
   nodes_.erase(sibling);
-  add(level + 1, index / 2, index & 1 ? merged(std::move(other), sums) : merged(std::move(sums), other));
+  return sums;
+}
+
+BlockSums merged_siblings(std::uint64_t index, BlockSums sums, BlockSums sibling) {
+  return index & 1 ? merged(std::move(sibling), sums) : merged(std::move(sums), sibling);
 }
 
 namespace {

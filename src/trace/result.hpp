@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -146,15 +147,19 @@ struct BlockSums {
   std::vector<Moments> absorbed;  // by each group, then in all media: they sum to the column `absorbed`
 };
 BlockSums merged(BlockSums left, BlockSums const& right);
+// Sums of the parent of node `index` of a level of the tree below, from those of that node and of its sibling.
+BlockSums merged_siblings(std::uint64_t index, BlockSums sums, BlockSums sibling);
 
 // Sums live on the nodes of the binary tree over block numbers. A node is its left child plus its right child, so its
 // bits do not depend on the order or source of additions (docs/develop/architecture.md).
 class SumTree {
  public:
   void add(unsigned level, std::uint64_t index, BlockSums sums);  // covers blocks [index << level, (index+1) << level)
-  BlockSums total() const;                                        // left to right, in block order
-  std::vector<BlockRange> done() const;                           // ascending, neighbours joined
-  std::vector<BlockRange> missing(BlockRange) const;              // its missing part
+  // The sums of the other child of the node's parent, which leave the tree; none if it does not have them.
+  std::optional<BlockSums> take_sibling(unsigned level, std::uint64_t index);
+  BlockSums total() const;                            // left to right, in block order
+  std::vector<BlockRange> done() const;               // ascending, neighbours joined
+  std::vector<BlockRange> missing(BlockRange) const;  // its missing part
   std::map<std::pair<std::uint64_t, unsigned>, BlockSums> const& nodes() const {
     return nodes_;
   }  // {first block, level}

@@ -19,7 +19,7 @@ namespace {
 
 // A rank gets blocks for this time, so that messages cost little and the loss of a rank costs little; near the end it
 // gets a share of the remaining blocks, so that all ranks end together.
-constexpr double seconds_of_work = 10, share_of_rest = 0.25;
+constexpr double seconds_of_work = 10, share_of_rest = 0.7;
 constexpr double seconds_of_patience = 20;     // for the blocks in progress of a rank that must stop
 constexpr double signs_of_life = 10;           // messages within the patience of rank 0
 constexpr std::size_t longest_failure = 2000;  // bytes; short messages do not wait for their receiver

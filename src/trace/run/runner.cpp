@@ -74,19 +74,25 @@ void Runner::work(BlockQueue& block_queue) {
     if (!taken) return;
     BlockSums sums = backend_.run_block(world_, settings_.seed, taken->first);
     sum_phase_sensitivities(world_, settings_.seed, taken->first % replica_count, sums);
-    std::scoped_lock const lock(mutex_);
-    ++blocks_;
-    rays_ += sums.rays;
-    tree_.add(0, taken->first, std::move(sums));
+    add(0, taken->first, std::move(sums));
   }
 }
 
-void Runner::add(SumTree const& done) {
-  std::scoped_lock const lock(mutex_);
-  for (auto const& [place, sums] : done.nodes()) {
+void Runner::add(unsigned level, std::uint64_t index, BlockSums sums) {
+  {
+    std::scoped_lock const lock(mutex_);
     blocks_ += sums.blocks;
     rays_ += sums.rays;
-    tree_.add(place.second, place.first >> place.second, sums);
+  }
+  for (;; ++level, index /= 2) {
+    std::unique_lock lock(mutex_);
+    std::optional<BlockSums> sibling = tree_.take_sibling(level, index);
+    if (!sibling) {
+      tree_.add(level, index, std::move(sums));
+      return;
+    }
+    lock.unlock();
+    sums = merged_siblings(index, std::move(sums), std::move(*sibling));
   }
 }
 
@@ -99,7 +105,10 @@ void Runner::watch(BlockQueue& block_queue, RemoteWorkers* workers, unsigned con
     }
     if (mine_done && (!workers || workers->idle())) return;
     if (mine_done) std::this_thread::sleep_for(with_workers);
-    if (workers) workers->serve(block_queue, interrupted() || out_of_time(), [&](SumTree const& done) { add(done); });
+    if (workers)
+      workers->serve(block_queue, interrupted() || out_of_time(), [&](SumTree const& done) {
+        for (auto const& [place, sums] : done.nodes()) add(place.second, place.first >> place.second, sums);
+      });
     if (seconds() - last_report_ >= report_seconds) report();
     if (at_checkpoint && seconds() - last_checkpoint_ >= settings_.checkpoint_seconds) checkpoint(block_queue);
   }

@@ -89,7 +89,9 @@ class Runner {
  private:
   using Clock = std::chrono::steady_clock;
   void work(BlockQueue&);
-  void add(SumTree const&);
+  // Sums of a node of the tree. Threads merge siblings at the same time: they are then in no tree until it has their
+  // parent.
+  void add(unsigned level, std::uint64_t index, BlockSums);
   void watch(BlockQueue&, RemoteWorkers*, unsigned const& working);
   void checkpoint(BlockQueue const&);
   void report();

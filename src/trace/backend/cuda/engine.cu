@@ -13,10 +13,7 @@ namespace {
 
 constexpr int threads = 128;  // of a block: small, since run times of threads differ widely
 
-__global__ void __launch_bounds__(threads) walk_kernel(std::uint32_t workers, DeviceWalk walk) {
-  std::uint32_t const worker = blockIdx.x * threads + threadIdx.x;
-  if (worker < workers) walk(worker);
-}
+__global__ void __launch_bounds__(threads) walk_kernel(DeviceWalk walk) { walk(blockIdx.x * threads + threadIdx.x); }
 
 void check(cudaError_t error) {
   if (error != cudaSuccess) throw std::runtime_error(std::string("CUDA: ") + cudaGetErrorString(error));
@@ -40,14 +37,15 @@ class Cuda {
     facts_.occupancy = double(resident * threads) / device.maxThreadsPerMultiProcessor;
     facts_.registers = std::uint32_t(kernel.numRegs);
     facts_.local_bytes = kernel.localSizeBytes;
-    // Four histories for each thread, so that the last ones of a batch are a small part of it.
-    facts_.blocks_at_once = std::max<std::uint32_t>(16, 4 * facts_.workers / std::uint32_t(largest_block));
+    // So many histories for each thread that the last ones of a batch are a small part of it, if memory allows.
+    std::uint32_t const each = facts_.memory > std::size_t{32} << 30 ? 16 : 4;
+    facts_.blocks_at_once = std::max<std::uint32_t>(16, each * facts_.workers / std::uint32_t(largest_block));
   }
   DeviceFacts facts() const { return facts_; }
   std::uint32_t workers() const { return facts_.workers; }
   std::uint32_t stride() const { return 1; }
   void launch(std::uint32_t workers, DeviceWalk const& walk) const {
-    walk_kernel<<<(workers + threads - 1) / threads, threads>>>(workers, walk);
+    walk_kernel<<<(workers + threads - 1) / threads, threads>>>(walk);
     check(cudaGetLastError());
     check(cudaDeviceSynchronize());
   }

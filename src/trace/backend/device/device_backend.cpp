@@ -2,6 +2,7 @@
 #include "trace/backend/device/device_backend.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
@@ -24,14 +25,15 @@ HistoryRun run_on_host(WorldView const& world, std::uint64_t seed, std::uint64_t
   return {record_of(tally), {tally.totals(), tally.scores(), tally.arrivals(), tally.cells()}};
 }
 
-// The first thread to find the device free takes all waiting blocks and runs them for all threads.
+// The first thread to find the device free takes the blocks that wait, as many as keep it busy, and runs them for all.
 class DeviceBackend final : public Backend {
  public:
   DeviceBackend(std::string name, std::unique_ptr<DeviceEngine> engine, DeviceSettings settings)
       : name_(std::move(name)), engine_(std::move(engine)), settings_(std::move(settings)) {}
 
   std::string_view name() const override { return name_; }
-  unsigned callers() const override { return engine_->facts().blocks_at_once; }
+  // While the blocks of one half of the callers run, those of the other half are merged.
+  unsigned callers() const override { return 2 * blocks_at_once(); }
 
   BlockSums run_block(SteeredWorld const& world, std::uint64_t seed, std::uint64_t block) const override {
     if (world.block_size != largest_block) return cpu_backend()->run_block(world, seed, block);  // few histories in all
@@ -58,12 +60,13 @@ class DeviceBackend final : public Backend {
     Place mine;
     std::unique_lock lock(mutex_);
     waiting_.push_back({block, &mine});
+    arrived_.notify_one();
     for (;;) {
       changed_.wait(lock, [&] { return mine.batch || !busy_; });
       if (mine.batch) return mine;
       busy_ = true;
-      std::vector<Request> const together = std::move(waiting_);
-      waiting_.clear();
+      wait_for_others(lock);
+      std::vector<Request> const together = next_batch();
       lock.unlock();
       auto const batch = run(world, seed, together);
       lock.lock();
@@ -71,6 +74,23 @@ class DeviceBackend final : public Backend {
       busy_ = false;
       changed_.notify_all();
     }
+  }
+
+  std::uint32_t blocks_at_once() const { return engine_->facts().blocks_at_once; }
+  // A batch of one block takes about as long as one of a hundred: until these are here, or no more come.
+  void wait_for_others(std::unique_lock<std::mutex>& lock) const {
+    constexpr std::chrono::milliseconds patience{5};
+    bool more = true;
+    while (more && waiting_.size() < blocks_at_once()) {
+      std::size_t const here = waiting_.size();
+      more = arrived_.wait_for(lock, patience, [&] { return waiting_.size() > here; });
+    }
+  }
+  std::vector<Request> next_batch() const {
+    auto const end = waiting_.begin() + std::ptrdiff_t(std::min<std::size_t>(waiting_.size(), blocks_at_once()));
+    std::vector<Request> batch(waiting_.begin(), end);
+    waiting_.erase(waiting_.begin(), end);
+    return batch;
   }
 
   std::shared_ptr<Batch> run(SteeredWorld const& world, std::uint64_t seed,
@@ -106,7 +126,7 @@ class DeviceBackend final : public Backend {
   std::unique_ptr<DeviceEngine> engine_;
   DeviceSettings settings_;
   mutable std::mutex mutex_;
-  mutable std::condition_variable changed_;
+  mutable std::condition_variable changed_, arrived_;
   mutable std::vector<Request> waiting_;
   mutable bool busy_ = false;
   mutable World const* loaded_ = nullptr;

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <complex>
+#include <thread>
 
 #include "base/math/simd.hpp"
 #include "trace/backend/device/engine.hpp"
@@ -51,23 +53,26 @@ inline std::vector<std::complex<double>> summed_phases(PhaseOrder const& o) {
   return sum;
 }
 
-// An engine for any machine that the library of parallel algorithms serves. The machine provides:
-//   facts()                     see engine.hpp
-//   workers(), stride()         of the walk (walk.hpp)
-//   launch(workers, walk)       runs walk(0) to walk(workers - 1)
-
-// Memory behind a common list, and behind the slabs of all workers.
+// Memory behind a common list, and behind the slabs of all workers. It only grows: to fill new memory takes longer than
+// the walk.
 template <class T>
 struct Memory {
   Array<Recorded<T>> common;
+  std::size_t written = 0;  // of `common`
   Array<T> slabs;
   Slab<T> slab(std::uint32_t workers, std::uint32_t room) {
-    slabs.resize(std::size_t(workers) * room);
+    if (std::size_t const size = std::size_t(workers) * room; slabs.size() < size) slabs.resize(size);
     return {data_of(slabs), room, 0, false};
   }
   CommonList<T> list(std::size_t room, std::uint32_t* count) {
-    common.resize(room);
+    if (common.size() < room) common.resize(room);
     return {data_of(common), std::uint32_t(room), count};
+  }
+  Records<Recorded<T>> records() const { return {data_of(common), written}; }
+  void append(std::vector<Recorded<T>> const& more) {
+    if (written + more.size() > common.size()) common.resize(written + more.size());
+    thrust::copy(more.begin(), more.end(), common.begin() + std::ptrdiff_t(written));
+    written += more.size();
   }
   std::size_t bytes() const { return common.capacity() * sizeof(Recorded<T>) + slabs.capacity() * sizeof(T); }
 };
@@ -127,6 +132,7 @@ class EngineBody final : public DeviceEngine {
     walk.histories = histories;
     walk.stride = machine_.stride();
     walk.begun = counter;
+    walk.workers = workers;
     walk.slabs = {totals_.slab(workers, most(for_totals)), scores_.slab(workers, most(for_scores)),
                   arrivals_.slab(workers, most(for_arrivals)), cells_.slab(workers, most(for_cells))};
     walk.common = {data_of(histories_),
@@ -135,14 +141,10 @@ class EngineBody final : public DeviceEngine {
     machine_.launch(workers, walk);
     std::vector<std::uint32_t> taken(counters.size());
     thrust::copy(counters.begin(), counters.end(), taken.begin());
-    keep_written(totals_.common, taken[1]);
-    keep_written(scores_.common, taken[2]);
-    keep_written(arrivals_.common, taken[3]);
-    keep_written(cells_.common, taken[4]);
-  }
-  template <class Record>
-  static void keep_written(Array<Record>& list, std::uint32_t taken) {
-    list.resize(std::min<std::size_t>(list.size(), taken));
+    totals_.written = std::min<std::size_t>(shared(for_totals), taken[1]);
+    scores_.written = std::min<std::size_t>(shared(for_scores), taken[2]);
+    arrivals_.written = std::min<std::size_t>(shared(for_arrivals), taken[3]);
+    cells_.written = std::min<std::size_t>(shared(for_cells), taken[4]);
   }
 
   // Histories that ran out of space are run on the host; their records are added to the lists, which the order of the
@@ -160,8 +162,11 @@ class EngineBody final : public DeviceEngine {
     std::vector<ArrivalRecord> arrivals;
     std::vector<CellsRecord> cells;
     std::uint32_t short_of = 0;
-    for (std::uint32_t const history : rest) {
-      HistoryRun const run = again(BatchHistories{order.blocks.data()}(history));
+    std::vector<HistoryRun> const ran =
+        run_together(rest, [&](std::uint32_t history) { return again(BatchHistories{order.blocks.data()}(history)); });
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      std::uint32_t const history = rest[i];
+      HistoryRun const& run = ran[i];
       short_of |= HistoryRecord(histories_[history]).again;
       histories_[history] = run.record;
       write(totals, run.lists.totals, history);
@@ -169,20 +174,30 @@ class EngineBody final : public DeviceEngine {
       write(arrivals, run.lists.arrivals, history);
       write(cells, run.lists.cells, history);
     }
-    append(totals_.common, totals);
-    append(scores_.common, scores);
-    append(arrivals_.common, arrivals);
-    append(cells_.common, cells);
-    if (rest.size() > n / 1000) make_room(short_of);
+    totals_.append(totals);
+    scores_.append(scores);
+    arrivals_.append(arrivals);
+    cells_.append(cells);
+    if (rest.size() > n / 20000) make_room(short_of);
     return rest.size();
+  }
+  // On all cores of the host, while the device waits.
+  template <class RunOne>
+  static std::vector<HistoryRun> run_together(std::vector<std::uint32_t> const& histories, RunOne const& run_one) {
+    std::vector<HistoryRun> runs(histories.size());
+    std::atomic<std::size_t> next = 0;
+    std::vector<std::jthread> threads;
+    std::size_t const most = std::max(1u, std::thread::hardware_concurrency());
+    while (threads.size() < std::min(most, histories.size()))
+      threads.emplace_back([&] {
+        for (std::size_t i = next++; i < runs.size(); i = next++) runs[i] = run_one(histories[i]);
+      });
+    threads.clear();
+    return runs;
   }
   template <class T>
   static void write(std::vector<Recorded<T>>& to, std::vector<T> const& list, std::uint32_t history) {
     for (std::uint32_t i = 0; i < list.size(); ++i) to.push_back({history, i, list[i]});
-  }
-  template <class Record>
-  static void append(Array<Record>& to, std::vector<Record> const& records) {
-    if (!records.empty()) to.insert(to.end(), records.begin(), records.end());
   }
   std::size_t bytes() const {
     return world_.size() + histories_.capacity() * sizeof(HistoryRecord) + totals_.bytes() + scores_.bytes() +
@@ -201,11 +216,12 @@ class EngineBody final : public DeviceEngine {
     BatchHistories const number{data_of(blocks_)};
     BatchRows<Array> rows;
     make_block_rows(histories_, number, rows.blocks);
-    make_total_rows(totals_.common, number, rows.routes, rows.route_tails);
-    make_kept_rows(scores_.common, rows.routes_kept, rows.kept);
-    make_total_rows(totals_by_receiver(totals_.common), number, rows.receivers, rows.receiver_tails);
-    make_group_rows(arrivals_.common, number, rows.groups);
-    make_cell_rows(cells_.common, rows.cells);
+    make_total_rows(totals_.records(), number, rows.routes, rows.route_tails);
+    make_kept_rows(scores_.records(), rows.routes_kept, rows.kept);
+    auto const by_receiver = totals_by_receiver(totals_.records());
+    make_total_rows(records_of(by_receiver), number, rows.receivers, rows.receiver_tails);
+    make_group_rows(arrivals_.records(), number, rows.groups);
+    make_cell_rows(cells_.records(), rows.cells);
     BatchSums sums;
     fetch(rows.blocks, sums.blocks);
     fetch(rows.routes, sums.routes);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sorts records and splits them where their common key changes. The library sorts on the host when it is
-// compiled for it: the same source is tested there (tests/device). All orders are sorts of one kind of key, so that the
-// sort of a device is compiled once.
+// compiled for it: the same source is tested there (tests/device).
 #pragma once
 
 #if !defined(__NVCC__)
@@ -39,74 +38,95 @@ void for_each_number(std::size_t count, F const& f) {
   thrust::for_each(thrust::device, zero, zero + std::uint32_t(count), f);
 }
 
+// Records on the device, of which some may be unused.
+template <class T>
+struct Records {
+  T const* data = nullptr;
+  std::size_t size = 0;
+};
+template <class T>
+Records<T> records_of(Array<T> const& a) {
+  return {data_of(a), a.size()};
+}
+
 // Keys define an order without ties, so the initial order of the records does not matter.
 struct SortKey {
-  static constexpr int words = 5;
-  std::uint64_t word[words] = {};
-  std::uint32_t record = 0;
-
-  STRAY_HD bool operator<(SortKey const& other) const {
-    for (int i = 0; i < words; ++i)
-      if (word[i] != other.word[i]) return word[i] < other.word[i];
-    return false;
-  }
+  static constexpr int most_words = 5;
+  std::uint64_t word[most_words] = {};
   STRAY_HD bool shares(int count, SortKey const& other) const {
     for (int i = 0; i < count; ++i)
       if (word[i] != other.word[i]) return false;
     return true;
   }
 };
-constexpr std::uint64_t nothing = ~std::uint64_t{0};  // first word of unused records: they come last
+constexpr std::uint64_t nothing = ~std::uint64_t{0};  // first word of unused records
 STRAY_HD std::uint64_t pair_of(std::uint32_t high, std::uint32_t low) { return std::uint64_t(high) << 32 | low; }
 // A word that falls while the number, not negative, rises.
 STRAY_HD std::uint64_t falling(double x) { return ~bits_of(x); }
 
 template <class KeyOf>
-struct WriteKey {
+struct IsUsed {
   KeyOf key_of;
-  SortKey* keys;
-  STRAY_HD void operator()(std::uint32_t i) const {
-    SortKey key = key_of(i);
-    key.record = i;
-    keys[i] = key;
-  }
+  STRAY_HD bool operator()(std::uint32_t i) const { return key_of(i).word[0] != nothing; }
 };
-// key_of(i) gives the words of record number i.
 template <class KeyOf>
-Array<SortKey> ordered(std::size_t count, KeyOf const& key_of) {
-  Array<SortKey> keys(count);
-  for_each_number(count, WriteKey<KeyOf>{key_of, data_of(keys)});
-  thrust::sort(thrust::device, keys.begin(), keys.end());
-  return keys;
+struct WriteWord {
+  KeyOf key_of;
+  std::uint32_t const* order;
+  std::uint64_t* words;
+  int word;
+  STRAY_HD void operator()(std::uint32_t i) const { words[i] = key_of(order[i]).word[word]; }
+};
+// Numbers of the records that are used, in the order of their keys. key_of(i) gives the `KeyOf::words` words of record
+// number i. Word by word, from the last: the library sorts single words by their digits, many times faster than it
+// compares keys.
+template <class KeyOf>
+Array<std::uint32_t> ordered(std::size_t count, KeyOf const& key_of) {
+  auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
+  Array<std::uint32_t> order(count);
+  auto const end =
+      thrust::copy_if(thrust::device, zero, zero + std::uint32_t(count), order.begin(), IsUsed<KeyOf>{key_of});
+  order.resize(std::size_t(end - order.begin()));
+  Array<std::uint64_t> words(order.size());
+  for (int word = KeyOf::words; word-- > 0;) {
+    for_each_number(order.size(), WriteWord<KeyOf>{key_of, data_of(order), data_of(words), word});
+    thrust::stable_sort_by_key(thrust::device, words.begin(), words.end(), order.begin());
+  }
+  return order;
 }
 
+template <class KeyOf>
 struct Begins {
-  SortKey const* keys;
+  KeyOf key_of;
+  std::uint32_t const* order;
   int words;
-  STRAY_HD bool operator()(std::uint32_t i) const { return i == 0 || !keys[i].shares(words, keys[i - 1]); }
+  STRAY_HD bool operator()(std::uint32_t i) const {
+    return i == 0 || !key_of(order[i]).shares(words, key_of(order[i - 1]));
+  }
 };
-// Where runs of keys with the same first words begin, and the end of the last; without unused records.
-inline Array<std::uint32_t> runs(Array<SortKey> const& keys, int words) {
+// Where runs of records with the same first words begin, and the end of the last.
+template <class KeyOf>
+Array<std::uint32_t> runs(Array<std::uint32_t> const& order, KeyOf const& key_of, int words) {
   auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
-  auto const n = std::uint32_t(keys.size());
+  auto const n = std::uint32_t(order.size());
   Array<std::uint32_t> starts(std::size_t(n) + 1);
-  auto const end = thrust::copy_if(thrust::device, zero, zero + n, starts.begin(), Begins{data_of(keys), words});
-  bool const rest = n > 0 && SortKey(keys.back()).word[0] == nothing;
-  if (!rest) *end = n;
-  starts.resize(std::size_t(end - starts.begin()) + (rest ? 0 : 1));
+  auto const end =
+      thrust::copy_if(thrust::device, zero, zero + n, starts.begin(), Begins<KeyOf>{key_of, data_of(order), words});
+  *end = n;
+  starts.resize(std::size_t(end - starts.begin()) + 1);
   return starts;
 }
 inline std::size_t run_count(Array<std::uint32_t> const& starts) { return starts.size() - 1; }
 
 struct Run {
-  SortKey const* keys;
+  std::uint32_t const* order;
   std::uint32_t const* starts;
   STRAY_HD std::uint32_t begin(std::uint32_t run) const { return starts[run]; }
   STRAY_HD std::uint32_t end(std::uint32_t run) const { return starts[run + 1]; }
-  STRAY_HD std::uint32_t record(std::uint32_t i) const { return keys[i].record; }
+  STRAY_HD std::uint32_t record(std::uint32_t i) const { return order[i]; }
 };
-inline Run run_of(Array<SortKey> const& keys, Array<std::uint32_t> const& starts) {
-  return {data_of(keys), data_of(starts)};
+inline Run run_of(Array<std::uint32_t> const& order, Array<std::uint32_t> const& starts) {
+  return {data_of(order), data_of(starts)};
 }
 
 template <class Record>
@@ -115,8 +135,9 @@ struct RecordRun : Run {
   STRAY_HD Record const& operator[](std::uint32_t i) const { return records[record(i)]; }
 };
 template <class Record>
-RecordRun<Record> run_of(Array<Record> const& records, Array<SortKey> const& keys, Array<std::uint32_t> const& starts) {
-  return {run_of(keys, starts), data_of(records)};
+RecordRun<Record> run_of(Records<Record> const& records, Array<std::uint32_t> const& order,
+                         Array<std::uint32_t> const& starts) {
+  return {run_of(order, starts), records.data};
 }
 
 // Members `first` of rows from their counts; returns the sum of all counts.

@@ -20,6 +20,7 @@ STRAY_HD std::uint64_t block_of(Recorded<T> const& r) {
 // By block and route, then in the order written by the histories.
 template <class T>
 struct AsWritten {
+  static constexpr int words = 3;
   Recorded<T> const* records;
   STRAY_HD SortKey operator()(std::uint32_t i) const {
     Recorded<T> const& r = records[i];
@@ -27,6 +28,7 @@ struct AsWritten {
   }
 };
 struct LargestTotalFirst {
+  static constexpr int words = 4;
   TotalRecord const* records;
   STRAY_HD SortKey operator()(std::uint32_t i) const {
     TotalRecord const& r = records[i];
@@ -34,6 +36,7 @@ struct LargestTotalFirst {
   }
 };
 struct LargestPriorityFirst {  // as before() in result.hpp
+  static constexpr int words = 5;
   ScoreRecord const* records;
   STRAY_HD SortKey operator()(std::uint32_t i) const {
     ScoreRecord const& r = records[i];
@@ -67,15 +70,16 @@ struct CopyTail {
   }
 };
 // One record per history and route at most.
-inline void make_total_rows(Array<TotalRecord> const& totals, BatchHistories number, Array<TotalRow>& rows,
+inline void make_total_rows(Records<TotalRecord> totals, BatchHistories number, Array<TotalRow>& rows,
                             Array<double>& tails) {
-  auto keys = ordered(totals.size(), AsWritten<HistoryTotal>{data_of(totals)});
-  auto const starts = runs(keys, block_and_route);
+  AsWritten<HistoryTotal> const as_written{totals.data};
+  auto const written = ordered(totals.size, as_written);
+  auto const starts = runs(written, as_written, block_and_route);
   rows.resize(run_count(starts));
-  for_each_number(rows.size(), MakeTotalRow{run_of(totals, keys, starts), data_of(rows), number});
+  for_each_number(rows.size(), MakeTotalRow{run_of(totals, written, starts), data_of(rows), number});
   tails.resize(lay_out(rows, &TotalRow::first_tail, &TotalRow::tails));
-  keys = ordered(totals.size(), LargestTotalFirst{data_of(totals)});
-  for_each_number(rows.size(), CopyTail{run_of(totals, keys, starts), data_of(rows), data_of(tails)});
+  auto const largest = ordered(totals.size, LargestTotalFirst{totals.data});
+  for_each_number(rows.size(), CopyTail{run_of(totals, largest, starts), data_of(rows), data_of(tails)});
 }
 
 struct MakeKeptRow {
@@ -104,10 +108,11 @@ struct CopyKept {
   }
 };
 // Every route that has a total has a score: the rows are those of the totals.
-inline void make_kept_rows(Array<ScoreRecord> const& scores, Array<KeptRow>& rows, Array<ScoreAddress>& kept) {
-  auto const written = ordered(scores.size(), AsWritten<HistoryScore>{data_of(scores)});
-  auto const by_priority = ordered(scores.size(), LargestPriorityFirst{data_of(scores)});
-  auto const starts = runs(written, block_and_route);
+inline void make_kept_rows(Records<ScoreRecord> scores, Array<KeptRow>& rows, Array<ScoreAddress>& kept) {
+  AsWritten<HistoryScore> const as_written{scores.data};
+  auto const written = ordered(scores.size, as_written);
+  auto const by_priority = ordered(scores.size, LargestPriorityFirst{scores.data});
+  auto const starts = runs(written, as_written, block_and_route);
   auto const largest = run_of(scores, by_priority, starts);
   rows.resize(run_count(starts));
   for_each_number(rows.size(), MakeKeptRow{run_of(scores, written, starts), largest, data_of(rows)});
@@ -118,6 +123,7 @@ inline void make_kept_rows(Array<ScoreRecord> const& scores, Array<KeptRow>& row
 // Totals of each history at each receiver, in the order of their first score. The route of
 // these totals is the number of the end.
 struct ByReceiver {
+  static constexpr int words = 4;
   TotalRecord const* records;
   STRAY_HD SortKey operator()(std::uint32_t i) const {
     TotalRecord const& r = records[i];
@@ -136,11 +142,12 @@ struct SumOfHistory {
     sums[i] = sum;
   }
 };
-inline Array<TotalRecord> totals_by_receiver(Array<TotalRecord> const& totals) {
-  auto const keys = ordered(totals.size(), ByReceiver{data_of(totals)});
-  auto const starts = runs(keys, 3);  // block, end and history
+inline Array<TotalRecord> totals_by_receiver(Records<TotalRecord> totals) {
+  ByReceiver const by_receiver{totals.data};
+  auto const order = ordered(totals.size, by_receiver);
+  auto const starts = runs(order, by_receiver, 3);  // block, end and history
   Array<TotalRecord> sums(run_count(starts));
-  for_each_number(sums.size(), SumOfHistory{run_of(totals, keys, starts), data_of(sums)});
+  for_each_number(sums.size(), SumOfHistory{run_of(totals, order, starts), data_of(sums)});
   return sums;
 }
 
@@ -178,6 +185,7 @@ inline void make_block_rows(Array<HistoryRecord> const& histories, BatchHistorie
 
 using ArrivalRecord = Recorded<HistoryArrival>;
 struct ByGroup {
+  static constexpr int words = 3;
   ArrivalRecord const* records;
   STRAY_HD SortKey operator()(std::uint32_t i) const {
     return {{block_of(records[i]), records[i].what.group, records[i].history}};
@@ -197,11 +205,12 @@ struct MakeGroupRow {
     rows[i] = row;
   }
 };
-inline void make_group_rows(Array<ArrivalRecord> const& arrivals, BatchHistories number, Array<GroupRow>& rows) {
-  auto const keys = ordered(arrivals.size(), ByGroup{data_of(arrivals)});
-  auto const starts = runs(keys, 2);  // block and group
+inline void make_group_rows(Records<ArrivalRecord> arrivals, BatchHistories number, Array<GroupRow>& rows) {
+  ByGroup const by_group{arrivals.data};
+  auto const order = ordered(arrivals.size, by_group);
+  auto const starts = runs(order, by_group, 2);  // block and group
   rows.resize(run_count(starts));
-  for_each_number(rows.size(), MakeGroupRow{run_of(arrivals, keys, starts), data_of(rows), number});
+  for_each_number(rows.size(), MakeGroupRow{run_of(arrivals, order, starts), data_of(rows), number});
 }
 
 // The contribution of one score to the cell of one map: number i is map i % 4 of record i / 4.
@@ -225,6 +234,7 @@ struct CellOf {
   }
 };
 struct ByCell {
+  static constexpr int words = 5;
   CellOf cell_of;
   STRAY_HD SortKey operator()(std::uint32_t i) const {
     CellsRecord const& r = cell_of.records[i / 4];
@@ -249,12 +259,13 @@ struct MakeCellRow {
     rows[i] = row;
   }
 };
-inline void make_cell_rows(Array<CellsRecord> const& cells, Array<CellRow>& rows) {
-  CellOf const cell_of{data_of(cells)};
-  auto const keys = ordered(4 * cells.size(), ByCell{cell_of});
-  auto const starts = runs(keys, 4);  // block, map, route and cell
+inline void make_cell_rows(Records<CellsRecord> cells, Array<CellRow>& rows) {
+  CellOf const cell_of{cells.data};
+  ByCell const by_cell{cell_of};
+  auto const order = ordered(4 * cells.size, by_cell);
+  auto const starts = runs(order, by_cell, 4);  // block, map, route and cell
   rows.resize(run_count(starts));
-  for_each_number(rows.size(), MakeCellRow{run_of(keys, starts), cell_of, data_of(rows)});
+  for_each_number(rows.size(), MakeCellRow{run_of(order, starts), cell_of, data_of(rows)});
 }
 
 }  // namespace straytrace::trace::device
