@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "noise/bands/speckle_band.hpp"
 
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
 #include <boost/math/special_functions/erf.hpp>
 
 #include <algorithm>
@@ -56,9 +58,9 @@ std::array<double, 3> Draws::read_off(std::vector<double>& values) const {
   return out;
 }
 
-std::array<double, 3> Draws::percentiles(std::vector<double> weights, int copies) const {
+std::array<double, 3> Draws::percentiles(std::vector<double> weights, int copies, double rest) const {
   std::ranges::sort(weights, std::greater<>());
-  double constant = 0;
+  double constant = copies * rest;
   std::vector<double> used;
   for (std::size_t m = 0; m < weights.size(); ++m) {
     bool const counts = weights[m] > 1e-4 * weights.front() && used.size() + copies <= std::size_t(most);
@@ -73,7 +75,7 @@ std::array<double, 3> Draws::percentiles(std::vector<double> weights, int copies
 
 std::array<double, 3> Draws::percentiles(RandomVector const& v, int copies) const {
   std::size_t const size = !v.gaussian.empty() ? v.gaussian.front().size() : v.phasors.front().first.size();
-  std::vector<double> values(count);
+  std::vector<double> values(count, copies * v.rest);
   int direction = 0;
   auto const next = [&] { return direction++ % most; };
   for (int c = 0; c < copies; ++c) {
@@ -98,10 +100,101 @@ std::array<double, 3> Draws::percentiles(RandomVector const& v, int copies) cons
 
 namespace {
 
-using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Complex = std::complex<double>;
+
+// Gaussian amplitudes of many inputs, decomposed into independent parts (docs/theory/spectra.md).
+
+// Second moments of the complex amplitudes of the inputs of one block: E H H^+ and E H H^T, as sums of their elements.
+// Routes correlate inputs; inputs of different blocks are uncorrelated.
+struct Moments {
+  std::vector<Eigen::Triplet<Complex>> gamma, relation;
+  void add(Eigen::Index row, Eigen::Index column, Complex of_gamma, Complex of_relation) {
+    gamma.emplace_back(int(row), int(column), of_gamma);
+    relation.emplace_back(int(row), int(column), of_relation);
+  }
+};
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+// Of real and imaginary parts of the amplitudes of n inputs.
+Sparse real_covariance(Moments const& moments, Eigen::Index n) {
+  std::vector<Eigen::Triplet<double>> elements;
+  int const shift = int(n);
+  for (auto const& t : moments.gamma) {
+    elements.emplace_back(t.row(), t.col(), 0.5 * t.value().real());
+    elements.emplace_back(t.row() + shift, t.col() + shift, 0.5 * t.value().real());
+    elements.emplace_back(t.row(), t.col() + shift, -0.5 * t.value().imag());
+    elements.emplace_back(t.col() + shift, t.row(), -0.5 * t.value().imag());
+  }
+  for (auto const& t : moments.relation) {
+    elements.emplace_back(t.row(), t.col(), 0.5 * t.value().real());
+    elements.emplace_back(t.row() + shift, t.col() + shift, -0.5 * t.value().real());
+    elements.emplace_back(t.row(), t.col() + shift, 0.5 * t.value().imag());
+    elements.emplace_back(t.col() + shift, t.row(), 0.5 * t.value().imag());
+  }
+  Sparse covariance(2 * n, 2 * n);
+  covariance.setFromTriplets(elements.begin(), elements.end());
+  return covariance;
+}
+
+// An independent part of the vector of one block: its variance, and its unit direction, real parts before imaginary
+// parts.
+struct SpeckleMode {
+  double weight;
+  std::size_t block;
+  Eigen::VectorXd direction;
+};
+// The largest first. Without directions, which take most of the time, those of the modes are empty.
+struct SpeckleModes {
+  std::vector<SpeckleMode> modes;
+  double rest = 0;  // variance of all other parts together
+};
+
+// Orthonormal columns that hold the directions of the largest variances: a block Krylov space. It costs as much as the
+// matrix has elements, where a decomposition of all costs the cube of its rows.
+MatrixXd leading_space(Sparse const& covariance) {
+  constexpr Eigen::Index width = 8, depth = 12;
+  MatrixXd basis(covariance.rows(), width * depth), block(covariance.rows(), width);
+  for (Eigen::Index d = 0; d < width; ++d)
+    for (Eigen::Index i = 0; i < block.rows(); ++i)
+      block(i, d) = std::fmod(0.5 + double(i + 1) * step(int(d)), 1.0) - 0.5;
+  for (Eigen::Index k = 0; k < depth; ++k) {
+    auto const before = basis.leftCols(k * width);
+    for (int pass = 0; pass < 2; ++pass) {  // the second for blocks that lie in `before`, which leave rounding only
+      block -= before * (before.transpose() * block);
+      block = Eigen::HouseholderQR<MatrixXd>(block).householderQ() * MatrixXd::Identity(block.rows(), width);
+    }
+    basis.middleCols(k * width, width) = block;
+    block = covariance * block;
+  }
+  return basis;
+}
+
+// Percentiles need the largest 24 variances (Draws::most) and the sum of the others.
+SpeckleModes modes_of(std::vector<Moments> const& blocks, std::vector<Eigen::Index> const& inputs, bool directions) {
+  constexpr Eigen::Index most_rows = 256;  // of matrices that are decomposed completely
+  SpeckleModes all;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    Sparse const covariance = real_covariance(blocks[b], inputs[b]);
+    bool const small = covariance.rows() <= most_rows;
+    MatrixXd const space = small ? MatrixXd() : leading_space(covariance);
+    Eigen::SelfAdjointEigenSolver<MatrixXd> const own(
+        small ? MatrixXd(covariance) : MatrixXd(space.transpose() * (covariance * space)),
+        directions ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
+    double const total = covariance.diagonal().sum();
+    for (Eigen::Index m = own.eigenvalues().size(); m-- > 0;) {
+      all.modes.push_back({std::max(0.0, own.eigenvalues()(m)), b, {}});
+      if (!directions) continue;
+      all.modes.back().direction = own.eigenvectors().col(m);
+      if (!small) all.modes.back().direction = space * all.modes.back().direction;
+    }
+    if (!small) all.rest += std::max(0.0, total - own.eigenvalues().sum());
+  }
+  std::ranges::stable_sort(all.modes, [](SpeckleMode const& a, SpeckleMode const& b) { return a.weight > b.weight; });
+  return all;
+}
 
 constexpr std::size_t few = 8;  // paths of a computed route that are taken one by one
 
@@ -111,7 +204,8 @@ struct Part {
   std::vector<std::size_t> columns, inputs;  // ascending
   std::size_t block = 0;                     // of inputs
   std::vector<Eigen::Index> rows;            // where its inputs are in the block
-  MatrixXd directions;                       // second moments of its gains to columns, weighted by power
+  std::vector<Eigen::Index> input_of;        // column: place of its input
+  Sparse directions;                         // second moments of its gains to columns, weighted by power
   std::vector<std::size_t> records;          // of a computed route: its phasors; empty: Gaussian
   double surviving, mean_square;
   bool family;  // coherent: one unknown phase for all of them
@@ -137,22 +231,21 @@ class SpeckleLaw {
   }
 
   std::array<double, 3> at(std::size_t bin) const {  // percentiles of the PSD
-    std::vector<SpeckleMoments> moments;
-    for (auto const& block : blocks_) {
-      MatrixXcd const none = MatrixXcd::Zero(Eigen::Index(block.size()), Eigen::Index(block.size()));
-      moments.push_back({none, none});
-    }
+    std::vector<Moments> moments(blocks_.size());
+    std::vector<Eigen::Index> sizes;
+    for (auto const& block : blocks_) sizes.push_back(Eigen::Index(block.size()));
     RandomVector v;
     Metrics const metrics{gains_.to_inputs(b_.grid, bin, false), gains_.to_inputs(b_.grid, bin, true)};
     for (Part const& p : parts_)
       if (!p.inputs.empty()) add(p, bin, metrics, moments[p.block], v);
     auto const copies = std::max(1, int(std::lround(copies_)));
-    std::vector<SpeckleMode> const modes = modes_of(moments, !v.phasors.empty());
+    auto const [modes, rest] = modes_of(moments, sizes, !v.phasors.empty());
     if (v.phasors.empty()) {
       std::vector<double> weights;
       for (SpeckleMode const& m : modes) weights.push_back(m.weight / copies);
-      return draws_.percentiles(weights, copies);
+      return draws_.percentiles(weights, copies, rest / copies);
     }
+    v.rest = rest / copies;
     for (auto& [first, second] : v.phasors)
       for (auto* half : {&first, &second})
         for (double& x : *half) x /= std::sqrt(double(copies));
@@ -167,23 +260,28 @@ class SpeckleLaw {
  private:
   Part part(std::size_t r) const {
     CouplingClass const& c = table_.classes[r];
-    Part p{r, {}, {}, 0, {}, {}, {}, 0, b_.routes[r].mean_square_phase, c.adds_fields()};
+    Part p{r, {}, {}, 0, {}, {}, {}, {}, 0, b_.routes[r].mean_square_phase, c.adds_fields()};
     std::set<std::size_t> columns, inputs;
     for (PathRecord const& record : c.records)
       for (auto const& [column, gain] : gains_.of(record.phase_sensitivities)) columns.insert(column);
     for (std::size_t const column : columns) inputs.insert(gains_.input(column));
     p.columns.assign(columns.begin(), columns.end());
     p.inputs.assign(inputs.begin(), inputs.end());
-    p.directions = MatrixXd::Zero(Eigen::Index(columns.size()), Eigen::Index(columns.size()));
+    for (std::size_t const column : p.columns) p.input_of.push_back(place(p.inputs, gains_.input(column)));
     double weight = 0, tones = 0;
+    std::vector<Eigen::Triplet<double>> elements;
     for (PathRecord const& record : c.records) {
-      Eigen::VectorXd const g = to_columns(p, record);
-      p.directions += record.weight * g * g.transpose();
+      auto const gains = gains_.of(record.phase_sensitivities);
+      for (auto const& [one, g] : gains)
+        for (auto const& [other, h] : gains)
+          elements.emplace_back(int(place(p.columns, one)), int(place(p.columns, other)), record.weight * g * h);
       weight += record.weight;
     }
+    p.directions.resize(Eigen::Index(columns.size()), Eigen::Index(columns.size()));
+    p.directions.setFromTriplets(elements.begin(), elements.end());
     bool drifts = false;
     for (std::size_t k = 0; k < p.columns.size(); ++k) {
-      double const square = p.directions(Eigen::Index(k), Eigen::Index(k));
+      double const square = p.directions.coeff(Eigen::Index(k), Eigen::Index(k));
       if (gains_.tone(p.columns[k])) tones += 0.5 * square;
       drifts |= gains_.drifts(p.columns[k]) && square > 0;
     }
@@ -194,17 +292,29 @@ class SpeckleLaw {
     return p;
   }
 
-  Eigen::VectorXd to_columns(Part const& p, PathRecord const& record) const {
-    Eigen::VectorXd out = Eigen::VectorXd::Zero(Eigen::Index(p.columns.size()));
-    for (auto const& [column, gain] : gains_.of(record.phase_sensitivities)) out[place(p.columns, column)] = gain;
+  // The gains of a path to the inputs of its part.
+  VectorXcd to_inputs(Part const& p, std::vector<Complex> const& factors, PathRecord const& record) const {
+    VectorXcd out = VectorXcd::Zero(Eigen::Index(p.inputs.size()));
+    for (auto const& [column, gain] : gains_.of(record.phase_sensitivities))
+      out[place(p.inputs, gains_.input(column))] += factors[column] * gain;
     return out;
   }
-  // Columns of a part to its inputs.
-  MatrixXcd matrix(Part const& p, std::vector<Complex> const& factors) const {
-    MatrixXcd out = MatrixXcd::Zero(Eigen::Index(p.inputs.size()), Eigen::Index(p.columns.size()));
-    for (std::size_t k = 0; k < p.columns.size(); ++k)
-      out(place(p.inputs, gains_.input(p.columns[k])), Eigen::Index(k)) = factors[p.columns[k]];
-    return out;
+  // Calls see(i, k, both, product) for pairs of inputs, whose second moments are the sums of g_i g_k^* and of g_i g_k.
+  template <class See>
+  static void each_moment(Part const& p, std::vector<Complex> const& factors, See const& see) {
+    for (Eigen::Index k = 0; k < p.directions.outerSize(); ++k)
+      for (Sparse::InnerIterator at(p.directions, k); at; ++at) {
+        Complex const one = factors[p.columns[std::size_t(at.row())]], other = factors[p.columns[std::size_t(k)]];
+        see(p.input_of[std::size_t(at.row())], p.input_of[std::size_t(k)], one * std::conj(other) * at.value(),
+            one * other * at.value());
+      }
+  }
+  static double power(Part const& p, std::vector<Complex> const& factors) {
+    double trace = 0;
+    each_moment(p, factors, [&](Eigen::Index i, Eigen::Index k, Complex both, Complex) {
+      if (i == k) trace += both.real();
+    });
+    return trace;
   }
   static Eigen::Index place(std::vector<std::size_t> const& ascending, std::size_t value) {
     return std::ranges::lower_bound(ascending, value) - ascending.begin();
@@ -248,26 +358,25 @@ class SpeckleLaw {
     return both > 0 ? p.surviving * (phase * phase + amplitude * amplitude) / both : 0;
   }
 
-  void add(Part const& p, std::size_t bin, Metrics const& metrics, SpeckleMoments& moments, RandomVector& v) const {
+  void add(Part const& p, std::size_t bin, Metrics const& metrics, Moments& moments, RandomVector& v) const {
     double const psd = b_.routes[p.route].psd(bin);
     if (!(psd > 0)) return;
-    auto const power = [&](MatrixXcd const& m) { return MatrixXcd(m * p.directions * m.adjoint()); };
-    MatrixXcd to_inputs = matrix(p, metrics.in_bin);
-    if (p.mean_square > 1 || !(power(to_inputs).trace().real() > 0)) to_inputs = matrix(p, metrics.everywhere);
-    MatrixXcd const all = power(to_inputs);
-    double const trace = all.trace().real();
+    bool const wraps = p.mean_square > 1 || !(power(p, metrics.in_bin) > 0);
+    std::vector<Complex> const& factors = wraps ? metrics.everywhere : metrics.in_bin;
+    double const trace = power(p, factors);
     if (!(trace > 0)) return;
     Complex const share = relation_of(p, bin);
-    if (p.family) return add_family(p, psd, share, to_inputs, moments, v);
+    if (p.family) return add_family(p, psd, share, factors, moments, v);
     if (p.records.empty() || v.phasors.size() + p.records.size() > few) {
-      moments.gamma(p.rows, p.rows) += psd / trace * all;
-      moments.relation(p.rows, p.rows) += psd / trace * share * (to_inputs * p.directions * to_inputs.transpose());
+      each_moment(p, factors, [&](Eigen::Index i, Eigen::Index k, Complex both, Complex product) {
+        moments.add(p.rows[std::size_t(i)], p.rows[std::size_t(k)], psd / trace * both, psd / trace * share * product);
+      });
       return;
     }
     auto const [phase, amplitude] = quadratures(share);
     for (std::size_t const i : p.records) {
       PathRecord const& record = table_.classes[p.route].records[i];
-      VectorXcd const direction = std::sqrt(psd / trace * record.weight) * (to_inputs * to_columns(p, record));
+      VectorXcd const direction = std::sqrt(psd / trace * record.weight) * to_inputs(p, factors, record);
       v.phasors.emplace_back(reals(direction * phase, p.inputs), reals(direction * amplitude, p.inputs));
     }
   }
@@ -280,15 +389,15 @@ class SpeckleLaw {
   }
 
   // Fields with known relative phases: their sum is one phasor for each state of polarisation.
-  void add_family(Part const& p, double psd, Complex share, MatrixXcd const& to_inputs, SpeckleMoments& moments,
+  void add_family(Part const& p, double psd, Complex share, std::vector<Complex> const& factors, Moments& moments,
                   RandomVector& v) const {
     auto const [phase, amplitude] = quadratures(share);
     std::vector<std::pair<VectorXcd, VectorXcd>> states;
     double mean = 0;
     for (std::size_t const state : {0, 1}) {
-      VectorXcd first = VectorXcd::Zero(to_inputs.rows()), second = first;
+      VectorXcd first = VectorXcd::Zero(Eigen::Index(p.inputs.size())), second = first;
       for (PathRecord const& r : table_.classes[p.route].records) {
-        VectorXcd const gain = to_inputs * to_columns(p, r);
+        VectorXcd const gain = to_inputs(p, factors, r);
         first += gain * (phase * r.field[state].real() - amplitude * r.field[state].imag());
         second += gain * (phase * r.field[state].imag() + amplitude * r.field[state].real());
       }
@@ -302,8 +411,13 @@ class SpeckleLaw {
         v.phasors.emplace_back(reals(first, p.inputs), reals(second, p.inputs));
         continue;
       }
-      moments.gamma(p.rows, p.rows) += (first * first.adjoint() + second * second.adjoint()) / 2;
-      moments.relation(p.rows, p.rows) += (first * first.transpose() + second * second.transpose()) / 2;
+      for (std::size_t i = 0; i < p.rows.size(); ++i)
+        for (std::size_t k = 0; k < p.rows.size(); ++k) {
+          auto const at = [](VectorXcd const& x, std::size_t j) { return x(Eigen::Index(j)); };
+          moments.add(p.rows[i], p.rows[k],
+                      (at(first, i) * std::conj(at(first, k)) + at(second, i) * std::conj(at(second, k))) / 2.0,
+                      (at(first, i) * at(first, k) + at(second, i) * at(second, k)) / 2.0);
+        }
     }
   }
 
@@ -359,38 +473,6 @@ void add_speckle_band(NoiseBudget& b, CouplingTable const& table, MotionSet cons
     bands.speckle_95.push_back(root(percentiles[2]));
     bands.coherent.push_back(known ? linear : not_a_number);
   }
-}
-
-namespace {
-
-using Eigen::MatrixXd;
-
-// Of Re and Im of the vector.
-MatrixXd real_covariance(SpeckleMoments const& moments) {
-  auto const& [gamma, relation] = moments;
-  Eigen::Index const n = gamma.rows();
-  MatrixXd out(2 * n, 2 * n);
-  out.topLeftCorner(n, n) = 0.5 * (gamma + relation).real();
-  out.bottomRightCorner(n, n) = 0.5 * (gamma - relation).real();
-  out.topRightCorner(n, n) = 0.5 * (relation - gamma).imag();
-  out.bottomLeftCorner(n, n) = out.topRightCorner(n, n).transpose();
-  return out;
-}
-
-}  // namespace
-
-std::vector<SpeckleMode> modes_of(std::vector<SpeckleMoments> const& blocks, bool directions) {
-  std::vector<SpeckleMode> modes;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    Eigen::SelfAdjointEigenSolver<MatrixXd> const own(real_covariance(blocks[b]),
-                                                      directions ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
-    for (Eigen::Index m = own.eigenvalues().size(); m-- > 0;) {
-      modes.push_back({std::max(0.0, own.eigenvalues()(m)), b, {}});
-      if (directions) modes.back().direction = own.eigenvectors().col(m);
-    }
-  }
-  std::ranges::stable_sort(modes, [](SpeckleMode const& a, SpeckleMode const& b) { return a.weight > b.weight; });
-  return modes;
 }
 
 double speckle_percentile(double below) { return -std::log1p(-below); }

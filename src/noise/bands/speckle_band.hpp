@@ -2,8 +2,6 @@
 // Spread of one realisation of the unknown static phases around the mean (docs/theory/spectra.md).
 #pragma once
 
-#include <Eigen/Dense>
-
 #include <array>
 #include <vector>
 
@@ -24,25 +22,6 @@ void add_speckle_band(NoiseBudget&, CouplingTable const&, MotionSet const&, Inte
 // mean-square phase x: exact for x << 1 and x >> 1; 1 where tones move it, 0 where it drifts.
 double surviving_phase(double gaussian_mean_square, double tone_mean_square, bool drifts);
 
-// Gaussian amplitudes of many inputs, decomposed into independent parts (docs/theory/spectra.md).
-
-// Second moments of the complex amplitudes of some inputs: E H H^+ and E H H^T. Routes correlate inputs; inputs of
-// different blocks are uncorrelated, so that the cost grows with the cube of the largest block only.
-struct SpeckleMoments {
-  Eigen::MatrixXcd gamma, relation;
-};
-
-// An independent part of the vector of one block: its variance, and its unit direction, real parts before imaginary
-// parts.
-struct SpeckleMode {
-  double weight;
-  std::size_t block;
-  Eigen::VectorXd direction;
-};
-
-// Of all blocks, the largest first. Without directions, which take most of the time, those of the modes are empty.
-std::vector<SpeckleMode> modes_of(std::vector<SpeckleMoments> const& blocks, bool directions);
-
 // One realisation against the speckle mean (docs/theory/spectra.md).
 
 // Percentile `below` of the power |sum of fields|^2 of one speckle, over its mean; eq. 10.2.
@@ -55,6 +34,7 @@ struct RandomVector {
   std::vector<std::vector<double>> gaussian;  // columns; g = sum over columns of column times a standard normal
   // p = sum of first * cos(phase) + second * sin(phase)
   std::vector<std::pair<std::vector<double>, std::vector<double>>> phasors;
+  double rest = 0;  // mean square of further parts, which counts with its mean
 };
 
 class Draws {
@@ -63,8 +43,8 @@ class Draws {
   // 5th, 50th and 95th percentile of the sum of `copies` independent |g + p|^2. Directions beyond `most` count with
   // their mean.
   std::array<double, 3> percentiles(RandomVector const&, int copies) const;
-  // The same for sum of weight times chi-square of one degree of freedom.
-  std::array<double, 3> percentiles(std::vector<double> weights, int copies) const;
+  // The same for sum of weight times chi-square of one degree of freedom, and `rest`, which counts with its mean.
+  std::array<double, 3> percentiles(std::vector<double> weights, int copies, double rest = 0) const;
 
   static constexpr int count = 16384, most = 24;
 

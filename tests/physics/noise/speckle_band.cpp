@@ -105,6 +105,28 @@ TEST(SpeckleBand, ABodyInEveryRouteTiesThem) {  // eq. 10.2; nearly at rest it l
   EXPECT_LT(deviation(with_mirror(true, 1e3 * weak).p95, 2.996), 0.03);  // it alone moves: one speckle
 }
 
+TEST(SpeckleBand, ManyBodiesWithOneThatIsInEveryRoute) {
+  // N equal routes, each moved by a body of its own and by a mirror, all of one spectrum: sum |z_i|^2 + |sum z_i|^2 has
+  // one eigenvalue 1 + N and N - 1 of 1 (eq. 10.2 for the first; the others are their mean within 1/sqrt(N)).
+  constexpr int n = 400;
+  auto const with = [](bool mirror) {
+    std::vector<CouplingClass> routes;
+    for (std::uint32_t i = 1; i <= n; ++i) {
+      std::vector<PhaseSensitivity> levers{phase_sensitivity(i, 2, two_k)};
+      if (mirror) levers.push_back(phase_sensitivity(0, 2, -two_k));
+      routes.push_back(known_class(i, 1, {record(0, 1, levers)}));
+    }
+    return band_of(routes, moving(std::vector<Spectrum>(n + 1, power_law_asd(weak, 10, -2, 1, 100))),
+                   BothQuadratures());
+  };
+  auto const expected = [](double below) { return ((1 + n) * speckle_percentile(below) + n - 1) / (2 * n); };
+  Percentiles const tied = with(true);
+  EXPECT_LT(deviation(tied.p95, expected(0.95)), 0.02);
+  EXPECT_LT(deviation(tied.p50, expected(0.50)), 0.02);
+  EXPECT_LT(deviation(tied.p05, expected(0.05)), 0.02);
+  EXPECT_LT(with(false).p95, 1.2);  // control: without it they average
+}
+
 TEST(SpeckleBand, PhaseSensitivitiesInOneDirectionAreOneMotion) {  // linear: amplitudes add, whatever the strength of
                                                                    // the phase sensitivities
   std::vector<PathRecord> paths;
