@@ -164,9 +164,12 @@ STRAY_HD void absorb(Sink& sink, GroupId where, double power) {
   if constexpr (requires { sink.absorbed(where, power); }) sink.absorbed(where, power);
 }
 
-// The path has reached the vertex with path.power: scores, and the next direction. False: the path has ended.
+// The stages of a path at a vertex, in this order. A device runs each of them for many paths at once
+// (trace/backend/device/history_kernel.hpp).
+//
+// 1. The path has reached the vertex with path.power: scores of hits. False: the path has ended.
 template <class Sink>
-STRAY_HD bool arrive(WorldView const& world, std::uint64_t seed, History& history, Vertex& vertex, Sink& sink) {
+STRAY_HD bool arrive(WorldView const& world, History& history, Vertex& vertex, Sink& sink) {
   PathState& path = history.path;
   path.event = history.new_event();
   ++path.order;
@@ -174,16 +177,25 @@ STRAY_HD bool arrive(WorldView const& world, std::uint64_t seed, History& histor
   sink.visit(path, vertex);
   score_hit(world, path, vertex, sink);  // hits of lit surfaces, eq. 1.7
   receive(world, path, vertex, sink);
-  if (path.order >=
-      world.limits.max_order) {  // a connection is one more event, which the walk must be able to sample too
-    sink.book(BalanceTerm::truncated, path.power);
-    return false;
-  }
-  connect(world, seed, path, vertex, sink);  // next-event estimates to every lit surface, eq. 1.8
+  if (path.order < world.limits.max_order) return true;
+  // A connection is one more event, which the walk must be able to sample too.
+  sink.book(BalanceTerm::truncated, path.power);
+  return false;
+}
+// 2. Next-event estimates: to every lit surface (eq. 1.8), and to receivers.
+template <class Sink>
+STRAY_HD void connect_all(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
+                          Sink& sink) {
+  connect(world, seed, path, vertex, sink);
   connect_receivers(world, seed, path, vertex, sink);
   connect_behind_glass(world, seed, path, vertex, sink);
   score_halo_hits(world, path, vertex, sink);
   connect_halo(world, seed, path, vertex, sink);
+}
+// 3. The weight window, and the next direction. False: the path has ended.
+template <class Sink>
+STRAY_HD bool leave(WorldView const& world, std::uint64_t seed, History& history, Vertex const& vertex, Sink& sink) {
+  PathState& path = history.path;
   std::uint32_t const children = path.order == 1 ? world.limits.children : 1;
   if (children > 1) have_children(history, vertex, children);
   std::uint32_t const room = may_split(world, history) ? History::most_waiting - history.waiting : 0;
@@ -198,11 +210,11 @@ STRAY_HD bool arrive(WorldView const& world, std::uint64_t seed, History& histor
   return copies > 0 && scatter(world, seed, path, vertex, sink);
 }
 
-// Processes the hit of the path's ray, or its escape, and chooses the next direction. False: the path has ended.
+// Processes the hit of the path's ray, or its escape: stage 1 and what happens on the way there. False: the path has
+// ended.
 template <class Sink>
-STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history, Hit const& hit, Sink& sink) {
+STRAY_HD bool reach(WorldView const& world, History& history, Hit const& hit, Vertex& vertex, Sink& sink) {
   PathState& path = history.path;
-  Vertex vertex;
   if (hit.surface.valid()) vertex = vertex_at(world, path, hit);
   double const weight = finish_hop_weight(world, path, hit.surface.valid() ? &vertex : nullptr);
   sink.book(BalanceTerm::sampling, path.power * (path.hop.kept - weight));  // zero on average, which is tested
@@ -218,9 +230,17 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
     sink.book(BalanceTerm::escaped, path.power);
     return false;
   }
-  return arrive(world, seed, history, vertex, sink);
+  return arrive(world, history, vertex, sink);
 }
 
+// From the hit of the path's ray to its next direction. False: the path has ended.
+template <class Sink>
+STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history, Hit const& hit, Sink& sink) {
+  Vertex vertex;
+  if (!reach(world, history, hit, vertex, sink)) return false;
+  connect_all(world, seed, history.path, vertex, sink);
+  return leave(world, seed, history, vertex, sink);
+}
 template <class Sink>
 STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history, Sink& sink) {
   return step(world, seed, history, world.closest(history.path.ray, history.path.from), sink);
@@ -240,7 +260,11 @@ STRAY_HD bool begin(WorldView const& world, std::uint64_t seed, History& history
   if (!start_in_halo(world, (place - n) / (draws - n), u, v, path, vertex)) return false;
   Footprint const& mode = world.lit[path.source];
   sink.emitted(path, make_vertex(world, mode.surface, mode.centre, mode.travel));
-  return arrive(world, seed, history, vertex, sink) || next_path(world, seed, history, sink);
+  if (arrive(world, history, vertex, sink)) {
+    connect_all(world, seed, path, vertex, sink);
+    if (leave(world, seed, history, vertex, sink)) return true;
+  }
+  return next_path(world, seed, history, sink);
 }
 
 template <class Sink>

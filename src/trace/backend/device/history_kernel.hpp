@@ -145,7 +145,12 @@ struct DeviceWalk {
       Hit hit;
       if (flies) hit = world->closest(history.path.ray, history.path.from);
       any_of_block(flies);
-      if (flies) under_way = step(*world, seed, history, hit, tally);
+      Vertex vertex;
+      if (flies) under_way = reach(*world, history, hit, vertex, tally);
+      any_of_block(flies);
+      if (flies && under_way) connect_all(*world, seed, history.path, vertex, tally);
+      any_of_block(flies);
+      if (flies && under_way) under_way = leave(*world, seed, history, vertex, tally);
       any_of_block(flies);
       if (flies && !under_way) under_way = next_path(*world, seed, history, tally);
       if (!more || under_way) continue;
