@@ -59,10 +59,13 @@ struct Footprint {
     if (profile == Profile::astigmatic) {
       Astigmatism const& a = astigmatism;
       double const x = dot(p - centre, a.e1) / a.w1, y = dot(p - centre, a.e2) / a.w2;
-      return beyond_hollow(exp_number(-2 * (x * x + y * y))) * 2 / (pi * a.w1 * a.w2);
+      return beyond_hollow(exp_number(-2 * (x * x + y * y))) * (2 / (pi * a.w1 * a.w2));
     }
     double const rho2 = length2(offset(p)), w2 = radius * radius;
-    if (profile == Profile::gaussian) return beyond_hollow(exp_number(-2 * rho2 / w2)) * 2 / (pi * w2);
+    if (profile == Profile::gaussian) {
+      double const twice = 2 / w2;
+      return beyond_hollow(exp_number(-rho2 * twice)) * (twice * (1 / pi));
+    }
     return profile == Profile::even && rho2 <= w2 ? 1 / (pi * w2) : 0;
   }
   // Slope of the wavefront at an offset from the chief ray: gradient of its lag there, to first order.
@@ -109,7 +112,7 @@ struct Footprint {
   }
 
  private:
-  STRAY_HD double beyond_hollow(double beyond) const { return beyond > hollow ? 0 : beyond / hollow; }
+  STRAY_HD double beyond_hollow(double beyond) const { return hollow == 1 ? beyond : beyond > hollow ? 0 : beyond / hollow; }
   STRAY_HD Ray sample_astigmatic(double u, double v) const {
     double const rho = std::sqrt(-0.5 * log_positive(u * hollow));
     SinCos const turn = sincos_turn(v);

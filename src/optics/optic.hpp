@@ -24,9 +24,13 @@ struct Weighted {
 
   STRAY_HD double albedo(double cos_i) const { return weight ? weight->albedo.at(cos_i) : law.albedo(cos_i); }
   STRAY_HD double albedo(Vec3 wi) const { return weight ? weight->albedo.at(wi.z) : albedo_from(law, wi); }
-  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
-    double const value = law.eval(wi, wo);
+  STRAY_HD double weighted(double value, Vec3 wi, Vec3 wo) const {
     return weight && value > 0 ? value * weight->root.at(wi.z) * weight->root.at(wo.z) : value;
+  }
+  STRAY_HD double eval(Vec3 wi, Vec3 wo) const { return weighted(law.eval(wi, wo), wi, wo); }
+  STRAY_HD ValueAndPdf both(Vec3 wi, Vec3 wo) const {
+    ValueAndPdf const found = both_of(law, wi, wo);
+    return {weighted(found.value, wi, wo), found.pdf};
   }
   STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return law.pdf(wi, wo); }
   STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return law.sample(wi, u, v); }

@@ -45,6 +45,12 @@ class Rng {
     return (double(std::int64_t(bits >> 12)) + 0.5) * 0x1.0p-52;
   }
 
+  // Passes over `count` numbers; only before the first.
+  STRAY_HD void skip(std::uint32_t count) {
+    counter_[3] += count / 2;
+    if (count % 2 != 0) uniform();
+  }
+
  private:
   r123::Philox4x32::ctr_type counter_, word_{};
   r123::Philox4x32::key_type key_;

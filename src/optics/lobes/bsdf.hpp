@@ -25,8 +25,37 @@ struct ModelComplaint {
 
 struct BsdfSample {
   Vec3 wo;
-  double pdf = 0;  // 1/sr
+  double pdf = 0;    // 1/sr
+  double value = 0;  // BSDF, 1/sr; set by scatter_sample alone
 };
+
+// A model at one pair of directions, 1/sr: BSDF, and density with which it samples wo.
+struct ValueAndPdf {
+  double value = 0, pdf = 0;
+};
+// A model that computes both together has both(wi, wo).
+template <class Law>
+STRAY_HD ValueAndPdf both_of(Law const& law, Vec3 wi, Vec3 wo) {
+  if constexpr (requires { law.both(wi, wo); })
+    return law.both(wi, wo);
+  else
+    return {law.eval(wi, wo), law.pdf(wi, wo)};
+}
+
+// square^(n/2), square > 0, by products and one root for the n that models mostly have.
+STRAY_HD double half_power(double square, double n) {
+  double const m = std::fabs(n);
+  double power = square;
+  if (m == 1)
+    power = std::sqrt(square);
+  else if (m == 3)
+    power = square * std::sqrt(square);
+  else if (m == 4)
+    power = square * square;
+  else if (m != 2)
+    return power_positive(square, 0.5 * n);
+  return n < 0 ? 1 / power : power;
+}
 
 // Direction of specular reflection in the local frame.
 STRAY_HD Vec3 specular(Vec3 wi) { return {-wi.x, -wi.y, wi.z}; }

@@ -23,7 +23,7 @@ double ring_power(Law const& law, double cos_i, double sin_i, double low, double
   for (std::size_t i = 0; i < gauss.at.size(); ++i) {
     double const x = gauss.at[i], smooth = cut ? x * x * (3 - 2 * x) : x, slope = cut ? 6 * x * (1 - x) : 1;
     double const r = low + smooth * (high - low);
-    double const half = LobeTable<Rings>::half_arc(wi, r);
+    double const half = Rings::arc(wi, r * r).half;
     if (!(half > 0)) continue;
     double ring = 0;
     for (std::size_t j = 0; j < turns.at.size(); ++j) {
@@ -41,35 +41,47 @@ template <class Law>
 void LobeTable<Rings>::ring_powers(Law const& law, double cos_i, int azimuths, double* power) const {
   GaussPoints const turns(azimuths);
   double const sin_i = std::sqrt((1 - cos_i) * (1 + cos_i)), cut = Rings::cut(cos_i, sin_i),
-               last = std::min(Rings::last(sin_i), edge[rings]);
+               last = std::sqrt(std::min(Rings::last2(sin_i), edge2[rings]));
   for (int i = 0; i < rings; ++i) {
-    double const low = edge[i], high = std::min(edge[i + 1], last), middle = std::clamp(cut, low, std::max(low, high));
+    double const low = std::sqrt(edge2[i]), high = std::min(std::sqrt(edge2[i + 1]), last), middle = std::clamp(cut, low, std::max(low, high));
     power[i] = 0;
     if (middle > low) power[i] += ring_power<Rings>(law, cos_i, sin_i, low, middle, turns);
     if (high > middle) power[i] += ring_power<Rings>(law, cos_i, sin_i, middle, high, turns);
   }
 }
 
+// As many rings as there is room for, from the ring that holds `first2` to the largest square, 4.
+template <class Rings>
+void LobeTable<Rings>::cut_into_rings(double first2, int inner) {
+  constexpr int most_steps = 3;
+  for (dropped = 52 - most_steps;; ++dropped) {
+    before = static_cast<std::int64_t>(bits_of(first2) >> dropped) - inner;
+    rings = static_cast<std::int64_t>(bits_of(4) >> dropped) - before;
+    if (rings < most_rings) break;
+  }
+  for (std::int64_t i = 1; i <= rings; ++i)
+    edge2[i] = number_of(static_cast<std::uint64_t>(before + i) << dropped);
+  edge2[rings] *= 1 + 2e-15;  // opposite grazing directions are just inside
+}
+
 template <class Rings>
 template <class Law>
 void LobeTable<Rings>::prepare_rings(Law const& law, double smallest, double hole, int azimuths) {
   double const first = hole > 0 ? hole : std::clamp(0.02 * smallest, 1e-12, 0.02);
-  edge[0] = hole;
-  int const start = hole > 0 ? 0 : 1;
-  for (int i = start; i <= rings; ++i) edge[i] = first * power_positive(2 / first, double(i - start) / (rings - start));
-  edge[rings] = 2 * (1 + 1e-15);  // opposite grazing directions are just inside
-  double power[rings];
+  cut_into_rings(first * first, hole > 0 ? 0 : 1);
+  edge2[0] = hole * hole;
+  double power[most_rings];
   for (int row = 0; row < rows; ++row) {
     ring_powers(law, std::max(row_cosine(row), 1e-4), azimuths, power);
     double total = 0;
-    for (double p : power) total += p;
+    for (int i = 0; i < rings; ++i) total += power[i];
     cumulative[row][0] = 0;
     for (int i = 0; i < rings; ++i) {
-      double const share = total > 0 ? power[i] / total : (edge[i + 1] * edge[i + 1] - edge[i] * edge[i]) / 4;
+      double const share = total > 0 ? power[i] / total : (edge2[i + 1] - edge2[i]) / edge2[rings];
       cumulative[row][i + 1] = cumulative[row][i] + share;
     }
     double const all = cumulative[row][rings];
-    for (double& c : cumulative[row]) c /= all;
+    for (int i = 1; i <= rings; ++i) cumulative[row][i] /= all;
   }
 }
 
@@ -77,12 +89,12 @@ template <class Rings>
 template <class Law>
 void LobeTable<Rings>::prepare(Law const& law, double smallest, double hole, int azimuths) {
   prepare_rings(law, smallest, hole, azimuths);
-  double power[rings];
+  double power[most_rings];
   constexpr double lowest = 1e-9;  // replaces the limit at grazing
   for (int k = 0; k < AlbedoTable::size; ++k) {
     ring_powers(law, std::max(AlbedoTable::cosine(k), lowest), azimuths, power);
     albedo.value[k] = 0;
-    for (double p : power) albedo.value[k] += p;
+    for (int i = 0; i < rings; ++i) albedo.value[k] += power[i];
   }
 }
 

@@ -12,21 +12,21 @@ struct Lambertian {
   static constexpr char const* key = "lambertian";
   static ModelKeys<Lambertian> keys();
 
-  STRAY_HD double eval(Vec3 wi, Vec3 wo) const { return wi.z > 0 && wo.z > 0 ? reflectance / pi : 0; }
-  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return wi.z > 0 && wo.z > 0 ? wo.z / pi : 0; }
+  STRAY_HD double eval(Vec3 wi, Vec3 wo) const { return wi.z > 0 && wo.z > 0 ? reflectance * (1 / pi) : 0; }
+  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return wi.z > 0 && wo.z > 0 ? wo.z * (1 / pi) : 0; }
   STRAY_HD double albedo(double) const { return reflectance; }
   STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const {
     if (!(wi.z > 0)) return {};
     double const rho = std::sqrt(u), z = std::sqrt(1 - u);
     SinCos const a = sincos_turn(v);
-    return {{rho * a.cos, rho * a.sin, z}, z / pi};
+    return {{rho * a.cos, rho * a.sin, z}, z * (1 / pi)};
   }
 };
 
 // Diffuse black: symmetric polynomial in the cosines of incidence and scatter, and a forward lobe that rises towards
 // grazing: BSDF = sum_jk c_jk cos_i^j cos_s^k + peak exp(-|alpha - alpha_0|^2/(2 width^2)) [(1-cos_i)(1-cos_s)]^rise.
 // Page: docs/reference/scatter/polynomial.md.
-struct Polynomial : SampledByLobe<Polynomial> {
+struct Polynomial : SampledByLobe<Polynomial, OffsetRings> {
   static constexpr int terms = 4;
   double c[terms][terms] = {};             // 1/sr, c_jk = c_kj
   double peak = 0, width = 0.2, rise = 1;  // 1/sr, 1, 1
@@ -44,14 +44,11 @@ struct Polynomial : SampledByLobe<Polynomial> {
     }
     return sum;
   }
-  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
-    if (!(wi.z > 0 && wo.z > 0)) return 0;
+  STRAY_HD double value_at(Vec3 wi, Vec3 wo, double r2) const {
     double value = diffuse(wi.z, wo.z);
     double const grazing = (1 - wi.z) * (1 - wo.z);
-    if (peak > 0 && grazing > 0) {
-      double const x = wo.x + wi.x, y = wo.y + wi.y;
-      value += peak * power_positive(grazing, rise) * exp_number(-(x * x + y * y) / (2 * width * width));
-    }
+    if (peak > 0 && grazing > 0)
+      value += peak * exp_number(rise * log_positive(grazing) - r2 / (2 * width * width));
     return value;
   }
 };

@@ -204,7 +204,7 @@ class ConeIntegral {
   double over_azimuth(Dust const& dust, double v) const {  // v = sin(chi/2)
     static GaussPoints const gauss(16);
     Vec3 const wi{sin_i_, 0, cos_i_};
-    double const half = LobeTable<EvenChordRings>::half_arc(wi, 2 * v);
+    double const half = EvenChordRings::arc(wi, 4 * v * v).half;
     double const up = cos_i_ * (1 - 2 * v * v), side = 2 * sin_i_ * v * std::sqrt(std::fmax(0, 1 - v * v));
     double sum = 0;
     for (std::size_t j = 0; j < gauss.at.size(); ++j) {

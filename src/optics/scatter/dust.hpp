@@ -51,7 +51,7 @@ DeflectionTable make_deflection_table(std::vector<double> series, Storage&);
 // docs/theory/surfaces.md, eq. 3.22 and 3.23. Particles shadow one another at grazing incidence: the factor
 // 1/(cos_i cos_s) of eq. 3.22 is replaced by (1 - exp(-tau (1/cos_i + 1/cos_s)))/(tau (cos_i + cos_s)), where tau is
 // (1 + R) times the optical depth of the layer. It keeps the albedo below 1 and has the same limit for tau -> 0.
-struct Dust : SampledByLobe<Dust> {
+struct Dust : SampledByLobe<Dust, EvenChordRings> {
   double optical_depth = 0;  // particles per area times their mean extinction cross-section
   double reflectance = 0;    // of the surface below
   double smallest = 1e-3;    // chord inside which the forward lobe is flat
@@ -68,10 +68,8 @@ struct Dust : SampledByLobe<Dust> {
     double const depth = seen_depth(), slant = depth * (1 / cos_i + 1 / cos_s);
     return slant < 1e-6 ? 1 / (cos_i * cos_s) : (1 - exp_number(-slant)) / (depth * (cos_i + cos_s));
   }
-  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
-    if (!(wi.z > 0 && wo.z > 0)) return 0;
-    Vec3 const away = wi + wo, aside = wo - specular(wi);
-    double const back = scatter.at(0.25 * dot(away, away)), forward = scatter.at(0.25 * dot(aside, aside));
+  STRAY_HD double value_at(Vec3 wi, Vec3 wo, double t2) const {
+    double const back = scatter.at(0.25 * length2(wi + wo)), forward = scatter.at(0.25 * t2);
     return lit(wi.z, wo.z) * ((1 + reflectance * reflectance) * back + 2 * reflectance * forward);
   }
   static constexpr double lowest_cosine = 1e-9;  // of incidence, replaces the limit at grazing

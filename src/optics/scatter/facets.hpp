@@ -75,6 +75,12 @@ struct SmallMirrors {
     if (!(wi.z > 0 && wo.z > 0)) return 0;
     return model().normals(unit(wi + wo)) / (2 * (wi.z + model().slant(wi)));
   }
+  STRAY_HD ValueAndPdf both(Vec3 wi, Vec3 wo) const {
+    if (!(wi.z > 0 && wo.z > 0)) return {};
+    Vec3 const sum = wi + wo;
+    double const size = length(sum), slant = model().slant(wi), normals = model().normals((1 / size) * sum);
+    return {factor(size / 2) * normals / (2 * (wo.z * slant + wi.z * model().slant(wo))), normals / (2 * (wi.z + slant))};
+  }
   STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const {
     if (!(wi.z > 0)) return {};
     double const x = model().width_x(), y = model().width_y();

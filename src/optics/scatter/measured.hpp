@@ -10,7 +10,7 @@
 
 namespace straytrace::optics {
 
-struct Measured : SampledByLobe<Measured> {
+struct Measured : SampledByLobe<Measured, OffsetRings> {
   static constexpr int most_incidences = 16, points = 160;
   double incidences = 0;                           // how many
   double sine[most_incidences] = {};               // increasing
@@ -27,31 +27,42 @@ struct Measured : SampledByLobe<Measured> {
     double const value = log_value[k][i] + share * (log_value[k][i + 1] - log_value[k][i]) + slope[k] * above;
     return value;
   }
-  // BSDF for an incidence of this sine, before symmetrisation.
-  STRAY_HD double one_way(double sin_i, double offset) const {
-    if (offset < dark_inside) return 0;
+  // Where an offset lies in the curves.
+  struct Place {
+    int i = 0;
+    double share = 0, above = 0;
+  };
+  STRAY_HD Place place(double offset) const {
     double const step = log_positive(last / first) / (points - 1);
-    double x = offset > first ? log_positive(offset / first) / step : 0;
-    double above = 0;
+    double x = offset > first ? log_positive(offset / first) / step : 0, above = 0;
     if (x > points - 1) {
       above = (x - (points - 1)) * step;
       x = points - 1;
     }
     int const i = x < points - 1 ? static_cast<int>(x) : points - 2;
+    return {i, x - i, above};
+  }
+  // BSDF for an incidence of this sine, before symmetrisation.
+  STRAY_HD double one_way(double sin_i, Place const& at) const {
     int k = 0;
     while (k + 2 < incidences && sine[k + 1] <= sin_i) ++k;
-    double value = curve(k, i, x - i, above);
+    double value = curve(k, at.i, at.share, at.above);
     if (incidences > 1) {
       double const t = (sin_i - sine[k]) / (sine[k + 1] - sine[k]), share = t < 0 ? 0 : t > 1 ? 1 : t;
-      value += share * (curve(k + 1, i, x - i, above) - value);
+      value += share * (curve(k + 1, at.i, at.share, at.above) - value);
     }
     return value > -700 ? exp_number(value) : 0;
   }
-  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
-    if (!(wi.z > 0 && wo.z > 0)) return 0;
-    double const offset = OffsetRings::of(wi, wo);
-    return 0.5 * (one_way(std::sqrt(wi.x * wi.x + wi.y * wi.y), offset) +
-                  one_way(std::sqrt(wo.x * wo.x + wo.y * wo.y), offset));
+  STRAY_HD double one_way(double sin_i, double offset) const {
+    return offset < dark_inside ? 0 : one_way(sin_i, place(offset));
+  }
+  STRAY_HD double value_at(Vec3 wi, Vec3 wo, double r2) const {
+    double const offset = std::sqrt(r2);
+    if (offset < dark_inside) return 0;
+    Place const at = place(offset);
+    double const there = one_way(std::sqrt(wi.x * wi.x + wi.y * wi.y), at);
+    if (incidences == 1) return there;
+    return 0.5 * (there + one_way(std::sqrt(wo.x * wo.x + wo.y * wo.y), at));
   }
 };
 

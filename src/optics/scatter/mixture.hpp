@@ -42,10 +42,15 @@ STRAY_HD double scatter_albedo(LawPool const& pool, Optic const& optic, Incidenc
   return optic.below > 0 ? std::fmax(sum - optic.below * cosine_of(in), 0.0) : sum;
 }
 
+// Whether light that leaves along wo is left to the field of a cavity.
+STRAY_HD bool below_crossover(Optic const& optic, Vec3 wi, Vec3 wo) {
+  return optic.crossover > 0 && wo.z > 0 && angle_between(specular(wi), wo) < optic.crossover;
+}
+
 // BSDF of all models together, 1/sr.
 STRAY_HD double scatter_eval(LawPool const& pool, Optic const& optic, Vec3 wi, Vec3 wo, double n_in = 1,
                              double n_out = 1) {
-  if (optic.crossover > 0 && wo.z > 0 && angle_between(specular(wi), wo) < optic.crossover) return 0;
+  if (below_crossover(optic, wi, wo)) return 0;
   double sum = 0;
   for (int i = 0; i < optic.laws; ++i) {
     if (optic.through[i] != (wo.z < 0)) continue;
@@ -56,32 +61,46 @@ STRAY_HD double scatter_eval(LawPool const& pool, Optic const& optic, Vec3 wi, V
   return sum;
 }
 
-// Density of scatter_sample, 1/sr: models are chosen in proportion to their albedo.
+// The BSDF of all models together, and the density of scatter_sample, 1/sr: models are chosen in proportion to their
+// albedo. An albedo is not computed where there is no choice.
+STRAY_HD ValueAndPdf scatter_both(LawPool const& pool, Optic const& optic, Vec3 wi, Vec3 wo, double n_in = 1,
+                                  double n_out = 1) {
+  ValueAndPdf sum;
+  double total = 0;
+  bool const alone = optic.laws == 1;
+  for (int i = 0; i < optic.laws; ++i) {
+    double const share = alone ? 1 : law_albedo(pool, optic, i, wi, n_in, n_out);
+    total += share;
+    if (optic.through[i] != (wo.z < 0)) continue;
+    ValueAndPdf const one = visit_law(pool, optic, i, [&](auto const& l) {
+      return optic.through[i] ? through_both(l, wi, wo, n_in, n_out) : l.both(wi, wo);
+    });
+    sum.value += one.value;
+    if (share > 0) sum.pdf += share * one.pdf;
+  }
+  if (below_crossover(optic, wi, wo)) sum.value = 0;
+  sum.pdf = total > 0 ? sum.pdf / total : 0;
+  return sum;
+}
 STRAY_HD double scatter_pdf(LawPool const& pool, Optic const& optic, Vec3 wi, Vec3 wo, double n_in = 1,
                             double n_out = 1) {
-  double sum = 0, total = 0;
-  for (int i = 0; i < optic.laws; ++i)
-    visit_law(pool, optic, i, [&](auto const& l) {
-      double const share = optic.through[i] ? through_albedo(l, wi.z, n_in, n_out) : l.albedo(wi);
-      total += share;
-      if (optic.through[i] != (wo.z < 0) || !(share > 0)) return;
-      sum += share * (optic.through[i] ? through_pdf(l, wi, wo, n_in, n_out) : l.pdf(wi, wo));
-    });
-  return total > 0 ? sum / total : 0;
+  return scatter_both(pool, optic, wi, wo, n_in, n_out).pdf;
 }
 
-// Draws a direction from the sum of the models; the returned pdf is that of the whole sum.
+// Draws a direction from the sum of the models; value and density returned are those of the whole sum.
 STRAY_HD BsdfSample scatter_sample(LawPool const& pool, Optic const& optic, Vec3 wi, double choice, double u, double v,
                                    double n_in = 1, double n_out = 1) {
-  double left = choice * sum_of_albedos(pool, optic, wi, n_in, n_out);
+  double left = optic.laws > 1 ? choice * sum_of_albedos(pool, optic, wi, n_in, n_out) : 0;
   for (int i = 0; i < optic.laws; ++i) {
-    left -= law_albedo(pool, optic, i, wi, n_in, n_out);
+    if (i + 1 < optic.laws) left -= law_albedo(pool, optic, i, wi, n_in, n_out);
     if (left > 0 && i + 1 < optic.laws) continue;
     BsdfSample s = visit_law(pool, optic, i, [&](auto const& l) {
       return optic.through[i] ? through_sample(l, wi, u, v, n_in, n_out) : l.sample(wi, u, v);
     });
-    if (s.pdf > 0 && optic.laws > 1) s.pdf = scatter_pdf(pool, optic, wi, s.wo, n_in, n_out);
-    return s;
+    if (!(s.pdf > 0)) return s;
+    if (optic.laws == 1) return {s.wo, s.pdf, scatter_eval(pool, optic, wi, s.wo, n_in, n_out)};
+    ValueAndPdf const all = scatter_both(pool, optic, wi, s.wo, n_in, n_out);
+    return {s.wo, all.pdf, all.value};
   }
   return {};
 }

@@ -58,7 +58,7 @@ struct PolarisationFactor {
 
 // First-order perturbation (Rayleigh-Rice, eq. 3.8) or generalised Harvey-Shack (eq. 3.11, 3.12). Lengths are in
 // wavelengths: the spectrum is S2/lambda^4 against rho = |f| lambda = |alpha - alpha_0|.
-struct Roughness : SampledByLobe<Roughness> {
+struct Roughness : SampledByLobe<Roughness, OffsetRings> {
   // k-correlation (eq. 3.13): a/(1 + (b rho)^2)^((c+1)/2). With b = 0 the table: log(S2/lambda^4) at points evenly
   // spaced in log(rho); flat below it, `slope` in log-log above it, zero where cut.
   static constexpr int points = 256;
@@ -80,7 +80,7 @@ struct Roughness : SampledByLobe<Roughness> {
   double variance(double low, double high) const;  // host: (sigma/lambda)^2 of rho from low to high, eq. 3.6
 
   STRAY_HD double spectrum(double rho) const {
-    if (b > 0) return a * power_positive(1 + b * b * rho * rho, -(c + 1) / 2);
+    if (b > 0) return a * half_power(1 + b * b * rho * rho, -(c + 1));
     if (rho < first) return cut_below ? 0 : exp_number(log_value[0]);
     if (rho > last) return cut_above ? 0 : exp_number(log_value[points - 1] + slope * log_positive(rho / last));
     double const x = (points - 1) * log_positive(rho / first) / log_positive(last / first);
@@ -101,9 +101,8 @@ struct Roughness : SampledByLobe<Roughness> {
     high *= g;
     return low > 0 && high > 0 ? low * power_positive(high / low, x - i < 1 ? x - i : 1) : 0;
   }
-  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
-    if (!(wi.z > 0 && wo.z > 0)) return 0;
-    double const rho = OffsetRings::of(wi, wo);
+  STRAY_HD double value_at(Vec3 wi, Vec3 wo, double r2) const {
+    double const rho = std::sqrt(r2);
     double const q = stack.table.size > 0 ? stack.mean(wi, wo) : factor.mean(wi, wo);
     if (!harvey_shack) return 16 * pi * pi * wi.z * wo.z * q * spectrum(rho);
     double const sum = wi.z + wo.z, g = phase_variance * sum * sum;

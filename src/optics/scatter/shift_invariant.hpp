@@ -8,7 +8,7 @@ namespace straytrace::optics {
 
 // ABg: BSDF = A/(B + |alpha - alpha_0|^g), alpha = projection of the outgoing direction on the surface, alpha_0 the
 // same for the specular direction (docs/theory/surfaces.md, eq. 3.16). Page: docs/reference/scatter/abg.md.
-struct Abg : SampledByLobe<Abg> {
+struct Abg : SampledByLobe<Abg, OffsetRings> {
   double a = 0, b = 1, g = 2;   // 1/sr, 1, 1
   LobeTable<OffsetRings> lobe;  // set by prepare()
   static constexpr char const* key = "abg";
@@ -16,13 +16,12 @@ struct Abg : SampledByLobe<Abg> {
 
   void prepare();  // host
 
-  STRAY_HD double value(double offset) const { return a / (b + (offset > 0 ? power_positive(offset, g) : 0)); }
-  STRAY_HD double eval(Vec3 wi, Vec3 wo) const { return wi.z > 0 && wo.z > 0 ? value(OffsetRings::of(wi, wo)) : 0; }
+  STRAY_HD double value_at(Vec3, Vec3, double r2) const { return a / (b + (r2 > 0 ? half_power(r2, g) : 0)); }
 };
 
 // Gaussian lobe in direction cosines: BSDF = peak exp(-|alpha - alpha_0|^2/(2 width^2)).
 // Page: docs/reference/scatter/gaussian.md.
-struct Gaussian : SampledByLobe<Gaussian> {
+struct Gaussian : SampledByLobe<Gaussian, OffsetRings> {
   double peak = 0, width = 0.1;  // 1/sr, 1
   LobeTable<OffsetRings> lobe;   // set by prepare()
   static constexpr char const* key = "gaussian";
@@ -30,17 +29,13 @@ struct Gaussian : SampledByLobe<Gaussian> {
 
   void prepare();  // host
 
-  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
-    if (!(wi.z > 0 && wo.z > 0)) return 0;
-    double const x = wo.x + wi.x, y = wo.y + wi.y;
-    return peak * exp_number(-(x * x + y * y) / (2 * width * width));
-  }
+  STRAY_HD double value_at(Vec3, Vec3, double r2) const { return peak * exp_number(-r2 / (2 * width * width)); }
 };
 
 // Harvey: BSDF = b0 [1 + (|alpha - alpha_0|/l)^2]^(s/2) (docs/theory/surfaces.md, eq. 3.14). Extended: two
 // widths, along and across the plane of travel. That plane holds the mean of the incident and the outgoing travelling
 // direction, so that the model stays reciprocal. Page: docs/reference/scatter/harvey.md.
-struct Harvey : SampledByLobe<Harvey> {
+struct Harvey : SampledByLobe<Harvey, OffsetRings> {
   double b0 = 0, width = 0.01, slope = -1.5,
          across = 0;            // 1/sr, 1, 1; width: l, slope: s of eq. 3.14; across: the second width, 0: the same
   LobeTable<OffsetRings> lobe;  // set by prepare()
@@ -51,23 +46,24 @@ struct Harvey : SampledByLobe<Harvey> {
   void prepare();      // host
   double tis() const;  // host: eq. 3.15, at normal incidence, one width
 
-  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
-    if (!(wi.z > 0 && wo.z > 0)) return 0;
-    double const x = wo.x + wi.x, y = wo.y + wi.y;
-    double square = (x * x + y * y) / (width * width);
-    double const px = wo.x - wi.x, py = wo.y - wi.y, p2 = px * px + py * py;  // along the mean travelling direction
-    if (across > 0 && p2 > 0) {
-      double const along = (x * px + y * py) * (x * px + y * py) / p2, rest = std::fmax(0.0, x * x + y * y - along);
-      square = along / (width * width) + rest / (across * across);
+  STRAY_HD double value_at(Vec3 wi, Vec3 wo, double r2) const {
+    double square = r2 / (width * width);
+    if (across > 0) {
+      double const x = wo.x + wi.x, y = wo.y + wi.y;
+      double const px = wo.x - wi.x, py = wo.y - wi.y, p2 = px * px + py * py;  // along the mean travelling direction
+      if (p2 > 0) {
+        double const along = (x * px + y * py) * (x * px + y * py) / p2, rest = r2 > along ? r2 - along : 0;
+        square = along / (width * width) + rest / (across * across);
+      }
     }
-    return b0 * power_positive(1 + square, slope / 2);
+    return b0 * half_power(1 + square, slope);
   }
 };
 
 // Small-angle scatter of mirrors: BSDF = kappa theta^-n for theta >= above, theta = angle from the specular direction
 // (docs/theory/surfaces.md, eq. 3.18). Below `above` the light belongs to the modes (minimum scatter angle, R2.31).
 // Page: docs/reference/scatter/power-law.md.
-struct PowerLaw : SampledByLobe<PowerLaw> {
+struct PowerLaw : SampledByLobe<PowerLaw, ChordRings> {
   double kappa = 0;            // 1/sr, with theta in rad
   double exponent = 2;         // n
   double above = 5e-5;         // rad
@@ -78,10 +74,9 @@ struct PowerLaw : SampledByLobe<PowerLaw> {
 
   void prepare();  // host
 
-  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
-    if (!(wi.z > 0 && wo.z > 0)) return 0;
-    double const theta = angle_between(specular(wi), wo);
-    return theta >= above ? kappa * power_positive(theta, -exponent) : 0;
+  STRAY_HD double value_at(Vec3, Vec3, double t2) const {
+    double const theta2 = angle2_of_chord2(t2);
+    return theta2 >= above * above ? kappa * half_power(theta2, -exponent) : 0;
   }
 };
 

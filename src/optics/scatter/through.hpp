@@ -67,6 +67,15 @@ STRAY_HD double through_pdf(Law const& law, Vec3 wi, Vec3 wo, double n_in, doubl
 }
 
 template <class Law>
+STRAY_HD ValueAndPdf through_both(Law const& law, Vec3 wi, Vec3 wo, double n_in, double n_out) {
+  if (!(wi.z > 0 && wo.z < 0)) return {};
+  Through const map = Through::between(n_in, n_out);
+  Vec3 const w = map.outgoing(wo);
+  ValueAndPdf const found = both_of(law, map.incoming(wi), w);
+  return {map.gain() * found.value, map.density(wo, w) * found.pdf};
+}
+
+template <class Law>
 STRAY_HD BsdfSample through_sample(Law const& law, Vec3 wi, double u, double v, double n_in, double n_out) {
   if (!(wi.z > 0)) return {};
   Through const map = Through::between(n_in, n_out);

@@ -86,12 +86,13 @@ STRAY_HD void score_hit(WorldView const& world, PathState const& path, Vertex co
       arrive_at(world, path, vertex, i, sink);
 }
 
-// The straight line from a vertex to a point: direction, length, and the BSDF of the vertex in this direction.
+// The straight line from a vertex to a point: direction, length, and the BSDF models of the vertex in this direction.
 struct Way {
   Vec3 out;           // unit vector from the vertex
   Vec3 wo;            // the same, local
   double length = 0;  // m
   double bsdf = 0;    // 1/sr; 0: no light
+  double law_pdf = 0; // 1/sr, with which the models sample it
   double kept = 1;    // share not absorbed on the line
   STRAY_HD double geometry(double cosine) const { return std::fabs(wo.z) * cosine / (length * length); }  // 1/m^2
 };
@@ -103,7 +104,10 @@ STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {
   way.out = (1 / way.length) * span;
   way.wo = vertex.frame.to_local(way.out);
   if (vertex.beyond_facet(way.wo, way.out)) return way;
-  way.bsdf = scatter_eval(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
+  optics::ValueAndPdf const law =
+      scatter_both(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
+  way.bsdf = law.value;
+  way.law_pdf = law.pdf;
   way.kept = kept_along(world, way.wo.z < 0 ? vertex.after : vertex.before, way.length);
   return way;
 }
@@ -111,8 +115,7 @@ STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {
 STRAY_HD double walk_density(WorldView const& world, PathState const& path, Vertex const& vertex, Way const& way,
                              std::uint32_t patch, double cosine) {
   double const lobe = path.order == 0 ? 1 : vertex.albedo / vertex.kept();
-  double const law = scatter_pdf(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
-  return lobe * per_area(mixture_pdf(world, vertex.side(), law, patch, way.length, cosine), way.length, cosine);
+  return lobe * per_area(mixture_pdf(world, vertex.side(), way.law_pdf, patch, way.length, cosine), way.length, cosine);
 }
 // Whether anything hides y, the far end of the line.
 STRAY_HD bool blocked(WorldView const& world, Vertex const& vertex, Way const& way, Vertex const& y) {

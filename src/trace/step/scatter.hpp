@@ -100,19 +100,20 @@ STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, Pa
   Hop& hop = path.hop;
   hop.side = vertex.side();
   double const alpha = law_share(world, hop.side);
-  Vec3 wo;
   if (choice < alpha) {
     BsdfSample const s =
         scatter_sample(world.laws, *vertex.optic, vertex.wi, choice / alpha, u, v, vertex.n_in, vertex.n_out);
-    hop.law_pdf = s.pdf;
-    wo = s.wo;
     if (!(s.pdf > 0)) return {};
-  } else {
-    Vec3 const out = aimed_direction(world, vertex, (choice - alpha) / (1 - alpha), u, v, hop);
-    wo = vertex.frame.to_local(out);
-    hop.law_pdf = scatter_pdf(world.laws, *vertex.optic, vertex.wi, wo, vertex.n_in, vertex.n_out);
+    hop.law_pdf = s.pdf;
+    hop.value = s.value * std::fabs(s.wo.z);
+    return s.wo;
   }
-  hop.value = scatter_eval(world.laws, *vertex.optic, vertex.wi, wo, vertex.n_in, vertex.n_out) * std::fabs(wo.z);
+  Vec3 const out = aimed_direction(world, vertex, (choice - alpha) / (1 - alpha), u, v, hop);
+  Vec3 const wo = vertex.frame.to_local(out);
+  optics::ValueAndPdf const law =
+      scatter_both(world.laws, *vertex.optic, vertex.wi, wo, vertex.n_in, vertex.n_out);
+  hop.law_pdf = law.pdf;
+  hop.value = law.value * std::fabs(wo.z);
   return wo;
 }
 

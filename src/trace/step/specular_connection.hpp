@@ -156,13 +156,13 @@ STRAY_HD void score_lit_behind(WorldView const& world, PathState const& path, st
   evaluate_scattering(world, there, lit.travel, z);
   Vec3 const wo = z.frame.to_local(back.towards);
   if (z.beyond_facet(wo, back.towards)) return;
-  double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
+  optics::ValueAndPdf const law = scatter_both(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
+  double const f = law.value;
   if (!(f > 0)) return;
   double const etendue = etendue_at(back, z, wo);
   double const lobe = beam.free ? z.albedo / z.kept() : 1;
-  double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
-      lobe * mixture_pdf(world, z.side(), law, back.patch, back.distance, back.cosine) / std::fabs(wo.z);
+      lobe * mixture_pdf(world, z.side(), law.pdf, back.patch, back.distance, back.cosine) / std::fabs(wo.z);
   double const walk = lit.density / world.draws() * leaving;
   double const power = beam.share * lit.density * f * back.tau * etendue / (1 + walk * etendue);
   Vertex const end = make_vertex(world, world.receivers[receiver].surface, back.end, back.arriving, back.end_piece);
@@ -184,12 +184,12 @@ STRAY_HD void connect_through(WorldView const& world, PathState const& path, Ver
   evaluate_scattering(world, there, way.out, z);
   Vec3 const wo = z.frame.to_local(back.towards);
   if (z.beyond_facet(wo, back.towards)) return;
-  double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
+  optics::ValueAndPdf const law = scatter_both(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
+  double const f = law.value;
   if (!(f > 0) || blocked(world, vertex, way, z)) return;
   double const etendue = etendue_at(back, z, wo);
-  double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
-      z.albedo / z.kept() * mixture_pdf(world, z.side(), law, back.patch, back.distance, back.cosine) / std::fabs(wo.z);
+      z.albedo / z.kept() * mixture_pdf(world, z.side(), law.pdf, back.patch, back.distance, back.cosine) / std::fabs(wo.z);
   double const walk = walk_density(world, path, vertex, way, z.patch, z.cosine()) * leaving;
   double const power =
       path.power * way.bsdf * way.kept * way.geometry(z.cosine()) * f * back.tau * etendue / (1 + walk * etendue);

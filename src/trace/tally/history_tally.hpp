@@ -265,8 +265,8 @@ STRAY_HD void BasicTally<List>::add(PathState const& path, Route const& route, s
   bool const many = number >= number_lit(*world_, 0, 0, 0);
   std::uint32_t const own = many ? number << 8 : 0;
   Rng rng(seed_, path.history, path.event, static_cast<Stream>(std::uint32_t(Stream::record) + own));
-  double u = rng.uniform();
-  for (std::uint32_t i = 0; !many && i < number; ++i) u = rng.uniform();
+  if (!many) rng.skip(number);
+  double const u = rng.uniform();
   lists_.scores.push_back({route.hash, {path.history, path.event, number, coupling, coupling / u}, path.hop.off_list});
 }
 
