@@ -106,7 +106,7 @@ struct Footprint {
     if (profile == Profile::astigmatic) return sample_astigmatic(u, v);
     if (profile == Profile::gaussian) rho = radius * std::sqrt(-0.5 * log_positive(u * hollow));
     if (profile == Profile::even) rho = radius * std::sqrt(u);
-    Frame const f = Frame::around(travel);
+    Frame const f = Frame::quickly_around(travel);
     SinCos const a = sincos_turn(v);
     return {centre - backoff * travel + (rho * a.cos) * f.e1 + (rho * a.sin) * f.e2, travel};
   }

@@ -102,12 +102,22 @@ STRAY_HD double strip_coordinate(Cone const& s, Vec3 p, std::uint32_t) {
 }
 STRAY_HD double strip_coordinate(Cap const& s, Vec3 p, std::uint32_t) {
   Vec3 const o = p - s.vertex;
-  double const inner = s.depth(s.inner_radius), rho = length(o - dot(o, s.axis) * s.axis);
+  double const inner = s.inner_radius > 0 ? s.depth(s.inner_radius) : 0, rho = length(o - dot(o, s.axis) * s.axis);
   double const limit = s.curvature == 0 ? rho : std::fmin(rho, 1 / std::fabs(s.curvature));
   return (s.depth(limit) - inner) / (s.depth(s.outer_radius) - inner);
 }
 STRAY_HD double strip_coordinate(Sphere const& s, Vec3 p, std::uint32_t) {
   return 0.5 - 0.5 * (p.z - s.centre.z) / s.radius;
+}
+
+// A computed hit put back on its surface, with the unit normal there.
+struct Landing {
+  Vec3 point, normal;
+};
+template <class Shape>
+STRAY_HD Landing landing_on(Shape const& s, Vec3 p, std::uint32_t piece) {
+  Vec3 const point = projected_on(s, p, piece);
+  return {point, normal_of(s, point, piece)};
 }
 
 }  // namespace straytrace::geometry

@@ -25,10 +25,10 @@ struct Passage {
 struct MediaStack {
   static constexpr int capacity = 8;
   struct Entry {
-    std::uint32_t volume = Passage::none;
-    std::int32_t priority = 0;
+    std::uint32_t volume;
+    std::int32_t priority;
   };
-  Entry entry[capacity];  // in the order they were entered
+  Entry entry[capacity];  // in the order they were entered; those from `depth` on have no meaning
   int depth = 0;
   bool overflow = false;  // more than `capacity` volumes at one point: the rest was not kept
 

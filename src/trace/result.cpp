@@ -19,23 +19,33 @@ char const* name_of(BalanceTerm balance_term) {
   return names[static_cast<int>(balance_term)];
 }
 
-bool before(ScoreAddress const& a, ScoreAddress const& b) {
-  if (a.priority != b.priority) return a.priority > b.priority;
-  if (a.history != b.history) return a.history < b.history;
-  if (a.event != b.event) return a.event < b.event;
-  return a.connection < b.connection;
-}
+namespace {
+struct ByPriority {  // the largest first
+  bool operator()(ScoreAddress const& a, ScoreAddress const& b) const {
+    if (a.priority != b.priority) return a.priority > b.priority;
+    if (a.history != b.history) return a.history < b.history;
+    if (a.event != b.event) return a.event < b.event;
+    return a.connection < b.connection;
+  }
+};
+}  // namespace
 
 std::size_t records_kept(std::uint64_t blocks) {
   return std::clamp<std::size_t>(2 * blocks, records_per_class, most_records);
 }
 
-void keep_largest(ClassSums& sums, std::size_t most) {
+void drop_smallest(ClassSums& sums, std::size_t most) {
   std::erase_if(sums.kept, [&](ScoreAddress const& a) { return a.priority < sums.threshold; });
-  std::ranges::sort(sums.kept, before);
   if (sums.kept.size() <= most) return;
-  sums.threshold = std::max(sums.threshold, sums.kept[most].priority);
+  auto const first_dropped = sums.kept.begin() + std::ptrdiff_t(most);
+  std::nth_element(sums.kept.begin(), first_dropped, sums.kept.end(), ByPriority());
+  sums.threshold = std::max(sums.threshold, first_dropped->priority);
   sums.kept.resize(most);
+}
+
+void keep_largest(ClassSums& sums, std::size_t most) {
+  drop_smallest(sums, most);
+  std::sort(sums.kept.begin(), sums.kept.end(), ByPriority());
 }
 
 namespace {

@@ -35,11 +35,7 @@ class Rng {
 
   // Uniform in the open interval (0, 1): safe for log().
   STRAY_HD double uniform() {
-    if (left_ == 0) {
-      word_ = r123::Philox4x32()(counter_, key_);
-      ++counter_[3];
-      left_ = 2;
-    }
+    if (left_ == 0) draw_block();
     --left_;
     std::uint64_t const bits = (std::uint64_t(word_[2 * left_ + 1]) << 32) | word_[2 * left_];
     return (double(std::int64_t(bits >> 12)) + 0.5) * 0x1.0p-52;
@@ -52,7 +48,13 @@ class Rng {
   }
 
  private:
-  r123::Philox4x32::ctr_type counter_, word_{};
+  STRAY_HD void draw_block() {
+    word_ = r123::Philox4x32()(counter_, key_);
+    ++counter_[3];
+    left_ = 2;
+  }
+
+  r123::Philox4x32::ctr_type counter_, word_;
   r123::Philox4x32::key_type key_;
   int left_ = 0;
 };

@@ -79,8 +79,9 @@ struct Cone {
   STRAY_HD Vec3 project(Vec3 p) const {
     Vec3 const o = p - apex;
     double const z = dot(o, axis);
-    double const distance_off = cosine * length(o - z * axis) - sine * z;
-    return p - distance_off * normal(p);
+    Vec3 const across = o - z * axis;
+    double const rho = length(across), distance_off = cosine * rho - sine * z;
+    return p - distance_off * ((cosine / rho) * across - sine * axis);
   }
   STRAY_HD double area() const { return pi * (outer_radius * outer_radius - inner_radius * inner_radius) / sine; }
   STRAY_HD Vec3 sample(double u, double v) const {

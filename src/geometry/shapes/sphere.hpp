@@ -136,7 +136,7 @@ struct Cap {
   STRAY_HD Vec3 normal(Vec3 p) const { return unit(axis - curvature * (p - vertex)); }
   STRAY_HD Vec3 project(Vec3 p) const {  // one Newton step back onto the surface
     Vec3 const o = p - vertex;
-    return p + (0.5 * curvature * length2(o) - dot(axis, o)) * normal(p);
+    return p + (0.5 * curvature * length2(o) - dot(axis, o)) * (axis - curvature * o);  // a unit vector on the surface
   }
   // Height over curvature at radius rho; area is linear in it.
   STRAY_HD double depth(double rho) const {

@@ -105,7 +105,7 @@ STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {
   way.wo = vertex.frame.to_local(way.out);
   if (vertex.beyond_facet(way.wo, way.out)) return way;
   optics::ValueAndPdf const law =
-      scatter_both(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
+      scatter_both(world.laws, *vertex.optic, vertex.albedos, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
   way.bsdf = law.value;
   way.law_pdf = law.pdf;
   way.kept = kept_along(world, way.wo.z < 0 ? vertex.after : vertex.before, way.length);

@@ -90,7 +90,8 @@ STRAY_HD bool first_of_mirror(PathState const& path, std::uint32_t order, std::u
 STRAY_HD void evaluate_scattering(WorldView const& world, PathState const& path, Vec3 travel, Vertex& v) {
   if (!(v.wi.z > 0)) return;
   find_media(world, path.media, travel, v);
-  v.albedo = scatter_albedo(world.laws, *v.optic, v.wi, v.n_in, v.n_out);
+  v.albedos = albedos_of(world.laws, *v.optic, v.wi, v.n_in, v.n_out);
+  v.albedo = scattered_share(*v.optic, v.albedos.total, v.wi.z);
   if (v.optic->diffracts) {
     v.reflect = diffracted_share(world, v, travel, false);
     v.transmit = diffracted_share(world, v, travel, true);

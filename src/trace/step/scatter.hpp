@@ -102,7 +102,7 @@ STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, Pa
   double const alpha = law_share(world, hop.side);
   if (choice < alpha) {
     BsdfSample const s =
-        scatter_sample(world.laws, *vertex.optic, vertex.wi, choice / alpha, u, v, vertex.n_in, vertex.n_out);
+        scatter_sample(world.laws, *vertex.optic, vertex.albedos, vertex.wi, choice / alpha, u, v, vertex.n_in, vertex.n_out);
     if (!(s.pdf > 0)) return {};
     hop.law_pdf = s.pdf;
     hop.value = s.value * std::fabs(s.wo.z);
@@ -111,7 +111,7 @@ STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, Pa
   Vec3 const out = aimed_direction(world, vertex, (choice - alpha) / (1 - alpha), u, v, hop);
   Vec3 const wo = vertex.frame.to_local(out);
   optics::ValueAndPdf const law =
-      scatter_both(world.laws, *vertex.optic, vertex.wi, wo, vertex.n_in, vertex.n_out);
+      scatter_both(world.laws, *vertex.optic, vertex.albedos, vertex.wi, wo, vertex.n_in, vertex.n_out);
   hop.law_pdf = law.pdf;
   hop.value = law.value * std::fabs(wo.z);
   return wo;

@@ -156,7 +156,7 @@ STRAY_HD void score_lit_behind(WorldView const& world, PathState const& path, st
   evaluate_scattering(world, there, lit.travel, z);
   Vec3 const wo = z.frame.to_local(back.towards);
   if (z.beyond_facet(wo, back.towards)) return;
-  optics::ValueAndPdf const law = scatter_both(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
+  optics::ValueAndPdf const law = scatter_both(world.laws, *z.optic, z.albedos, z.wi, wo, z.n_in, z.n_out);
   double const f = law.value;
   if (!(f > 0)) return;
   double const etendue = etendue_at(back, z, wo);
@@ -184,7 +184,7 @@ STRAY_HD void connect_through(WorldView const& world, PathState const& path, Ver
   evaluate_scattering(world, there, way.out, z);
   Vec3 const wo = z.frame.to_local(back.towards);
   if (z.beyond_facet(wo, back.towards)) return;
-  optics::ValueAndPdf const law = scatter_both(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
+  optics::ValueAndPdf const law = scatter_both(world.laws, *z.optic, z.albedos, z.wi, wo, z.n_in, z.n_out);
   double const f = law.value;
   if (!(f > 0) || blocked(world, vertex, way, z)) return;
   double const etendue = etendue_at(back, z, wo);

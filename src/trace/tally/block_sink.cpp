@@ -18,13 +18,19 @@ BlockSink::BlockSink(WorldView const& world, std::size_t groups, int replica)
   }
 }
 
+ClassSums& BlockSink::sums_of(std::uint64_t route) {
+  Found& found = found_[route % found_.size()];
+  if (!found.sums || found.route != route) found = {route, &classes_[route]};
+  return *found.sums;
+}
+
 void BlockSink::add_records(HistoryTally const& tally) {
   for (HistoryScore const& score : tally.scores()) {
-    ClassSums& sums = classes_[score.route];
+    ClassSums& sums = sums_of(score.route);
     if (score.off_list) sums.off_list += score.address.coupling;
     if (score.address.priority <= sums.threshold) continue;
     sums.kept.push_back(score.address);
-    if (sums.kept.size() >= 4 * records_per_class) keep_largest(sums);
+    if (sums.kept.size() >= 2 * records_per_class) drop_smallest(sums);
   }
 }
 
@@ -52,7 +58,7 @@ void BlockSink::add(HistoryTally const& tally) {
   add_records(tally);
   for (HistoryCells const& cells : tally.cells()) add_to_maps(cells);
   for (HistoryTotal const& t : tally.totals()) {
-    ClassSums& sums = classes_[t.route];
+    ClassSums& sums = sums_of(t.route);
     sums.port = t.port;
     sums.moments.add_score(t.sum, history);
     if (t.port >= first_receiver_end) received_[t.port - first_receiver_end] += t.sum;

@@ -3,6 +3,7 @@
 // bits of a block depend on scene and seed only.
 #pragma once
 
+#include <array>
 #include <unordered_map>
 #include <vector>
 
@@ -14,7 +15,9 @@ namespace straytrace::trace {
 // the limit (records_kept()). Part of the run-file schema.
 constexpr std::size_t records_per_class = 512, most_records = 4096;
 
-// Sorts by priority, keeps the largest above the threshold and raises the threshold to the largest priority dropped.
+// Keeps the largest priorities not below the threshold, in any order, and raises the threshold to the largest dropped.
+void drop_smallest(ClassSums&, std::size_t most = records_per_class);
+// The same, sorted.
 void keep_largest(ClassSums&, std::size_t most = records_per_class);
 
 class BlockSink {
@@ -25,12 +28,18 @@ class BlockSink {
   BlockSums finish();             // closes the block
 
  private:
+  ClassSums& sums_of(std::uint64_t route);
   void add_records(HistoryTally const&);
   void add_to_maps(HistoryCells const&);
 
   int replica_;
   std::vector<double> received_;  // by receiver, of one history
   std::unordered_map<std::uint64_t, ClassSums> classes_;
+  struct Found {
+    std::uint64_t route = 0;
+    ClassSums* sums = nullptr;  // null: none yet
+  };
+  std::array<Found, 64> found_;  // the last class with these lowest bits
   BlockSums sums_;
 };
 

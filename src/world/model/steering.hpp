@@ -54,6 +54,11 @@ struct Steering {
   double level = 0;  // mean of power x adjoint at first vertices; 0: no weight window
 
   STRAY_HD bool on() const { return strips.size > 0; }
+  // The strip of a surface that has no other; 0xffffffff: it has several.
+  STRAY_HD std::uint32_t only_strip(SurfaceId surface) const {
+    std::uint32_t const first = first_of_surface[surface.value];
+    return first_of_surface[surface.value + 1] - first == 1 ? first : 0xffffffffu;
+  }
   // Strip of a surface at the first sample coordinate u.
   STRAY_HD std::uint32_t strip_at(SurfaceId surface, double u) const {
     std::uint32_t const next = first_where(first_of_surface[surface.value] + 1, first_of_surface[surface.value + 1],

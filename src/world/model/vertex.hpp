@@ -22,6 +22,7 @@ struct Vertex {
   SurfaceId contact;           // a second surface that touches this one here
   Optic const* optic = nullptr;
   double albedo = 0, reflect = 0, transmit = 0;  // shares scattered, reflected and transmitted at this incidence
+  optics::Albedos albedos;                       // of the BSDF models
   std::uint32_t patch = WorldView::none;         // of the steering tables
   bool smooth = false;                           // e3 is a normal between those of the corners of a mesh
   Vec3 facet;                                    // then: normal of the facet on the lit side
@@ -39,6 +40,8 @@ struct Vertex {
 
 STRAY_HD std::uint32_t patch_of(WorldView const& world, SurfaceId id, Vec3 point, std::uint32_t piece) {
   if (!world.steering.on()) return WorldView::none;
+  std::uint32_t const only = world.steering.only_strip(id);
+  if (only != WorldView::none) return world.steering.strips[only].patch;
   double const u = world.shapes.visit(world.surfaces[id.value].shape,
                                       [&](auto const& s) { return strip_coordinate(s, point, piece); });
   return world.steering.strips[world.steering.strip_at(id, u)].patch;
@@ -76,8 +79,9 @@ STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Ve
   Vertex v;
   v.surface = id;
   v.piece = piece;
-  v.point = world.project(id, point, piece);
-  Vec3 const normal = world.normal(id, v.point, piece);
+  Landing const landing = world.landing(id, point, piece);
+  Vec3 const normal = landing.normal;
+  v.point = landing.point;
   v.front = dot(travel, normal) < 0;
   Surface const& surface = world.surfaces[id.value];
   v.optic = &world.optics[v.front ? surface.front : surface.back];
@@ -89,7 +93,7 @@ STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Ve
     Vec3 const smooth = world.smooth_normal(id, v.point, piece);
     lit = shading_normal(v.front ? smooth : -smooth, lit, travel);
   }
-  v.frame = Frame::around(lit);
+  v.frame = Frame::quickly_around(lit);
   if (v.optic->lay != Lay::free) lay_frame(world, surface, v.point, *v.optic, v.frame);
   v.wi = v.frame.to_local(-travel);
   v.patch = patch_of(world, id, v.point, piece);

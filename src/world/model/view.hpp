@@ -129,6 +129,10 @@ struct WorldView {
     return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return projected_on(s, p, piece); });
   }
 
+  STRAY_HD Landing landing(SurfaceId id, Vec3 p, std::uint32_t piece = 0) const {
+    return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return landing_on(s, p, piece); });
+  }
+
   // Calls the query for every surface that the ray may hit until it returns true; returns whether it did.
   template <class Query>
   STRAY_INLINE bool search(Ray const& ray, Query&& query) const {

@@ -124,6 +124,31 @@ TYPED_TEST(ScatterLaw, returns_its_own_pdf) {
   EXPECT_GT((worst_pdf_mismatch<PdfWithoutCosine<TypeParam>, TypeParam>()), 1e-2);
 }
 
+// Value and density found together are those found apart, to rounding. The control exchanges the directions, which
+// changes the density.
+template <class Law>
+double worst_of_both(Law const& law, bool exchanged) {
+  double worst = 0;
+  for (double degrees : incidences)
+    for (int i = 0; i < 200; ++i) {
+      Vec3 const wi = incoming(degrees);
+      Rng rng(5, std::uint64_t(i), 0, Stream::direction);
+      double const u = rng.uniform(), v = rng.uniform();
+      Vec3 const wo = law.sample(wi, u, v).wo;
+      ValueAndPdf const found = exchanged ? both_of(law, wo, wi) : both_of(law, wi, wo);
+      double const value = law.eval(wi, wo), pdf = law.pdf(wi, wo);
+      worst = std::fmax(worst, std::fabs(found.value - value) / std::fmax(value, 1e-300));
+      worst = std::fmax(worst, std::fabs(found.pdf - pdf) / std::fmax(pdf, 1e-300));
+    }
+  return worst;
+}
+TYPED_TEST(ScatterLaw, value_and_density_together_are_those_apart) {
+  for (TypeParam const& law : instances<TypeParam>()) {
+    EXPECT_LT(worst_of_both(law, false), 1e-12);
+    EXPECT_GT(worst_of_both(law, true), 1e-3);
+  }
+}
+
 template <class Law>
 double worst_albedo(Law const& law, double factor) {
   double worst = 0;

@@ -68,9 +68,9 @@ std::vector<double> cell_edges(Law const& law) {
     for (int i = 0; i <= 36; ++i) edges.push_back(first * std::pow(pi / 2 / first, i / 36.0));
     for (int i = 1; i <= 3; ++i) edges.push_back(pi / 2 + i * pi / 6);
   } else {
-    for (std::size_t i = law.lobe.edge[0] > 0 ? 0 : 1; i <= 96; ++i) {
-      double const angle =
-          chord_rings<Law> ? 2 * std::asin(std::fmin(1, law.lobe.edge[i] / 2)) : std::asin(law.lobe.edge[i]);
+    for (int i = law.lobe.edge2[0] > 0 ? 0 : 1; i <= law.lobe.rings; ++i) {
+      double const edge = std::sqrt(law.lobe.edge2[i]);
+      double const angle = chord_rings<Law> ? 2 * std::asin(std::fmin(1, edge / 2)) : std::asin(edge);
       if (angle < 1.5) edges.push_back(angle);
     }
     for (int i = 1; i <= 4; ++i) edges.push_back(pi / 2 + (i - 1) * pi / 6);

@@ -71,7 +71,9 @@ TEST(functions, sincos_turn_exact_at_quarter_turns) {
 
 TEST(functions, log_within_two_ulp) {
   auto const exact = [](double x) { return std::log(static_cast<long double>(x)); };
-  EXPECT_LT(worst(1e-300, 1e300, log_positive, exact), 2);
+  EXPECT_LT(worst(1e-150, 1e150, log_positive, exact), 2);
+  EXPECT_LT(ulps(log_positive(1e-300), exact(1e-300)), 2);
+  EXPECT_LT(ulps(log_positive(1e300), exact(1e300)), 2);
   EXPECT_LT(worst(0.5, 2, log_positive, exact), 2);
   EXPECT_EQ(log_positive(1), 0);
   EXPECT_LT(ulps(log_positive(1 - 0x1p-53), exact(1 - 0x1p-53)), 2);  // the largest number Rng gives
@@ -107,6 +109,28 @@ TEST(functions, atan_within_five_ulp) {
   EXPECT_LT(worst(1, 1e15, atan_positive, exact), 5);
   EXPECT_EQ(atan_positive(0), 0);
   EXPECT_EQ(atan_positive(infinity), pi / 2);
+}
+
+TEST(functions, atan_of_a_quotient) {
+  auto const exact = [](double x) { return std::atan(static_cast<long double>(x)); };
+  auto const quotient = [](double x) { return atan_ratio(3 * x, 3); };
+  EXPECT_LT(worst(1e-15, 1e15, quotient, exact), 5);
+  EXPECT_EQ(atan_ratio(0, 2), 0);
+  EXPECT_EQ(atan_ratio(2, 0), pi / 2);
+}
+
+// The angle of a chord t = 2 sin(angle/2), squared, on both sides of the change of method at t^2 = 1/2. The control
+// takes the chord for the angle.
+TEST(functions, square_of_the_angle_of_a_chord) {
+  auto const exact = [](double t2) {
+    long double const angle = 2 * std::asin(std::sqrt(static_cast<long double>(t2)) / 2);
+    return angle * angle;
+  };
+  EXPECT_LT(worst(1e-20, 0.5, angle2_of_chord2, exact), 3);
+  EXPECT_LT(worst(0.5, 3.9, angle2_of_chord2, exact), 12);
+  EXPECT_NEAR(angle2_of_chord2(4), pi * pi, 1e-14);
+  EXPECT_EQ(angle2_of_chord2(0), 0);
+  EXPECT_GT(worst(0.01, 0.5, [](double t2) { return t2; }, exact), 1e12);
 }
 
 // Largest relative error of angle(a, b) for vectors 1e-9 to 3 rad apart, against 80-bit arithmetic on the same doubles.
@@ -152,6 +176,7 @@ double handedness_error(Frame const& f) {
 TEST(vectors, frames_are_right_handed) {
   for (Vec3 axis :
        {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, 0, 0}, Vec3{0, -1, 0}, unit({1, 1, 1}), unit({0.5, 0, -1})}) {
+    EXPECT_LT(handedness_error(Frame::quickly_around(axis)), 1e-15);
     Frame const f = Frame::around(axis);
     EXPECT_LT(handedness_error(f), 5e-16);
     EXPECT_GT(handedness_error({f.e1, -f.e2, f.e3}), 1);

@@ -67,6 +67,15 @@ TEST(rng, same_address_same_numbers) {
   for (int i = 0; i < 100; ++i) EXPECT_EQ(a.uniform(), b.uniform());
 }
 
+TEST(rng, skips_numbers) {
+  for (std::uint32_t count = 0; count < 7; ++count) {
+    Rng jumps(7, 11, 13, Stream::record), walks = jumps;
+    jumps.skip(count);
+    for (std::uint32_t i = 0; i < count; ++i) walks.uniform();
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(jumps.uniform(), walks.uniform()) << count;
+  }
+}
+
 TEST(rng, every_part_of_the_address_matters) {
   std::set<double> seen;
   std::size_t drawn = 0;

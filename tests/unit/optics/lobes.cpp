@@ -26,18 +26,28 @@ TEST(albedo_table, is_exact_for_what_falls_as_the_cosine) {
     EXPECT_NEAR(steep.albedo(c) / albedo_by_cones(steep, {std::sqrt(1 - c * c), 0, c}), 1, 5e-3) << c;
 }
 
+// Sound rows, and each square of a radius in its ring: at the edges and one step to either side of them, since value,
+// density and sample find the ring from the bits of the square alone.
 template <class Rings>
 void expect_sound(LobeTable<Rings> const& lobe) {
   using Table = LobeTable<Rings>;
-  EXPECT_GE(lobe.edge[Table::rings], 2);
+  ASSERT_GE(lobe.rings, 30);
+  ASSERT_LE(lobe.rings, Table::most_rings);
+  EXPECT_GE(lobe.edge2[lobe.rings], 4);
+  for (int i = 0; i < lobe.rings; ++i) {
+    EXPECT_EQ(lobe.ring_of(lobe.edge2[i]), i);
+    EXPECT_EQ(lobe.ring_of(std::nextafter(lobe.edge2[i], 5)), i);
+    EXPECT_EQ(lobe.ring_of(std::nextafter(lobe.edge2[i + 1], 0)), i);
+  }
   for (int row = 0; row < Table::rows; ++row) {
     EXPECT_EQ(lobe.cumulative[row][0], 0);
-    EXPECT_EQ(lobe.cumulative[row][Table::rings], 1);
+    EXPECT_EQ(lobe.cumulative[row][lobe.rings], 1);
     EXPECT_EQ(Table::row_of(Table::row_cosine(row)), row);
-    for (int i = 0; i < Table::rings; ++i) {
-      EXPECT_LT(lobe.edge[i], lobe.edge[i + 1]);
+    for (int i = 0; i < lobe.rings; ++i) {
+      EXPECT_LT(lobe.edge2[i], lobe.edge2[i + 1]);
       EXPECT_LE(lobe.cumulative[row][i], lobe.cumulative[row][i + 1]);
-      EXPECT_EQ(Table::ring_of(lobe.edge[i], lobe.edge), i);
+      double const least = lobe.cumulative[row][i], next = lobe.cumulative[row][i + 1];
+      if (least < next) EXPECT_EQ(lobe.drawn_ring(0.5 * (least + next), lobe.cumulative[row]), i);
     }
   }
   EXPECT_EQ(Table::row_of(1), 0);
@@ -47,20 +57,22 @@ void expect_sound(LobeTable<Rings> const& lobe) {
 TEST(lobe_table, rings_and_rows) {
   expect_sound(abg(0.01, 1e-3, 2).lobe);
   expect_sound(power_law(1e-6, 2, 1e-2).lobe);
+  expect_sound(power_law(1e-6, 2, 1e-5).lobe);
+  expect_sound(abg(0.01, 1e-18, 2).lobe);
   expect_sound(instances<Dust>().front().lobe);
 }
 
-// A point of a ring has the ring's radius, and half_arc is where it meets the horizon. Control: an arc 1 % wider dips
+// A point of a ring has the ring's radius, and its arc ends where it meets the horizon. Control: an arc 1 % wider dips
 // below.
 template <class Rings>
 void expect_arcs() {
   for (double degrees : {10.0, 45.0, 80.0}) {
     Vec3 const wi = incoming(degrees);
     for (double r : {0.3, 0.9, 1.2}) {
-      double const half = LobeTable<Rings>::half_arc(wi, r);
+      double const half = Rings::arc(wi, r * r).half;
       if (!(half > 0 && half < 3.1)) continue;
       Vec3 const edge = Rings::direction(wi, r, sincos_turn(0.5 + half * (1 - 1e-9) / (2 * pi)));
-      EXPECT_NEAR(Rings::of(wi, edge), r, 1e-12);
+      EXPECT_NEAR(Rings::square(wi, edge), r * r, 1e-12);
       EXPECT_NEAR(length(edge), 1, 1e-12);
       EXPECT_NEAR(edge.z, 0, 1e-3);
       EXPECT_GT(Rings::direction(wi, r, sincos_turn(0.5 + half * 0.9 / (2 * pi))).z, 0.01);
@@ -71,6 +83,12 @@ void expect_arcs() {
 TEST(lobe_table, arcs_end_at_the_horizon) {
   expect_arcs<OffsetRings>();
   expect_arcs<ChordRings>();
+}
+
+TEST(half_power, products_and_roots_are_the_power) {
+  for (double n : {-4.0, -3.0, -2.5, -2.0, -1.0, 0.7, 1.0, 2.0, 3.0, 4.0})
+    for (double square : {1e-12, 0.3, 7.0})
+      EXPECT_NEAR(half_power(square, n) / std::pow(square, n / 2), 1, 1e-14) << n << ' ' << square;
 }
 
 TEST(power_law, zero_below_the_minimum_scatter_angle) {

@@ -72,7 +72,7 @@ struct TotalRow {
 };
 struct KeptRow {  // of the same route as the total row of the same number
   double off_list, threshold;
-  std::uint32_t first, count;  // in BatchSums::kept, in the order of before()
+  std::uint32_t first, count;  // in BatchSums::kept, the largest priority first
 };
 struct GroupRow {
   std::uint32_t block, group;

@@ -35,7 +35,7 @@ struct LargestTotalFirst {
     return {{block_of(r), r.what.route, falling(r.what.sum), r.history}};
   }
 };
-struct LargestPriorityFirst {  // as before() in result.hpp
+struct LargestPriorityFirst {  // as ByPriority in result.cpp
   static constexpr int words = 5;
   ScoreRecord const* records;
   STRAY_HD SortKey operator()(std::uint32_t i) const {
