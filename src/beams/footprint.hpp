@@ -106,13 +106,15 @@ struct Footprint {
     if (profile == Profile::astigmatic) return sample_astigmatic(u, v);
     if (profile == Profile::gaussian) rho = radius * std::sqrt(-0.5 * log_positive(u * hollow));
     if (profile == Profile::even) rho = radius * std::sqrt(u);
-    Frame const f = Frame::quickly_around(travel);
+    Frame const f = Frame::around(travel);
     SinCos const a = sincos_turn(v);
     return {centre - backoff * travel + (rho * a.cos) * f.e1 + (rho * a.sin) * f.e2, travel};
   }
 
  private:
-  STRAY_HD double beyond_hollow(double beyond) const { return hollow == 1 ? beyond : beyond > hollow ? 0 : beyond / hollow; }
+  STRAY_HD double beyond_hollow(double beyond) const {
+    return hollow == 1 ? beyond : beyond > hollow ? 0 : beyond / hollow;
+  }
   STRAY_HD Ray sample_astigmatic(double u, double v) const {
     double const rho = std::sqrt(-0.5 * log_positive(u * hollow));
     SinCos const turn = sincos_turn(v);

@@ -66,7 +66,8 @@ double scale_of(Shape const& s) {
 // A line to a point drawn on a surface, `way` m away, meets the surface at most this much before the point, m
 // (eq. 1.14). `scale`: of the surface, m; `cosine`: between the line and the normal where they meet, not negative.
 STRAY_HD double hit_slack(double scale, double way, double cosine) {
-  return std::fmin(0x1p-46 * (scale + way) / cosine, way);
+  double const slack = 0x1p-46 * (scale + way) / cosine;
+  return slack < way ? slack : way;
 }
 
 // Strips of a surface: parts of equal first sample coordinate u, which runs along radius or height, and in meshes from

@@ -40,11 +40,6 @@ struct Frame {
     Vec3 const e1 = any_normal(e3);
     return {e1, cross(e3, e1), e3};
   }
-  // The same with other first axes, by one division (Duff et al. 2017).
-  STRAY_HD static Frame quickly_around(Vec3 e3) {
-    double const sign = std::copysign(1.0, e3.z), a = -1 / (sign + e3.z), b = e3.x * e3.y * a;
-    return {{1 + sign * e3.x * e3.x * a, sign * b, -sign * e3.x}, {b, sign + e3.y * e3.y * a, -e3.y}, e3};
-  }
   STRAY_HD Vec3 to_local(Vec3 v) const { return {dot(v, e1), dot(v, e2), dot(v, e3)}; }
   STRAY_HD Vec3 to_world(Vec3 v) const { return v.x * e1 + v.y * e2 + v.z * e3; }
 };

@@ -43,7 +43,8 @@ void LobeTable<Rings>::ring_powers(Law const& law, double cos_i, int azimuths, d
   double const sin_i = std::sqrt((1 - cos_i) * (1 + cos_i)), cut = Rings::cut(cos_i, sin_i),
                last = std::sqrt(std::min(Rings::last2(sin_i), edge2[rings]));
   for (int i = 0; i < rings; ++i) {
-    double const low = std::sqrt(edge2[i]), high = std::min(std::sqrt(edge2[i + 1]), last), middle = std::clamp(cut, low, std::max(low, high));
+    double const low = std::sqrt(edge2[i]), high = std::min(std::sqrt(edge2[i + 1]), last),
+                 middle = std::clamp(cut, low, std::max(low, high));
     power[i] = 0;
     if (middle > low) power[i] += ring_power<Rings>(law, cos_i, sin_i, low, middle, turns);
     if (high > middle) power[i] += ring_power<Rings>(law, cos_i, sin_i, middle, high, turns);
@@ -59,8 +60,7 @@ void LobeTable<Rings>::cut_into_rings(double first2, int inner) {
     rings = static_cast<std::int64_t>(bits_of(4) >> dropped) - before;
     if (rings < most_rings) break;
   }
-  for (std::int64_t i = 1; i <= rings; ++i)
-    edge2[i] = number_of(static_cast<std::uint64_t>(before + i) << dropped);
+  for (std::int64_t i = 1; i <= rings; ++i) edge2[i] = number_of(static_cast<std::uint64_t>(before + i) << dropped);
   edge2[rings] *= 1 + 2e-15;  // opposite grazing directions are just inside
 }
 

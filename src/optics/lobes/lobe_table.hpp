@@ -57,7 +57,7 @@ struct OffsetRings {
   STRAY_HD static double azimuth(Arc const& arc, double v) { return (2 * v - 1) * arc.half; }
   STRAY_HD static ArcDensity azimuth_density(Arc const& arc, double) { return {1, 2 * arc.half}; }
   static double cut(double cos_i, double sin_i) { return cos_i * cos_i / (1 + sin_i); }  // first radius that is cut
-  STRAY_HD static double last2(double sin_i) { return (1 + sin_i) * (1 + sin_i); }  // beyond it nothing is above
+  STRAY_HD static double last2(double sin_i) { return (1 + sin_i) * (1 + sin_i); }       // beyond it nothing is above
   static constexpr double least_last2 = 1;
 };
 
@@ -157,8 +157,7 @@ struct LobeTable {
     double const r2 = edge2[i] + share * area;
     Arc const arc = Rings::arc(wi, r2);
     if (!(arc.half > 0)) return {};
-    Vec3 const wo =
-        Rings::direction(wi, std::sqrt(r2), sincos_turn(0.5 + Rings::azimuth(arc, v) * (1 / (2 * pi))));
+    Vec3 const wo = Rings::direction(wi, std::sqrt(r2), sincos_turn(0.5 + Rings::azimuth(arc, v) * (1 / (2 * pi))));
     if (!(wo.z > 0)) return {};
     return {wo, density(row, i, wi, wo, arc)};
   }

@@ -47,8 +47,7 @@ struct Polynomial : SampledByLobe<Polynomial, OffsetRings> {
   STRAY_HD double value_at(Vec3 wi, Vec3 wo, double r2) const {
     double value = diffuse(wi.z, wo.z);
     double const grazing = (1 - wi.z) * (1 - wo.z);
-    if (peak > 0 && grazing > 0)
-      value += peak * exp_number(rise * log_positive(grazing) - r2 / (2 * width * width));
+    if (peak > 0 && grazing > 0) value += peak * exp_number(rise * log_positive(grazing) - r2 / (2 * width * width));
     return value;
   }
 };

@@ -79,7 +79,8 @@ struct SmallMirrors {
     if (!(wi.z > 0 && wo.z > 0)) return {};
     Vec3 const sum = wi + wo;
     double const size = length(sum), slant = model().slant(wi), normals = model().normals((1 / size) * sum);
-    return {factor(size / 2) * normals / (2 * (wo.z * slant + wi.z * model().slant(wo))), normals / (2 * (wi.z + slant))};
+    return {factor(size / 2) * normals / (2 * (wo.z * slant + wi.z * model().slant(wo))),
+            normals / (2 * (wi.z + slant))};
   }
   STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const {
     if (!(wi.z > 0)) return {};

@@ -88,12 +88,12 @@ STRAY_HD void score_hit(WorldView const& world, PathState const& path, Vertex co
 
 // The straight line from a vertex to a point: direction, length, and the BSDF models of the vertex in this direction.
 struct Way {
-  Vec3 out;           // unit vector from the vertex
-  Vec3 wo;            // the same, local
-  double length = 0;  // m
-  double bsdf = 0;    // 1/sr; 0: no light
-  double law_pdf = 0; // 1/sr, with which the models sample it
-  double kept = 1;    // share not absorbed on the line
+  Vec3 out;            // unit vector from the vertex
+  Vec3 wo;             // the same, local
+  double length = 0;   // m
+  double bsdf = 0;     // 1/sr; 0: no light
+  double law_pdf = 0;  // 1/sr, with which the models sample it
+  double kept = 1;     // share not absorbed on the line
   STRAY_HD double geometry(double cosine) const { return std::fabs(wo.z) * cosine / (length * length); }  // 1/m^2
 };
 STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {

@@ -84,8 +84,8 @@ STRAY_HD double walk_past(WorldView const& world, PathState const& path, Vertex 
   if (behind.distance < way.length - world.slack(y.surface, way.length, y.cosine())) return -1;
   Vertex const end =
       make_vertex(world, behind.surface, vertex.point + behind.distance * way.out, way.out, behind.piece);
-  double const there =
-      walk_density(world, path, vertex, {way.out, way.wo, behind.distance, way.bsdf, way.law_pdf}, end.patch, end.cosine());
+  double const there = walk_density(world, path, vertex, {way.out, way.wo, behind.distance, way.bsdf, way.law_pdf},
+                                    end.patch, end.cosine());
   return per_area(per_solid_angle(there, behind.distance, end.cosine()), way.length, y.cosine());
 }
 

@@ -101,8 +101,8 @@ STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, Pa
   hop.side = vertex.side();
   double const alpha = law_share(world, hop.side);
   if (choice < alpha) {
-    BsdfSample const s =
-        scatter_sample(world.laws, *vertex.optic, vertex.albedos, vertex.wi, choice / alpha, u, v, vertex.n_in, vertex.n_out);
+    BsdfSample const s = scatter_sample(world.laws, *vertex.optic, vertex.albedos, vertex.wi, choice / alpha, u, v,
+                                        vertex.n_in, vertex.n_out);
     if (!(s.pdf > 0)) return {};
     hop.law_pdf = s.pdf;
     hop.value = s.value * std::fabs(s.wo.z);

@@ -188,8 +188,9 @@ STRAY_HD void connect_through(WorldView const& world, PathState const& path, Ver
   double const f = law.value;
   if (!(f > 0) || blocked(world, vertex, way, z)) return;
   double const etendue = etendue_at(back, z, wo);
-  double const leaving =
-      z.albedo / z.kept() * mixture_pdf(world, z.side(), law.pdf, back.patch, back.distance, back.cosine) / std::fabs(wo.z);
+  double const leaving = z.albedo / z.kept() *
+                         mixture_pdf(world, z.side(), law.pdf, back.patch, back.distance, back.cosine) /
+                         std::fabs(wo.z);
   double const walk = walk_density(world, path, vertex, way, z.patch, z.cosine()) * leaving;
   double const power =
       path.power * way.bsdf * way.kept * way.geometry(z.cosine()) * f * back.tau * etendue / (1 + walk * etendue);

@@ -93,7 +93,7 @@ STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Ve
     Vec3 const smooth = world.smooth_normal(id, v.point, piece);
     lit = shading_normal(v.front ? smooth : -smooth, lit, travel);
   }
-  v.frame = Frame::quickly_around(lit);
+  v.frame = Frame::around(lit);
   if (v.optic->lay != Lay::free) lay_frame(world, surface, v.point, *v.optic, v.frame);
   v.wi = v.frame.to_local(-travel);
   v.patch = patch_of(world, id, v.point, piece);

@@ -130,7 +130,9 @@ TEST(functions, square_of_the_angle_of_a_chord) {
   EXPECT_LT(worst(0.5, 3.9, angle2_of_chord2, exact), 12);
   EXPECT_NEAR(angle2_of_chord2(4), pi * pi, 1e-14);
   EXPECT_EQ(angle2_of_chord2(0), 0);
-  EXPECT_GT(worst(0.01, 0.5, [](double t2) { return t2; }, exact), 1e12);
+  EXPECT_GT(worst(
+                0.01, 0.5, [](double t2) { return t2; }, exact),
+            1e12);
 }
 
 // Largest relative error of angle(a, b) for vectors 1e-9 to 3 rad apart, against 80-bit arithmetic on the same doubles.
@@ -176,7 +178,6 @@ double handedness_error(Frame const& f) {
 TEST(vectors, frames_are_right_handed) {
   for (Vec3 axis :
        {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, 0, 0}, Vec3{0, -1, 0}, unit({1, 1, 1}), unit({0.5, 0, -1})}) {
-    EXPECT_LT(handedness_error(Frame::quickly_around(axis)), 1e-15);
     Frame const f = Frame::around(axis);
     EXPECT_LT(handedness_error(f), 5e-16);
     EXPECT_GT(handedness_error({f.e1, -f.e2, f.e3}), 1);
