@@ -47,7 +47,9 @@ void expect_sound(LobeTable<Rings> const& lobe) {
       EXPECT_LT(lobe.edge2[i], lobe.edge2[i + 1]);
       EXPECT_LE(lobe.cumulative[row][i], lobe.cumulative[row][i + 1]);
       double const least = lobe.cumulative[row][i], next = lobe.cumulative[row][i + 1];
-      if (least < next) EXPECT_EQ(lobe.drawn_ring(0.5 * (least + next), lobe.cumulative[row]), i);
+      if (least < next) {
+        EXPECT_EQ(lobe.drawn_ring(0.5 * (least + next), lobe.cumulative[row]), i);
+      }
     }
   }
   EXPECT_EQ(Table::row_of(1), 0);
