@@ -44,21 +44,41 @@ double straight_share(double sigma) {
   return statistical_kappa(above) * sum * span / (radii * angles);
 }
 
-// Light from a Gaussian spot of sigma 28 mm instead of the axis: the offsets of its start take 1.3 % of the first
-// order, and those of m = 2 no longer cancel. To 1e-3; the controls are the axis and a spot with sigma read as w. (What
-// comes straight, given as 8.44e-3, is 8.42e-3.)
+// The same for light that the wall reflects once: the logarithm of the range of angles in which it meets the mirror,
+// averaged over the lines that start on the spot.
+double once_reflected_share(double sigma) {
+  constexpr int radii = 1000, azimuths = 720;
+  double sum = 0;
+  for (int i = 0; i < radii; ++i)
+    for (int j = 0; j < azimuths; ++j) {
+      double const rho = sigma * std::sqrt(-2 * std::log((i + 0.5) / radii)), phi = 2 * pi * (j + 0.5) / azimuths;
+      double const along = rho * std::cos(phi), across = rho * std::sin(phi);
+      double const half_chord = std::sqrt(tube_radius * tube_radius - across * across);  // the same after the wall
+      double const square = mirror_radius * mirror_radius - across * across;
+      if (!(square > 0)) continue;
+      double const middle = 2 * half_chord - along, reach = std::sqrt(square);
+      sum += std::log((middle + reach) / (middle - reach));
+    }
+  return statistical_kappa(above) * sum / (radii * azimuths);
+}
+
+// Light from a Gaussian spot of sigma 28 mm instead of the axis: the offsets of its start take 1.2 % of the first
+// order, and those of m = 2 no longer cancel. To 1e-3, which is the error of the quadrature; the controls are the axis
+// and a spot with sigma read as w. (What comes straight, given as 8.44e-3, is 8.42e-3; by one hit, given as 0.02881, it
+// is 0.02884.)
 TEST(ArmTube, SpotOfMirrorOneE1) {
   double const sigma = 0.028;
   Orders const o = quadrature(make({.spot = sigma}), sigma);
   EXPECT_NEAR(o.share[0] / loss, straight_share(sigma), 1e-3 * 8.42e-3);
   EXPECT_NEAR(straight_share(sigma), 8.42e-3, 5e-6);
-  EXPECT_NEAR(o.share[1] / loss, 0.02881, 1e-3 * 0.02881);
+  EXPECT_NEAR(o.share[1] / loss, once_reflected_share(sigma), 1e-3 * 0.02884);
+  EXPECT_NEAR(once_reflected_share(sigma), 0.02884, 1e-5);
   EXPECT_NEAR(std::sqrt(o.line2[1]), 1.293e-24, 1e-3 * 1.293e-24);
   EXPECT_GT(std::sqrt(o.line2[2]), 1e-3 * 1.293e-24);
   EXPECT_LT(std::sqrt(o.line2[2]), 0.2 * 1.293e-24);
   for (double control : {0.0, sigma / 2}) {
     Orders const wrong = quadrature(make(), control);
-    EXPECT_GT(std::fabs(wrong.share[1] / loss - 0.02881), 1e-3 * 0.02881) << control;
+    EXPECT_GT(std::fabs(wrong.share[1] / loss - 0.02884), 1e-3 * 0.02884) << control;
     EXPECT_GT(std::fabs(std::sqrt(wrong.line2[1]) - 1.293e-24), 1e-3 * 1.293e-24) << control;
   }
 }
