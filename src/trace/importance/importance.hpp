@@ -29,7 +29,8 @@ SteeringTables make_importance(World const&, ImportanceSettings const& = {});
 // pilot runs only for receivers, which mirrors and glass may feed.
 SteeredWorld steer(World&, unsigned threads = 0);
 
-// Marks the receivers that see part of the scene through lenses or mirrors (trace/step/specular_connection.hpp).
+// Gives sub-paths to receivers (trace/step/sub_path.hpp), and marks those that see part of the scene through lenses or
+// mirrors.
 void find_covered_receivers(World&);
 
 // Only the strips, each its own patch.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <memory>
 
 #include "trace/importance/importance.hpp"
-#include "trace/step/specular_connection.hpp"
+#include "trace/step/sub_path.hpp"
 
 namespace straytrace::trace {
 namespace {
@@ -51,22 +52,18 @@ class Trials {
   Found found(Receiver const& r, std::uint64_t tries, SurfaceId first = {}) const {
     Found sum;
     for (std::uint64_t n = 0; n < tries; ++n) {
-      PathState path;
-      path.history = n;
-      Rng rng = backward_numbers(0, path, receiver_);
+      Rng rng = backward_numbers(0, n, receiver_);
       SurfaceId passed;
       bool lit = false;
-      double start = 0;
-      Backward const back = backward_from(
-          world_, r, rng,
-          [&](Vertex const& at, SpecularWay const&) {
+      grow(
+          world_, r, 1, rng, *sub_,
+          [&](Vertex const& at, Event, bool) {
             if (!passed.valid()) passed = at.surface;
           },
-          [&](Backward const& met) {
-            lit = lit || lit_[met.z.value];
-            start = met.etendue;
-          });
-      if ((first.valid() && passed != first) || !(lit || back.tau > 0)) continue;
+          [&](SubVertex const& met) { lit = lit || (met.hops > 0 && lit_[met.at.surface.value]); });
+      bool const reached = sub_->count > 0 && sub_->vertex[0].hops > 0;
+      if ((first.valid() && passed != first) || !(lit || reached)) continue;
+      double const start = 1 / sub_->density;
       ++sum.hits;
       sum.etendue += start;
       sum.square += start * start;
@@ -97,7 +94,22 @@ class Trials {
   WorldView const& world_;
   std::uint32_t receiver_;
   std::vector<bool> const& lit_;
+  std::unique_ptr<SubPath> sub_ = std::make_unique<SubPath>();
 };
+
+// Every history has sub-paths for the receivers that see through glass, at most three, and one for one of the others:
+// more would cost the light on other goals too much. In all at most SubPaths::most.
+void share_sub_paths(World& world) {
+  auto const count = [&](bool behind_glass) {
+    return double(std::ranges::count_if(world.receivers(),
+                                        [&](Receiver const& r) { return !r.clear && r.behind_glass == behind_glass; }));
+  };
+  double const glass = std::fmin(1, 3 / std::fmax(1, count(true))), others = count(false);
+  for (std::uint32_t i = 0; i < world.receivers().size(); ++i) {
+    Receiver const& r = world.receivers()[i];
+    if (!r.clear) world.set_sub_paths(i, r.behind_glass ? glass : others == 1 ? 1 : 0.999 / others);
+  }
+}
 
 }  // namespace
 
@@ -116,6 +128,7 @@ void find_covered_receivers(World& world) {
     even.aims = 0;
     world.cover_receiver(i, even.behind_glass || !aims.empty() || trials.found(even, 4096).enough(), aims);
   }
+  if (!view.polarised) share_sub_paths(world);
 }
 
 }  // namespace straytrace::trace

@@ -158,10 +158,17 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
   sink.score(path, vertex, index, connection_number(index), y, coupling * weight);
 }
 
+// Whether the sink hears scores of this vertex of the walk.
+template <class Sink>
+STRAY_HD bool hears(Sink const& sink, PathState const& path) {
+  if constexpr (requires { sink.hears(path.event); }) return sink.hears(path.event);
+  return true;
+}
+
 template <class Sink>
 STRAY_HD void connect(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
                       Sink& sink) {
-  if (!(vertex.albedo > 0)) return;
+  if (!(vertex.albedo > 0) || !hears(sink, path)) return;
   Rng rng(seed, path.history, path.event, Stream::connection);
   for (std::uint32_t i = 0; i < world.lit.size; ++i) {
     double const u = rng.uniform(), v = rng.uniform();

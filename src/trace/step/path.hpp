@@ -14,7 +14,7 @@ namespace straytrace::trace {
 // is completed on arrival (finish_hop_weight()).
 struct Hop {
   double kept = 1;                       // mean share of the power at the vertex left that continues
-  double cosine = 1;                     // of a scattered direction with the normal left
+  double cosine = 1;                     // of a scattered direction with the normal of the surface left
   double value = 1;                      // f |cos| [1/sr]; specular: 1
   double lobe = 1;                       // probability with which the lobe was chosen
   double law_pdf = 0;                    // 1/sr, of the BSDF model; 0 marks a specular hop, which has no density
@@ -28,6 +28,33 @@ struct Hop {
   double aim_distance = 0;               // m to the point drawn on it: anything hit earlier hides it
 };
 
+// A scattering vertex as the balance heuristic sees it (docs/theory/sampling.md, eq. 1.15 to 1.17). Densities of
+// directions are per etendue, 1/(m^2 sr), and include the probabilities of the specular ways up to the next scattering
+// vertex.
+struct Link {
+  double forward = 0;   // with which the walk leaves it towards the receiver
+  double backward = 0;  // with which a sub-path from the receiver leaves it towards the source
+  double geometry = 0;  // n^2 cos cos'/d^2 of the leg from the vertex before; 0: light came by a specular surface
+  double chance = 1;    // of being connected, for a sub-path that meets it
+};
+constexpr std::uint32_t most_ends = 5;  // vertices of a sub-path, the one on the receiver included
+
+// What the weights need of the vertices passed.
+struct Trail {
+  Link link[most_ends];     // of scattering vertices, the last one first
+  std::uint32_t count = 0;  // of all
+  std::uint32_t hops = 0;   // specular ones since the last of them
+  double start = 0;         // 1/m^2, density of the first one; 0: no sub-path ends there
+  double back = 1;          // probability with which a sub-path passes those hops the other way
+  STRAY_HD void add(Link const& next) {
+    for (std::uint32_t i = most_ends - 1; i > 0; --i) link[i] = link[i - 1];
+    link[0] = next;
+    ++count;
+    hops = 0;
+    back = 1;
+  }
+};
+
 struct PathState {
   std::uint64_t history = 0;
   std::uint32_t event = 0;  // number of this vertex in its history, siblings counted; the source is 0
@@ -37,8 +64,7 @@ struct PathState {
   double power = 0;    // carried, relative to the main mode
   double emitted = 0;  // first scattered out of the mode by this history, relative to the main mode
   Hop hop;
-  double reached_pdf = 0;  // 1/m^2, with which the last scattering vertex was drawn or reached; 0: not by a direct hop
-  double left_pdf = 0;     // 1/sr over the cosine and n^2, with which it was left
+  Trail trail;
   bool from_halo = false;  // its mirror scattered it below the crossover angle
   bool coherent = false;   // a free beam that has met specular surfaces only
   double path_length = 0;  // optical, sum of n d since the source, m
@@ -49,29 +75,6 @@ struct PathState {
   std::uint32_t source = 0;  // footprint it started from
   double level = 0;          // power x adjoint that the weight window keeps; 0 before the first vertex with an adjoint
   double stratum = -1;       // decides lobe and target of the first hop; negative: a random number does
-};
-
-// One history: its path and the waiting siblings, depth first.
-struct History {
-  static constexpr std::uint32_t most_waiting = 16;
-  PathState path;
-  std::uint32_t events = 0;  // vertices numbered so far
-  std::uint32_t waiting = 0;
-  PathState sibling[most_waiting];
-  PathState parent;  // at the first vertex, for `children` further paths from there
-  Vertex parent_vertex;
-  std::uint32_t children = 0;  // still to come
-  STRAY_HD void begin(std::uint64_t number) {
-    path = {};
-    path.history = number;
-    events = waiting = children = 0;
-  }
-  STRAY_HD std::uint32_t new_event() { return ++events; }
-  STRAY_HD bool next_sibling() {
-    if (waiting == 0) return false;
-    path = sibling[--waiting];
-    return true;
-  }
 };
 
 // Light from a mirror to one surface and straight back to the same mirror belongs to the classes `halo` where one of
@@ -86,10 +89,8 @@ STRAY_HD bool first_of_mirror(PathState const& path, std::uint32_t order, std::u
   return order == 1 && footprint == path.source;
 }
 
-// Sets the media on both sides of the vertex and the shares of light scattered, reflected and transmitted.
-STRAY_HD void evaluate_scattering(WorldView const& world, PathState const& path, Vec3 travel, Vertex& v) {
-  if (!(v.wi.z > 0)) return;
-  find_media(world, path.media, travel, v);
+// Sets the shares of light scattered, reflected and transmitted at a vertex whose media are known.
+STRAY_HD void set_shares(WorldView const& world, Polarisation const& polarisation, Vec3 travel, Vertex& v) {
   v.albedos = albedos_of(world.laws, *v.optic, v.wi, v.n_in, v.n_out);
   v.albedo = scattered_share(*v.optic, v.albedos.total, v.wi.z);
   if (v.optic->diffracts) {
@@ -99,8 +100,8 @@ STRAY_HD void evaluate_scattering(WorldView const& world, PathState const& path,
   }
   if (world.polarised && v.optic->has_interface) {
     Amplitudes const a = specular_amplitudes(world.interfaces, *v.optic, v.wi.z, v.n_in, v.n_out, v.front);
-    double const r = reflected(path.polarisation, travel, v.frame.e3, a).power;
-    double const t = transmitted(path.polarisation, travel, v.frame.e3, a).power;
+    double const r = reflected(polarisation, travel, v.frame.e3, a).power;
+    double const t = transmitted(polarisation, travel, v.frame.e3, a).power;
     double const left = specular_remainder(world.interfaces, *v.optic, r + t, v.albedo);
     v.reflect = left * r;
     v.transmit = left * t;
@@ -109,6 +110,29 @@ STRAY_HD void evaluate_scattering(WorldView const& world, PathState const& path,
   SpecularShares const s = specular_shares(world.interfaces, *v.optic, v.wi.z, v.n_in, v.n_out, v.front, v.albedo);
   v.reflect = s.reflect;
   v.transmit = s.transmit;
+}
+// Sets the media on both sides of the vertex and those shares.
+STRAY_HD void evaluate_scattering(WorldView const& world, MediaStack const& media, Polarisation const& polarisation,
+                                  Vec3 travel, Vertex& v) {
+  if (!(v.wi.z > 0)) return;
+  find_media(world, media, travel, v);
+  set_shares(world, polarisation, travel, v);
+}
+STRAY_HD void evaluate_scattering(WorldView const& world, PathState const& path, Vec3 travel, Vertex& v) {
+  evaluate_scattering(world, path.media, path.polarisation, travel, v);
+}
+// The point of a vertex for unpolarised light that arrives along `travel` in these media.
+STRAY_HD Vertex seen_along(WorldView const& world, Vertex const& v, Vec3 travel, MediaStack const& media) {
+  Vec3 const wi = v.frame.to_local(-travel);
+  if (wi.z > 0 && !v.smooth) {
+    Vertex same = v;
+    same.wi = wi;
+    set_shares(world, {}, travel, same);
+    return same;
+  }
+  Vertex other = make_vertex(world, v.surface, v.point, travel, v.piece);
+  evaluate_scattering(world, media, {}, travel, other);
+  return other;
 }
 
 STRAY_HD Vertex vertex_at(WorldView const& world, PathState const& path, Hit const& hit) {

@@ -18,7 +18,7 @@ STRAY_HD double area_density(WorldView const& world, SurfaceId id) {
 // Density per area with which a connection draws its point.
 STRAY_HD double receiver_density(WorldView const& world, Receiver const& r) { return area_density(world, r.surface); }
 
-// Density with which sub-paths (specular_connection.hpp) start along `out`, per area and projected solid angle,
+// Density with which sub-paths (sub_path.hpp) start along `out`, per area and projected solid angle,
 // 1/(m^2 sr): by the cosine law on the sides that count, or towards a point drawn uniformly on one of the aims,
 // hidden or not. `cosine`: at the receiver.
 STRAY_HD double start_density(WorldView const& world, Receiver const& r, Ray const& out, double cosine) {
@@ -36,21 +36,35 @@ STRAY_HD double start_density(WorldView const& world, Receiver const& r, Ray con
   return receiver_density(world, r) * density;
 }
 
+// The receiver as the first link of a path whose light arrives along `travel` at y.
+STRAY_HD Ends ends_on(WorldView const& world, Receiver const& r, Vertex const& y, Vec3 travel) {
+  Ends ends;
+  ends.area = receiver_density(world, r);
+  ends.sub_paths = r.clear ? 0 : r.sub_paths;
+  if (ends.sub_paths > 0) ends.link[0].backward = start_density(world, r, {y.point, -travel}, y.cosine()) / ends.area;
+  return ends;
+}
+
+// Share of a hit of the walk.
+STRAY_HD double weight_of_hit(WorldView const& world, PathState const& path, Vertex const& y, Receiver const& r) {
+  double const walk = per_area(path.hop.pdf, y.leg, y.cosine());
+  if (!(r.sub_paths > 0) || r.clear) return path.hop.pdf > 0 ? walk / (walk + receiver_density(world, r)) : 1;
+  if (path.trail.count == 0) return 1;
+  Ends ends = ends_on(world, r, y, path.ray.dir);
+  ends.append(path.trail, 1);
+  ends.start = path.trail.start;
+  ends.link[0].backward *= path.trail.back;
+  ends.link[0].geometry = arrival_geometry(path.hop, y);
+  return ends.weight(0);
+}
+
 template <class Sink>
 STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex const& y, std::uint32_t receiver,
                          double power, Sink& sink) {
   Receiver const& r = world.receivers[receiver];
   if (!r.counts(y.front) || !(power > 0)) return;
   std::uint32_t const goal = goal_of_receiver(world, receiver);
-  double const walk = per_area(path.hop.pdf, y.leg, y.cosine());
-  double const density = receiver_density(world, r);
-  double weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
-  if (r.behind_glass && !(path.hop.pdf > 0) && path.reached_pdf > 0) {  // shared with specular_connection.hpp
-    double const through = path.reached_pdf * path.left_pdf;
-    Vec3 const back = y.frame.to_world(y.wi);
-    weight = through / (through + start_density(world, r, {y.point, back}, y.cosine()));
-  }
-  sink.score(path, y, goal, arrival_number(goal), y, power * weight);
+  sink.score(path, y, goal, arrival_number(goal), y, power * weight_of_hit(world, path, y, r));
 }
 
 // Light that hits a receiver: its surface, or a measuring plane that the leg crosses.
@@ -89,6 +103,34 @@ STRAY_HD double walk_past(WorldView const& world, PathState const& path, Vertex 
   return per_area(per_solid_angle(there, behind.distance, end.cosine()), way.length, y.cosine());
 }
 
+// n^2 cos cos'/d^2 of a line from a vertex to a point that it meets under `cosine` (eq. 1.16).
+STRAY_HD double line_geometry(Vertex const& from, Way const& way, double cosine) {
+  double const n = way.wo.z < 0 ? from.n_out : from.n_in;
+  double const leaving = from.smooth ? std::fabs(dot(way.out, from.facet)) : std::fabs(way.wo.z);
+  return n * n * leaving * cosine / (way.length * way.length);
+}
+
+// The vertex x of the walk and those before it, behind the first `t` of `ends`, for light that leaves x along `way`.
+// `walk`: density per area with which the walk goes that way.
+STRAY_HD void append_walk(WorldView const& world, PathState const& path, Vertex const& x, Way const& way, double cosine,
+                          double walk, std::uint32_t t, Ends& ends) {
+  double const geometry = line_geometry(x, way, cosine);
+  ends.link[t - 1].geometry = geometry;
+  ends.link[t] = link_at(world, path.trail, path.hop, x, path.ray.dir, way.out, way.wo.z < 0);
+  ends.link[t].forward = walk / geometry;
+  ends.append(path.trail, t + 1);
+  ends.start = start_of(world, path, x, path.hop);
+}
+
+STRAY_HD double weight_of_connection(WorldView const& world, PathState const& path, Vertex const& vertex,
+                                     Way const& way, Vertex const& y, double walk, Receiver const& r) {
+  double const density = receiver_density(world, r);
+  if (!(r.sub_paths > 0) || r.clear) return density / (density + walk);
+  Ends ends = ends_on(world, r, y, way.out);
+  append_walk(world, path, vertex, way, y.cosine(), walk, 1, ends);
+  return ends.weight(1);
+}
+
 // Connection to a point drawn evenly on the receiver.
 template <class Sink>
 STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path, Vertex const& vertex,
@@ -104,8 +146,8 @@ STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path,
   double const walk =
       r.clear ? walk_past(world, path, vertex, way, y) : walk_density(world, path, vertex, way, y.patch, y.cosine());
   if (walk < 0) return;
-  double const density = receiver_density(world, r);
-  double const power = path.power * way.bsdf * way.kept * way.geometry(y.cosine()) / (density + walk);
+  double const power = path.power * way.bsdf * way.kept * way.geometry(y.cosine()) *
+                       weight_of_connection(world, path, vertex, way, y, walk, r) / receiver_density(world, r);
   std::uint32_t const goal = goal_of_receiver(world, receiver);
   if (power > 0) sink.score(path, vertex, goal, connection_number(goal), y, power);
 }
@@ -113,7 +155,7 @@ STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path,
 template <class Sink>
 STRAY_HD void connect_receivers(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
                                 Sink& sink) {
-  if (world.receivers.size == 0 || !(vertex.albedo > 0)) return;
+  if (world.receivers.size == 0 || !(vertex.albedo > 0) || !hears(sink, path)) return;
   Rng rng(seed, path.history, path.event, Stream::receiver);
   for (std::uint32_t i = 0; i < world.receivers.size; ++i) {
     double const u = rng.uniform(), v = rng.uniform();

@@ -8,17 +8,9 @@
 #pragma once
 
 #include "base/math/rng.hpp"
-#include "trace/step/path.hpp"
+#include "trace/step/balance.hpp"
 
 namespace straytrace::trace {
-
-// Conversion between densities per area and per solid angle: the only places with d^2.
-STRAY_HD double per_solid_angle(double per_area, double distance, double cosine) {
-  return cosine > 0 ? per_area * distance * distance / cosine : 0;
-}
-STRAY_HD double per_area(double per_solid_angle, double distance, double cosine) {
-  return per_solid_angle * cosine / (distance * distance);
-}
 
 // The part of the targets: density [1/sr] of aiming from `side` at `patch`, at `distance` under `cosine`.
 STRAY_HD double aimed_pdf(WorldView const& world, std::uint32_t side, std::uint32_t patch, double distance,
@@ -64,8 +56,10 @@ STRAY_HD double finish_hop_weight(WorldView const& world, PathState& path, Verte
   hop.aimed = alpha < 1;
   hop.off_list = vertex && alpha < 1 && aimed == 0;
   hop.pdf = hop.lobe * (alpha * hop.law_pdf + (1 - alpha) * aimed);
-  double const n = index_of(world, path.media.current());
-  path.left_pdf = hop.pdf / (hop.cosine * n * n);
+  if (path.trail.count > 0) {
+    double const n = index_of(world, path.media.current());
+    path.trail.link[0].forward = hop.pdf / (hop.cosine * n * n);
+  }
   return hop.pdf > 0 ? hop.value / hop.pdf : 0;
 }
 
@@ -115,13 +109,6 @@ STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, Pa
   hop.law_pdf = law.pdf;
   hop.value = law.value * std::fabs(wo.z);
   return wo;
-}
-
-// Density per area with which the walk reached the vertex, by a scattered hop or straight from the plane of a free
-// beam; 0 otherwise.
-STRAY_HD double reached_density(WorldView const& world, PathState const& path, Vertex const& vertex) {
-  if (!path.coherent || path.hop.left_by != Event::emit) return per_area(path.hop.pdf, vertex.leg, vertex.cosine());
-  return world.lit[path.source].passing(vertex.point).irradiance * vertex.cosine() / world.draws();
 }
 
 // Phase of the interface, in turns (docs/theory/conventions.md): a stated power reflects with a quarter, so that a
@@ -181,7 +168,7 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
   path.ray.origin = vertex.point;
   path.ray.t_max = infinity;
   path.media = vertex.before;
-  double const reached = source ? path.reached_pdf : reached_density(world, path, vertex);
+  Hop const arrived = path.hop;
   path.hop = {};
   path.hop.kept = kept;
   bool const dealt = source && path.stratum >= 0;
@@ -190,12 +177,14 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
     bool const through = choice >= reflect;
     path.hop.value = through ? transmit : reflect;
     path.hop.lobe = path.hop.value / kept;
-    leave_specular(world, path, vertex,
-                   specular_way(world, path.ray.dir, vertex, through, through ? choice - reflect : choice));
+    SpecularWay const way = specular_way(world, path.ray.dir, vertex, through, through ? choice - reflect : choice);
+    if (world.both_ends) pass_specular(world, path.trail, vertex, way, path.hop.lobe);
+    leave_specular(world, path, vertex, way);
   } else {
     path.hop.left_by = Event::scatter;
+    Vec3 const travel = path.ray.dir;
+    if (world.both_ends) path.trail.start = start_of(world, path, vertex, arrived);
     path.coherent = false;
-    path.reached_pdf = reached;
     path.hop.lobe = vertex.albedo / kept;
     path.hop.value = 0;
     Vec3 const wo = scattered_direction(world, seed, path, vertex, (choice - reflect - transmit) / vertex.albedo);
@@ -204,8 +193,9 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
       return false;
     }
     Vec3 const out = unit(vertex.frame.to_world(wo));
-    path.hop.cosine = std::fabs(wo.z);
+    path.hop.cosine = vertex.smooth ? std::fabs(dot(out, vertex.facet)) : std::fabs(wo.z);
     if (wo.z < 0) path.media = vertex.after;
+    if (world.both_ends) path.trail.add(link_at(world, path.trail, arrived, vertex, travel, out, wo.z < 0));
     if (world.polarised)
       path.polarisation = scattered(path.polarisation, path.ray.dir, out, wo.z < 0, vertex.optic->depolarise);
     path.hop.below_facet = vertex.beyond_facet(wo, out);

@@ -9,9 +9,10 @@
 //   score(path, vertex, lit, connection, y, coupling)  light rejoined the mode of footprint `lit` at the point y
 //   score_halo(path, x, y, source, connected, coupling)  optional: light rejoined the mode of `source` by a surface in
 //                                        its light below the crossover angle, at y; x: the vertex before, or y itself
-//   score_through(path, vertex, z, chain, receiver, end, power)  optional: power on a receiver by x -> z -> glass
-//   score_lit(path, source, z, chain, receiver, end, power)      optional: by z -> glass from the light of a beam on z
+//   score_through(path, x, z, chain, receiver, end, power)   optional: power on a receiver by x and a sub-path from z
+//   score_lit(path, source, z, chain, receiver, end, power)  optional: by a sub-path from z, in the light of a beam
 //   book(term, power)                         the energy balance
+//   hears(event)                              optional: whether scores of this vertex are heard; the walk is the same
 //   absorbed(group, power)                    optional: power absorbed by a group; invalid group: by a medium
 //   roulette_variance(variance)               optional: of the power just booked under `roulette`
 #pragma once
@@ -19,9 +20,33 @@
 #include "trace/step/connect.hpp"
 #include "trace/step/halo_ends.hpp"
 #include "trace/step/scatter.hpp"
-#include "trace/step/specular_connection.hpp"
+#include "trace/step/sub_path.hpp"
 
 namespace straytrace::trace {
+
+// One history: its path and the waiting siblings, depth first.
+struct History {
+  static constexpr std::uint32_t most_waiting = 16;
+  PathState path;
+  std::uint32_t events = 0;  // vertices numbered so far
+  std::uint32_t waiting = 0;
+  PathState sibling[most_waiting];
+  PathState parent;  // at the first vertex, for `children` further paths from there
+  Vertex parent_vertex;
+  std::uint32_t children = 0;  // still to come
+  SubPaths sub_paths;
+  STRAY_HD void begin(std::uint64_t number) {
+    path = {};
+    path.history = number;
+    events = waiting = children = sub_paths.count = 0;
+  }
+  STRAY_HD std::uint32_t new_event() { return ++events; }
+  STRAY_HD bool next_sibling() {
+    if (waiting == 0) return false;
+    path = sibling[--waiting];
+    return true;
+  }
+};
 
 // The first vertex of a history is a point of a lit surface, drawn with the weight |u|^2 of the mode (eq. 1.6), where
 // light is scattered out of the mode. Specular reflection of the mode is the mode itself, not stray light.
@@ -52,7 +77,8 @@ STRAY_HD double stratum(std::uint64_t seed, std::uint64_t history, std::uint64_t
 
 // Starts a history: source, first vertex and first direction. False if no light continues.
 template <class Sink>
-STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, Sink& sink) {
+STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, Sink& sink,
+                   SubPaths const* sub_paths = nullptr) {
   auto const n = static_cast<std::uint32_t>(world.emitters.size);
   if (n == 0) return false;  // nothing lit scatters
   Rng rng(seed, path.history, 0, Stream::source);
@@ -68,7 +94,6 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
   Ray const line = lit.sample(u, v);
   Crossing const met = lit.free ? Crossing{} : world.cross(lit.surface.value, line, {});
   if (!(met.distance < infinity)) {  // a free beam, or outside the clear aperture: that share is clipped, not scattered
-    connect_behind_glass(world, seed, path, {}, sink);
     return lit.free && emit_free(lit, line, path, sink);
   }
   Vec3 const point = line.origin + met.distance * line.dir;
@@ -76,12 +101,12 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
   Vertex vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);
   evaluate_scattering(world, path, path.ray.dir, vertex);
   path.emitted = path.power * vertex.albedo;
-  if (lit.profile != Profile::point) path.reached_pdf = connection_density(lit, vertex.point, vertex.normal()) / draws;
+  if (lit.profile != Profile::point) path.trail.start = connection_density(lit, vertex.point, vertex.normal()) / draws;
   sink.emitted(path, vertex);
   if (!lit.standing && lit.returns) score_single(world, path, vertex, lit, sink);
   connect(world, seed, path, vertex, sink);
   connect_receivers(world, seed, path, vertex, sink);
-  connect_behind_glass(world, seed, path, vertex, sink);
+  if (sub_paths) connect_sub_paths(world, path, vertex, *sub_paths, sink);
   connect_halo(world, seed, path, vertex, sink);
   return scatter(world, seed, path, vertex, sink, true);
 }
@@ -182,13 +207,14 @@ STRAY_HD bool arrive(WorldView const& world, History& history, Vertex& vertex, S
   sink.book(BalanceTerm::truncated, path.power);
   return false;
 }
-// 2. Next-event estimates: to every lit surface (eq. 1.8), and to receivers.
+// 2. Next-event estimates: to every lit surface (eq. 1.8), to receivers, and to sub-paths from them.
 template <class Sink>
-STRAY_HD void connect_all(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
+STRAY_HD void connect_all(WorldView const& world, std::uint64_t seed, History const& history, Vertex const& vertex,
                           Sink& sink) {
+  PathState const& path = history.path;
   connect(world, seed, path, vertex, sink);
   connect_receivers(world, seed, path, vertex, sink);
-  connect_behind_glass(world, seed, path, vertex, sink);
+  connect_sub_paths(world, path, vertex, history.sub_paths, sink);
   score_halo_hits(world, path, vertex, sink);
   connect_halo(world, seed, path, vertex, sink);
 }
@@ -238,7 +264,7 @@ template <class Sink>
 STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history, Hit const& hit, Sink& sink) {
   Vertex vertex;
   if (!reach(world, history, hit, vertex, sink)) return false;
-  connect_all(world, seed, history.path, vertex, sink);
+  connect_all(world, seed, history, vertex, sink);
   return leave(world, seed, history, vertex, sink);
 }
 template <class Sink>
@@ -252,8 +278,8 @@ STRAY_HD bool begin(WorldView const& world, std::uint64_t seed, History& history
   PathState& path = history.path;
   double const n = double(world.emitters.size), draws = world.draws();
   double const place = draws > n && n > 0 ? stratum(seed, path.history, world.block_size) * draws : 0;
-  if (!(place > n)) return emit(world, seed, path, sink);
-  connect_behind_glass(world, seed, path, {}, sink);
+  if (world.both_ends) grow_sub_paths(world, seed, path, history.sub_paths, sink);
+  if (!(place > n)) return emit(world, seed, path, sink, &history.sub_paths);
   Rng rng(seed, path.history, 0, Stream::source);
   double const u = rng.uniform(), v = rng.uniform();
   Vertex vertex;
@@ -261,7 +287,7 @@ STRAY_HD bool begin(WorldView const& world, std::uint64_t seed, History& history
   Footprint const& mode = world.lit[path.source];
   sink.emitted(path, make_vertex(world, mode.surface, mode.centre, mode.travel));
   if (arrive(world, history, vertex, sink)) {
-    connect_all(world, seed, path, vertex, sink);
+    connect_all(world, seed, history, vertex, sink);
     if (leave(world, seed, history, vertex, sink)) return true;
   }
   return next_path(world, seed, history, sink);

@@ -7,7 +7,7 @@
 
 #include "trace/result.hpp"
 #include "trace/step/path.hpp"
-#include "trace/step/specular_connection.hpp"
+#include "trace/step/sub_path.hpp"
 
 namespace straytrace::trace {
 
@@ -41,20 +41,22 @@ STRAY_HD Route route_of(WorldView const& world, PathState const& path, Vertex co
   return route;
 }
 
-// Number of the score of a sub-path behind glass: after those of all goals.
-STRAY_HD std::uint32_t number_through(WorldView const& world, std::uint32_t receiver) {
-  return connection_number(std::uint32_t(world.lit.size + world.receivers.size) + receiver);
-}
-// Numbers of the scores by surfaces in light below the crossover angle: after those.
+// Numbers of the scores by surfaces in light below the crossover angle: after those of all goals.
 STRAY_HD std::uint32_t number_halo(WorldView const& world, std::uint32_t source, bool connected) {
-  std::uint32_t const place = std::uint32_t(world.lit.size + 2 * world.receivers.size) + source;
+  std::uint32_t const place = std::uint32_t(world.lit.size + world.receivers.size) + source;
   return connected ? connection_number(place) : arrival_number(place);
+}
+// Number of the score of a connection to a vertex of a sub-path: after those.
+STRAY_HD std::uint32_t number_through(WorldView const& world, std::uint32_t ends, std::uint32_t receiver) {
+  std::uint32_t const first = std::uint32_t(world.lit.size + world.receivers.size + world.halo.sources.size);
+  return connection_number(first + receiver * most_ends + ends);
 }
 // Number of the score of a sub-path that meets a surface lit by the beam `source`: after all others, by hops.
 STRAY_HD std::uint32_t number_lit(WorldView const& world, std::uint32_t source, std::uint32_t hops,
                                   std::uint32_t receiver) {
-  std::uint32_t const place = (receiver * std::uint32_t(world.lit.size) + source) * (most_specular_hops + 1) + hops;
-  return connection_number(std::uint32_t(world.lit.size + 2 * world.receivers.size + world.halo.sources.size) + place);
+  constexpr std::uint32_t most_hops = most_ends * (most_specular_hops + 2);
+  std::uint32_t const place = (receiver * std::uint32_t(world.lit.size) + source) * most_hops + hops;
+  return number_through(world, 0, std::uint32_t(world.receivers.size)) + 2 * place;
 }
 // Route of light that rejoins the mode by the surface at y in the light of a source; x: the vertex before, or y itself.
 STRAY_HD Route route_halo(WorldView const& world, PathState const& path, Vertex const& x, Vertex const& y,
@@ -77,21 +79,21 @@ STRAY_HD Route route_behind(WorldView const& world, std::uint64_t name, std::uin
   Route route;
   route.end = first_receiver_end + receiver;
   route.vertices = vertices + chain.hops + 1;
-  route.other = route.vertices > world.limits.route_vertices;
-  for (std::uint32_t i = chain.hops; i-- > 0;)
+  route.other = route.vertices > world.limits.route_vertices || chain.hops > Chain::most_names;
+  for (std::uint32_t i = route.other ? 0 : chain.hops; i-- > 0;)
     name = extended(name, {std::uint32_t(chain.name[i] >> 8)}, static_cast<Event>(chain.name[i] & 0xff));
   name = extended(name, world.surfaces[world.receivers[receiver].surface.value].group, Event::receive);
   route.hash = hash_of_ends(world.lit[source].beam, route.other ? 0 : name, route.end);
   return route;
 }
-// Route of x -> z -> glass -> receiver.
+// Route of x -> z -> receiver.
 STRAY_HD Route route_through(WorldView const& world, PathState const& path, Vertex const& x, Vertex const& z,
                              Chain const& chain, std::uint32_t receiver) {
   std::uint64_t name = extended(path.route, world.surfaces[x.surface.value].group, Event::scatter);
   name = extended(name, world.surfaces[z.surface.value].group, Event::scatter);
   return route_behind(world, name, path.order + 2, path.source, chain, receiver);
 }
-// Route of z -> glass -> receiver, for light of the beam `source` on z.
+// Route of z -> receiver, for light of the beam `source` on z.
 STRAY_HD Route route_lit(WorldView const& world, std::uint32_t source, Vertex const& z, Chain const& chain,
                          std::uint32_t receiver) {
   Footprint const& beam = world.lit[source];
@@ -243,7 +245,7 @@ STRAY_HD void BasicTally<List>::score_through(PathState const& path, Vertex cons
                                               double power) {
   Route const route = route_through(*world_, path, vertex, z, chain, receiver);
   add_to_maps(path, receiver, end, route.hash, false, power);
-  add(path, route, number_through(*world_, receiver), power);
+  add(path, route, number_through(*world_, chain.ends, receiver), power);
 }
 
 template <template <class> class List>
@@ -261,8 +263,8 @@ STRAY_HD void BasicTally<List>::add(PathState const& path, Route const& route, s
     }
   if (!known) lists_.totals.push_back({route.hash, route.end, coupling});
 
-  // Numbers of sub-paths from lit surfaces may be in the thousands: they have streams of their own.
-  bool const many = number >= number_lit(*world_, 0, 0, 0);
+  // Numbers of sub-paths may be in the thousands: they have streams of their own.
+  bool const many = number >= number_through(*world_, 0, 0);
   std::uint32_t const own = many ? number << 8 : 0;
   Rng rng(seed_, path.history, path.event, static_cast<Stream>(std::uint32_t(Stream::record) + own));
   if (!many) rng.skip(number);

@@ -2,6 +2,7 @@
 #include "trace/tally/replay.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include "trace/tally/history_tally.hpp"
 #include "world/model/body.hpp"
@@ -104,7 +105,7 @@ class ReplaySink {
   }
   void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
                      std::uint32_t receiver, Vertex const& end, double power) {
-    if (found || path.event != event_ || number_ != number_through(view_, receiver)) return;
+    if (found || path.event != event_ || number_ != number_through(view_, chain.ends, receiver)) return;
     auto vertices = passed_;
     vertices.resize(path.order + 1);
     double path_length = length_[path.order];
@@ -132,6 +133,7 @@ class ReplaySink {
     end_behind(path, source, std::move(vertices), path_length, chain.hops, receiver, end, other, power);
   }
   void book(BalanceTerm, double) {}
+  bool hears(std::uint32_t event) const { return event == event_; }
 
   std::optional<ReplayedPath> found;
 
@@ -143,21 +145,33 @@ class ReplaySink {
     vertices.push_back(
         {v.surface, v.point, vertices.back().out, {}, Event::scatter, index, index, group_of(v.surface)});
   }
-  // From the last vertex by `hops` specular surfaces, found again by the sub-path, to the receiver.
+  // From the last vertex by `hops` vertices, found again by the sub-path, to the receiver.
   void end_behind(PathState const& path, std::uint32_t source, std::vector<PassedVertex> vertices, double path_length,
                   std::uint32_t hops, std::uint32_t receiver, Vertex const& end, bool other, double power) {
-    Rng rng = backward_numbers(seed_, path, receiver);
-    std::vector<std::pair<Vertex, SpecularWay>> specular;
-    backward_from(
-        view_, view_.receivers[receiver], rng,
-        [&](Vertex const& at, SpecularWay const& way) { specular.emplace_back(at, way); }, [](Backward const&) {});
-    specular.resize(hops);
+    struct Passed {
+      Vertex at;  // seen from the receiver
+      Event event;
+      bool through;
+    };
+    Rng rng = backward_numbers(seed_, path.history, receiver);
+    std::vector<Passed> passed;
+    double last_index = 1;
+    auto const sub = std::make_unique<SubPath>();
+    grow(
+        view_, view_.receivers[receiver], most_ends - 1, rng, *sub,
+        [&](Vertex const& at, Event event, bool through) {
+          passed.push_back({at, event, through});
+        },
+        [&](SubVertex const& met) {
+          if (met.hops == 0) last_index = met.at.n_in;
+        });
+    passed.resize(hops);
     Event left_by = Event::scatter;
-    for (auto at = specular.rbegin(); at != specular.rend(); ++at) {  // seen backwards: `behind` is where the light is
-      go_to(vertices, path_length, at->first, left_by, at->second.through ? at->first.n_out : at->first.n_in);
-      left_by = at->second.event();
+    for (auto p = passed.rbegin(); p != passed.rend(); ++p) {
+      go_to(vertices, path_length, p->at, left_by, p->through ? p->at.n_out : p->at.n_in);
+      left_by = p->event;
     }
-    go_to(vertices, path_length, end, left_by, specular.front().first.n_in);
+    go_to(vertices, path_length, end, left_by, last_index);
     vertices.back().event = Event::receive;
     vertices.back().out = {};
     std::uint32_t const goal = goal_of_receiver(view_, receiver);

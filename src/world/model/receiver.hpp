@@ -12,7 +12,8 @@ struct Receiver {
   SurfaceId surface;
   bool front = true, back = false;  // sides of the surface that count
   bool clear = false;               // a measuring plane: light passes, and it hides nothing
-  bool behind_glass = false;  // sub-paths through lenses and mirrors reach it (trace/step/specular_connection.hpp)
+  bool behind_glass = false;        // sees through lenses and mirrors, or is stated to do so
+  double sub_paths = 0;             // mean number per history that start here (trace/step/sub_path.hpp)
   // Mirrors and glass that sub-paths aim at, and the share of sub-paths that does; the others start by the cosine law.
   static constexpr std::uint32_t most_aims = 8;
   static constexpr double aimed_share = 0.75;

@@ -115,13 +115,15 @@ class World {
   PortId add_port(std::string name);
   void add_footprint(Footprint, Feed = {});  // its surface must exist; limits backoff to the value given
   void add_receiver(std::string name, Receiver);
-  // Whether sub-paths connect to it, and the surfaces that they aim at (at most `most_aims`).
+  // Whether it sees through glass, and the surfaces that sub-paths aim at (at most `most_aims`).
   void cover_receiver(std::uint32_t receiver, bool behind_glass, std::vector<SurfaceId> const& aims = {}) {
     Receiver& r = receivers_[receiver];
     r.behind_glass = behind_glass;
+    r.sub_paths = behind_glass ? 1 : 0;
     r.aims = 0;
     for (SurfaceId const id : aims) r.aim[r.aims++] = id;
   }
+  void set_sub_paths(std::uint32_t receiver, double mean) { receivers_[receiver].sub_paths = mean; }
   // For a receiver whose map has no stated pixels.
   void set_map_cells(std::uint32_t receiver, CellTree const& tree) {
     receivers_[receiver].nodes = storage.keep(tree.nodes());

@@ -148,7 +148,7 @@ struct DeviceWalk {
       Vertex vertex;
       if (flies) under_way = reach(*world, history, hit, vertex, tally);
       any_of_block(flies);
-      if (flies && under_way) connect_all(*world, seed, history.path, vertex, tally);
+      if (flies && under_way) connect_all(*world, seed, history, vertex, tally);
       any_of_block(flies);
       if (flies && under_way) under_way = leave(*world, seed, history, vertex, tally);
       any_of_block(flies);

@@ -39,11 +39,12 @@
 #pragma push_macro("STRAY_HD")
 #undef STRAY_HD
 #define STRAY_HD STRAY_CALLED
+#include "trace/step/balance.hpp"
 #include "trace/step/connect.hpp"
 #include "trace/step/halo_ends.hpp"
 #include "trace/step/receive.hpp"
 #include "trace/step/scatter.hpp"
-#include "trace/step/specular_connection.hpp"
+#include "trace/step/sub_path.hpp"
 #include "world/model/vertex.hpp"
 #include "world/model/view.hpp"
 #pragma pop_macro("STRAY_HD")

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Paths from both ends (docs/theory/sampling.md, eq. 1.15 to 1.19): the balance heuristic over all ways to make a path,
+// against explicit sums and against walk and connections alone.
+#include <map>
+
+#include "support/trace_received.hpp"
+#include "trace/tally/history_tally.hpp"
+#include "trace/tally/replay.hpp"
+
+namespace straytrace::testing::trace_both_ends {
+namespace {
+
+// With roulette and windows off, the balance heuristic makes every score of a path the same number, whatever strategy
+// found it: the light of the path over the sum of the densities of all strategies. Here both are products written out.
+class Explicit {
+ public:
+  Explicit(WorldView const& view, ReplayedPath const& path, std::uint32_t receiver)
+      : view_(view), path_(path.vertices), receiver_(view.receivers[receiver]) {
+    follow();
+    for (std::size_t i = 0; i < path_.size(); ++i)
+      if (path_[i].event != Event::reflect && path_[i].event != Event::transmit) scatters_.push_back(i);
+    Footprint const& beam = view.lit[path.source];
+    start_ = connection_density(beam, path_[0].point, ahead_[0].normal());
+  }
+  std::size_t scattering() const { return scatters_.size(); }
+  double light() const {
+    double product = start_;
+    for (std::size_t i = 0; i + 1 < path_.size(); ++i) {
+      Vertex const& v = ahead_[i];
+      double const n = path_[i].n_out;
+      if (path_[i].event == Event::reflect || path_[i].event == Event::transmit)
+        product *= path_[i].event == Event::reflect ? v.reflect : v.transmit;
+      else
+        product *= scatter_eval(view_.laws, *v.optic, v.wi, v.frame.to_local(path_[i].out), v.n_in, v.n_out) / (n * n);
+    }
+    return product;
+  }
+  // Of strategy t, over the product of the étendue of all legs.
+  double density(std::size_t t) const {
+    std::size_t const m = scatters_.size(), edge = m - 1 - t;  // the leg that is connected
+    double product = 1;
+    if (t < m) product *= start_ / view_.draws();
+    for (std::size_t i = 0; i + t + 1 < m; ++i)
+      if (t == 0 || i < edge) product *= forward(i);
+    if (t == 0) return product;
+    product *= receiver_density(view_, receiver_);
+    if (t > 1) product *= receiver_.sub_paths;
+    for (std::size_t i = t < m ? edge + 2 : 1; i < m; ++i) product *= backward(i);
+    if (t == m) return product;
+    std::size_t const a = scatters_[edge], b = scatters_[edge + 1];
+    if (b != a + 1) return 0;
+    if (t > 1) product *= 1 - behind_[b].reflect - behind_[b].transmit;
+    return product / geometry(a);
+  }
+  double sum(std::size_t most) const {
+    double all = 0;
+    for (std::size_t t = 0; t <= std::min(most, scatters_.size()); ++t) all += density(t);
+    return all;
+  }
+
+ private:
+  void follow() {
+    MediaStack media;
+    std::vector<MediaStack> legs;
+    for (PassedVertex const& p : path_) {
+      Vertex v = make_vertex(view_, p.surface, p.point, p.in);
+      evaluate_scattering(view_, media, {}, p.in, v);
+      media = dot(p.out, v.frame.e3) < 0 ? v.after : v.before;
+      legs.push_back(media);
+      ahead_.push_back(v);
+    }
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      Vertex v = make_vertex(view_, path_[i].surface, path_[i].point, -path_[i].out);
+      if (i + 1 < path_.size()) evaluate_scattering(view_, legs[i], {}, -path_[i].out, v);
+      behind_.push_back(v);
+    }
+  }
+  double leg(std::size_t i) const { return length(path_[i + 1].point - path_[i].point); }
+  // n^2 cos cos'/d^2 of the leg from vertex i
+  double geometry(std::size_t i) const {
+    double const n = path_[i].n_out, d = leg(i);
+    return n * n * std::fabs(dot(path_[i].out, ahead_[i].normal())) * ahead_[i + 1].cosine() / (d * d);
+  }
+  // Density per étendue of the walk from scattering vertex number i to the next one.
+  double forward(std::size_t number) const {
+    std::size_t i = scatters_[number];
+    Vertex const& v = ahead_[i];
+    Vec3 const wo = v.frame.to_local(path_[i].out);
+    double const n = path_[i].n_out, law = scatter_pdf(view_.laws, *v.optic, v.wi, wo, v.n_in, v.n_out);
+    double product = mixture_pdf(view_, v.side(), law, ahead_[i + 1].patch, leg(i), ahead_[i + 1].cosine());
+    product *= (number == 0 ? 1 : v.albedo / v.kept()) / (n * n * std::fabs(wo.z));
+    for (++i; i < scatters_[number + 1]; ++i)
+      product *= (path_[i].event == Event::reflect ? ahead_[i].reflect : ahead_[i].transmit) / ahead_[i].kept();
+    return product;
+  }
+  // Of a sub-path from there to the one before.
+  double backward(std::size_t number) const {
+    std::size_t i = scatters_[number];
+    double product = 1 / (pi * receiver_.sides());
+    if (number + 1 < scatters_.size()) {
+      Vertex const& v = behind_[i];
+      Vec3 const wo = v.frame.to_local(-path_[i].in);
+      double const n = path_[i].n_in;
+      product = v.albedo * scatter_pdf(view_.laws, *v.optic, v.wi, wo, v.n_in, v.n_out) / (n * n * std::fabs(wo.z));
+    }
+    for (--i; i > scatters_[number - 1]; --i)
+      product *= path_[i].event == Event::reflect ? behind_[i].reflect : behind_[i].transmit;
+    return product;
+  }
+
+  WorldView const& view_;
+  std::vector<PassedVertex> path_;
+  Receiver const& receiver_;
+  std::vector<Vertex> ahead_, behind_;  // for light on its way, and for light the other way
+  std::vector<std::size_t> scatters_;
+  double start_ = 0;
+};
+
+// A lamp, a plate that reflects, scatters and transmits, a mirror, a window of glass, and two receivers, one of which
+// looks through the window.
+World all_kinds(bool targets, double sub_paths, std::uint32_t orders = 12) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const black = black_optic(world), white = lambertian_optic(world, 0.6);
+  auto const add = [&](char const* name, double radius, Placement at, std::uint32_t front, std::uint32_t back) {
+    return world.add_surface(disk(0, radius, at), front, back, body, world.add_group(name));
+  };
+  SurfaceId const lamp = add("lamp", 0.2, {{0, -0.2, 0}, {0, 0, 1}}, white, black);
+  Optic half;
+  half.reflect = 0.2;
+  half.transmit = 0.1;
+  half.laws = 2;
+  half.law[0] = world.add_law(power_law(0.05, 1.5, 0.1));
+  half.law[1] = world.add_law(Lambertian{0.3});
+  std::uint32_t const plate = world.add_optic(half), mirror = mirror_optic(world, 0.7);
+  add("plate", 0.5, {{0, 0, 0.6}, unit({0.2, 0.1, -1})}, plate, plate);
+  add("wall", 0.5, {{-0.4, 0, 0.2}, {1, 0, 0}}, white, white);
+  add("mirror", 0.4, {{0.5, 0, 0.3}, unit({-1, 0, 0.1})}, mirror, black);
+  SurfaceId const chip = add("chip", 0.08, {{0.25, 0, 0.02}, {0, 0, 1}}, white, black),
+                  eye = add("eye", 0.08, {{-0.2, 0.1, 0}, {0, 0, 1}}, black, black);
+  add_plate(world, "window", 1.5, 0.05, 0.08, -0.2, 0.15);
+  world.add_surface(cylinder(0.15, 0.05, 0.08, {{-0.2, 0, 0}}), black, black, body, world.add_group("barrel"));
+  receive_on(world, "chip", chip);
+  receive_on(world, "eye", eye);
+  world.add_footprint(spot(lamp, {0, -0.2, 0}, {0, 0, -1}, Profile::gaussian, 0.15));
+  world.limits.max_order = orders;
+  world.limits.route_vertices = 12;
+  world.limits.roulette_below = 0;
+  world.limits.window = false;
+  world.finish();
+  if (targets) {
+    ImportanceSettings settings;
+    settings.window = false;
+    world.steer(make_importance(world, settings));
+  }
+  for (std::uint32_t i = 0; i < 2; ++i) world.set_sub_paths(i, sub_paths);
+  return world;
+}
+
+struct Found {
+  std::uint64_t history;
+  std::uint32_t event, number, receiver;
+  std::size_t strategy;  // t
+  double score;
+};
+struct Collect : Silent {
+  explicit Collect(WorldView const& w) : view(w) {}
+  void score(PathState const& p, Vertex const&, std::uint32_t goal, std::uint32_t number, Vertex const&, double power) {
+    if (goal >= view.lit.size)
+      all.push_back({p.history, p.event, number, goal - std::uint32_t(view.lit.size), is_hit(number) ? 0u : 1u, power});
+  }
+  void score_through(PathState const& p, Vertex const&, Vertex const&, Chain const& chain, std::uint32_t r,
+                     Vertex const&, double power) {
+    all.push_back({p.history, p.event, number_through(view, chain.ends, r), r, chain.ends + 1, power});
+  }
+  void score_lit(PathState const& p, std::uint32_t source, Vertex const&, Chain const& chain, std::uint32_t r,
+                 Vertex const&, double power) {
+    all.push_back({p.history, p.event, number_lit(view, source, chain.hops, r), r, chain.ends, power});
+  }
+  WorldView const& view;
+  std::vector<Found> all;
+};
+
+TEST(BothEnds, EveryStrategyGivesTheSameScore) {
+  for (bool const targets : {false, true})
+    for (double const sub_paths : {1.0, 0.3}) {
+      World const world = all_kinds(targets, sub_paths);
+      WorldView const view = world.view();
+      Collect found(view);
+      walk(world, 3000, found, [] {});
+      std::map<std::size_t, int> seen, specular;
+      int missed = 0;
+      for (Found const& f : found.all) {
+        auto const path = replay(SteeredWorld::as_given(world), 1, f.history, f.event, f.number);
+        ASSERT_TRUE(path.has_value());
+        ASSERT_EQ(path->coupling, f.score);
+        Explicit const by_hand(view, *path, f.receiver);
+        double const expected = by_hand.light() / by_hand.sum(most_ends);
+        EXPECT_NEAR(f.score, expected, 1e-12 * expected) << "t = " << f.strategy << " of " << by_hand.scattering();
+        ++seen[f.strategy];
+        if (by_hand.scattering() < path->vertices.size()) ++specular[f.strategy];
+        double const without = by_hand.light() / by_hand.sum(1);
+        if (std::fabs(f.score - without) > 1e-3 * f.score) ++missed;
+      }
+      for (std::size_t t = 0; t <= most_ends; ++t) EXPECT_GT(seen[t], 10) << t;
+      for (std::size_t const t : {0, 2, 3, 4}) EXPECT_GT(specular[t], 10) << t;
+      EXPECT_GT(missed, int(found.all.size()) / 2);  // control: a sum without sub-paths
+    }
+}
+
+// Sub-paths change the error, never the mean, also where only some histories have them.
+TEST(BothEnds, SameMeanAsWalkAndConnections) {
+  constexpr std::uint32_t orders = 5;
+  TraceResult const alone = run_histories(all_kinds(true, 0, orders), 1 << 19, 2),
+                    both = run_histories(all_kinds(true, 1, orders), 1 << 18, 1),
+                    some = run_histories(all_kinds(true, 0.3, orders), 1 << 18, 3);
+  for (std::size_t i = 0; i < 2; ++i) {
+    SampleMean const expected = received(alone, i);
+    expect_mean("both ends", difference(received(both, i), expected), 0, 0.15 * expected.mean);
+    expect_mean("some histories", difference(received(some, i), expected), 0, 0.15 * expected.mean);
+    expect_rejected("half as much again", difference(scaled(received(both, i), 1.5), expected), 0);
+  }
+}
+
+// A room with a lamp on its floor and, at this distance from its ceiling, a small receiver that looks along it
+// (eq. 1.19).
+double variance_below_a_ceiling(double distance, double sub_paths) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const white = lambertian_optic(world, 0.5), black = black_optic(world);
+  SurfaceId const lamp =
+      world.add_surface(disk(0, 0.1, {{0.5, 0, 0}, {0, 0, 1}}), white, black, body, world.add_group("lamp"));
+  world.add_surface(disk(0, 2, {{0, 0, 1}, {0, 0, -1}}), white, black, body, world.add_group("ceiling"));
+  world.add_surface(disk(0, 2, {{0, 0, -0.1}, {0, 0, 1}}), white, black, body, world.add_group("floor"));
+  receive_on(
+      world, "eye",
+      world.add_surface(disk(0, 2e-4, {{0, 0, 1 - distance}, {1, 0, 0}}), black, black, body, world.add_group("eye")));
+  world.add_footprint(spot(lamp, {0.5, 0, 0}, {0, 0, -1}, Profile::even, 0.1));
+  world.limits.max_order = 8;
+  world.finish();
+  world.set_sub_paths(0, sub_paths);
+  SampleMean const s = received(run_histories(world, 1 << 16));
+  return s.std_error * s.std_error / (s.mean * s.mean) * double(s.n);
+}
+TEST(BothEnds, VarianceAtShortDistance) {
+  EXPECT_LT(variance_below_a_ceiling(5e-4, 1), 2 * variance_below_a_ceiling(0.05, 1));
+  EXPECT_GT(variance_below_a_ceiling(5e-4, 0), 2 * variance_below_a_ceiling(0.05, 0));  // control
+}
+
+// Two grey discs of different size below a tilted plate and beside a mirror: what one sends to the other per area is
+// the same both ways.
+SampleMean exchanged(bool swapped, double albedo = 0.8) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const grey = lambertian_optic(world, 0.5), black = black_optic(world);
+  double const radius[] = {0.02, 0.1};
+  SurfaceId const discs[] = {
+      world.add_surface(disk(0, radius[0], {{}, {0, 0, 1}}), grey, black, body, world.add_group("one")),
+      world.add_surface(disk(0, radius[1], {{0.5, 0, 0}, {0, 0, 1}}), grey, black, body, world.add_group("two"))};
+  world.add_surface(disk(0, 1, {{0, 0, 0.5}, unit({0.2, 0.1, -1})}), lambertian_optic(world, albedo), black, body,
+                    world.add_group("plate"));
+  world.add_surface(disk(0, 1, {{0.8, 0, 0.5}, {-1, 0, 0}}), mirror_optic(world, 0.9), black, body,
+                    world.add_group("mirror"));
+  receive_on(world, "receiver", discs[swapped ? 0 : 1]);
+  Vec3 const centre = swapped ? Vec3{0.5, 0, 0} : Vec3{};
+  world.add_footprint(spot(discs[swapped ? 1 : 0], centre, {0, 0, -1}, Profile::even, radius[swapped ? 1 : 0]));
+  world.limits.max_order = 8;
+  prepare(world);
+  EXPECT_GT(world.receivers()[0].sub_paths, 0);
+  double const area = pi * 0.01 * (swapped ? 1 : 0.04);
+  return scaled(received(run_histories(world, 1 << 18)), area);
+}
+TEST(BothEnds, LampAndReceiverSwapped) {
+  SampleMean const there = exchanged(false), back = exchanged(true);
+  expect_mean("swapped", difference(there, back), 0, 0.08 * there.mean);
+  expect_rejected("a darker plate", difference(there, exchanged(true, 0.5)), 0);
+}
+
+}  // namespace
+}  // namespace straytrace::testing::trace_both_ends
