@@ -208,12 +208,10 @@ std::vector<FirstOrderList> first_order(World const& world, FirstOrderSettings c
   WorldView view = world.view();
   view.steering = tables.view();  // names the strips; without targets only the BSDF chooses directions
   view.halo = {};                 // rays alone
-  WorldView source = view;
-  source.receivers = {};  // no connections are wanted
   Batches const forward = walk_all(view, settings, [&](std::uint64_t n, PathState& path) {
     NullSink sink;
     path.history = n;
-    return view.emitters.size > 0 && emit(source, settings.seed, path, sink);
+    return view.emitters.size > 0 && emit(view, settings.seed, path, sink);
   });
   Lists const lists(world, tables, forward);
   std::vector<FirstOrderList> all;

@@ -53,7 +53,7 @@ struct History {
 //
 // A beam that starts in empty space starts on its plane along the local normal of its wavefront.
 template <class Sink>
-STRAY_HD bool emit_free(Footprint const& beam, Ray const& line, PathState& path, Sink& sink) {
+STRAY_HD void emit_free(Footprint const& beam, Ray const& line, PathState& path, Sink& sink) {
   Vertex start;  // on no surface
   start.point = line.origin + beam.backoff * beam.travel;
   path.emitted = path.power;
@@ -63,7 +63,6 @@ STRAY_HD bool emit_free(Footprint const& beam, Ray const& line, PathState& path,
   path.path_length = beam.lag(start.point);
   path.route = extended(path.route, beam.origin, Event::emit);
   sink.emitted(path, start);
-  return true;
 }
 
 // Histories of a block are dealt to sources and first targets by systematic sampling (docs/theory/sampling.md): evenly
@@ -75,12 +74,14 @@ STRAY_HD double stratum(std::uint64_t seed, std::uint64_t history, std::uint64_t
   return x < 1 ? x : x - 1;
 }
 
-// Starts a history: source, first vertex and first direction. False if no light continues.
+// Where a path is: it has ended, is at a vertex that it has to leave, or on its way to the next one.
+enum class Where : std::uint8_t { nowhere, at_vertex, in_flight };
+
+// Draws a source, and the first vertex or, from the plane of a free beam, the first ray.
 template <class Sink>
-STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, Sink& sink,
-                   SubPaths const* sub_paths = nullptr) {
+STRAY_HD Where launch(WorldView const& world, std::uint64_t seed, PathState& path, Vertex& vertex, Sink& sink) {
   auto const n = static_cast<std::uint32_t>(world.emitters.size);
-  if (n == 0) return false;  // nothing lit scatters
+  if (n == 0) return Where::nowhere;  // nothing lit scatters
   Rng rng(seed, path.history, 0, Stream::source);
   double const draws = world.draws(), place = stratum(seed, path.history, world.block_size) * draws;
   auto pick = static_cast<std::uint32_t>(place);
@@ -93,22 +94,27 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
   double const u = rng.uniform(), v = rng.uniform();
   Ray const line = lit.sample(u, v);
   Crossing const met = lit.free ? Crossing{} : world.cross(lit.surface.value, line, {});
-  if (!(met.distance < infinity)) {  // a free beam, or outside the clear aperture: that share is clipped, not scattered
-    return lit.free && emit_free(lit, line, path, sink);
+  if (lit.free) {
+    emit_free(lit, line, path, sink);
+    return Where::in_flight;
   }
+  if (!(met.distance < infinity)) return Where::nowhere;  // outside the clear aperture: clipped, not scattered
   Vec3 const point = line.origin + met.distance * line.dir;
   path.ray.dir = lit.direction(point);
-  Vertex vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);
+  vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);
   evaluate_scattering(world, path, path.ray.dir, vertex);
   path.emitted = path.power * vertex.albedo;
   if (lit.profile != Profile::point) path.trail.start = connection_density(lit, vertex.point, vertex.normal()) / draws;
   sink.emitted(path, vertex);
   if (!lit.standing && lit.returns) score_single(world, path, vertex, lit, sink);
-  connect(world, seed, path, vertex, sink);
-  connect_receivers(world, seed, path, vertex, sink);
-  if (sub_paths) connect_sub_paths(world, path, vertex, *sub_paths, sink);
-  connect_halo(world, seed, path, vertex, sink);
-  return scatter(world, seed, path, vertex, sink, true);
+  return Where::at_vertex;
+}
+// The first ray of a history, without connections at its source. False: there is none.
+template <class Sink>
+STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, Sink& sink) {
+  Vertex vertex;
+  Where const at = launch(world, seed, path, vertex, sink);
+  return at == Where::in_flight || (at == Where::at_vertex && scatter(world, seed, path, vertex, sink, true));
 }
 
 // The weight window keeps the population of paths constant (docs/theory/sampling.md): bright or important paths are
@@ -215,13 +221,14 @@ STRAY_HD void connect_all(WorldView const& world, std::uint64_t seed, History co
   connect(world, seed, path, vertex, sink);
   connect_receivers(world, seed, path, vertex, sink);
   connect_sub_paths(world, path, vertex, history.sub_paths, sink);
-  score_halo_hits(world, path, vertex, sink);
+  if (path.order > 0) score_halo_hits(world, path, vertex, sink);
   connect_halo(world, seed, path, vertex, sink);
 }
 // 3. The weight window, and the next direction. False: the path has ended.
 template <class Sink>
 STRAY_HD bool leave(WorldView const& world, std::uint64_t seed, History& history, Vertex const& vertex, Sink& sink) {
   PathState& path = history.path;
+  if (path.order == 0) return scatter(world, seed, path, vertex, sink, true);  // the source
   std::uint32_t const children = path.order == 1 ? world.limits.children : 1;
   if (children > 1) have_children(history, vertex, children);
   std::uint32_t const room = may_split(world, history) ? History::most_waiting - history.waiting : 0;
@@ -272,25 +279,30 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
   return step(world, seed, history, world.closest(history.path.ray, history.path.from), sink);
 }
 
-// Starts a history at an emitter, or where light below the crossover angle has met a surface. False: it is over.
+// Starts a history at an emitter, or where light below the crossover angle has met a surface.
 template <class Sink>
-STRAY_HD bool begin(WorldView const& world, std::uint64_t seed, History& history, Sink& sink) {
+STRAY_HD Where start(WorldView const& world, std::uint64_t seed, History& history, Vertex& vertex, Sink& sink) {
   PathState& path = history.path;
   double const n = double(world.emitters.size), draws = world.draws();
   double const place = draws > n && n > 0 ? stratum(seed, path.history, world.block_size) * draws : 0;
   if (world.both_ends) grow_sub_paths(world, seed, path, history.sub_paths, sink);
-  if (!(place > n)) return emit(world, seed, path, sink, &history.sub_paths);
+  if (!(place > n)) return launch(world, seed, path, vertex, sink);
   Rng rng(seed, path.history, 0, Stream::source);
   double const u = rng.uniform(), v = rng.uniform();
-  Vertex vertex;
-  if (!start_in_halo(world, (place - n) / (draws - n), u, v, path, vertex)) return false;
+  if (!start_in_halo(world, (place - n) / (draws - n), u, v, path, vertex)) return Where::nowhere;
   Footprint const& mode = world.lit[path.source];
   sink.emitted(path, make_vertex(world, mode.surface, mode.centre, mode.travel));
-  if (arrive(world, history, vertex, sink)) {
-    connect_all(world, seed, history, vertex, sink);
-    if (leave(world, seed, history, vertex, sink)) return true;
-  }
-  return next_path(world, seed, history, sink);
+  return arrive(world, history, vertex, sink) ? Where::at_vertex : Where::nowhere;
+}
+// Starts a history and draws its first direction. False: it is over.
+template <class Sink>
+STRAY_HD bool begin(WorldView const& world, std::uint64_t seed, History& history, Sink& sink) {
+  Vertex vertex;
+  Where const at = start(world, seed, history, vertex, sink);
+  if (at == Where::in_flight) return true;
+  if (at == Where::nowhere) return false;
+  connect_all(world, seed, history, vertex, sink);
+  return leave(world, seed, history, vertex, sink) || next_path(world, seed, history, sink);
 }
 
 template <class Sink>

@@ -134,26 +134,26 @@ struct DeviceWalk {
       if (begins) mine = next_history();
       more = mine != no_history;
       if (!any_of_block(more)) return;
-      bool under_way = more;
+      Vertex vertex;
+      Where at = more ? Where::in_flight : Where::nowhere;
       if (begins && more) {
         history.begin(number(mine));
         tally.begin(number(mine));
-        under_way = begin(*world, seed, history, tally);
+        at = start(*world, seed, history, vertex, tally);
       }
-      any_of_block(under_way);
-      bool const flies = under_way;
+      any_of_block(more);
       Hit hit;
+      bool const flies = at == Where::in_flight;
       if (flies) hit = world->closest(history.path.ray, history.path.from);
-      any_of_block(flies);
-      Vertex vertex;
-      if (flies) under_way = reach(*world, history, hit, vertex, tally);
-      any_of_block(flies);
-      if (flies && under_way) connect_all(*world, seed, history, vertex, tally);
-      any_of_block(flies);
-      if (flies && under_way) under_way = leave(*world, seed, history, vertex, tally);
-      any_of_block(flies);
-      if (flies && !under_way) under_way = next_path(*world, seed, history, tally);
-      if (!more || under_way) continue;
+      any_of_block(more);
+      if (flies) at = reach(*world, history, hit, vertex, tally) ? Where::at_vertex : Where::nowhere;
+      any_of_block(more);
+      if (at == Where::at_vertex) connect_all(*world, seed, history, vertex, tally);
+      any_of_block(more);
+      bool flies_on = at == Where::at_vertex && leave(*world, seed, history, vertex, tally);
+      any_of_block(more);
+      if (more && !flies_on) flies_on = next_path(*world, seed, history, tally);
+      if (!more || flies_on) continue;
       common.land(mine, tally);
       mine = no_history;
     }
