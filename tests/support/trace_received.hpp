@@ -18,8 +18,7 @@ inline void receive_on(World& world, char const* name, SurfaceId surface, bool f
 // As `straytrace trace` prepares it: receivers behind glass are found, targets and windows made.
 inline void prepare(World& world) {
   world.finish();
-  find_covered_receivers(world);
-  world.steer(make_importance(world));
+  steer(world);
 }
 // Power on receiver number i, relative to the main mode.
 inline SampleMean received(TraceResult const& r, std::size_t i = 0) {

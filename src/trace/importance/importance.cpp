@@ -166,6 +166,7 @@ SteeredWorld steer(World& world, unsigned threads) {
     world.steer(make_importance(world, settings));
   }
   if (world.steering().level > 0 && world.halo().emitted > 0) world.set_halo_level(halo_level(world));
+  choose_sub_paths(world);
   find_map_cells(world);
   return SteeredWorld(world);
 }

@@ -32,6 +32,9 @@ SteeredWorld steer(World&, unsigned threads = 0);
 // Gives sub-paths to receivers (trace/step/sub_path.hpp), and marks those that see part of the scene through lenses or
 // mirrors.
 void find_covered_receivers(World&);
+// Takes them from receivers whose light has a smaller error without, by a short separate run in a world with steering
+// tables. Its histories never enter results.
+void choose_sub_paths(World&);
 
 // Only the strips, each its own patch.
 SteeringTables make_strips(World const&);

@@ -85,6 +85,10 @@ STRAY_HD void pass_specular(WorldView const& world, Trail& trail, Vertex const& 
   trail.back *= ++trail.hops > most_specular_hops ? 0 : reversed_way(world, vertex, way).share;
 }
 
+struct Shares {
+  double own = 0, walk = 0;
+};
+
 // A path for the heuristic: its last scattering vertices, the receiver first.
 struct Ends {
   Link link[most_ends + 1];
@@ -109,25 +113,35 @@ struct Ends {
   STRAY_HD double taken(std::uint32_t t) const { return t == 0 ? area : link[t - 1].backward; }
   STRAY_HD double left_out(std::uint32_t t) const { return t + 1 == vertices ? start : link[t + 1].forward; }
 
-  // Share of strategy t in the sum over strategies up to `last`.
-  STRAY_HD double weight(std::uint32_t t, std::uint32_t last = most_ends) const {
+  // Of the sum over all strategies: that of strategy t, and that of the strategies without sub-paths, t = 0 and 1.
+  STRAY_HD Shares shares(std::uint32_t t) const {
     double const own = samples(t);
-    double sum = own, ratio = 1;
-    std::uint32_t const end = vertices < last ? vertices : last;
+    double sum = own, walk = t <= 1 ? own : 0, ratio = 1;
+    std::uint32_t const end = vertices < most_ends ? vertices : most_ends;
     for (std::uint32_t i = t; i < end && (i == 0 || sub_paths > 0); ++i) {
       double const over = left_out(i);
       if (!(over > 0)) break;
       ratio *= taken(i) / over;
       if (!(ratio > 0)) break;
-      sum += ratio * samples(i + 1);
+      double const one = ratio * samples(i + 1);
+      sum += one;
+      if (i == 0) walk += one;
     }
     ratio = 1;
     for (std::uint32_t i = t; i-- > 0;) {
       ratio *= left_out(i) / taken(i);
-      sum += ratio * samples(i);
+      double const one = ratio * samples(i);
+      sum += one;
+      if (i <= 1) walk += one;
     }
-    return sum > 0 ? own / sum : 0;
+    return sum > 0 ? Shares{own / sum, walk / sum} : Shares{};
   }
 };
+
+// Tells a sink that asks for it the second share of the score that follows.
+template <class Sink>
+STRAY_HD void tell_shares(Sink& sink, Shares const& shares) {
+  if constexpr (requires { sink.share_of_walk(0.0); }) sink.share_of_walk(shares.walk);
+}
 
 }  // namespace straytrace::trace

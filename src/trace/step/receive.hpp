@@ -45,17 +45,16 @@ STRAY_HD Ends ends_on(WorldView const& world, Receiver const& r, Vertex const& y
   return ends;
 }
 
-// Share of a hit of the walk.
-STRAY_HD double weight_of_hit(WorldView const& world, PathState const& path, Vertex const& y, Receiver const& r) {
+STRAY_HD Shares shares_of_hit(WorldView const& world, PathState const& path, Vertex const& y, Receiver const& r) {
   double const walk = per_area(path.hop.pdf, y.leg, y.cosine());
-  if (!(r.sub_paths > 0) || r.clear) return path.hop.pdf > 0 ? walk / (walk + receiver_density(world, r)) : 1;
-  if (path.trail.count == 0) return 1;
+  if (!(r.sub_paths > 0) || r.clear) return {path.hop.pdf > 0 ? walk / (walk + receiver_density(world, r)) : 1, 1};
+  if (path.trail.count == 0) return {1, 1};
   Ends ends = ends_on(world, r, y, path.ray.dir);
   ends.append(path.trail, 1);
   ends.start = path.trail.start;
   ends.link[0].backward *= path.trail.back;
   ends.link[0].geometry = arrival_geometry(path.hop, y);
-  return ends.weight(0);
+  return ends.shares(0);
 }
 
 template <class Sink>
@@ -64,7 +63,9 @@ STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex c
   Receiver const& r = world.receivers[receiver];
   if (!r.counts(y.front) || !(power > 0)) return;
   std::uint32_t const goal = goal_of_receiver(world, receiver);
-  sink.score(path, y, goal, arrival_number(goal), y, power * weight_of_hit(world, path, y, r));
+  Shares const shares = shares_of_hit(world, path, y, r);
+  tell_shares(sink, shares);
+  sink.score(path, y, goal, arrival_number(goal), y, power * shares.own);
 }
 
 // Light that hits a receiver: its surface, or a measuring plane that the leg crosses.
@@ -122,13 +123,13 @@ STRAY_HD void append_walk(WorldView const& world, PathState const& path, Vertex 
   ends.start = start_of(world, path, x, path.hop);
 }
 
-STRAY_HD double weight_of_connection(WorldView const& world, PathState const& path, Vertex const& vertex,
+STRAY_HD Shares shares_of_connection(WorldView const& world, PathState const& path, Vertex const& vertex,
                                      Way const& way, Vertex const& y, double walk, Receiver const& r) {
   double const density = receiver_density(world, r);
-  if (!(r.sub_paths > 0) || r.clear) return density / (density + walk);
+  if (!(r.sub_paths > 0) || r.clear) return {density / (density + walk), 1};
   Ends ends = ends_on(world, r, y, way.out);
   append_walk(world, path, vertex, way, y.cosine(), walk, 1, ends);
-  return ends.weight(1);
+  return ends.shares(1);
 }
 
 // Connection to a point drawn evenly on the receiver.
@@ -146,10 +147,13 @@ STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path,
   double const walk =
       r.clear ? walk_past(world, path, vertex, way, y) : walk_density(world, path, vertex, way, y.patch, y.cosine());
   if (walk < 0) return;
-  double const power = path.power * way.bsdf * way.kept * way.geometry(y.cosine()) *
-                       weight_of_connection(world, path, vertex, way, y, walk, r) / receiver_density(world, r);
+  Shares const shares = shares_of_connection(world, path, vertex, way, y, walk, r);
+  double const power =
+      path.power * way.bsdf * way.kept * way.geometry(y.cosine()) * shares.own / receiver_density(world, r);
   std::uint32_t const goal = goal_of_receiver(world, receiver);
-  if (power > 0) sink.score(path, vertex, goal, connection_number(goal), y, power);
+  if (!(power > 0)) return;
+  tell_shares(sink, shares);
+  sink.score(path, vertex, goal, connection_number(goal), y, power);
 }
 
 template <class Sink>

@@ -264,8 +264,10 @@ STRAY_HD void score_lit_by(WorldView const& world, PathState const& path, std::u
   ends.vertices = sub.count + 2;
   ends.start = lit.density / world.draws();
   ends.link[sub.count + 1].forward = leaving_density(world, met, z, wo, law.pdf, beam.free ? z.albedo / z.kept() : 1);
-  double const power = beam.share * lit.density * f * met.power * ends.weight(ends.vertices) / ends.sub_paths;
+  Shares const shares = ends.shares(ends.vertices);
+  double const power = beam.share * lit.density * f * met.power * shares.own / ends.sub_paths;
   if (!(power > 0)) return;
+  tell_shares(sink, shares);
   Chain chain = sub.chain;
   chain.ends = ends.vertices;
   sink.score_lit(path, source, z, chain, sub.receiver, sub.end, power);
@@ -292,9 +294,11 @@ STRAY_HD void connect_to_sub_path(WorldView const& world, PathState const& path,
   link.forward = leaving_density(world, met, z, wo, law.pdf, z.albedo / z.kept());
   link.backward = back_density(world, met.at, met.at.frame.to_local(-way.out));
   append_walk(world, path, x, way, z.cosine(), walk, i + 2, ends);
+  Shares const shares = ends.shares(i + 2);
   double const power =
-      path.power * way.bsdf * way.kept * way.geometry(z.cosine()) * f * met.power * ends.weight(i + 2) / ends.sub_paths;
+      path.power * way.bsdf * way.kept * way.geometry(z.cosine()) * f * met.power * shares.own / ends.sub_paths;
   if (!(power > 0) || blocked(world, x, way, z)) return;
+  tell_shares(sink, shares);
   if constexpr (requires(Chain const& c) { sink.score_through(path, x, z, c, 0u, z, power); })
     sink.score_through(path, x, z, sub.chain_to(i), sub.receiver, sub.end, power);
 }

@@ -203,9 +203,9 @@ class EngineBody final : public DeviceEngine {
     return world_.size() + histories_.capacity() * sizeof(HistoryRecord) + totals_.bytes() + scores_.bytes() +
            arrivals_.bytes() + cells_.bytes();
   }
-  // As long as it is a small part of the memory: sorting needs about as much again, and stacks need space.
+  // As long as it is a quarter of the memory at most: sorting needs about as much again, and stacks need space.
   void make_room(std::uint32_t short_of) {
-    if (bytes() > machine_.facts().memory / 8) return;
+    if (bytes() > machine_.facts().memory / 4) return;
     for (int i = 0; i < lists; ++i) {
       if (short_of >> i & 1) rooms_[i].most *= 2;
       if (short_of >> (shared_list + i) & 1) rooms_[i].mean *= 2;

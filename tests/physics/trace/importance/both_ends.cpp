@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Paths from both ends (docs/theory/sampling.md, eq. 1.15 to 1.19): the balance heuristic over all ways to make a path,
+// Paths from both ends (docs/theory/sampling.md, eq. 1.15 to 1.20): the balance heuristic over all ways to make a path,
 // against explicit sums and against walk and connections alone.
 #include <map>
 
@@ -224,7 +224,7 @@ TEST(BothEnds, SameMeanAsWalkAndConnections) {
 
 // A room with a lamp on its floor and, at this distance from its ceiling, a small receiver that looks along it
 // (eq. 1.19).
-double variance_below_a_ceiling(double distance, double sub_paths) {
+World below_a_ceiling(double distance) {
   World world;
   BodyId const body = world.add_body("all", {});
   std::uint32_t const white = lambertian_optic(world, 0.5), black = black_optic(world);
@@ -238,13 +238,48 @@ double variance_below_a_ceiling(double distance, double sub_paths) {
   world.add_footprint(spot(lamp, {0.5, 0, 0}, {0, 0, -1}, Profile::even, 0.1));
   world.limits.max_order = 8;
   world.finish();
-  world.set_sub_paths(0, sub_paths);
+  return world;
+}
+double relative_variance(World const& world) {
   SampleMean const s = received(run_histories(world, 1 << 16));
   return s.std_error * s.std_error / (s.mean * s.mean) * double(s.n);
+}
+double variance_below_a_ceiling(double distance, double sub_paths) {
+  World world = below_a_ceiling(distance);
+  world.set_sub_paths(0, sub_paths);
+  return relative_variance(world);
 }
 TEST(BothEnds, VarianceAtShortDistance) {
   EXPECT_LT(variance_below_a_ceiling(5e-4, 1), 2 * variance_below_a_ceiling(0.05, 1));
   EXPECT_GT(variance_below_a_ceiling(5e-4, 0), 2 * variance_below_a_ceiling(0.05, 0));  // control
+}
+
+// Two facing discs: connections find all light of first order, each with almost the same score. Without the choice of
+// eq. 1.20 the division among strategies makes the error many times larger; a receiver near a ceiling keeps its
+// sub-paths.
+World facing_discs() {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const white = lambertian_optic(world, 0.9), black = black_optic(world);
+  SurfaceId const lamp = world.add_surface(disk(0, 0.1, {{}, {0, 0, 1}}), white, black, body, world.add_group("lamp"));
+  receive_on(world, "eye",
+             world.add_surface(disk(0, 0.1, {{0, 0, 1}, {0, 0, -1}}), black, black, body, world.add_group("eye")));
+  world.add_footprint(spot(lamp, {}, {0, 0, -1}, Profile::even, 0.1));
+  world.limits.max_order = 4;
+  world.finish();
+  return world;
+}
+TEST(BothEnds, LightThatConnectionsFindKeepsItsError) {
+  World chosen = facing_discs(), forced = facing_discs(), alone = facing_discs();
+  for (World* world : {&chosen, &forced, &alone}) steer(*world);
+  EXPECT_EQ(chosen.receivers()[0].sub_paths, 0);
+  forced.set_sub_paths(0, 1);
+  alone.set_sub_paths(0, 0);
+  EXPECT_LT(relative_variance(chosen), 1.1 * relative_variance(alone));
+  EXPECT_GT(relative_variance(forced), 1.5 * relative_variance(alone));  // control
+  World near_ceiling = below_a_ceiling(5e-4);
+  steer(near_ceiling);
+  EXPECT_EQ(near_ceiling.receivers()[0].sub_paths, 1);
 }
 
 // Two grey discs of different size below a tilted plate and beside a mirror: what one sends to the other per area is
