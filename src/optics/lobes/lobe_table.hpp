@@ -172,9 +172,10 @@ struct LobeTable {
     return high - edge2[i];
   }
   STRAY_HD double density(double const* row, int i, Vec3 wi, Vec3 wo, Arc const& arc) const {  // 1/sr
-    if (!(arc.half > 0)) return 0;
+    double const area = ring_area(wi, i);  // 0: at the horizon, which rounding has put into the ring beyond it
+    if (!(arc.half > 0 && area > 0)) return 0;
     ArcDensity const azimuth = Rings::azimuth_density(arc, wo.z);
-    return 2 * (row[i + 1] - row[i]) * azimuth.above * Rings::per_steradian(wo) / (ring_area(wi, i) * azimuth.below);
+    return 2 * (row[i + 1] - row[i]) * azimuth.above * Rings::per_steradian(wo) / (area * azimuth.below);
   }
   STRAY_HD int ring_of(double r2) const {
     std::int64_t const i = static_cast<std::int64_t>(bits_of(r2) >> dropped) - before;

@@ -159,6 +159,18 @@ double worst_albedo(Law const& law, double factor) {
   return worst;
 }
 
+// Where rounding decides on which side of an edge of the tables a direction at the horizon lies.
+TYPED_TEST(ScatterLaw, is_finite_at_the_horizon) {
+  for (TypeParam const& law : instances<TypeParam>())
+    for (Vec3 const wi : {Vec3{0, 0, 1}, Vec3{0, 0, 1 + 0x1p-52}, Vec3{1e-9, 0, 1}, Vec3{1, 0, 1e-9}})
+      for (double height = 1e-18; height < 1e-5; height *= 1.3)
+        for (Vec3 const along : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0.6, 0.8, 0}}) {
+          auto const [value, pdf] = both_of(law, wi, along + Vec3{0, 0, height});
+          EXPECT_TRUE(std::isfinite(value) && value >= 0) << height;
+          EXPECT_TRUE(std::isfinite(pdf) && pdf >= 0) << height;
+        }
+}
+
 TYPED_TEST(ScatterLaw, albedo_is_the_integral_of_eval_cos) {
   for (TypeParam const& law : instances<TypeParam>()) {
     EXPECT_LT(worst_albedo(law, 1), 2e-3);

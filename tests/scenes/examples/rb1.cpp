@@ -125,7 +125,7 @@ TEST(EndBenchRb1, SplitterToCamera) {
   Folder const folder;
   std::string const scene = changed_bench(folder, "rb1.yaml", "lit: yes", "lit: {only: BS1/plate}");
   write_text(scene, text_of(scene) + "receivers: {CAM1: {on: CAM1, side: front}}\n");
-  RunFile const run = traced_in(folder, "a.h5", {scene, "--histories", "131072"});
+  RunFile const run = traced_in(folder, "a.h5", {scene, "--histories", "1048576"});
   double const a = 5e-3, d = std::hypot(0.25, 0.1), cosine = 0.35 / std::sqrt(2) / d;
   double const share = splitter_tis * a * a * cosine / (d * d + a * a);
   expect_coupling(run, "BS1/plate·S > CAM1·D", share, 1e-3);
