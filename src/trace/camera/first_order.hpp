@@ -7,7 +7,7 @@
 
 #include "base/math/rng.hpp"
 #include "trace/run/trace.hpp"
-#include "trace/step/scatter.hpp"
+#include "trace/step/step.hpp"
 
 namespace straytrace::trace {
 
@@ -20,16 +20,6 @@ std::vector<Ending> endings_of(WorldView const&);
 
 // Backward walks have numbers of their own, away from those of histories.
 constexpr std::uint64_t first_backward_history = std::uint64_t{1} << 62;
-
-struct NullSink {
-  template <class... T>
-  void emitted(T const&...) {}
-  template <class... T>
-  void visit(T const&...) {}
-  template <class... T>
-  void score(T const&...) {}
-  void book(BalanceTerm, double) {}
-};
 
 // Follows a path that has been started, as long as it meets specular surfaces; calls `visit(path, vertex)` for each
 // surface reached, with path.power there. Scattered light ends. Calls `escaped(path.power)` for light that escapes.

@@ -62,15 +62,10 @@ constexpr std::uint64_t first_of_maps = 3ull << 62, histories = 1 << 14;
 constexpr double most_arrivals_in_cell = 12;
 constexpr std::size_t most_cells = 512, most_arrivals = 1 << 17;
 
-class ArrivalSink {
+class ArrivalSink : public NullSink {
  public:
   explicit ArrivalSink(WorldView const& view) : view_(view), places_(view.receivers.size) {}
 
-  template <class... T>
-  void emitted(T const&...) {}
-  template <class... T>
-  void visit(T const&...) {}
-  void book(BalanceTerm, double) {}
   void score(PathState const&, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const& y, double power) {
     if (goal >= view_.lit.size) add(goal - std::uint32_t(view_.lit.size), y, power);
   }

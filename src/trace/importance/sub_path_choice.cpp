@@ -22,15 +22,10 @@ struct Scores {
   double without = 0;  // squares of the scores over the share of the walk (eq. 1.20)
 };
 
-class ChoiceSink {
+class ChoiceSink : public NullSink {
  public:
   explicit ChoiceSink(WorldView const& view) : view_(view), scores_(view.receivers.size) {}
 
-  template <class... T>
-  void emitted(T const&...) {}
-  template <class... T>
-  void visit(T const&...) {}
-  void book(BalanceTerm, double) {}
   void share_of_walk(double share) { share_ = share; }
   void score(PathState const&, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const&, double power) {
     if (goal >= view_.lit.size) add(goal - std::uint32_t(view_.lit.size), power);

@@ -25,6 +25,17 @@
 
 namespace straytrace::trace {
 
+// Hears nothing; a base of those that hear little.
+struct NullSink {
+  template <class... T>
+  void emitted(T const&...) {}
+  template <class... T>
+  void visit(T const&...) {}
+  template <class... T>
+  void score(T const&...) {}
+  void book(BalanceTerm, double) {}
+};
+
 // One history: its path and the waiting siblings, depth first.
 struct History {
   static constexpr std::uint32_t most_waiting = 16;
