@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A message is a line of words, followed by sums. To rank 0: "ask" (for data), "hello" (ready for work), "here" (still
-// running), "sums", "failed". From rank 0: "data", "do FIRST END", "halt" (end the blocks in progress), "home" (the job
-// is over).
+// running), "sums FIRST END" (the answer to each "do"), "failed". From rank 0: "data", "do FIRST END" (one after the
+// other), "halt" (end the blocks in progress, start no more), "home" (the job is over).
 #include "trace/run/ranks.hpp"
 
 #include <fmt/format.h>
@@ -17,21 +17,27 @@
 namespace straytrace::trace {
 namespace {
 
-// A rank gets blocks for this time, so that messages cost little and the loss of a rank costs little; near the end it
-// gets a share of the remaining blocks, so that all ranks end together.
-constexpr double seconds_of_work = 10, share_of_rest = 0.7;
+// A rank has the next order before it has done the last one, so that it never waits. An order is for this time, so that
+// messages cost little and the loss of a rank costs little; near the end it is a share of the remaining blocks, so that
+// all ranks end together.
+constexpr std::size_t most_orders = 2;
+constexpr double seconds_of_work = 10, share_of_rest = 0.5;
 constexpr double seconds_of_patience = 20;     // for the blocks in progress of a rank that must stop
 constexpr double signs_of_life = 10;           // messages within the patience of rank 0
 constexpr std::size_t longest_failure = 2000;  // bytes; short messages do not wait for their receiver
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-struct Order {
+struct Words {
   std::string word, rest;
+  BlockRange blocks;
 };
-Order order_in(std::string const& bytes) {
+Words words_of(std::string const& bytes) {
   std::size_t const end = std::min(bytes.find('\n'), bytes.size());
-  return {bytes.substr(0, end), end < bytes.size() ? bytes.substr(end + 1) : ""};
+  Words words;
+  words.rest = end < bytes.size() ? bytes.substr(end + 1) : "";
+  std::istringstream(bytes.substr(0, end)) >> words.word >> words.blocks.first >> words.blocks.end;
+  return words;
 }
 
 }  // namespace
@@ -41,13 +47,13 @@ void stop_workers(Transport& transport) {
 }
 
 bool RankScheduler::idle() const {
-  return std::ranges::none_of(members_, [](Member const& m) { return m.busy.has_value(); });
+  return std::ranges::none_of(members_, [](Member const& m) { return !m.orders.empty(); });
 }
 
 void RankScheduler::take(Transport::Message const& message, BlockQueue& block_queue,
                          std::function<void(SumTree)> const& add) {
   Member& member = members_[std::size_t(message.from)];
-  auto const [word, rest] = order_in(message.bytes);
+  auto const [word, rest, blocks] = words_of(message.bytes);
   member.heard = now();
   if (word == "here") return;
   if (word == "failed") throw NumericalError(fmt::format("rank {} has failed: {}", message.from, rest));
@@ -59,27 +65,32 @@ void RankScheduler::take(Transport::Message const& message, BlockQueue& block_qu
     member.ready = true;
     return;
   }
-  if (!member.busy) {  // lost: others have its blocks
+  if (member.orders.empty() || member.orders.front() != blocks) {  // lost: others have them
     member.ready = true;
     return;
   }
-  SumTree done = ranks_.unpack(rest);
-  std::vector<BlockRange> const left = done.missing(*member.busy);
-  double blocks = double(member.busy->size());
-  for (BlockRange const& range : left) {  // stopped by another cause
+  add_sums(member, block_queue, ranks_.unpack(rest), add);
+}
+
+void RankScheduler::add_sums(Member& member, BlockQueue& block_queue, SumTree done,
+                             std::function<void(SumTree)> const& add) {
+  BlockRange const order = member.orders.front();
+  member.orders.pop_front();
+  double blocks = double(order.size());
+  for (BlockRange const& range : done.missing(order)) {  // stopped by another cause
     block_queue.give_back(range);
     blocks -= double(range.size());
     member.ready = false;
   }
   member.blocks_per_s = blocks / std::max(now() - member.started, 1e-3);
-  member.busy.reset();
+  member.started = now();
   add(std::move(done));
 }
 
 void RankScheduler::give_up(int rank, BlockQueue& block_queue) {
   Member& member = members_[std::size_t(rank)];
-  block_queue.give_back(*member.busy);
-  member.busy.reset();
+  for (BlockRange const& order : member.orders) block_queue.give_back(order);
+  member.orders.clear();
   member.ready = false;
   ranks_.transport.lost(rank);
 }
@@ -90,9 +101,9 @@ void RankScheduler::stop() {
   bool const too_late = now() - stopped_at_ > seconds_of_patience;
   for (int rank = 1; rank < int(members_.size()); ++rank) {
     Member& m = members_[std::size_t(rank)];
-    if (m.busy && !m.halted) ranks_.transport.send(rank, "halt");
+    if (!m.orders.empty() && !m.halted) ranks_.transport.send(rank, "halt");
     m.halted = true;
-    if (too_late) m.busy.reset();
+    if (too_late) m.orders.clear();
   }
 }
 
@@ -101,41 +112,50 @@ void RankScheduler::serve(BlockQueue& block_queue, bool stop, std::function<void
   if (stop) return this->stop();
   for (int rank = 1; rank < int(members_.size()); ++rank) {
     Member& m = members_[std::size_t(rank)];
-    if (m.busy && now() - m.heard > ranks_.patience) give_up(rank, block_queue);
-    if (!m.ready || m.busy) continue;
-    double const rest = share_of_rest * double(block_queue.left()) / double(members_.size());
-    m.busy = block_queue.take(std::uint64_t(std::max(std::min(rest, seconds_of_work * m.blocks_per_s), 1.0)));
-    if (!m.busy) continue;
-    m.started = m.heard = now();
-    ranks_.transport.send(rank, fmt::format("do {} {}", m.busy->first, m.busy->end));
+    if (!m.orders.empty() && now() - m.heard > ranks_.patience) give_up(rank, block_queue);
+    while (m.ready && m.orders.size() < most_orders) {
+      double const rest = share_of_rest * double(block_queue.left()) / double(members_.size());
+      auto const order = block_queue.take_node(std::uint64_t(std::min(rest, seconds_of_work * m.blocks_per_s)));
+      if (!order) break;
+      m.heard = now();
+      if (m.orders.empty()) m.started = m.heard;
+      m.orders.push_back(*order);
+      ranks_.transport.send(rank, fmt::format("do {} {}", order->first, order->end));
+    }
   }
 }
 
 namespace {
 
-// Listens to rank 0 while its blocks are run.
+// What a rank hears from rank 0, also while its blocks are run.
 class Listener final : public RemoteWorkers {
  public:
-  Listener(Ranks const& ranks, std::atomic<bool>& halt, std::atomic<bool> const* stop)
-      : transport_(ranks.transport), between_signs_(ranks.patience / signs_of_life), halt_(halt), stop_(stop) {}
-  void serve(BlockQueue&, bool, std::function<void(SumTree)> const&) override {
-    if (stop_ && *stop_) halt_ = true;
-    if (now() - last_sign_ > between_signs_) {
-      transport_.send(0, "here");
-      last_sign_ = now();
-    }
+  Listener(Ranks const& ranks, std::atomic<bool> const* stop)
+      : transport_(ranks.transport), between_signs_(ranks.patience / signs_of_life), stop_(stop) {}
+  void listen() {
+    if (stop_ && *stop_) halt = true;
     while (auto const message = transport_.receive()) {
-      halt_ = true;
-      if (message->bytes == "home") job_over = true;
+      auto const [word, rest, blocks] = words_of(message->bytes);
+      if (word == "do") orders.push_back(blocks);
+      if (word == "halt" || word == "home") halt = true;
+      if (word == "home") job_over = true;
     }
   }
+  void serve(BlockQueue&, bool, std::function<void(SumTree)> const&) override {
+    listen();
+    if (now() - last_sign_ < between_signs_) return;
+    transport_.send(0, "here");
+    last_sign_ = now();
+  }
   bool idle() const override { return true; }
+
+  std::deque<BlockRange> orders;
+  std::atomic<bool> halt = false;
   bool job_over = false;
 
  private:
   Transport& transport_;
   double between_signs_, last_sign_ = now();  // s
-  std::atomic<bool>& halt_;
   std::atomic<bool> const* stop_;
 };
 
@@ -149,7 +169,7 @@ std::optional<std::string> data_of_rank_0(Ranks const& ranks) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       continue;
     }
-    auto [word, rest] = order_in(message->bytes);
+    auto [word, rest, blocks] = words_of(message->bytes);
     if (word == "home") return {};
     if (word == "data") return std::move(rest);
   }
@@ -158,28 +178,22 @@ std::optional<std::string> data_of_rank_0(Ranks const& ranks) {
 void work_for_rank_0(SteeredWorld const& world, TraceSettings const& settings, Backend const& backend,
                      Ranks const& ranks) {
   ranks.transport.send(0, "hello\n" + ranks.identity);
-  for (;;) {
-    auto const message = ranks.transport.receive();
-    if (!message) {
+  Listener listener(ranks, settings.stop);
+  TraceSettings mine;
+  mine.seed = settings.seed;
+  mine.threads = settings.threads;
+  mine.stop = &listener.halt;
+  for (listener.listen(); !listener.job_over; listener.listen()) {
+    if (listener.orders.empty()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       continue;
     }
-    std::istringstream words(message->bytes);
-    std::string word;
-    BlockRange range;
-    words >> word >> range.first >> range.end;
-    if (word == "home") return;
-    if (word != "do") continue;  // "halt" after the blocks were done
-    std::atomic<bool> halt = false;
-    TraceSettings mine;
-    mine.seed = settings.seed;
-    mine.threads = settings.threads;
-    mine.stop = &halt;
-    Listener listener(ranks, halt, settings.stop);
+    BlockRange const order = listener.orders.front();
+    listener.orders.pop_front();
     Runner runner(world, mine, backend, {});
-    runner.run(range, &listener);
-    if (listener.job_over) return;
-    ranks.transport.send(0, "sums\n" + ranks.pack(runner.tree()));
+    runner.run(order, &listener);
+    if (!listener.job_over)
+      ranks.transport.send(0, fmt::format("sums {} {}\n", order.first, order.end) + ranks.pack(runner.tree()));
   }
 }
 

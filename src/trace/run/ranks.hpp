@@ -3,6 +3,7 @@
 // depend on which rank runs a block, because sums meet on the nodes of the tree over block numbers (trace/result.hpp).
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -58,9 +59,11 @@ class RankScheduler final : public RemoteWorkers {
  private:
   struct Member {
     bool ready = false, halted = false;  // halted: must stop
-    std::optional<BlockRange> busy;
-    double started = 0, heard = 0, blocks_per_s = 0;  // s, of a steady clock; heard: its last message
+    std::deque<BlockRange> orders;       // the first one in progress
+    double started = 0, heard = 0;       // s, of a steady clock: the first of its orders, its last message
+    double blocks_per_s = 0;
   };
+  void add_sums(Member&, BlockQueue&, SumTree, std::function<void(SumTree)> const& add);
   void take(Transport::Message const&, BlockQueue&, std::function<void(SumTree)> const& add);
   void give_up(int rank, BlockQueue&);
   void stop();

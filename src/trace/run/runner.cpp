@@ -70,11 +70,11 @@ bool Runner::run(BlockRange range, RemoteWorkers* remote) {
 
 void Runner::work(BlockQueue& block_queue) {
   while (!interrupted() && !out_of_time()) {
-    auto const taken = block_queue.take(1);
-    if (!taken) return;
-    BlockSums sums = backend_.run_block(world_, settings_.seed, taken->first);
-    sum_phase_sensitivities(world_, settings_.seed, taken->first % replica_count, sums);
-    add(0, taken->first, std::move(sums));
+    std::optional<std::uint64_t> const block = block_queue.take();
+    if (!block) return;
+    BlockSums sums = backend_.run_block(world_, settings_.seed, *block);
+    sum_phase_sensitivities(world_, settings_.seed, *block % replica_count, sums);
+    add(0, *block, std::move(sums));
   }
 }
 

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -20,24 +22,38 @@ namespace straytrace::trace {
 // Blocks still to be run, in ascending order; blocks given back come first. Used by several threads at once.
 class BlockQueue {
  public:
-  explicit BlockQueue(std::vector<BlockRange> missing) : missing_(std::move(missing)) {
+  explicit BlockQueue(std::vector<BlockRange> const& missing) : missing_(missing.begin(), missing.end()) {
     for (BlockRange const& range : missing_) left_ += range.size();
   }
-  // The next blocks, at most `most`; none when all have been taken.
-  std::optional<BlockRange> take(std::uint64_t most) {
+  // The next block; none when all have been taken.
+  std::optional<std::uint64_t> take() {
     std::scoped_lock const lock(mutex_);
     if (left_ == 0) return {};
-    BlockRange& range = missing_[next_];
-    BlockRange const taken{range.first, range.first + std::min(most, range.size())};
-    left_ -= taken.size();
-    range.first = taken.end;
-    if (range.size() == 0) ++next_;
-    return taken;
+    --left_;
+    std::uint64_t const block = missing_.front().first++;
+    if (missing_.front().size() == 0) missing_.pop_front();
+    return block;
+  }
+  // The next range of at most `most` blocks that is a node of the sum tree; the blocks before it stay.
+  std::optional<BlockRange> take_node(std::uint64_t most) {
+    std::scoped_lock const lock(mutex_);
+    for (std::uint64_t size = std::bit_floor(std::max<std::uint64_t>(most, 1)); left_ > 0; size /= 2)
+      for (auto at = missing_.begin(); at != missing_.end(); ++at) {
+        std::uint64_t const first = (at->first + size - 1) / size * size, end = first + size;
+        if (end > at->end) continue;
+        BlockRange const before{at->first, first};
+        at->first = end;
+        if (at->size() == 0) at = missing_.erase(at);
+        if (before.size() > 0) missing_.insert(at, before);
+        left_ -= size;
+        return BlockRange{first, end};
+      }
+    return {};
   }
   // Returns blocks that were taken but not run.
   void give_back(BlockRange range) {
     std::scoped_lock const lock(mutex_);
-    missing_.insert(missing_.begin() + std::ptrdiff_t(next_), range);
+    missing_.push_front(range);
     left_ += range.size();
   }
   std::uint64_t left() const {
@@ -46,18 +62,15 @@ class BlockQueue {
   }
   void end() {  // drops all remaining blocks
     std::scoped_lock const lock(mutex_);
-    next_ = missing_.size();
+    missing_.clear();
     left_ = 0;
   }
 
  private:
   mutable std::mutex mutex_;
-  std::vector<BlockRange> missing_;
-  std::size_t next_ = 0;
+  std::deque<BlockRange> missing_;  // none of them empty
   std::uint64_t left_ = 0;
 };
-
-// Runs blocks on threads and adds the sums of blocks run elsewhere.
 
 // Other processes that run blocks of the same queue; called by the thread that called Runner::run.
 class RemoteWorkers {

@@ -181,7 +181,7 @@ TEST(Ranks, OneMayFallSilent) {
     World const world = two_plates();
     auto const cpu = make_backend("cpu");
     Ranks const ranks{here, "same", packed, unpacked, 0.2};
-    if (comes_back) here.said_late = "sums\n" + packed(one.tree);
+    if (comes_back) here.said_late = "sums 0 40\n" + packed(one.tree);
     there.send(0, "hello\nsame");
     TraceSettings settings = settings_for(1);
     settings.ranks = &ranks;

@@ -42,16 +42,23 @@ TEST(Slices, TreesListTheirBlocks) {
   EXPECT_EQ(tree.missing({3, 3}), std::vector<BlockRange>{});
 }
 
+// Threads take single blocks; ranks take nodes of the sum tree, not far ahead, so that a run that is stopped has few
+// gaps.
 TEST(Slices, QueueGivesEachBlockOnce) {
-  BlockQueue block_queue({{3, 5}, {8, 12}});
-  EXPECT_EQ(block_queue.take(1), (BlockRange{3, 4}));
-  EXPECT_EQ(block_queue.take(9), (BlockRange{4, 5}));
-  EXPECT_EQ(block_queue.take(3), (BlockRange{8, 11}));
+  BlockQueue block_queue({{3, 5}, {8, 23}});
+  EXPECT_EQ(block_queue.take(), 3u);
+  EXPECT_EQ(block_queue.take_node(7), (BlockRange{8, 12}));
+  EXPECT_EQ(block_queue.take_node(7), (BlockRange{12, 16}));
+  EXPECT_EQ(block_queue.take_node(9), (BlockRange{16, 20}));
   block_queue.give_back({9, 11});
-  EXPECT_EQ(block_queue.left(), 3u);
-  EXPECT_EQ(block_queue.take(9), (BlockRange{9, 11}));
-  EXPECT_EQ(block_queue.take(9), (BlockRange{11, 12}));
-  EXPECT_FALSE(block_queue.take(1));
+  EXPECT_EQ(block_queue.left(), 6u);
+  EXPECT_EQ(block_queue.take_node(2), (BlockRange{20, 22}));
+  EXPECT_EQ(block_queue.take_node(2), (BlockRange{9, 10}));
+  EXPECT_EQ(block_queue.take(), 10u);
+  EXPECT_EQ(block_queue.take_node(0), (BlockRange{4, 5}));
+  EXPECT_EQ(block_queue.take(), 22u);
+  EXPECT_FALSE(block_queue.take());
+  EXPECT_FALSE(block_queue.take_node(1));
 }
 
 // Replicas are numbers of blocks modulo 32 (noise bands by jackknife): those of a run with gaps are counted, not those
