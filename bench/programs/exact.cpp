@@ -8,6 +8,7 @@
 
 #include "scenes.hpp"
 #include "support/exact_tube.hpp"
+#include "support/mesh_shapes.hpp"
 
 namespace straytrace::bench {
 namespace {
@@ -79,7 +80,7 @@ bool check_mesh(long long bounces) {
         return second.closest(r, {from.surface, last - from.piece}).distance;
       },
       [&](Ray const& r, Departure const& from) {
-        Crossing const c = mesh.crossing_by_force(r, from.piece);
+        Crossing const c = testing::crossing_by_force(mesh, r, from.piece);
         return Hit{{0}, c.distance, c.piece};
       });
 }

@@ -44,10 +44,11 @@ struct Footprint {
   std::uint32_t beam = 0;   // footprints of one beam are visited by one and the same main mode
   bool standing = false;    // standing wave of a cavity: its own mirror image is the mode itself
   bool emits = true, receives = true;
-  bool returns = true;  // light scattered straight back into this mode counts; on a mirror of a cavity it is
-                        // the mode itself
-  bool free = false;    // a beam that starts in empty space: it touches no surface until it meets one
-  GroupId origin;       // name of a free beam in routes
+  double sub_paths = 0;  // mean number per history that start in the reversed mode (trace/step/sub_path.hpp)
+  bool returns = true;   // light scattered straight back into this mode counts; on a mirror of a cavity it is
+                         // the mode itself
+  bool free = false;     // a beam that starts in empty space: it touches no surface until it meets one
+  GroupId origin;        // name of a free beam in routes
   optics::Polarisation polarisation;  // of the incoming wave
 
   STRAY_HD Vec3 offset(Vec3 p) const {  // of p from the chief ray, across it, m

@@ -52,28 +52,21 @@ class TellingSink {
   void visit(PathState const& path, Vertex const& v) { add("arrive", path, v, path.power); }
   void score(PathState const& path, Vertex const& v, std::uint32_t goal, std::uint32_t, Vertex const& y,
              double coupling) {
-    bool const port = goal < view_.lit.size;
-    add(port ? "rejoin" : "receive", path, v, coupling);
+    add_score(path, v, goal, coupling);
     if (y.surface.valid()) place(events.back(), y);
-    if (port && view_.lit[goal].port.valid())
-      events.back().where = world_.ports()[view_.lit[goal].port.value];
-    else if (!port)
-      events.back().where = world_.receiver_names().at(goal - view_.lit.size);
   }
   void score_halo(PathState const& path, Vertex const&, Vertex const& y, std::uint32_t source, bool, double coupling) {
     add("rejoin", path, y, coupling);
     PortId const port = view_.lit[view_.halo.sources[source].footprint].port;
     if (port.valid()) events.back().where = world_.ports()[port.value];
   }
-  void score_through(PathState const& path, Vertex const& v, Vertex const&, Chain const&, std::uint32_t receiver,
+  void score_through(PathState const& path, Vertex const& v, Vertex const&, Chain const&, std::uint32_t goal,
                      Vertex const&, double power) {
-    add("receive", path, v, power);
-    events.back().where = world_.receiver_names().at(receiver);
+    add_score(path, v, goal, power);
   }
-  void score_lit(PathState const& path, std::uint32_t, Vertex const& z, Chain const&, std::uint32_t receiver,
-                 Vertex const&, double power) {
-    add("receive", path, z, power);
-    events.back().where = world_.receiver_names().at(receiver);
+  void score_lit(PathState const& path, std::uint32_t, Vertex const& z, Chain const&, std::uint32_t goal, Vertex const&,
+                 double power) {
+    add_score(path, z, goal, power);
   }
   void book(BalanceTerm balance_term, double power) {
     if (power == 0) return;
@@ -96,6 +89,16 @@ class TellingSink {
     HistoryEvent t{what, path.event, path.order, "", "", v.point, power};
     if (v.surface.valid()) place(t, v);
     events.push_back(t);
+  }
+  void add_score(PathState const& path, Vertex const& v, std::uint32_t goal, double power) {
+    if (is_receiver(view_, goal)) {
+      add("receive", path, v, power);
+      events.back().where = world_.receiver_names().at(place_of(view_, goal));
+      return;
+    }
+    add("rejoin", path, v, power);
+    PortId const port = view_.lit[goal].port;
+    if (port.valid()) events.back().where = world_.ports()[port.value];
   }
   World const& world_;
   WorldView const& view_;

@@ -27,6 +27,15 @@ inline TriangleMesh mesh_of(Soup const& soup, Pose const& pose, double unit = 1)
   return mesh;
 }
 
+// The crossing found by testing every triangle.
+inline Crossing crossing_by_force(TriangleMesh const& mesh, Ray const& ray, std::uint32_t leaving) {
+  Ray const local = mesh.in_file(ray);
+  TriangleMesh::Search search(mesh, local.origin, local.dir, ray.t_max, leaving);
+  for (std::uint32_t i = 0; i < mesh.content.triangles.size; ++i)
+    search.try_triangle(i, mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2));
+  return search.result();
+}
+
 // About a unit sphere, with bumps; `rings` rings and twice as many sectors.
 inline Soup bumpy(int rings, double bump) {
   Soup s;

@@ -28,9 +28,9 @@ class PilotSink {
     bool const arrived = goal >= view_.lit.size && is_hit(number);
     for (std::uint32_t i = 0; i + (arrived ? 1 : 0) < path.order; ++i) sums_.scored[goal][passed_[i]] += coupling;
   }
-  void score_through(PathState const& path, Vertex const& vertex, Vertex const&, Chain const&, std::uint32_t receiver,
+  void score_through(PathState const& path, Vertex const& vertex, Vertex const&, Chain const&, std::uint32_t goal,
                      Vertex const& end, double power) {
-    score(path, vertex, goal_of_receiver(view_, receiver), connection_number(0), end, power);
+    score(path, vertex, goal, connection_number(0), end, power);
   }
   void book(BalanceTerm, double) {}
 
@@ -67,22 +67,23 @@ class ArrivalSink : public NullSink {
   explicit ArrivalSink(WorldView const& view) : view_(view), places_(view.receivers.size) {}
 
   void score(PathState const&, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const& y, double power) {
-    if (goal >= view_.lit.size) add(goal - std::uint32_t(view_.lit.size), y, power);
+    add(goal, y, power);
   }
-  void score_through(PathState const&, Vertex const&, Vertex const&, Chain const&, std::uint32_t receiver,
+  void score_through(PathState const&, Vertex const&, Vertex const&, Chain const&, std::uint32_t goal,
                      Vertex const& end, double power) {
-    add(receiver, end, power);
+    add(goal, end, power);
   }
-  void score_lit(PathState const&, std::uint32_t, Vertex const&, Chain const&, std::uint32_t receiver,
-                 Vertex const& end, double power) {
-    add(receiver, end, power);
+  void score_lit(PathState const&, std::uint32_t, Vertex const&, Chain const&, std::uint32_t goal, Vertex const& end,
+                 double power) {
+    add(goal, end, power);
   }
   std::vector<WeightedPlace> const& places(std::uint32_t receiver) const { return places_[receiver]; }
 
  private:
-  void add(std::uint32_t receiver, Vertex const& y, double power) {
-    Receiver const& r = view_.receivers[receiver];
-    std::vector<WeightedPlace>& all = places_[receiver];
+  void add(std::uint32_t goal, Vertex const& y, double power) {
+    if (!is_receiver(view_, goal)) return;
+    Receiver const& r = receiver_of(view_, goal);
+    std::vector<WeightedPlace>& all = places_[place_of(view_, goal)];
     if (!r.by_light || !(power > 0) || all.size() >= most_arrivals) return;
     MapPlace const p = place_in(r.chart, r.frame.local_point(y.point));
     if (r.inside(p)) all.push_back({p});

@@ -51,12 +51,17 @@ class Trials {
   // Of `tries` started as `r` says; only those that met `first` first, when it is given.
   Found found(Receiver const& r, std::uint64_t tries, SurfaceId first = {}) const {
     Found sum;
+    WorldView world = world_;
+    std::vector<Receiver> receivers(world_.receivers.data, world_.receivers.data + world_.receivers.size);
+    receivers[receiver_] = r;
+    world.receivers = {receivers.data(), receivers.size()};
+    sub_->goal = goal_of_receiver(world, receiver_);
     for (std::uint64_t n = 0; n < tries; ++n) {
-      Rng rng = backward_numbers(0, n, receiver_);
+      Rng rng = backward_numbers(world, 0, n, sub_->goal);
       SurfaceId passed;
       bool lit = false;
       grow(
-          world_, r, 1, rng, *sub_,
+          world, 1, rng, *sub_,
           [&](Vertex const& at, Event, bool) {
             if (!passed.valid()) passed = at.surface;
           },

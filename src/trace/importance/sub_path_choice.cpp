@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which receivers have sub-paths (docs/theory/sampling.md, eq. 1.20). Light that connections find well, such as that of
-// a lit surface in front of a receiver, has a larger error with them.
+// Which receivers and modes have sub-paths (docs/theory/sampling.md, eq. 1.20). Light that connections find well, such
+// as that of a lit surface in front of a receiver, has a larger error with them.
 #include <array>
 #include <cmath>
 
@@ -16,55 +16,81 @@ constexpr int rounds = 16, histories_of_round = 256;
 // Of receivers that see through glass or mirrors: light that a walk hardly finds may be missing from the pilot.
 constexpr double least_behind_glass = 0.05;
 
-// Of one receiver in one history.
-struct Scores {
-  double total = 0;
-  double without = 0;  // squares of the scores over the share of the walk (eq. 1.20)
-};
-
-class ChoiceSink : public NullSink {
+// What is compared: all light on a goal, and the light of each beam that joins a mode, since faint beams have ports of
+// their own.
+class Columns {
  public:
-  explicit ChoiceSink(WorldView const& view) : view_(view), scores_(view.receivers.size) {}
-
-  void share_of_walk(double share) { share_ = share; }
-  void score(PathState const&, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const&, double power) {
-    if (goal >= view_.lit.size) add(goal - std::uint32_t(view_.lit.size), power);
-  }
-  void score_through(PathState const&, Vertex const&, Vertex const&, Chain const&, std::uint32_t receiver,
-                     Vertex const&, double power) {
-    add(receiver, power);
-  }
-  void score_lit(PathState const&, std::uint32_t, Vertex const&, Chain const&, std::uint32_t receiver, Vertex const&,
-                 double power) {
-    add(receiver, power);
-  }
-  // Of the history that has ended.
-  std::vector<Scores> taken() {
-    std::vector<Scores> all(scores_.size());
-    std::swap(all, scores_);
-    return all;
+  explicit Columns(WorldView const& view) : view_(view) {}
+  std::size_t size() const { return of(std::uint32_t(view_.lit.size), 0); }
+  std::size_t of(std::uint32_t goal) const { return place_of(view_, goal); }
+  std::size_t of(std::uint32_t mode, std::uint32_t source) const {
+    return goal_count(view_) + mode * view_.lit.size + source;
   }
 
  private:
-  void add(std::uint32_t receiver, double power) {
-    Scores& s = scores_[receiver];
-    s.total += power;
-    s.without += power * power / std::fmax(share_, 1e-12);
-  }
   WorldView const& view_;
-  std::vector<Scores> scores_;
-  double share_ = 1;
 };
 
 // Means over the histories of one round.
 struct PilotRound {
-  double mean = 0, second = 0, without = 0;
+  double mean = 0, second = 0;
+  double without = 0;  // of the squares of the scores over the share of the walk (eq. 1.20)
   double variance() const { return second - mean * mean; }
   double bound() const { return without - mean * mean; }
 };
 using PilotRounds = std::array<PilotRound, rounds>;
 
-// Rays and connections of a history: without sub-paths, and those of the sub-paths of a receiver.
+class ChoiceSink : public NullSink {
+ public:
+  explicit ChoiceSink(WorldView const& view)
+      : columns_(view), found(columns_.size()), sources_(view.lit.size), total_(columns_.size()) {}
+
+  void share_of_walk(double share) { share_ = share; }
+  void score(PathState const& path, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const&, double power) {
+    add(goal, path.source, power);
+  }
+  void score_through(PathState const& path, Vertex const&, Vertex const&, Chain const&, std::uint32_t goal,
+                     Vertex const&, double power) {
+    add(goal, path.source, power);
+  }
+  void score_lit(PathState const&, std::uint32_t source, Vertex const&, Chain const&, std::uint32_t goal, Vertex const&,
+                 double power) {
+    add(goal, source, power);
+  }
+  void end_history(std::size_t round) {
+    for (auto const& [column, square] : scores_) {
+      PilotRound& r = found[column][round];
+      r.without += square / histories_of_round;
+      r.mean += total_[column] / histories_of_round;
+      r.second += total_[column] * total_[column] / histories_of_round;
+      total_[column] = 0;
+    }
+    scores_.clear();
+  }
+
+ private:
+  Columns columns_;
+
+ public:
+  std::vector<PilotRounds> found;  // by column
+
+ private:
+  void add(std::uint32_t goal, std::uint32_t source, double power) {
+    add_to(columns_.of(goal), power);
+    if (goal < sources_) add_to(columns_.of(goal, source), power);
+    share_ = 1;
+  }
+  void add_to(std::size_t column, double power) {
+    scores_.push_back({column, power * power / std::fmax(share_, 1e-12)});
+    total_[column] += power;
+  }
+  std::size_t sources_;
+  std::vector<double> total_;                           // of this history, by column
+  std::vector<std::pair<std::size_t, double>> scores_;  // of this history
+  double share_ = 1;
+};
+
+// Rays and connections of a history: without sub-paths, and those of the sub-paths of a goal.
 struct Cost {
   double walk = 0;
   std::vector<double> more;
@@ -75,33 +101,26 @@ void count_cost(WorldView const& view, History const& history, Cost& cost) {
   cost.walk += vertices * double(1 + view.lit.size + view.receivers.size);
   for (std::uint32_t s = 0; s < history.sub_paths.count; ++s) {
     SubPath const& sub = history.sub_paths.sub[s];
-    cost.more[sub.receiver] += double(sub.count) + 1 + vertices * double(sub.count);
+    cost.more[sub.goal] += double(sub.count) + 1 + vertices * double(sub.count);
   }
 }
 
-// Rounds with all strategies (`cost`: the cost of the sub-paths of each receiver besides), or without sub-paths.
+// Rounds with all strategies (`cost`: the cost of the sub-paths of each goal besides), or without sub-paths.
 std::vector<PilotRounds> tried(WorldView const& view, Cost& cost) {
   ChoiceSink sink(view);
   History history;
-  std::vector<PilotRounds> found(view.receivers.size);
   for (std::uint64_t h = 0; h < rounds * histories_of_round; ++h) {
     trace_history(view, 0, first_of_choice + h, history, sink);
     count_cost(view, history, cost);
-    std::vector<Scores> const scores = sink.taken();
-    for (std::size_t r = 0; r < found.size(); ++r) {
-      PilotRound& round = found[r][h / histories_of_round];
-      round.mean += scores[r].total / histories_of_round;
-      round.second += scores[r].total * scores[r].total / histories_of_round;
-      round.without += scores[r].without / histories_of_round;
-    }
+    sink.end_history(h / histories_of_round);
   }
-  return found;
+  return std::move(sink.found);
 }
 
-// Whether the variance times the cost is smaller without sub-paths, by more than two standard errors. A variance found
-// without them may lack rare, large scores. It counts as not less than its part that the scores with all strategies
-// show (eq. 1.20).
-bool better_without(PilotRounds const& with, PilotRounds const& without, double cost, double more) {
+// By how many standard errors the variance times the cost is smaller without sub-paths. A variance found without them
+// may lack rare, large scores. It counts as not less than its part that the scores with all strategies show (eq. 1.20).
+// `least`: gain of sub-paths that is requested, as a factor.
+double gain_without(PilotRounds const& with, PilotRounds const& without, double cost, double more, double least) {
   double found = 0, bound = 0;
   for (int i = 0; i < rounds; ++i) {
     found += without[i].variance();
@@ -110,33 +129,72 @@ bool better_without(PilotRounds const& with, PilotRounds const& without, double 
   double sum = 0, sum2 = 0;
   for (int i = 0; i < rounds; ++i) {
     double const other = found > bound ? without[i].variance() : with[i].bound();
-    double const gain = with[i].variance() * (cost + more) - other * cost;
+    double const gain = least * with[i].variance() * (cost + more) - other * cost;
     sum += gain;
     sum2 += gain * gain;
   }
   double const gain = sum / rounds, error = std::sqrt((sum2 / rounds - gain * gain) / (rounds - 1));
-  return gain > 2 * error;
+  return error > 0 ? gain / error : 0;
+}
+constexpr double sure = 2;  // standard errors
+// Sub-paths of modes take time from all other goals.
+constexpr double least_gain_of_mode = 4;
+constexpr double sub_paths_for_one_beam = 0.1;  // per history, of a mode that has them for the light of some beam alone
+
+// Modes and their mean numbers of sub-paths per history. Those of a profile `point` have no density.
+std::vector<std::pair<std::uint32_t, double>> modes_to_try(WorldView const& view) {
+  std::vector<std::pair<std::uint32_t, double>> modes;
+  for (std::uint32_t i = 0; i < view.lit.size && !view.polarised; ++i) {
+    Footprint const& lit = view.lit[i];
+    bool const starts = lit.receives && !lit.free && lit.profile != Profile::point;
+    if (starts && !view.surfaces[lit.surface.value].clear) modes.push_back({i, 1});
+  }
+  return modes;
+}
+// Of all modes together at most one per history.
+void share_among(World& world, std::vector<std::pair<std::uint32_t, double>> const& modes) {
+  double sum = 0;
+  for (auto const& [mode, mean] : modes) sum += mean;
+  for (auto const& [mode, mean] : modes) world.set_sub_paths_of_mode(mode, sum > 1 ? 0.999 * mean / sum : mean);
+}
+
+WorldView without_halo(World const& world) {
+  WorldView view = world.view();
+  view.halo = {};  // whose field may not be known yet
+  return view;
 }
 
 }  // namespace
 
 void choose_sub_paths(World& world) {
-  WorldView view = world.view();
+  std::vector<std::pair<std::uint32_t, double>> modes = modes_to_try(world.view());
+  share_among(world, modes);
+  WorldView const view = without_halo(world);
   if (!view.both_ends) return;
-  view.halo = {};  // whose field may not be known yet
-  std::vector<double> sub_paths;
-  for (Receiver const& r : world.receivers()) sub_paths.push_back(r.sub_paths);
-  Cost cost{0, std::vector<double>(sub_paths.size())}, unused = cost;
+  Cost cost{0, std::vector<double>(goal_count(view))}, unused = cost;
   std::vector<PilotRounds> const with = tried(view, cost);
-  for (std::uint32_t r = 0; r < sub_paths.size(); ++r) world.set_sub_paths(r, 0);
-  view = world.view();
-  view.halo = {};
-  std::vector<PilotRounds> const without = tried(view, unused);
-  for (std::uint32_t r = 0; r < sub_paths.size(); ++r) {
-    bool const drop = better_without(with[r], without[r], cost.walk, cost.more[r]);
-    double const least = world.receivers()[r].behind_glass ? std::fmin(least_behind_glass, sub_paths[r]) : 0;
-    world.set_sub_paths(r, drop ? least : sub_paths[r]);
+  std::vector<Receiver> const receivers = world.receivers();
+  for (std::uint32_t r = 0; r < receivers.size(); ++r) world.set_sub_paths(r, 0);
+  for (auto const& [mode, mean] : modes) world.set_sub_paths_of_mode(mode, 0);
+  std::vector<PilotRounds> const without = tried(without_halo(world), unused);
+  auto const gain = [&](std::size_t column, std::uint32_t goal, double least) {
+    return gain_without(with[column], without[column], cost.walk, cost.more[goal], least);
+  };
+  Columns const columns(view);
+  for (std::uint32_t r = 0; r < receivers.size(); ++r) {
+    std::uint32_t const goal = goal_of_receiver(view, r);
+    double const mean = receivers[r].sub_paths,
+                 least = receivers[r].behind_glass ? std::fmin(least_behind_glass, mean) : 0;
+    world.set_sub_paths(r, gain(columns.of(goal), goal, 1) > sure ? least : mean);
   }
+  for (auto& [mode, mean] : modes) {
+    auto const pays = [&](std::size_t column) { return gain(column, mode, least_gain_of_mode) < -sure; };
+    mean = 0;
+    for (std::uint32_t source = 0; source < view.lit.size; ++source)
+      if (pays(columns.of(mode, source))) mean = sub_paths_for_one_beam;
+    if (pays(columns.of(mode))) mean = 1;
+  }
+  share_among(world, modes);
 }
 
 }  // namespace straytrace::trace

@@ -25,13 +25,16 @@ struct Reversed {
   double backward = 0;  // density per etendue with which it leaves against the light that arrives, 1/(m^2 sr)
   double chance = 1;    // with which it can be connected there
 };
-// That density at a vertex seen from the receiver. Normals of smooth meshes depend on the direction of arrival: no
-// sub-path is scattered by them.
-STRAY_HD double back_density(WorldView const& world, Vertex const& at, Vec3 wo) {
+// Density per etendue of the scattered lobe of a vertex seen from the goal. Normals of smooth meshes depend on the
+// direction of arrival: no sub-path is scattered by them.
+STRAY_HD double scattered_density(WorldView const& world, Vertex const& at, Vec3 wo) {
   if (at.smooth) return 0;
   double const n = wo.z < 0 ? at.n_out : at.n_in;
   double const law = scatter_both(world.laws, *at.optic, at.albedos, at.wi, wo, at.n_in, at.n_out).pdf;
-  return at.albedo * law / (n * n * std::fabs(wo.z));
+  return law / (n * n * std::fabs(wo.z));
+}
+STRAY_HD double back_density(WorldView const& world, Vertex const& at, Vec3 wo) {
+  return at.albedo * scattered_density(world, at, wo);
 }
 // `travel`, `out`: of light at the vertex on its way to the receiver.
 STRAY_HD Reversed reversed_at(WorldView const& world, Vertex const& vertex, Vec3 travel, Vec3 out, bool through) {

@@ -9,10 +9,10 @@
 //   score(path, vertex, lit, connection, y, coupling)  light rejoined the mode of footprint `lit` at the point y
 //   score_halo(path, x, y, source, connected, coupling)  optional: light rejoined the mode of `source` by a surface in
 //                                        its light below the crossover angle, at y; x: the vertex before, or y itself
-//   score_through(path, x, z, chain, receiver, end, power)   optional: power on a receiver by x and a sub-path from z
-//   score_lit(path, source, z, chain, receiver, end, power)  optional: by a sub-path from z, in the light of a beam
+//   score_through(path, x, z, chain, goal, end, power)   optional: light on a goal by x and a sub-path from z
+//   score_lit(path, source, z, chain, goal, end, power)  optional: by a sub-path from z, in the light of a beam
 //   book(term, power)                         the energy balance
-//   share_of_walk(share)                      optional: of the next score on a receiver, eq. 1.18 without sub-paths
+//   share_of_walk(share)                      optional: of the next score on a goal, eq. 1.18 without sub-paths
 //   hears(event)                              optional: whether scores of this vertex are heard; the walk is the same
 //   absorbed(group, power)                    optional: power absorbed by a group; invalid group: by a medium
 //   roulette_variance(variance)               optional: of the power just booked under `roulette`
@@ -20,6 +20,7 @@
 
 #include "trace/step/connect.hpp"
 #include "trace/step/halo_ends.hpp"
+#include "trace/step/receive.hpp"
 #include "trace/step/scatter.hpp"
 #include "trace/step/sub_path.hpp"
 

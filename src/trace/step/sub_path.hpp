@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Paths from the receiver (docs/theory/sampling.md): a sub-path starts on it, is scattered by the BSDF models and
-// passes mirrors and glass, and every vertex of the walk is connected to each of its scattering vertices. The balance
-// heuristic (balance.hpp) combines these connections with all other ways to make the same path. Where a sub-path meets
-// a surface that a beam lights, directly or as a free beam by the straight way from its plane, that light's own scatter
-// is scored as well.
+// Paths from the goal (docs/theory/sampling.md): a sub-path starts on a receiver, or in the reversed mode on a lit
+// surface, is scattered by the BSDF models and passes mirrors and glass, and every vertex of the walk is connected to
+// each of its scattering vertices. The balance heuristic (balance.hpp) combines these connections with all other ways
+// to make the same path. Where a sub-path meets a surface that a beam lights, directly or as a free beam by the
+// straight way from its plane, that light's own scatter is scored as well.
 #pragma once
 
-#include "trace/step/receive.hpp"
-#include "trace/step/scatter.hpp"
+#include "trace/step/goal.hpp"
 
 namespace straytrace::trace {
 
-// Names of the vertices between the end of a sub-path and the receiver, nearest the receiver first. Routes with more
+// Names of the vertices between the end of a sub-path and the goal, nearest the goal first. Routes with more
 // vertices than it holds have no names.
 struct Chain {
   static constexpr std::uint32_t most_names = 16;
   std::uint64_t name[most_names];
   std::uint32_t hops = 0;  // all vertices between
-  std::uint32_t ends = 1;  // scattering ones and the receiver
+  std::uint32_t ends = 1;  // scattering ones and that on the goal
   STRAY_HD void add(WorldView const& world, Vertex const& at, Event event) {
     if (hops < most_names)
       name[hops] = std::uint64_t(world.surfaces[at.surface.value].group.value) << 8 | std::uint64_t(event);
@@ -27,9 +26,9 @@ struct Chain {
 
 // A surface that a sub-path has met.
 struct SubVertex {
-  Vertex at;                              // for light that comes from the receiver
+  Vertex at;                              // for light that comes from the goal
   Vec3 towards;                           // unit vector back, along the way of the light
-  double power = 0;                       // shares passed over etendue density of the sub-path up to here, m^2 sr
+  double power = 0;                       // what light along the sub-path scores per power, times etendue, m^2 sr
   double chance = 1;                      // Link::chance
   double forward = 1;                     // probability with which the walk passes the specular surfaces behind it
   double distance = 0;                    // m along `towards` to the surface met there
@@ -39,21 +38,21 @@ struct SubVertex {
 };
 
 struct SubPath {
-  std::uint32_t receiver = 0;
+  std::uint32_t goal = 0;
   std::uint32_t count = 0;          // of scattering vertices
+  double area = 0;                  // 1/m^2, density of its point on the goal
   double density = 0;               // with which it started, 1/(m^2 sr)
-  Vertex end;                       // on the receiver, for the light that arrives
+  Vertex end;                       // on the goal, for the light that arrives
   SubVertex vertex[most_ends - 1];  // scattering ones
-  Link link[most_ends];             // the receiver and they
+  Link link[most_ends];             // the goal and they
   Chain chain;
 
   // Links for a path that is connected to scattering vertex number i; its own is left to the caller.
   STRAY_HD Ends ends_behind(WorldView const& world, std::uint32_t i) const {
-    Receiver const& r = world.receivers[receiver];
     Ends ends;
     for (std::uint32_t j = 0; j <= i; ++j) ends.link[j] = link[j];
-    ends.area = receiver_density(world, r);
-    ends.sub_paths = r.sub_paths;
+    ends.area = area;
+    ends.sub_paths = sub_paths_of(world, goal);
     return ends;
   }
   STRAY_HD Chain chain_to(std::uint32_t i) const {
@@ -114,8 +113,8 @@ struct Growing {
   std::uint32_t hops = 0;  // specular surfaces since
 };
 
-// Starts the sub-path on the receiver; false: it leaves on a side that does not count.
-STRAY_HD bool start_sub_path(WorldView const& world, Receiver const& r, Rng& rng, SubPath& sub, Growing& g) {
+// Starts the sub-path on a receiver; false: it leaves on a side that does not count.
+STRAY_HD bool start_on_receiver(WorldView const& world, Receiver const& r, Rng& rng, SubPath& sub, Growing& g) {
   double const u = rng.uniform(), v = rng.uniform();
   SurfacePoint const start =
       world.shapes.visit(world.surfaces[r.surface.value].shape, [&](auto const& s) { return sample_of(s, u, v); });
@@ -124,14 +123,40 @@ STRAY_HD bool start_sub_path(WorldView const& world, Receiver const& r, Rng& rng
   g.from = {r.surface, start.piece};
   double const cosine = dot(g.ray.dir, normal);
   if (cosine == 0 || !r.counts(cosine > 0)) return false;
-  double const density = sub.density = start_density(world, r, g.ray, std::fabs(cosine));
+  sub.area = receiver_density(world, r);
+  sub.density = start_density(world, r, g.ray, std::fabs(cosine));
   sub.end = make_vertex(world, r.surface, start.point, -g.ray.dir, start.piece);
+  g.next.power = 1 / sub.density;
+  return true;
+}
+// Starts it on a lit surface, which scatters the reversed mode (eq. 1.21); false: no light.
+STRAY_HD bool start_in_mode(WorldView const& world, Footprint const& lit, Rng& rng, SubPath& sub, Growing& g) {
+  double const a = rng.uniform(), b = rng.uniform(), choice = rng.uniform(), u = rng.uniform(), v = rng.uniform();
+  Ray const line = lit.sample(a, b);
+  Crossing const met = world.cross(lit.surface.value, line, {});
+  if (!(met.distance < infinity)) return false;
+  Vertex const at = met_by_mode(world, lit, line.origin + met.distance * line.dir, met.piece);
+  if (at.smooth || !(at.albedo > 0)) return false;
+  BsdfSample const s = scatter_sample(world.laws, *at.optic, at.albedos, at.wi, choice, u, v, at.n_in, at.n_out);
+  if (!(s.pdf > 0)) return false;
+  g.ray = {at.point, unit(at.frame.to_world(s.wo))};
+  g.from = {at.surface, at.piece, at.contact};
+  g.media = s.wo.z < 0 ? at.after : at.before;
+  sub.end = seen_along(world, at, -g.ray.dir, g.media);
+  double const n = index_towards(at, s.wo), backward = s.pdf / (n * n * std::fabs(s.wo.z));
+  sub.area = connection_density(lit, at.point, at.normal());
+  sub.density = sub.area * backward;
+  g.next.power = rejoin_bsdf(world, sub.end, lit) * accepted(world, lit) / backward;
+  return g.next.power > 0;
+}
+STRAY_HD bool start_sub_path(WorldView const& world, Rng& rng, SubPath& sub, Growing& g) {
+  bool const starts = is_receiver(world, sub.goal) ? start_on_receiver(world, receiver_of(world, sub.goal), rng, sub, g)
+                                                   : start_in_mode(world, world.lit[sub.goal], rng, sub, g);
   sub.link[0] = {};
-  sub.link[0].backward = density / receiver_density(world, r);
-  g.next.power = 1 / density;
+  sub.link[0].backward = sub.density / sub.area;
   g.next.patch = sub.end.patch;
   g.next.cosine = g.left_cosine = sub.end.cosine();
-  return true;
+  return starts;
 }
 
 // Leaves the surface `met` by a specular way.
@@ -184,14 +209,13 @@ STRAY_HD bool scatter_backwards(WorldView const& world, double choice, Rng& rng,
   return true;
 }
 
-// Grows a sub-path of at most `most` scattering vertices. Calls met(vertex) for every surface, scattering or not, and
-// passed(vertex, event, through) where it continues.
+// Grows a sub-path from its goal to at most `most` scattering vertices. Calls met(vertex) for every surface, scattering
+// or not, and passed(vertex, event, through) where it continues.
 template <class Passed, class Met>
-STRAY_HD void grow(WorldView const& world, Receiver const& r, std::uint32_t most, Rng& rng, SubPath& sub,
-                   Passed&& passed, Met&& met) {
+STRAY_HD void grow(WorldView const& world, std::uint32_t most, Rng& rng, SubPath& sub, Passed&& passed, Met&& met) {
   sub.count = sub.chain.hops = 0;
   Growing g;
-  if (!start_sub_path(world, r, rng, sub, g)) return;
+  if (!start_sub_path(world, rng, sub, g)) return;
   while (g.hops <= most_specular_hops) {
     Hit const hit = world.closest(g.ray, g.from);
     if (!hit.surface.valid()) return;
@@ -223,8 +247,8 @@ STRAY_HD void grow(WorldView const& world, Receiver const& r, std::uint32_t most
     passed(now.at, Event::scatter, dot(g.ray.dir, now.at.frame.e3) < 0);
   }
 }
-STRAY_HD Rng backward_numbers(std::uint64_t seed, std::uint64_t history, std::uint32_t receiver) {
-  return {seed, history, 0, static_cast<Stream>(std::uint32_t(Stream::backward) + (receiver << 8))};
+STRAY_HD Rng backward_numbers(WorldView const& world, std::uint64_t seed, std::uint64_t history, std::uint32_t goal) {
+  return {seed, history, 0, static_cast<Stream>(std::uint32_t(Stream::backward) + (place_of(world, goal) << 8))};
 }
 
 // Light of a beam where a sub-path meets a surface.
@@ -270,7 +294,7 @@ STRAY_HD void score_lit_by(WorldView const& world, PathState const& path, std::u
   tell_shares(sink, shares);
   Chain chain = sub.chain;
   chain.ends = ends.vertices;
-  sink.score_lit(path, source, z, chain, sub.receiver, sub.end, power);
+  sink.score_lit(path, source, z, chain, sub.goal, sub.end, power);
 }
 
 // Connects the vertex x to scattering vertex number i of a sub-path.
@@ -300,34 +324,33 @@ STRAY_HD void connect_to_sub_path(WorldView const& world, PathState const& path,
   if (!(power > 0) || blocked(world, x, way, z)) return;
   tell_shares(sink, shares);
   if constexpr (requires(Chain const& c) { sink.score_through(path, x, z, c, 0u, z, power); })
-    sink.score_through(path, x, z, sub.chain_to(i), sub.receiver, sub.end, power);
+    sink.score_through(path, x, z, sub.chain_to(i), sub.goal, sub.end, power);
 }
 
 // A history and the sub-paths that were drawn with it.
 struct SubPaths {
-  static constexpr std::uint32_t most = 4;
+  static constexpr std::uint32_t most = 5;
   std::uint32_t count = 0;
   SubPath sub[most];
 };
 
-// The sub-paths of a history, each receiver with its mean number (systematic sampling), and the light of all beams on
-// the surfaces that they meet.
+// The sub-paths of a history, each goal with its mean number (systematic sampling), and the light of all beams on the
+// surfaces that they meet.
 template <class Sink>
 STRAY_HD void grow_sub_paths(WorldView const& world, std::uint64_t seed, PathState const& path, SubPaths& all,
                              Sink& sink) {
   constexpr bool hears_lit = requires(Vertex const& v, Chain const& c) { sink.score_lit(path, 0u, v, c, 0u, v, 0.0); };
   double sum = Rng(seed, path.history, 1, Stream::backward).uniform();
-  for (std::uint32_t receiver = 0; receiver < world.receivers.size && all.count < SubPaths::most; ++receiver) {
-    Receiver const& r = world.receivers[receiver];
-    if (!(r.sub_paths > 0) || r.clear) continue;
+  for (std::uint32_t place = 0; place < goal_count(world) && all.count < SubPaths::most; ++place) {
+    std::uint32_t const goal = goal_at(world, place);
     double const before = std::floor(sum);
-    sum += r.sub_paths;
+    sum += sub_paths_of(world, goal);
     if (!(std::floor(sum) > before)) continue;
     SubPath& sub = all.sub[all.count++];
-    sub.receiver = receiver;
-    Rng rng = backward_numbers(seed, path.history, receiver);
+    sub.goal = goal;
+    Rng rng = backward_numbers(world, seed, path.history, goal);
     grow(
-        world, r, most_ends - 1, rng, sub, [](Vertex const&, Event, bool) {},
+        world, most_ends - 1, rng, sub, [](Vertex const&, Event, bool) {},
         [&](SubVertex const& met) {
           if constexpr (hears_lit)
             for (std::size_t i = 0; i < world.emitters.size && hears(sink, path); ++i)

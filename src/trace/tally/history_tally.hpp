@@ -24,12 +24,16 @@ STRAY_HD std::uint64_t hash_of_ends(std::uint32_t beam, std::uint64_t name, std:
   return mixed(mixed(name + beam + 1) + (std::uint64_t(end) + 1) * 0xd1342543de82ef95ull);
 }
 
+STRAY_HD std::uint32_t end_of(WorldView const& world, std::uint32_t goal) {
+  return is_receiver(world, goal) ? first_receiver_end + place_of(world, goal) : world.lit[goal].port.value;
+}
+
 // `at`: the vertex scored from; `y`: the point on the goal.
 STRAY_HD Route route_of(WorldView const& world, PathState const& path, Vertex const& at, std::uint32_t goal,
                         std::uint32_t number, SurfaceId y) {
-  bool const receiver = goal >= world.lit.size;
+  bool const receiver = is_receiver(world, goal);
   Route route;
-  route.end = receiver ? first_receiver_end + (goal - std::uint32_t(world.lit.size)) : world.lit[goal].port.value;
+  route.end = end_of(world, goal);
   std::uint64_t name = path.route;
   route.vertices = path.order + 1;
   bool const plane = receiver && is_hit(number) && world.surfaces[y.value].clear;  // met on the way
@@ -43,20 +47,22 @@ STRAY_HD Route route_of(WorldView const& world, PathState const& path, Vertex co
 
 // Numbers of the scores by surfaces in light below the crossover angle: after those of all goals.
 STRAY_HD std::uint32_t number_halo(WorldView const& world, std::uint32_t source, bool connected) {
-  std::uint32_t const place = std::uint32_t(world.lit.size + world.receivers.size) + source;
+  std::uint32_t const place = goal_count(world) + source;
   return connected ? connection_number(place) : arrival_number(place);
 }
-// Number of the score of a connection to a vertex of a sub-path: after those.
-STRAY_HD std::uint32_t number_through(WorldView const& world, std::uint32_t ends, std::uint32_t receiver) {
-  std::uint32_t const first = std::uint32_t(world.lit.size + world.receivers.size + world.halo.sources.size);
-  return connection_number(first + receiver * most_ends + ends);
+// Numbers of the scores by sub-paths: after those, first those of connections to their vertices.
+STRAY_HD std::uint32_t first_of_sub_paths(WorldView const& world) {
+  return connection_number(goal_count(world) + std::uint32_t(world.halo.sources.size));
 }
-// Number of the score of a sub-path that meets a surface lit by the beam `source`: after all others, by hops.
+STRAY_HD std::uint32_t number_through(WorldView const& world, std::uint32_t ends, std::uint32_t goal) {
+  return first_of_sub_paths(world) + 2 * (place_of(world, goal) * most_ends + ends);
+}
+// Of a sub-path that meets a surface lit by the beam `source`, by hops.
 STRAY_HD std::uint32_t number_lit(WorldView const& world, std::uint32_t source, std::uint32_t hops,
-                                  std::uint32_t receiver) {
+                                  std::uint32_t goal) {
   constexpr std::uint32_t most_hops = most_ends * (most_specular_hops + 2);
-  std::uint32_t const place = (receiver * std::uint32_t(world.lit.size) + source) * most_hops + hops;
-  return number_through(world, 0, std::uint32_t(world.receivers.size)) + 2 * place;
+  std::uint32_t const place = (place_of(world, goal) * std::uint32_t(world.lit.size) + source) * most_hops + hops;
+  return first_of_sub_paths(world) + 2 * (goal_count(world) * most_ends + place);
 }
 // Route of light that rejoins the mode by the surface at y in the light of a source; x: the vertex before, or y itself.
 STRAY_HD Route route_halo(WorldView const& world, PathState const& path, Vertex const& x, Vertex const& y,
@@ -75,31 +81,32 @@ STRAY_HD Route route_halo(WorldView const& world, PathState const& path, Vertex 
 }
 // `name`: of the vertices up to z; `vertices`: their number.
 STRAY_HD Route route_behind(WorldView const& world, std::uint64_t name, std::uint32_t vertices, std::uint32_t source,
-                            Chain const& chain, std::uint32_t receiver) {
+                            Chain const& chain, std::uint32_t goal) {
   Route route;
-  route.end = first_receiver_end + receiver;
+  route.end = end_of(world, goal);
   route.vertices = vertices + chain.hops + 1;
   route.other = route.vertices > world.limits.route_vertices || chain.hops > Chain::most_names;
   for (std::uint32_t i = route.other ? 0 : chain.hops; i-- > 0;)
     name = extended(name, {std::uint32_t(chain.name[i] >> 8)}, static_cast<Event>(chain.name[i] & 0xff));
-  name = extended(name, world.surfaces[world.receivers[receiver].surface.value].group, Event::receive);
+  name = extended(name, world.surfaces[surface_of(world, goal).value].group,
+                  is_receiver(world, goal) ? Event::receive : Event::couple);
   route.hash = hash_of_ends(world.lit[source].beam, route.other ? 0 : name, route.end);
   return route;
 }
-// Route of x -> z -> receiver.
+// Route of x -> z -> goal.
 STRAY_HD Route route_through(WorldView const& world, PathState const& path, Vertex const& x, Vertex const& z,
-                             Chain const& chain, std::uint32_t receiver) {
+                             Chain const& chain, std::uint32_t goal) {
   std::uint64_t name = extended(path.route, world.surfaces[x.surface.value].group, Event::scatter);
   name = extended(name, world.surfaces[z.surface.value].group, Event::scatter);
-  return route_behind(world, name, path.order + 2, path.source, chain, receiver);
+  return route_behind(world, name, path.order + 2, path.source, chain, goal);
 }
-// Route of z -> receiver, for light of the beam `source` on z.
+// Route of z -> goal, for light of the beam `source` on z.
 STRAY_HD Route route_lit(WorldView const& world, std::uint32_t source, Vertex const& z, Chain const& chain,
-                         std::uint32_t receiver) {
+                         std::uint32_t goal) {
   Footprint const& beam = world.lit[source];
   std::uint64_t const start = beam.free ? extended(0, beam.origin, Event::emit) : 0;
   std::uint64_t const name = extended(start, world.surfaces[z.surface.value].group, Event::scatter);
-  return route_behind(world, name, beam.free ? 2 : 1, source, chain, receiver);
+  return route_behind(world, name, beam.free ? 2 : 1, source, chain, goal);
 }
 
 struct HistoryTotal {  // of all scores of one route
@@ -150,9 +157,9 @@ class BasicTally {
     add(path, route_halo(*world_, path, x, y, source, connected), number_halo(*world_, source, connected), coupling);
   }
   STRAY_HD void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
-                              std::uint32_t receiver, Vertex const& end, double power);
+                              std::uint32_t goal, Vertex const& end, double power);
   STRAY_HD void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
-                          std::uint32_t receiver, Vertex const& end, double power);
+                          std::uint32_t goal, Vertex const& end, double power);
   STRAY_HD void roulette_variance(double variance) { window_variance_ += variance; }
   STRAY_HD void absorbed(GroupId group, double power);  // after the visit to the group; no group: in a medium
   STRAY_HD void book(BalanceTerm balance_term, double power) {
@@ -173,8 +180,8 @@ class BasicTally {
 
  private:
   STRAY_HD void add(PathState const& path, Route const& route, std::uint32_t number, double coupling);
-  STRAY_HD void add_to_maps(PathState const& path, std::uint32_t receiver, Vertex const& y, std::uint64_t route,
-                            bool alone, double power);
+  STRAY_HD void add_to_maps(PathState const& path, std::uint32_t goal, Vertex const& y, std::uint64_t route, bool alone,
+                            double power);
 
   WorldView const* world_;
   std::uint64_t seed_, history_ = 0, bounces_ = 0, lost_ = 0;
@@ -226,26 +233,24 @@ template <template <class> class List>
 STRAY_HD void BasicTally<List>::score(PathState const& path, Vertex const& vertex, std::uint32_t goal,
                                       std::uint32_t number, Vertex const& y, double coupling) {
   Route const route = route_of(*world_, path, vertex, goal, number, y.surface);
-  if (goal >= world_->lit.size)
-    add_to_maps(path, goal - std::uint32_t(world_->lit.size), y, route.hash, is_hit(number), coupling);
+  if (is_receiver(*world_, goal)) add_to_maps(path, goal, y, route.hash, is_hit(number), coupling);
   add(path, route, number, coupling);
 }
 
 template <template <class> class List>
 STRAY_HD void BasicTally<List>::score_lit(PathState const& path, std::uint32_t source, Vertex const& z,
-                                          Chain const& chain, std::uint32_t receiver, Vertex const& end, double power) {
-  Route const route = route_lit(*world_, source, z, chain, receiver);
-  add_to_maps(path, receiver, end, route.hash, false, power);
-  add(path, route, number_lit(*world_, source, chain.hops, receiver), power);
+                                          Chain const& chain, std::uint32_t goal, Vertex const& end, double power) {
+  Route const route = route_lit(*world_, source, z, chain, goal);
+  if (is_receiver(*world_, goal)) add_to_maps(path, goal, end, route.hash, false, power);
+  add(path, route, number_lit(*world_, source, chain.hops, goal), power);
 }
 
 template <template <class> class List>
 STRAY_HD void BasicTally<List>::score_through(PathState const& path, Vertex const& vertex, Vertex const& z,
-                                              Chain const& chain, std::uint32_t receiver, Vertex const& end,
-                                              double power) {
-  Route const route = route_through(*world_, path, vertex, z, chain, receiver);
-  add_to_maps(path, receiver, end, route.hash, false, power);
-  add(path, route, number_through(*world_, chain.ends, receiver), power);
+                                              Chain const& chain, std::uint32_t goal, Vertex const& end, double power) {
+  Route const route = route_through(*world_, path, vertex, z, chain, goal);
+  if (is_receiver(*world_, goal)) add_to_maps(path, goal, end, route.hash, false, power);
+  add(path, route, number_through(*world_, chain.ends, goal), power);
 }
 
 template <template <class> class List>
@@ -264,7 +269,7 @@ STRAY_HD void BasicTally<List>::add(PathState const& path, Route const& route, s
   if (!known) lists_.totals.push_back({route.hash, route.end, coupling});
 
   // Numbers of sub-paths may be in the thousands: they have streams of their own.
-  bool const many = number >= number_through(*world_, 0, 0);
+  bool const many = number >= first_of_sub_paths(*world_);
   std::uint32_t const own = many ? number << 8 : 0;
   Rng rng(seed_, path.history, path.event, static_cast<Stream>(std::uint32_t(Stream::record) + own));
   if (!many) rng.skip(number);
@@ -273,12 +278,13 @@ STRAY_HD void BasicTally<List>::add(PathState const& path, Route const& route, s
 }
 
 template <template <class> class List>
-STRAY_HD void BasicTally<List>::add_to_maps(PathState const& path, std::uint32_t receiver, Vertex const& y,
+STRAY_HD void BasicTally<List>::add_to_maps(PathState const& path, std::uint32_t goal, Vertex const& y,
                                             std::uint64_t route, bool alone, double power) {
-  Receiver const& r = world_->receivers[receiver];
+  Receiver const& r = receiver_of(*world_, goal);
   std::uint32_t const out = Receiver::outside;
-  HistoryCells cells{route, receiver, r.pixel(y.point), r.angle_pixel(y.frame.to_world(-y.wi)), out, power, false,
-                     0,     0};
+  HistoryCells cells{
+      route, place_of(*world_, goal), r.pixel(y.point), r.angle_pixel(y.frame.to_world(-y.wi)), out, power, false, 0,
+      0};
   if (r.quadrants) cells.quadrant = r.quadrant(y.point);
   if (path.coherent && alone && cells.pixel != out) {
     double const length = path.path_length + (r.clear ? y.leg : 0);  // a plane is met before the leg is over

@@ -64,20 +64,7 @@ class ReplaySink {
       vertices.push_back(
           {y.surface, y.point, vertices.back().out, {}, Event::scatter, index, index, group_of(y.surface)});
     }
-    vertices.back().event = mode ? Event::couple : Event::receive;
-    if (mode) {
-      vertices.back().out = -view_.lit[goal].direction(vertices.back().point);
-      vertices.back().n_out = view_.lit[goal].index;
-    } else {
-      vertices.back().out = {};
-    }
-    found = ReplayedPath{vertices,
-                         path.source,
-                         goal,
-                         route.other,
-                         coupling,
-                         path_length + fed_length(world_, path.source, goal),
-                         phase_sensitivities_of(world_, vertices, path.source, goal)};
+    finish(path.source, goal, std::move(vertices), path_length, route.other, coupling);
   }
   void score_halo(PathState const& path, Vertex const& x, Vertex const& y, std::uint32_t source, bool connected,
                   double coupling) {
@@ -91,32 +78,24 @@ class ReplaySink {
     Footprint const& mode = view_.lit[goal];
     go_to(vertices, path_length, make_vertex(view_, mode.surface, mode.centre, mode.travel), Event::scatter,
           mode.index);
-    vertices.back().event = Event::couple;
-    vertices.back().out = -mode.direction(vertices.back().point);
-    bool const other = route_halo(view_, path, x, y, source, connected).other;
-    path_length += fed_length(world_, path.source, goal);
-    found = ReplayedPath{vertices,
-                         path.source,
-                         goal,
-                         other,
-                         coupling,
-                         path_length,
-                         phase_sensitivities_of(world_, vertices, path.source, goal)};
+    finish(path.source, goal, std::move(vertices), path_length, route_halo(view_, path, x, y, source, connected).other,
+           coupling);
   }
   void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
-                     std::uint32_t receiver, Vertex const& end, double power) {
-    if (found || path.event != event_ || number_ != number_through(view_, chain.ends, receiver)) return;
+                     std::uint32_t goal, Vertex const& end, double power) {
+    if (found || path.event != event_ || number_ != number_through(view_, chain.ends, goal)) return;
     auto vertices = passed_;
     vertices.resize(path.order + 1);
     double path_length = length_[path.order];
     bool const through = dot(z.point - vertex.point, vertex.frame.e3) < 0;
     go_to(vertices, path_length, z, Event::scatter, through ? vertex.n_out : vertex.n_in);
-    bool const other = route_through(view_, path, vertex, z, chain, receiver).other;
-    end_behind(path, path.source, std::move(vertices), path_length, chain.hops, receiver, end, other, power);
+    go_behind(path, vertices, path_length, chain.hops, goal, end);
+    bool const other = route_through(view_, path, vertex, z, chain, goal).other;
+    finish(path.source, goal, std::move(vertices), path_length, other, power);
   }
-  void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
-                 std::uint32_t receiver, Vertex const& end, double power) {
-    if (found || path.event != event_ || number_ != number_lit(view_, source, chain.hops, receiver)) return;
+  void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain, std::uint32_t goal,
+                 Vertex const& end, double power) {
+    if (found || path.event != event_ || number_ != number_lit(view_, source, chain.hops, goal)) return;
     Footprint const& beam = view_.lit[source];
     std::vector<PassedVertex> vertices;
     double path_length = 0;
@@ -129,8 +108,8 @@ class ReplaySink {
       vertices.push_back(
           {z.surface, z.point, beam.direction(z.point), {}, Event::emit, beam.index, 1, group_of(z.surface)});
     }
-    bool const other = route_lit(view_, source, z, chain, receiver).other;
-    end_behind(path, source, std::move(vertices), path_length, chain.hops, receiver, end, other, power);
+    go_behind(path, vertices, path_length, chain.hops, goal, end);
+    finish(source, goal, std::move(vertices), path_length, route_lit(view_, source, z, chain, goal).other, power);
   }
   void book(BalanceTerm, double) {}
   bool hears(std::uint32_t event) const { return event == event_; }
@@ -145,20 +124,21 @@ class ReplaySink {
     vertices.push_back(
         {v.surface, v.point, vertices.back().out, {}, Event::scatter, index, index, group_of(v.surface)});
   }
-  // From the last vertex by `hops` vertices, found again by the sub-path, to the receiver.
-  void end_behind(PathState const& path, std::uint32_t source, std::vector<PassedVertex> vertices, double path_length,
-                  std::uint32_t hops, std::uint32_t receiver, Vertex const& end, bool other, double power) {
+  // From the last vertex by `hops` vertices, found again by the sub-path, to the goal.
+  void go_behind(PathState const& path, std::vector<PassedVertex>& vertices, double& path_length, std::uint32_t hops,
+                 std::uint32_t goal, Vertex const& end) const {
     struct Passed {
-      Vertex at;  // seen from the receiver
+      Vertex at;  // seen from the goal
       Event event;
       bool through;
     };
-    Rng rng = backward_numbers(seed_, path.history, receiver);
+    Rng rng = backward_numbers(view_, seed_, path.history, goal);
     std::vector<Passed> passed;
     double last_index = 1;
     auto const sub = std::make_unique<SubPath>();
+    sub->goal = goal;
     grow(
-        view_, view_.receivers[receiver], most_ends - 1, rng, *sub,
+        view_, most_ends - 1, rng, *sub,
         [&](Vertex const& at, Event event, bool through) {
           passed.push_back({at, event, through});
         },
@@ -172,12 +152,19 @@ class ReplaySink {
       left_by = p->event;
     }
     go_to(vertices, path_length, end, left_by, last_index);
-    vertices.back().event = Event::receive;
-    vertices.back().out = {};
-    std::uint32_t const goal = goal_of_receiver(view_, receiver);
+  }
+  // The last vertex is on the goal.
+  void finish(std::uint32_t source, std::uint32_t goal, std::vector<PassedVertex> vertices, double path_length,
+              bool other, double coupling) {
+    PassedVertex& last = vertices.back();
+    bool const receiver = is_receiver(view_, goal);
+    last.event = receiver ? Event::receive : Event::couple;
+    last.out = receiver ? Vec3{} : -view_.lit[goal].direction(last.point);
+    if (!receiver) last.n_out = view_.lit[goal].index;
     path_length += fed_length(world_, source, goal);
-    found = ReplayedPath{
-        vertices, source, goal, other, power, path_length, phase_sensitivities_of(world_, vertices, source, goal)};
+    auto phase_sensitivities = phase_sensitivities_of(world_, vertices, source, goal);
+    found =
+        ReplayedPath{std::move(vertices), source, goal, other, coupling, path_length, std::move(phase_sensitivities)};
   }
   GroupId group_of(SurfaceId id) const { return view_.surfaces[id.value].group; }
   static void leave_towards(std::vector<PassedVertex>& vertices, Vec3 point, Event event, double index) {

@@ -68,7 +68,7 @@ struct WorldView {
   View<std::uint32_t const> emitters;        // footprints that emit
   View<Receiver const> receivers;
   View<std::uint32_t const> receiver_of_surface;  // the first, or none; measuring planes are not listed
-  bool both_ends = false;                         // sub-paths start on receivers
+  bool both_ends = false;                         // sub-paths start on receivers or in modes
   bool polarised = false;                         // the walk carries the state of polarisation
   SearchView tree;
   Steering steering;  // empty: sample the BSDF alone

@@ -247,6 +247,7 @@ WorldView World::view() const {
   v.receivers = {receivers_.data(), receivers_.size()};
   v.receiver_of_surface = {receiver_of_surface_.data(), receiver_of_surface_.size()};
   for (Receiver const& r : receivers_) v.both_ends = v.both_ends || r.sub_paths > 0;
+  for (Footprint const& lit : lit_) v.both_ends = v.both_ends || lit.sub_paths > 0;
   v.polarised = polarised;
   v.tree = tree_.view();
   v.steering = steering_.view();

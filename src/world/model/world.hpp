@@ -124,6 +124,7 @@ class World {
     for (SurfaceId const id : aims) r.aim[r.aims++] = id;
   }
   void set_sub_paths(std::uint32_t receiver, double mean) { receivers_[receiver].sub_paths = mean; }
+  void set_sub_paths_of_mode(std::uint32_t footprint, double mean) { lit_[footprint].sub_paths = mean; }
   // For a receiver whose map has no stated pixels.
   void set_map_cells(std::uint32_t receiver, CellTree const& tree) {
     receivers_[receiver].nodes = storage.keep(tree.nodes());

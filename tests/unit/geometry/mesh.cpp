@@ -50,15 +50,6 @@ TEST(triangle_mesh, has_no_leak_between_parts_of_one_file) {
 
 bool equal(Crossing a, Crossing b) { return a.distance == b.distance && a.piece == b.piece; }
 
-// The crossing found by testing every triangle.
-Crossing crossing_by_force(TriangleMesh const& mesh, Ray const& ray, std::uint32_t leaving) {
-  Ray const local = mesh.in_file(ray);
-  TriangleMesh::Search search(mesh, local.origin, local.dir, ray.t_max, leaving);
-  for (std::uint32_t i = 0; i < mesh.content.triangles.size; ++i)
-    search.try_triangle(i, mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2));
-  return search.result();
-}
-
 // R3.07. Brute force costs triangles times rays: 1e5 triangles with 100 rays of each kind, 4000 triangles with 6000.
 TEST(triangle_mesh, tree_agrees_with_testing_every_triangle) {
   for (auto const& [rings, rays] : {std::pair{224, 100}, std::pair{32, 6000}}) {

@@ -41,10 +41,12 @@
 #define STRAY_HD STRAY_CALLED
 #include "trace/step/balance.hpp"
 #include "trace/step/connect.hpp"
+#include "trace/step/goal.hpp"
 #include "trace/step/halo_ends.hpp"
 #include "trace/step/receive.hpp"
 #include "trace/step/scatter.hpp"
 #include "trace/step/sub_path.hpp"
+#include "trace/step/way.hpp"
 #include "world/model/vertex.hpp"
 #include "world/model/view.hpp"
 #pragma pop_macro("STRAY_HD")

@@ -59,13 +59,13 @@ struct Arrivals : Silent {
   void score(PathState const&, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const&, double power) {
     on[goal - first] += power;
   }
-  void score_through(PathState const&, Vertex const&, Vertex const&, Chain const&, std::uint32_t receiver,
-                     Vertex const&, double power) {
-    on[receiver] += power;
+  void score_through(PathState const&, Vertex const&, Vertex const&, Chain const&, std::uint32_t goal, Vertex const&,
+                     double power) {
+    on[goal - first] += power;
   }
-  void score_lit(PathState const&, std::uint32_t, Vertex const&, Chain const&, std::uint32_t receiver, Vertex const&,
+  void score_lit(PathState const&, std::uint32_t, Vertex const&, Chain const&, std::uint32_t goal, Vertex const&,
                  double power) {
-    on[receiver] += power;
+    on[goal - first] += power;
   }
   std::uint32_t first;
   double scattered = 0, on[5] = {};

@@ -14,8 +14,8 @@ namespace {
 // found it: the light of the path over the sum of the densities of all strategies. Here both are products written out.
 class Explicit {
  public:
-  Explicit(WorldView const& view, ReplayedPath const& path, std::uint32_t receiver)
-      : view_(view), path_(path.vertices), receiver_(view.receivers[receiver]) {
+  Explicit(WorldView const& view, ReplayedPath const& path)
+      : view_(view), path_(path.vertices), receiver_(is_receiver(view, path.goal)), goal_(path.goal) {
     follow();
     for (std::size_t i = 0; i < path_.size(); ++i)
       if (path_[i].event != Event::reflect && path_[i].event != Event::transmit) scatters_.push_back(i);
@@ -33,7 +33,11 @@ class Explicit {
       else
         product *= scatter_eval(view_.laws, *v.optic, v.wi, v.frame.to_local(path_[i].out), v.n_in, v.n_out) / (n * n);
     }
-    return product;
+    if (receiver_) return product;
+    Footprint const& mode = view_.lit[goal_];
+    Vertex const& y = ahead_.back();
+    return product * point_density() * view_.wavelength * view_.wavelength * mode.share *
+           scatter_eval(view_.laws, *y.optic, y.wi, y.frame.to_local(-mode.direction(y.point)), y.n_in, y.n_out);
   }
   // Of strategy t, over the product of the étendue of all legs.
   double density(std::size_t t) const {
@@ -43,8 +47,8 @@ class Explicit {
     for (std::size_t i = 0; i + t + 1 < m; ++i)
       if (t == 0 || i < edge) product *= forward(i);
     if (t == 0) return product;
-    product *= receiver_density(view_, receiver_);
-    if (t > 1) product *= receiver_.sub_paths;
+    product *= point_density();
+    if (t > 1) product *= sub_paths_of(view_, goal_);
     for (std::size_t i = t < m ? edge + 2 : 1; i < m; ++i) product *= backward(i);
     if (t == m) return product;
     std::size_t const a = scatters_[edge], b = scatters_[edge + 1];
@@ -71,9 +75,16 @@ class Explicit {
     }
     for (std::size_t i = 0; i < path_.size(); ++i) {
       Vertex v = make_vertex(view_, path_[i].surface, path_[i].point, -path_[i].out);
-      if (i + 1 < path_.size()) evaluate_scattering(view_, legs[i], {}, -path_[i].out, v);
+      if (i + 1 < path_.size() || !receiver_)
+        evaluate_scattering(view_, i + 1 < path_.size() ? legs[i] : MediaStack{}, {}, -path_[i].out, v);
       behind_.push_back(v);
     }
+  }
+  // Of the point on the goal: even over a receiver, by the intensity of a mode over a lit surface.
+  double point_density() const {
+    if (receiver_) return receiver_density(view_, receiver_of(view_, goal_));
+    Footprint const& mode = view_.lit[goal_];
+    return mode.intensity(path_.back().point) * std::fabs(dot(ahead_.back().normal(), mode.travel));
   }
   double leg(std::size_t i) const { return length(path_[i + 1].point - path_[i].point); }
   // n^2 cos cos'/d^2 of the leg from vertex i
@@ -96,12 +107,15 @@ class Explicit {
   // Of a sub-path from there to the one before.
   double backward(std::size_t number) const {
     std::size_t i = scatters_[number];
-    double product = 1 / (pi * receiver_.sides());
-    if (number + 1 < scatters_.size()) {
+    bool const last = number + 1 == scatters_.size();
+    double product = 0;
+    if (last && receiver_) {
+      product = 1 / (pi * receiver_of(view_, goal_).sides());
+    } else {
       Vertex const& v = behind_[i];
       Vec3 const wo = v.frame.to_local(-path_[i].in);
-      double const n = path_[i].n_in;
-      product = v.albedo * scatter_pdf(view_.laws, *v.optic, v.wi, wo, v.n_in, v.n_out) / (n * n * std::fabs(wo.z));
+      double const n = path_[i].n_in, law = scatter_pdf(view_.laws, *v.optic, v.wi, wo, v.n_in, v.n_out);
+      product = (last ? 1 : v.albedo) * law / (n * n * std::fabs(wo.z));
     }
     for (--i; i > scatters_[number - 1]; --i)
       product *= path_[i].event == Event::reflect ? behind_[i].reflect : behind_[i].transmit;
@@ -110,14 +124,15 @@ class Explicit {
 
   WorldView const& view_;
   std::vector<PassedVertex> path_;
-  Receiver const& receiver_;
+  bool receiver_;
+  std::uint32_t goal_;
   std::vector<Vertex> ahead_, behind_;  // for light on its way, and for light the other way
   std::vector<std::size_t> scatters_;
   double start_ = 0;
 };
 
-// A lamp, a plate that reflects, scatters and transmits, a mirror, a window of glass, and two receivers, one of which
-// looks through the window.
+// A lamp, a plate that reflects, scatters and transmits, a mirror, a window of glass, two receivers, one of which looks
+// through the window, and a mode on the wall.
 World all_kinds(bool targets, double sub_paths, std::uint32_t orders = 12) {
   World world;
   BodyId const body = world.add_body("all", {});
@@ -134,7 +149,7 @@ World all_kinds(bool targets, double sub_paths, std::uint32_t orders = 12) {
   half.law[1] = world.add_law(Lambertian{0.3});
   std::uint32_t const plate = world.add_optic(half), mirror = mirror_optic(world, 0.7);
   add("plate", 0.5, {{0, 0, 0.6}, unit({0.2, 0.1, -1})}, plate, plate);
-  add("wall", 0.5, {{-0.4, 0, 0.2}, {1, 0, 0}}, white, white);
+  SurfaceId const wall = add("wall", 0.5, {{-0.4, 0, 0.2}, {1, 0, 0}}, white, white);
   add("mirror", 0.4, {{0.5, 0, 0.3}, unit({-1, 0, 0.1})}, mirror, black);
   SurfaceId const chip = add("chip", 0.08, {{0.25, 0, 0.02}, {0, 0, 1}}, white, black),
                   eye = add("eye", 0.08, {{-0.2, 0.1, 0}, {0, 0, 1}}, black, black);
@@ -143,6 +158,11 @@ World all_kinds(bool targets, double sub_paths, std::uint32_t orders = 12) {
   receive_on(world, "chip", chip);
   receive_on(world, "eye", eye);
   world.add_footprint(spot(lamp, {0, -0.2, 0}, {0, 0, -1}, Profile::gaussian, 0.15));
+  Footprint mode =
+      spot(wall, {-0.4, 0.1, 0.3}, unit({-1, 0.1, 0.2}), Profile::gaussian, 0.1, world.add_port("mode"), 1);
+  mode.emits = false;
+  mode.share = 0.7;
+  world.add_footprint(mode);
   world.limits.max_order = orders;
   world.limits.route_vertices = 12;
   world.limits.roulette_below = 0;
@@ -154,28 +174,28 @@ World all_kinds(bool targets, double sub_paths, std::uint32_t orders = 12) {
     world.steer(make_importance(world, settings));
   }
   for (std::uint32_t i = 0; i < 2; ++i) world.set_sub_paths(i, sub_paths);
+  world.set_sub_paths_of_mode(1, sub_paths);
   return world;
 }
 
 struct Found {
   std::uint64_t history;
-  std::uint32_t event, number, receiver;
+  std::uint32_t event, number, goal;
   std::size_t strategy;  // t
   double score;
 };
 struct Collect : Silent {
   explicit Collect(WorldView const& w) : view(w) {}
   void score(PathState const& p, Vertex const&, std::uint32_t goal, std::uint32_t number, Vertex const&, double power) {
-    if (goal >= view.lit.size)
-      all.push_back({p.history, p.event, number, goal - std::uint32_t(view.lit.size), is_hit(number) ? 0u : 1u, power});
+    all.push_back({p.history, p.event, number, goal, is_hit(number) ? 0u : 1u, power});
   }
-  void score_through(PathState const& p, Vertex const&, Vertex const&, Chain const& chain, std::uint32_t r,
+  void score_through(PathState const& p, Vertex const&, Vertex const&, Chain const& chain, std::uint32_t goal,
                      Vertex const&, double power) {
-    all.push_back({p.history, p.event, number_through(view, chain.ends, r), r, chain.ends + 1, power});
+    all.push_back({p.history, p.event, number_through(view, chain.ends, goal), goal, chain.ends + 1, power});
   }
-  void score_lit(PathState const& p, std::uint32_t source, Vertex const&, Chain const& chain, std::uint32_t r,
+  void score_lit(PathState const& p, std::uint32_t source, Vertex const&, Chain const& chain, std::uint32_t goal,
                  Vertex const&, double power) {
-    all.push_back({p.history, p.event, number_lit(view, source, chain.hops, r), r, chain.ends, power});
+    all.push_back({p.history, p.event, number_lit(view, source, chain.hops, goal), goal, chain.ends, power});
   }
   WorldView const& view;
   std::vector<Found> all;
@@ -188,21 +208,25 @@ TEST(BothEnds, EveryStrategyGivesTheSameScore) {
       WorldView const view = world.view();
       Collect found(view);
       walk(world, 3000, found, [] {});
-      std::map<std::size_t, int> seen, specular;
+      std::map<std::size_t, int> seen, specular, of_mode;
       int missed = 0;
       for (Found const& f : found.all) {
         auto const path = replay(SteeredWorld::as_given(world), 1, f.history, f.event, f.number);
         ASSERT_TRUE(path.has_value());
         ASSERT_EQ(path->coupling, f.score);
-        Explicit const by_hand(view, *path, f.receiver);
+        Explicit const by_hand(view, *path);
         double const expected = by_hand.light() / by_hand.sum(most_ends);
         EXPECT_NEAR(f.score, expected, 1e-12 * expected) << "t = " << f.strategy << " of " << by_hand.scattering();
         ++seen[f.strategy];
+        if (!is_receiver(view, f.goal)) ++of_mode[f.strategy];
         if (by_hand.scattering() < path->vertices.size()) ++specular[f.strategy];
         double const without = by_hand.light() / by_hand.sum(1);
         if (std::fabs(f.score - without) > 1e-3 * f.score) ++missed;
       }
-      for (std::size_t t = 0; t <= most_ends; ++t) EXPECT_GT(seen[t], 10) << t;
+      for (std::size_t t = 0; t <= most_ends; ++t) {
+        EXPECT_GT(seen[t], 10) << t;
+        EXPECT_GT(of_mode[t], 2) << t;
+      }
       for (std::size_t const t : {0, 2, 3, 4}) EXPECT_GT(specular[t], 10) << t;
       EXPECT_GT(missed, int(found.all.size()) / 2);  // control: a sum without sub-paths
     }
@@ -220,6 +244,10 @@ TEST(BothEnds, SameMeanAsWalkAndConnections) {
     expect_mean("some histories", difference(received(some, i), expected), 0, 0.15 * expected.mean);
     expect_rejected("half as much again", difference(scaled(received(both, i), 1.5), expected), 0);
   }
+  SampleMean const expected = total_coupling(alone);
+  expect_mean("mode, both ends", difference(total_coupling(both), expected), 0, 0.15 * expected.mean);
+  expect_mean("mode, some histories", difference(total_coupling(some), expected), 0, 0.15 * expected.mean);
+  expect_rejected("mode", difference(scaled(total_coupling(both), 1.5), expected), 0);
 }
 
 // A room with a lamp on its floor and, at this distance from its ceiling, a small receiver that looks along it
@@ -280,6 +308,54 @@ TEST(BothEnds, LightThatConnectionsFindKeepsItsError) {
   World near_ceiling = below_a_ceiling(5e-4);
   steer(near_ceiling);
   EXPECT_EQ(near_ceiling.receivers()[0].sub_paths, 1);
+}
+
+// A lamp lights a ceiling; its light reaches a mode on a small card below a window of glass (eq. 1.21): no connection
+// from the ceiling ends on the card, and the walk rarely meets the spot.
+World mode_behind_glass(double spot_radius) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const white = lambertian_optic(world, 0.5), black = black_optic(world);
+  SurfaceId const lamp = world.add_surface(disk(0, 0.1, {{0.5, 0, 0}, {0, 0, 1}}), white, black, body,
+                                           world.add_group("lamp")),
+                  card = world.add_surface(disk(0, 0.05, {{-0.2, 0, 0}, {0, 0, 1}}), white, black, body,
+                                           world.add_group("card"));
+  world.add_surface(disk(0, 2, {{0, 0, 1}, {0, 0, -1}}), white, black, body, world.add_group("ceiling"));
+  add_plate(world, "window", 1.5, 0.05, 0.06, -0.2, 0.1);
+  world.add_surface(cylinder(0.1, 0, 0.06, {{-0.2, 0, 0}}), black, black, body, world.add_group("barrel"));
+  world.add_footprint(spot(lamp, {0.5, 0, 0}, {0, 0, -1}, Profile::even, 0.1));
+  Footprint mode = spot(card, {-0.2, 0, 0}, {0, 0, -1}, Profile::gaussian, spot_radius, world.add_port("mode"), 1);
+  mode.emits = false;
+  world.add_footprint(mode);
+  world.limits.max_order = 8;
+  world.finish();
+  return world;
+}
+double relative_variance_of_mode(World const& world) {
+  SampleMean const s = total_coupling(run_histories(world, 1 << 16));
+  return s.std_error * s.std_error / (s.mean * s.mean) * double(s.n);
+}
+TEST(BothEnds, ModeBehindGlass) {
+  World chosen = mode_behind_glass(0.01), alone = mode_behind_glass(0.01);
+  for (World* world : {&chosen, &alone}) steer(*world);
+  EXPECT_EQ(chosen.footprints()[1].sub_paths, 1);
+  alone.set_sub_paths_of_mode(1, 0);
+  EXPECT_LT(relative_variance_of_mode(chosen), 0.1 * relative_variance_of_mode(alone));
+}
+// In front of the lamp connections find all light of a mode: it has no sub-paths.
+TEST(BothEnds, ModeThatConnectionsFind) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const white = lambertian_optic(world, 0.9), black = black_optic(world);
+  SurfaceId const lamp = world.add_surface(disk(0, 0.1, {{}, {0, 0, 1}}), white, black, body, world.add_group("lamp")),
+                  card = world.add_surface(disk(0, 0.1, {{0, 0, 1}, {0, 0, -1}}), white, black, body,
+                                           world.add_group("card"));
+  world.add_footprint(spot(lamp, {}, {0, 0, -1}, Profile::even, 0.1));
+  world.add_footprint(spot(card, {0, 0, 1}, {0, 0, 1}, Profile::even, 0.1, world.add_port("mode"), 1));
+  world.limits.max_order = 4;
+  world.finish();
+  steer(world);
+  EXPECT_EQ(world.footprints()[1].sub_paths, 0);
 }
 
 // Two grey discs of different size below a tilted plate and beside a mirror: what one sends to the other per area is

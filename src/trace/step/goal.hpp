@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where light is scored: a lit surface, where it rejoins a mode (docs/theory/path_integral.md), or a receiver, which
+// counts watts. The balance heuristic over all ways to get there is the same for both.
+#pragma once
+
+#include "trace/step/way.hpp"
+
+namespace straytrace::trace {
+
+// Goals are numbered: footprints first, then receivers. The number of a score within its vertex is even for a hit of
+// the walk and odd for a connection.
+STRAY_HD std::uint32_t arrival_number(std::uint32_t goal) { return 2 * goal; }
+STRAY_HD std::uint32_t connection_number(std::uint32_t goal) { return 2 * goal + 1; }
+STRAY_HD bool is_hit(std::uint32_t number) { return number % 2 == 0; }
+
+STRAY_HD std::uint32_t goal_of_receiver(WorldView const& world, std::uint32_t receiver) {
+  return std::uint32_t(world.lit.size) + receiver;
+}
+STRAY_HD bool is_receiver(WorldView const& world, std::uint32_t goal) { return goal >= world.lit.size; }
+STRAY_HD Receiver const& receiver_of(WorldView const& world, std::uint32_t goal) {
+  return world.receivers[goal - world.lit.size];
+}
+// Their order where the number of a goal decides random numbers: receivers first.
+STRAY_HD std::uint32_t goal_count(WorldView const& world) {
+  return std::uint32_t(world.lit.size + world.receivers.size);
+}
+STRAY_HD std::uint32_t place_of(WorldView const& world, std::uint32_t goal) {
+  return is_receiver(world, goal) ? goal - std::uint32_t(world.lit.size) : goal + std::uint32_t(world.receivers.size);
+}
+STRAY_HD std::uint32_t goal_at(WorldView const& world, std::uint32_t place) {
+  return place < world.receivers.size ? place + std::uint32_t(world.lit.size)
+                                      : place - std::uint32_t(world.receivers.size);
+}
+STRAY_HD SurfaceId surface_of(WorldView const& world, std::uint32_t goal) {
+  return is_receiver(world, goal) ? receiver_of(world, goal).surface : world.lit[goal].surface;
+}
+// Mean number of sub-paths per history that start there (sub_path.hpp).
+STRAY_HD double sub_paths_of(WorldView const& world, std::uint32_t goal) {
+  if (!is_receiver(world, goal)) return world.lit[goal].sub_paths;
+  return receiver_of(world, goal).clear ? 0 : receiver_of(world, goal).sub_paths;
+}
+
+// Density per area of the lit surface with which a connection draws the point y: |u|^2 |cos| (eq. 1.1 over q), 1/m^2.
+STRAY_HD double connection_density(Footprint const& lit, Vec3 y, Vec3 normal) {
+  return lit.intensity(y) * std::fabs(dot(normal, lit.travel));
+}
+// Whether the mode lights the point y of its surface: a line parallel to the chief ray, like those that connections
+// draw, reaches y before it meets the surface elsewhere (eq. 1.14). The rest of a closed surface lies in its own
+// shadow.
+STRAY_HD bool lights(WorldView const& world, Footprint const& lit, Vec3 y, Vec3 normal) {
+  double const way = dot(y - lit.centre, lit.travel) + lit.backoff;
+  if (!(way > 0)) return false;
+  Ray line{y - way * lit.travel, lit.travel};
+  line.t_max = way - world.slack(lit.surface, way, std::fabs(dot(normal, lit.travel)));
+  return !(world.cross(lit.surface.value, line, {}).distance < line.t_max);
+}
+
+// BSDF at the lit surface from the direction of arrival into the reversed mode, 1/sr. Light from behind rejoins through
+// the surface, with the indices of the vertex.
+STRAY_HD double rejoin_bsdf(WorldView const& world, Vertex const& at, Footprint const& lit) {
+  Vec3 const out = -lit.direction(at.point), reversed = at.frame.to_local(out);
+  if (at.beyond_facet(reversed, out)) return 0;
+  if (reversed.z > 0) return scatter_eval(world.laws, *at.optic, at.wi, reversed);
+  return scatter_eval(world.laws, *at.optic, at.wi, reversed, at.n_in, at.n_out);
+}
+STRAY_HD bool scatters_through(Optic const& optic) {
+  for (int i = 0; i < optic.laws; ++i)
+    if (optic.through[i]) return true;
+  return false;
+}
+// Etendue of one mode in the medium where it arrives, m^2 sr (docs/theory/path_integral.md), times q.
+STRAY_HD double accepted(WorldView const& world, Footprint const& lit) {
+  double const wavelength = world.wavelength / lit.index;
+  return wavelength * wavelength * lit.share;
+}
+
+// Share of light of this polarisation, travelling along `out`, that the mode accepts after the scatter at `y`; 1
+// without polarisation (docs/theory/conventions.md: BSDF models then describe the main polarisation alone).
+STRAY_HD double mode_share(WorldView const& world, Polarisation const& light, Vec3 out, Vertex const& y,
+                           Footprint const& lit) {
+  if (!world.polarised) return 1;
+  Vec3 const reversed = -lit.direction(y.point);
+  bool const through = dot(reversed, y.normal()) < 0;
+  Polarisation const after = scattered(light, out, reversed, through, y.optic->depolarise);
+  return polarisation_overlap(after, lit.polarisation, reversed);
+}
+
+// Density of a point drawn evenly on a surface, 1/m^2.
+STRAY_HD double area_density(WorldView const& world, SurfaceId id) {
+  return 1 / world.shapes.visit(world.surfaces[id.value].shape, [](auto const& s) { return s.area(); });
+}
+// Density per area with which a connection draws its point.
+STRAY_HD double receiver_density(WorldView const& world, Receiver const& r) { return area_density(world, r.surface); }
+
+// Density per area with which a connection draws the point y of a goal.
+STRAY_HD double density_on(WorldView const& world, std::uint32_t goal, Vertex const& y) {
+  if (is_receiver(world, goal)) return receiver_density(world, receiver_of(world, goal));
+  return connection_density(world.lit[goal], y.point, y.normal());
+}
+
+// Density with which sub-paths (sub_path.hpp) start along `out`, per area and projected solid angle,
+// 1/(m^2 sr): by the cosine law on the sides that count, or towards a point drawn uniformly on one of the aims,
+// hidden or not. `cosine`: at the receiver.
+STRAY_HD double start_density(WorldView const& world, Receiver const& r, Ray const& out, double cosine) {
+  double density = 1 / (pi * r.sides());
+  if (r.aims > 0) {
+    double towards = 0;
+    for (std::uint32_t i = 0; i < r.aims; ++i) {
+      Crossing const met = world.cross(r.aim[i].value, out, {});
+      if (!(met.distance < infinity)) continue;
+      Vec3 const normal = world.normal(r.aim[i], out.origin + met.distance * out.dir, met.piece);
+      towards += per_solid_angle(area_density(world, r.aim[i]), met.distance, std::fabs(dot(normal, out.dir)));
+    }
+    density = (1 - Receiver::aimed_share) * density + Receiver::aimed_share * towards / (r.aims * cosine);
+  }
+  return receiver_density(world, r) * density;
+}
+
+// The lit surface as the mode meets it.
+STRAY_HD Vertex met_by_mode(WorldView const& world, Footprint const& lit, Vec3 point, std::uint32_t piece) {
+  Vec3 const travel = lit.direction(point);
+  Vertex at = make_vertex(world, lit.surface, point, travel, piece);
+  evaluate_scattering(world, {}, lit.polarisation, travel, at);
+  return at;
+}
+
+// y on a goal as the first link of a path whose light arrives along `travel`.
+STRAY_HD Ends ends_on(WorldView const& world, std::uint32_t goal, Vertex const& y, Vec3 travel) {
+  Ends ends;
+  ends.sub_paths = sub_paths_of(world, goal);
+  ends.area = density_on(world, goal, y);
+  if (!(ends.sub_paths > 0)) return ends;
+  if (is_receiver(world, goal)) {
+    ends.link[0].backward = start_density(world, receiver_of(world, goal), {y.point, -travel}, y.cosine()) / ends.area;
+  } else {
+    Vertex const at = met_by_mode(world, world.lit[goal], y.point, y.piece);
+    ends.link[0].backward = scattered_density(world, at, at.frame.to_local(-travel));
+  }
+  return ends;
+}
+
+// Shares of a walk that hits the goal at y, and of a connection to y.
+STRAY_HD Shares shares_of_hit(WorldView const& world, PathState const& path, Vertex const& y, std::uint32_t goal) {
+  if (!(sub_paths_of(world, goal) > 0)) {
+    double const walk = per_area(path.hop.pdf, y.leg, y.cosine());
+    return {path.hop.pdf > 0 ? walk / (walk + density_on(world, goal, y)) : 1, 1};
+  }
+  if (path.trail.count == 0) return {1, 1};
+  Ends ends = ends_on(world, goal, y, path.ray.dir);
+  ends.append(path.trail, 1);
+  ends.start = path.trail.start;
+  ends.link[0].backward *= path.trail.back;
+  ends.link[0].geometry = arrival_geometry(path.hop, y);
+  return ends.shares(0);
+}
+
+// The vertex x of the walk and those before it, behind the first `t` of `ends`, for light that leaves x along `way`.
+// `walk`: density per area with which the walk goes that way.
+STRAY_HD void append_walk(WorldView const& world, PathState const& path, Vertex const& x, Way const& way, double cosine,
+                          double walk, std::uint32_t t, Ends& ends) {
+  double const geometry = line_geometry(x, way, cosine);
+  ends.link[t - 1].geometry = geometry;
+  ends.link[t] = link_at(world, path.trail, path.hop, x, path.ray.dir, way.out, way.wo.z < 0);
+  ends.link[t].forward = walk / geometry;
+  ends.append(path.trail, t + 1);
+  ends.start = start_of(world, path, x, path.hop);
+}
+
+STRAY_HD Shares shares_of_connection(WorldView const& world, PathState const& path, Vertex const& vertex,
+                                     Way const& way, Vertex const& y, double walk, std::uint32_t goal) {
+  if (!(sub_paths_of(world, goal) > 0)) {
+    double const density = density_on(world, goal, y);
+    return {density / (density + walk), 1};
+  }
+  Ends ends = ends_on(world, goal, y, way.out);
+  append_walk(world, path, vertex, way, y.cosine(), walk, 1, ends);
+  return ends.shares(1);
+}
+
+}  // namespace straytrace::trace
