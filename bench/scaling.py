@@ -3,12 +3,14 @@
 """One trace by 1, 2, 4 ... threads, MPI ranks and a GPU, in turns; what a checkpoint and a single MPI rank cost.
 
 Times are wall-clock times, the difference of a long and a short trace, so that they exclude setup: with other programs running
-they say nothing about straytrace. The efficiency of n is T(1)/(n T(n)).
+they say nothing about straytrace. The efficiency of n is T(1)/(n T(n)). That of n programs, each of which traces all histories in
+one thread, is T(1)/T(n): what the machine gives to work that has nothing in common.
 
 Examples:
   scripts/bench scaling --keep      as many threads and ranks as there are cores; for the page
   scripts/bench scaling --quick     a few blocks: does it run?
 """
+import concurrent.futures
 import os
 import pathlib
 import statistics
@@ -26,7 +28,7 @@ class Traces:
     def __init__(self, words, folder):
         self.words, self.run_file = words, pathlib.Path(folder) / "run.h5"
         self.scene = SMALL if words.quick else SCENE
-        self.short, self.long = (2, 8) if words.quick else (16, 144)    # blocks
+        self.short, self.long = (2, 8) if words.quick else (16, 528)    # blocks
         self.histories = (self.long - self.short) * BLOCK
 
     def trace(self, blocks, *more, before=(), cores=None, env=None):
@@ -41,6 +43,17 @@ class Traces:
 
     def threads(self, count):
         return self.beyond_setup("--threads", count, cores=first_cores(count))
+
+    def programs(self, count):
+        """Each does all the work: the time of one share."""
+        cores = sorted(os.sched_getaffinity(0))[:count]
+        def one(core):
+            folder = self.run_file.parent / f"core{core}"
+            folder.mkdir(exist_ok=True)
+            return Traces(self.words, folder).beyond_setup("--threads", 1, cores=core)
+        with concurrent.futures.ThreadPoolExecutor(count) as pool:
+            done = list(pool.map(one, cores))
+        return max(seconds for seconds, _ in done) / count, done[0][1]
 
     def ranks(self, count):
         return self.beyond_setup("--backend", "mpi", "--threads", 1, before=[*MPIRUN, "-n", count], cores=first_cores(count),
@@ -58,13 +71,14 @@ def counts():
 
 
 def scaled(results, kind, way, repeats, histories):
-    """A line for each number of threads or ranks, with its efficiency relative to one."""
+    """A line for each number of threads, programs or ranks, with its efficiency relative to one."""
     taken = in_turns({n: (lambda n=n: way(n)) for n in counts()}, repeats)
     one = [seconds for seconds, _ in taken[1]]
     for n, turns in taken.items():
         seconds = [s for s, _ in turns]
         efficiency = [a / (n * b) for a, b in zip(one, seconds)]
-        goal = {"goal": {"of": "efficiency", "at_least": 0.95, "name": f"efficiency of {n} {kind}"}} if n > 1 else {}
+        wanted = n > 1 and kind != "programs"
+        goal = {"goal": {"of": "efficiency", "at_least": 0.95, "name": f"efficiency of {n} {kind}"}} if wanted else {}
         results.add(f"{n} {kind}" if n > 1 else f"1 {kind[:-1]}", kind=kind, n=n, ours=statistics.median(seconds), unit="s",
                     rate=histories / statistics.median(seconds), rate_unit="1/s", efficiency=statistics.median(efficiency),
                     spread=spread(efficiency if n > 1 else seconds), repeats=repeats,
@@ -112,6 +126,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder, Results("scaling", words) as results:
         traces = Traces(words, folder)
         scaled(results, "threads", traces.threads, repeats, traces.histories)
+        scaled(results, "programs", traces.programs, repeats, traces.histories)
         scaled(results, "ranks", traces.ranks, repeats, traces.histories)
         one_rank(results, traces, repeats)
         checkpoints(results, traces, repeats)
