@@ -342,6 +342,39 @@ TEST(BothEnds, ModeBehindGlass) {
   alone.set_sub_paths_of_mode(1, 0);
   EXPECT_LT(relative_variance_of_mode(chosen), 0.1 * relative_variance_of_mode(alone));
 }
+// A mode that arrives at a frosted face from inside the glass: light from below is scattered through the face into it
+// (eq. 1.21 with n = 1.5 on one side).
+SampleMean into_the_glass(double sub_paths, std::uint64_t seed, double index = 1.5) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const white = lambertian_optic(world, 0.5), black = black_optic(world), clear = glass_optic(world),
+                      volume = world.add_volume({1.5, 0});
+  Optic rough;
+  rough.laws = 1;
+  rough.law[0] = world.add_law(Lambertian{0.5});
+  rough.through[0] = true;
+  std::uint32_t const frosted = world.add_optic(rough);
+  SurfaceId const lamp = world.add_surface(disk(0, 0.1, {{}, {0, 0, 1}}), white, black, body, world.add_group("lamp")),
+                  face = world.add_surface(disk(0, 0.1, {{0, 0, 0.2}, {0, 0, -1}}), frosted, frosted, body,
+                                           world.add_group("face"), volume);
+  world.add_surface(disk(0, 0.1, {{0, 0, 0.21}, {0, 0, 1}}), clear, clear, body, world.add_group("top"), volume);
+  world.add_surface(disk(0, 1, {{0, 0, -0.1}, {0, 0, 1}}), white, black, body, world.add_group("floor"));
+  world.add_footprint(spot(lamp, {}, {0, 0, -1}, Profile::even, 0.1));
+  Footprint mode = spot(face, {0, 0, 0.2}, {0, 0, -1}, Profile::gaussian, 0.03, world.add_port("mode"), 1);
+  mode.index = index;
+  mode.emits = false;
+  world.add_footprint(mode);
+  world.limits.max_order = 6;
+  world.limits.roulette_below = 0;
+  world.finish();
+  world.set_sub_paths_of_mode(1, sub_paths);
+  return total_coupling(run_histories(world, 1 << 17, seed));
+}
+TEST(BothEnds, ModeInGlass) {
+  SampleMean const alone = into_the_glass(0, 1), both = into_the_glass(1, 2);
+  expect_mean("both ends", difference(both, alone), 0, 0.05 * alone.mean);
+  expect_rejected("etendue of air", difference(into_the_glass(1, 3, 1), alone), 0);
+}
 // In front of the lamp connections find all light of a mode: it has no sub-paths.
 TEST(BothEnds, ModeThatConnectionsFind) {
   World world;
