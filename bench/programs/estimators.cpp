@@ -62,6 +62,15 @@ World steered(World world, bool windows) {
   world.steer(make_importance(world, settings));
   return world;
 }
+World with_sub_paths(World world) {
+  find_covered_receivers(world);
+  return world;
+}
+// As a run prepares it.
+World by_default(World world) {
+  steer(world, 1);
+  return world;
+}
 
 // Scores of receiver 0 by paths whose first hit was on a group: a class of routes without end, which no table has.
 class FirstHit : public testing::Silent {
@@ -72,6 +81,11 @@ class FirstHit : public testing::Silent {
   }
   void score(PathState const&, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const&, double power) {
     if (by_group_ && goal == goal_of_receiver(view_, 0)) block_ += power;
+  }
+  void score_through(PathState const& path, Vertex const&, Vertex const& z, Chain const&, std::uint32_t goal,
+                     Vertex const&, double power) {
+    bool const first = path.order > 0 ? by_group_ : view_.surfaces[z.surface.value].group.value == group_.value;
+    if (first && goal == goal_of_receiver(view_, 0)) block_ += power;
   }
   void close_history() {
     by_group_ = false;
@@ -112,7 +126,9 @@ Scene tube_of_4_km() {
             },
             all, true},
            {"targets at every hop + connections", [open] { return steered(open(), false); }, all, true},
-           {"default: targets, connections, windows", [open] { return steered(open(), true); }, all, true}}};
+           {"targets at every hop + connections + windows", [open] { return steered(open(), true); }, all, true},
+           {"law + connections + sub-paths", [open] { return with_sub_paths(open()); }, all, true},
+           {"default", [open] { return by_default(open()); }, all, true}}};
 }
 
 // Scene 12: a laser lights a square, which lights a second one at right angles, which lights the receiver. A thin plate
@@ -149,11 +165,14 @@ World two_squares(bool plate, bool backwards) {
 
 Scene squares() {
   std::vector<Quantity> const watts{power("receiver", 0)};
-  return {"two squares",
-          {{"analog: the law, waiting for hits", [] { return two_squares(true, false); }, watts},
-           {"adjoint: sub-paths from the receiver", [] { return two_squares(true, true); }, watts},
-           {"law + connections", [] { return two_squares(false, false); }, watts},
-           {"default: targets, connections, windows", [] { return steered(two_squares(false, false), true); }, watts}}};
+  return {
+      "two squares",
+      {{"analog: the law, waiting for hits", [] { return two_squares(true, false); }, watts},
+       {"adjoint: sub-paths from the receiver", [] { return two_squares(true, true); }, watts},
+       {"law + connections", [] { return two_squares(false, false); }, watts},
+       {"targets at every hop + connections + windows", [] { return steered(two_squares(false, false), true); }, watts},
+       {"law + connections + sub-paths", [] { return two_squares(false, true); }, watts},
+       {"default", [] { return by_default(two_squares(false, false)); }, watts}}};
 }
 
 // Scene 5: transmission of a diffuse tube, ten radii long, that absorbs half of the light at each bounce.
@@ -179,7 +198,9 @@ Scene short_tube() {
   return {"diffuse tube of 10 radii",
           {{"analog: the law, waiting for hits", tube_of_ten_radii, {arriving("exit", "exit")}},
            {"law + connections", tube_of_ten_radii, exit},
-           {"default: targets, connections, windows", [] { return steered(tube_of_ten_radii(), true); }, exit}}};
+           {"targets at every hop + connections + windows", [] { return steered(tube_of_ten_radii(), true); }, exit},
+           {"law + connections + sub-paths", [] { return with_sub_paths(tube_of_ten_radii()); }, exit},
+           {"default", [] { return by_default(tube_of_ten_radii()); }, exit}}};
 }
 
 struct Spent {

@@ -158,8 +158,24 @@ namespace {
 
 constexpr std::size_t most_edges = 256;
 
+// Edges in ascending order, from 0 to 1, at some of the `heights` along a wall of this length: close ones only where a
+// beam, a receiver or an end of the wall (`near`) is near. Exchange varies there within metres.
+std::vector<double> chosen_edges(std::vector<double> const& heights, std::vector<double> const& near, double length,
+                                 double least) {
+  auto const spacing = [&](double h) {
+    double nearest = length;
+    for (double const from : near) nearest = std::min(nearest, std::fabs(h - from));
+    return std::max(least, std::min(length / double(most_edges), 0.2 * nearest));
+  };
+  std::vector<double> edges{0};
+  for (double const h : heights)
+    if (h > edges.back() * length + spacing(h) && h < length - least) edges.push_back(h / length);
+  edges.push_back(1);
+  return edges;
+}
+
 // Places along a long wall where the light changes: the ends of all objects inside it, and geometrically growing steps
-// away from each lit surface and from its own ends.
+// away from each lit surface and receiver and from its own ends.
 std::vector<double> wall_edges(World const& world, std::vector<Vec3> const& places, Cylinder const& wall) {
   double const length = wall.to - wall.from;
   std::vector<double> heights;
@@ -167,21 +183,19 @@ std::vector<double> wall_edges(World const& world, std::vector<Vec3> const& plac
   for (Vec3 const at : places)
     if (length2(at - wall.origin - dot(at - wall.origin, wall.axis) * wall.axis) <= wall.radius * wall.radius)
       heights.push_back(height(at));
-  std::vector<double> steps{0, length};
-  for (Footprint const& f : world.footprints()) steps.push_back(height(f.centre));
-  for (Receiver const& r : world.receivers()) steps.push_back(height(places[r.surface.value]));
-  for (double const from : steps)
+  std::vector<double> near{0, length};
+  for (Footprint const& f : world.footprints()) near.push_back(height(f.centre));
+  for (Receiver const& r : world.receivers()) near.push_back(height(places[r.surface.value]));
+  for (double const from : near)
     for (double step = 0.5 * wall.radius; step < length; step *= 1.5) {
       heights.push_back(from + step);
       heights.push_back(from - step);
     }
   std::ranges::sort(heights);
-  double const least = std::max(0.2 * wall.radius, length / double(most_edges));
-  std::vector<double> edges{0};
-  for (double const h : heights)
-    if (h > edges.back() * length + least && h < length - least) edges.push_back(h / length);
-  edges.push_back(1);
-  return edges;
+  for (double least = 0.2 * wall.radius;; least *= 2) {
+    std::vector<double> edges = chosen_edges(heights, near, length, least);
+    if (edges.size() <= most_edges + 1) return edges;
+  }
 }
 
 // Parts of about equal area whose edges lie between triangles; all meshes of a scene share `most`.

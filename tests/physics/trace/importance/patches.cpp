@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
+#include "support/baffled_tube.hpp"
 #include "support/mesh_shapes.hpp"
 #include "support/shapes.hpp"
 #include "support/trace_received.hpp"
@@ -99,6 +100,27 @@ TEST(Patches, WrongPatchAreaIsRejected) {
   } catch (NumericalError const&) {
     SUCCEED() << "the check of the energy balance rejects it";
   }
+}
+
+// The wall of a tube of 4 km has sections of some decimetres next to the mirror, whose light mostly returns from there,
+// and of many metres elsewhere; in all no more than the tables hold.
+TEST(Patches, WallsHaveShortSectionsNearBeams) {
+  World const world = baffled_tube();
+  SteeringTables const tables = make_strips(world);
+  std::uint32_t const wall = 1;
+  double longest_near = 0, longest = 0;
+  int sections = 0;
+  for (Strip const& s : tables.strips) {
+    if (s.surface.value != wall) continue;
+    double const length = baffled_length * (s.u_high - s.u_low);
+    if (baffled_length * s.u_high < 3) longest_near = std::max(longest_near, length);
+    longest = std::max(longest, length);
+    ++sections;
+  }
+  EXPECT_LT(longest_near, 1);
+  EXPECT_GT(longest_near, 0.1);
+  EXPECT_GT(longest, 10);
+  EXPECT_LE(sections, 256);
 }
 
 // Neighbours of one kind: no patch mixes groups, lit surfaces and receivers stay separate, all strips are listed
