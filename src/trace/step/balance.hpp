@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The balance heuristic over all ways to make a path from its source to a receiver (docs/theory/sampling.md, eq. 1.15
+// The power heuristic over all ways to make a path from its source to a receiver (docs/theory/sampling.md, eq. 1.15
 // to 1.18). Strategy t takes t vertices from the receiver and the others from the source, and connects the two:
 // t = 0: the walk hits the receiver; t = 1: a connection to a point drawn on it; t >= 2: a connection to a vertex of a
 // sub-path; t = m, all scattering vertices: the sub-path meets light of a beam.
@@ -91,6 +91,20 @@ STRAY_HD void pass_specular(WorldView const& world, Trail& trail, Vertex const& 
 struct Shares {
   double own = 0, walk = 0;
 };
+// Weight of one of two strategies (eq. 1.18).
+STRAY_HD double weight_of(double own, double other) {
+  double const ratio = other / own;
+  return 1 / (1 + ratio * ratio);
+}
+// Sums of powers of numbers of samples.
+struct Powers {
+  double squares = 0, cubes = 0;
+  STRAY_HD void add(double samples) {
+    double const square = samples * samples;
+    squares += square;
+    cubes += samples * square;
+  }
+};
 
 // A path for the heuristic: its last scattering vertices, the receiver first.
 struct Ends {
@@ -116,28 +130,32 @@ struct Ends {
   STRAY_HD double taken(std::uint32_t t) const { return t == 0 ? area : link[t - 1].backward; }
   STRAY_HD double left_out(std::uint32_t t) const { return t + 1 == vertices ? start : link[t + 1].forward; }
 
-  // Of the sum over all strategies: that of strategy t, and that of the strategies without sub-paths, t = 0 and 1.
+  // The weight of strategy t (eq. 1.18), and the square of its score over its part of eq. 1.20.
   STRAY_HD Shares shares(std::uint32_t t) const {
     double const own = samples(t);
-    double sum = own, walk = t <= 1 ? own : 0, ratio = 1;
+    Powers all, walk;  // of all strategies, and of those without sub-paths
+    auto const count = [&all, &walk](std::uint32_t strategy, double n) {
+      all.add(n);
+      if (strategy <= 1) walk.add(n);
+    };
+    count(t, own);
+    double ratio = 1;
     std::uint32_t const end = vertices < most_ends ? vertices : most_ends;
     for (std::uint32_t i = t; i < end && (i == 0 || sub_paths > 0); ++i) {
       double const over = left_out(i);
       if (!(over > 0)) break;
       ratio *= taken(i) / over;
       if (!(ratio > 0)) break;
-      double const one = ratio * samples(i + 1);
-      sum += one;
-      if (i == 0) walk += one;
+      count(i + 1, ratio * samples(i + 1));
     }
     ratio = 1;
     for (std::uint32_t i = t; i-- > 0;) {
       ratio *= left_out(i) / taken(i);
-      double const one = ratio * samples(i);
-      sum += one;
-      if (i <= 1) walk += one;
+      count(i, ratio * samples(i));
     }
-    return sum > 0 ? Shares{own / sum, walk / sum} : Shares{};
+    if (!(all.squares > 0)) return {};
+    double const walk_share = walk.cubes > 0 ? own / all.squares * walk.squares * walk.squares / walk.cubes : 0;
+    return {own * own / all.squares, walk_share};
   }
 };
 

@@ -28,7 +28,7 @@ struct Hop {
   double aim_distance = 0;               // m to the point drawn on it: anything hit earlier hides it
 };
 
-// A scattering vertex as the balance heuristic sees it (docs/theory/sampling.md, eq. 1.15 to 1.17). Densities of
+// A scattering vertex as the power heuristic sees it (docs/theory/sampling.md, eq. 1.15 to 1.17). Densities of
 // directions are per etendue, 1/(m^2 sr), and include the probabilities of the specular ways up to the next scattering
 // vertex.
 struct Link {

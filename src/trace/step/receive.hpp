@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Light counted in watts: hits of the walk on receivers and connections to points drawn on them, combined by the
-// balance heuristic as for modes (docs/theory/sampling.md). A score is power relative to the main mode.
+// power heuristic (docs/theory/sampling.md, eq. 1.18). A score is power relative to the main mode.
 #pragma once
 
 #include "trace/step/goal.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Paths from the goal (docs/theory/sampling.md): a sub-path starts on a receiver, or in the reversed mode on a lit
 // surface, is scattered by the BSDF models and passes mirrors and glass, and every vertex of the walk is connected to
-// each of its scattering vertices. The balance heuristic (balance.hpp) combines these connections with all other ways
+// each of its scattering vertices. The power heuristic (balance.hpp) combines these connections with all other ways
 // to make the same path. Where a sub-path meets a surface that a beam lights, directly or as a free beam by the
 // straight way from its plane, that light's own scatter is scored as well.
 #pragma once

@@ -108,8 +108,8 @@ TEST(SubPaths, PolarisedScenesUseTheWalkOnly) {
   }
 }
 TEST(SubPaths, PolarisedControl) {
-  SampleMean const walk = watts(polarised(1.5, false, SubPath::looked_for, 0.04), 1 << 19),
-                   control = watts(polarised(1.5, false, SubPath::forced, 0.04), 1 << 18, 2);
+  SampleMean const walk = watts(polarised(1.5, false, SubPath::looked_for, 0.04), 1 << 20),
+                   control = watts(polarised(1.5, false, SubPath::forced, 0.04), 1 << 19, 2);
   expect_rejected("sub-paths without polarisation", difference(control, walk), 0);
 }
 
