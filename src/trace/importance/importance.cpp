@@ -166,7 +166,8 @@ SteeredWorld steer(World& world, unsigned threads) {
     world.steer(make_importance(world, settings));
   }
   if (world.steering().level > 0 && world.halo().emitted > 0) world.set_halo_level(halo_level(world));
-  choose_sub_paths(world);
+  choose_sub_paths_of_modes(world);
+  choose_techniques(world);
   find_map_cells(world);
   return SteeredWorld(world);
 }

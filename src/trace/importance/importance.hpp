@@ -32,9 +32,11 @@ SteeredWorld steer(World&, unsigned threads = 0);
 // Gives sub-paths to receivers (trace/step/sub_path.hpp), and marks those that see part of the scene through lenses or
 // mirrors.
 void find_covered_receivers(World&);
-// Takes them from receivers whose light has a smaller error without, by a short separate run in a world with steering
-// tables. Its histories never enter results.
-void choose_sub_paths(World&);
+// Gives sub-paths to the modes for which they pay, by two short separate runs.
+void choose_sub_paths_of_modes(World&);
+// Lessens the sub-paths of receivers, and the targets after the first hop, where that lessens error and cost, by a short
+// separate run in a world with receivers and steering tables. Histories of these runs never enter results.
+void choose_techniques(World&);
 
 // Only the strips, each its own patch.
 SteeringTables make_strips(World const&);

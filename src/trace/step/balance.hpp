@@ -88,14 +88,6 @@ STRAY_HD void pass_specular(WorldView const& world, Trail& trail, Vertex const& 
   trail.back *= ++trail.hops > most_specular_hops ? 0 : reversed_way(world, vertex, way).share;
 }
 
-struct Shares {
-  double own = 0, walk = 0;
-};
-// Weight of one of two strategies (eq. 1.18).
-STRAY_HD double weight_of(double own, double other) {
-  double const ratio = other / own;
-  return 1 / (1 + ratio * ratio);
-}
 // Sums of powers of numbers of samples.
 struct Powers {
   double squares = 0, cubes = 0;
@@ -105,6 +97,34 @@ struct Powers {
     cubes += samples * square;
   }
 };
+
+// What the other strategies of a path do for a score.
+struct Shares {
+  double weight;      // of the score, eq. 1.18
+  double own = 1;     // samples of the strategy that made it
+  Powers walk{1, 1};  // strategies 0 and 1
+  Powers sub_paths;   // the others
+  STRAY_HD explicit Shares(double of_score = 1) : weight(of_score) {}
+  // Second moment with `times` as many sub-paths, over the square of the score (eq. 1.20).
+  STRAY_HD double moment(double times) const {
+    constexpr double never = 1e12;
+    double const square = times * times, squares = walk.squares + square * sub_paths.squares;
+    double const cubes = walk.cubes + times * square * sub_paths.cubes, factor = cubes / (squares * squares);
+    double const all = walk.squares + sub_paths.squares;
+    return squares > 0 && all / own * factor < never ? all / own * factor : never;
+  }
+  // Score with `times` as many sub-paths over the score.
+  STRAY_HD double change(bool of_sub_path, double times) const {
+    double const squares = walk.squares + times * times * sub_paths.squares;
+    if (!(squares > 0)) return 0;
+    return (of_sub_path ? times : 1) * (walk.squares + sub_paths.squares) / squares;
+  }
+};
+// Weight of one of two strategies (eq. 1.18).
+STRAY_HD double weight_of(double own, double other) {
+  double const ratio = other / own;
+  return 1 / (1 + ratio * ratio);
+}
 
 // A path for the heuristic: its last scattering vertices, the receiver first.
 struct Ends {
@@ -130,15 +150,14 @@ struct Ends {
   STRAY_HD double taken(std::uint32_t t) const { return t == 0 ? area : link[t - 1].backward; }
   STRAY_HD double left_out(std::uint32_t t) const { return t + 1 == vertices ? start : link[t + 1].forward; }
 
-  // The weight of strategy t (eq. 1.18), and the square of its score over its part of eq. 1.20.
   STRAY_HD Shares shares(std::uint32_t t) const {
-    double const own = samples(t);
-    Powers all, walk;  // of all strategies, and of those without sub-paths
-    auto const count = [&all, &walk](std::uint32_t strategy, double n) {
-      all.add(n);
-      if (strategy <= 1) walk.add(n);
+    Shares found(0);
+    found.own = samples(t);
+    found.walk = {};
+    auto const count = [&found](std::uint32_t strategy, double n) {
+      (strategy <= 1 ? found.walk : found.sub_paths).add(n);
     };
-    count(t, own);
+    count(t, found.own);
     double ratio = 1;
     std::uint32_t const end = vertices < most_ends ? vertices : most_ends;
     for (std::uint32_t i = t; i < end && (i == 0 || sub_paths > 0); ++i) {
@@ -153,16 +172,16 @@ struct Ends {
       ratio *= left_out(i) / taken(i);
       count(i, ratio * samples(i));
     }
-    if (!(all.squares > 0)) return {};
-    double const walk_share = walk.cubes > 0 ? own / all.squares * walk.squares * walk.squares / walk.cubes : 0;
-    return {own * own / all.squares, walk_share};
+    double const all = found.walk.squares + found.sub_paths.squares;
+    if (all > 0) found.weight = found.own * found.own / all;
+    return found;
   }
 };
 
-// Tells a sink that asks for it the second share of the score that follows.
+// Tells a sink that asks for them the shares of the score that follows.
 template <class Sink>
 STRAY_HD void tell_shares(Sink& sink, Shares const& shares) {
-  if constexpr (requires { sink.share_of_walk(0.0); }) sink.share_of_walk(shares.walk);
+  if constexpr (requires { sink.shares(shares); }) sink.shares(shares);
 }
 
 }  // namespace straytrace::trace

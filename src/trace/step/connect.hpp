@@ -19,9 +19,9 @@ STRAY_HD void arrive_at(WorldView const& world, PathState const& path, Vertex co
                           mode_share(world, path.polarisation, path.ray.dir, vertex, lit);
   // A specular hop has no density: no connection can sample this path.
   Shares const shares = shares_of_hit(world, path, vertex, index);
-  if (!(coupling * shares.own > 0) || !lights(world, lit, vertex.point, vertex.normal())) return;
+  if (!(coupling * shares.weight > 0) || !lights(world, lit, vertex.point, vertex.normal())) return;
   tell_shares(sink, shares);
-  sink.score(path, vertex, index, arrival_number(index), vertex, coupling * shares.own);
+  sink.score(path, vertex, index, arrival_number(index), vertex, coupling * shares.weight);
 }
 
 // Several beams may light one surface: the light rejoins each of them.
@@ -59,13 +59,13 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
         mode_share(world, scattered(path.polarisation, path.ray.dir, way.out, way.wo.z < 0, vertex.optic->depolarise),
                    way.out, y, lit);
   if (!(coupling > 0)) return;
-  Shares shares{1, 1};
+  Shares shares;
   if (lit.profile != Profile::point && !world.surfaces[lit.surface.value].clear)  // which a walk can hit
     shares = shares_of_connection(world, path, vertex, way, y,
                                   walk_density(world, path, vertex, way, y.patch, y.cosine()), index);
   if (blocked(world, vertex, way, y)) return;
   tell_shares(sink, shares);
-  sink.score(path, vertex, index, connection_number(index), y, coupling * shares.own);
+  sink.score(path, vertex, index, connection_number(index), y, coupling * shares.weight);
 }
 
 template <class Sink>

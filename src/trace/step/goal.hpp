@@ -139,17 +139,17 @@ STRAY_HD Ends ends_on(WorldView const& world, std::uint32_t goal, Vertex const& 
   return ends;
 }
 
-// Shares of a walk that hits the goal at y, and of a connection to y.
 // Weight of the walk or of the connection alone: eq. 1.18 on receivers, eq. 1.9 in modes.
 STRAY_HD double share_of_two(WorldView const& world, std::uint32_t goal, double own, double other) {
   return is_receiver(world, goal) ? weight_of(own, other) : own / (own + other);
 }
+// Shares of a walk that hits the goal at y, and of a connection to y.
 STRAY_HD Shares shares_of_hit(WorldView const& world, PathState const& path, Vertex const& y, std::uint32_t goal) {
   if (!(sub_paths_of(world, goal) > 0)) {
     double const walk = per_area(path.hop.pdf, y.leg, y.cosine());
-    return {path.hop.pdf > 0 ? share_of_two(world, goal, walk, density_on(world, goal, y)) : 1, 1};
+    return Shares(path.hop.pdf > 0 ? share_of_two(world, goal, walk, density_on(world, goal, y)) : 1);
   }
-  if (path.trail.count == 0) return {1, 1};
+  if (path.trail.count == 0) return Shares(1);
   Ends ends = ends_on(world, goal, y, path.ray.dir);
   ends.append(path.trail, 1);
   ends.start = path.trail.start;
@@ -174,7 +174,7 @@ STRAY_HD Shares shares_of_connection(WorldView const& world, PathState const& pa
                                      Way const& way, Vertex const& y, double walk, std::uint32_t goal) {
   if (!(sub_paths_of(world, goal) > 0)) {
     double const density = density_on(world, goal, y);
-    return {share_of_two(world, goal, density, walk), 1};
+    return Shares(share_of_two(world, goal, density, walk));
   }
   Ends ends = ends_on(world, goal, y, way.out);
   append_walk(world, path, vertex, way, y.cosine(), walk, 1, ends);

@@ -15,7 +15,7 @@ STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex c
   std::uint32_t const goal = goal_of_receiver(world, receiver);
   Shares const shares = shares_of_hit(world, path, y, goal);
   tell_shares(sink, shares);
-  sink.score(path, y, goal, arrival_number(goal), y, power * shares.own);
+  sink.score(path, y, goal, arrival_number(goal), y, power * shares.weight);
 }
 
 // Light that hits a receiver: its surface, or a measuring plane that the leg crosses.
@@ -72,7 +72,7 @@ STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path,
   std::uint32_t const goal = goal_of_receiver(world, receiver);
   Shares const shares = shares_of_connection(world, path, vertex, way, y, walk, goal);
   double const power =
-      path.power * way.bsdf * way.kept * way.geometry(y.cosine()) * shares.own / receiver_density(world, r);
+      path.power * way.bsdf * way.kept * way.geometry(y.cosine()) * shares.weight / receiver_density(world, r);
   if (!(power > 0)) return;
   tell_shares(sink, shares);
   sink.score(path, vertex, goal, connection_number(goal), y, power);

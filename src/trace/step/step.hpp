@@ -12,7 +12,7 @@
 //   score_through(path, x, z, chain, goal, end, power)   optional: light on a goal by x and a sub-path from z
 //   score_lit(path, source, z, chain, goal, end, power)  optional: by a sub-path from z, in the light of a beam
 //   book(term, power)                         the energy balance
-//   share_of_walk(share)                      optional: of the next score on a goal, eq. 1.18 without sub-paths
+//   shares(shares)                            optional: of the next score, eq. 1.18
 //   hears(event)                              optional: whether scores of this vertex are heard; the walk is the same
 //   absorbed(group, power)                    optional: power absorbed by a group; invalid group: by a medium
 //   roulette_variance(variance)               optional: of the power just booked under `roulette`

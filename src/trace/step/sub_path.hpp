@@ -289,7 +289,7 @@ STRAY_HD void score_lit_by(WorldView const& world, PathState const& path, std::u
   ends.start = lit.density / world.draws();
   ends.link[sub.count + 1].forward = leaving_density(world, met, z, wo, law.pdf, beam.free ? z.albedo / z.kept() : 1);
   Shares const shares = ends.shares(ends.vertices);
-  double const power = beam.share * lit.density * f * met.power * shares.own / ends.sub_paths;
+  double const power = beam.share * lit.density * f * met.power * shares.weight / ends.sub_paths;
   if (!(power > 0)) return;
   tell_shares(sink, shares);
   Chain chain = sub.chain;
@@ -320,7 +320,7 @@ STRAY_HD void connect_to_sub_path(WorldView const& world, PathState const& path,
   append_walk(world, path, x, way, z.cosine(), walk, i + 2, ends);
   Shares const shares = ends.shares(i + 2);
   double const power =
-      path.power * way.bsdf * way.kept * way.geometry(z.cosine()) * f * met.power * shares.own / ends.sub_paths;
+      path.power * way.bsdf * way.kept * way.geometry(z.cosine()) * f * met.power * shares.weight / ends.sub_paths;
   if (!(power > 0) || blocked(world, x, way, z)) return;
   tell_shares(sink, shares);
   if constexpr (requires(Chain const& c) { sink.score_through(path, x, z, c, 0u, z, power); })

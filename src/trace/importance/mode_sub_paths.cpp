@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which receivers and modes have sub-paths (docs/theory/sampling.md, eq. 1.20). Light that connections find well, such
-// as that of a lit surface in front of a receiver, has a larger error with them.
+// Which modes have sub-paths (docs/theory/sampling.md, eq. 1.24): those to which mirrors or glass lead light that the
+// walk hardly finds. Targets and connections aim at all others well enough.
 #include <array>
 #include <cmath>
 
@@ -11,41 +11,37 @@ namespace straytrace::trace {
 namespace {
 
 // Numbers of histories that nothing else uses.
-constexpr std::uint64_t first_of_choice = 5ull << 61;
-constexpr int rounds = 16, histories_of_round = 256;
-// Of receivers that see through glass or mirrors: light that a walk hardly finds may be missing from the pilot.
-constexpr double least_behind_glass = 0.05;
+constexpr std::uint64_t first_of_mode_trial = 7ull << 61;
+constexpr int mode_rounds = 16, histories_of_round = 256;
 
-// What is compared: all light on a goal, and the light of each beam that joins a mode, since faint beams have ports of
-// their own.
+// What is compared: all light in a mode, and the light of each beam that joins it, since faint beams have ports of their
+// own.
 class Columns {
  public:
-  explicit Columns(WorldView const& view) : view_(view) {}
-  std::size_t size() const { return of(std::uint32_t(view_.lit.size), 0); }
-  std::size_t of(std::uint32_t goal) const { return place_of(view_, goal); }
-  std::size_t of(std::uint32_t mode, std::uint32_t source) const {
-    return goal_count(view_) + mode * view_.lit.size + source;
-  }
+  explicit Columns(WorldView const& view) : modes_(view.lit.size) {}
+  std::size_t size() const { return modes_ * (modes_ + 1); }
+  std::size_t of(std::uint32_t mode) const { return mode; }
+  std::size_t of(std::uint32_t mode, std::uint32_t source) const { return modes_ * (mode + 1) + source; }
 
  private:
-  WorldView const& view_;
+  std::size_t modes_;
 };
 
 // Means over the histories of one round.
 struct PilotRound {
   double mean = 0, second = 0;
-  double without = 0;  // of the squares of the scores over the share of the walk (eq. 1.20)
+  double without = 0;  // of single scores, without sub-paths (eq. 1.20)
   double variance() const { return second - mean * mean; }
   double bound() const { return without - mean * mean; }
 };
-using PilotRounds = std::array<PilotRound, rounds>;
+using PilotRounds = std::array<PilotRound, mode_rounds>;
 
-class ChoiceSink : public NullSink {
+class ModeSink : public NullSink {
  public:
-  explicit ChoiceSink(WorldView const& view)
-      : columns_(view), found(columns_.size()), sources_(view.lit.size), total_(columns_.size()) {}
+  explicit ModeSink(WorldView const& view)
+      : columns_(view), found(columns_.size()), modes_(view.lit.size), total_(columns_.size()) {}
 
-  void share_of_walk(double share) { share_ = share; }
+  void shares(Shares const& shares) { shares_ = shares; }
   void score(PathState const& path, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const&, double power) {
     add(goal, path.source, power);
   }
@@ -76,18 +72,20 @@ class ChoiceSink : public NullSink {
 
  private:
   void add(std::uint32_t goal, std::uint32_t source, double power) {
-    add_to(columns_.of(goal), power);
-    if (goal < sources_) add_to(columns_.of(goal, source), power);
-    share_ = 1;
+    if (goal < modes_) {
+      add_to(columns_.of(goal), power);
+      add_to(columns_.of(goal, source), power);
+    }
+    shares_ = Shares();
   }
   void add_to(std::size_t column, double power) {
-    scores_.push_back({column, power * power / std::fmax(share_, 1e-12)});
+    scores_.push_back({column, power * power * shares_.moment(0)});
     total_[column] += power;
   }
-  std::size_t sources_;
+  std::size_t modes_;
   std::vector<double> total_;                           // of this history, by column
   std::vector<std::pair<std::size_t, double>> scores_;  // of this history
-  double share_ = 1;
+  Shares shares_;
 };
 
 // Rays and connections of a history: without sub-paths, and those of the sub-paths of a goal.
@@ -107,38 +105,37 @@ void count_cost(WorldView const& view, History const& history, Cost& cost) {
 
 // Rounds with all strategies (`cost`: the cost of the sub-paths of each goal besides), or without sub-paths.
 std::vector<PilotRounds> tried(WorldView const& view, Cost& cost) {
-  ChoiceSink sink(view);
+  ModeSink sink(view);
   History history;
-  for (std::uint64_t h = 0; h < rounds * histories_of_round; ++h) {
-    trace_history(view, 0, first_of_choice + h, history, sink);
+  for (std::uint64_t h = 0; h < mode_rounds * histories_of_round; ++h) {
+    trace_history(view, 0, first_of_mode_trial + h, history, sink);
     count_cost(view, history, cost);
     sink.end_history(h / histories_of_round);
   }
   return std::move(sink.found);
 }
 
-// By how many standard errors the variance times the cost is smaller without sub-paths. A variance found without them
-// may lack rare, large scores. It counts as not less than its part that the scores with all strategies show (eq. 1.20).
-// `least`: gain of sub-paths that is requested, as a factor.
-double gain_without(PilotRounds const& with, PilotRounds const& without, double cost, double more, double least) {
+// By how many standard errors the variance times the cost is smaller without sub-paths, or not larger by the factor
+// least_gain: they take time from all other goals. A variance found without them may lack rare, large scores. It counts
+// as not less than its part that the scores with all strategies show (eq. 1.20).
+constexpr double least_gain = 4;
+double gain_without(PilotRounds const& with, PilotRounds const& without, double cost, double more) {
   double found = 0, bound = 0;
-  for (int i = 0; i < rounds; ++i) {
+  for (int i = 0; i < mode_rounds; ++i) {
     found += without[i].variance();
     bound += with[i].bound();
   }
   double sum = 0, sum2 = 0;
-  for (int i = 0; i < rounds; ++i) {
+  for (int i = 0; i < mode_rounds; ++i) {
     double const other = found > bound ? without[i].variance() : with[i].bound();
-    double const gain = least * with[i].variance() * (cost + more) - other * cost;
+    double const gain = least_gain * with[i].variance() * (cost + more) - other * cost;
     sum += gain;
     sum2 += gain * gain;
   }
-  double const gain = sum / rounds, error = std::sqrt((sum2 / rounds - gain * gain) / (rounds - 1));
+  double const gain = sum / mode_rounds, error = std::sqrt((sum2 / mode_rounds - gain * gain) / (mode_rounds - 1));
   return error > 0 ? gain / error : 0;
 }
 constexpr double sure = 2;  // standard errors
-// Sub-paths of modes take time from all other goals.
-constexpr double least_gain_of_mode = 4;
 constexpr double sub_paths_for_one_beam = 0.1;  // per history, of a mode that has them for the light of some beam alone
 
 // Modes and their mean numbers of sub-paths per history. Those of a profile `point` have no density.
@@ -166,29 +163,20 @@ WorldView without_halo(World const& world) {
 
 }  // namespace
 
-void choose_sub_paths(World& world) {
+void choose_sub_paths_of_modes(World& world) {
   std::vector<std::pair<std::uint32_t, double>> modes = modes_to_try(world.view());
+  if (modes.empty()) return;
   share_among(world, modes);
   WorldView const view = without_halo(world);
-  if (!view.both_ends) return;
   Cost cost{0, std::vector<double>(goal_count(view))}, unused = cost;
   std::vector<PilotRounds> const with = tried(view, cost);
-  std::vector<Receiver> const receivers = world.receivers();
-  for (std::uint32_t r = 0; r < receivers.size(); ++r) world.set_sub_paths(r, 0);
   for (auto const& [mode, mean] : modes) world.set_sub_paths_of_mode(mode, 0);
   std::vector<PilotRounds> const without = tried(without_halo(world), unused);
-  auto const gain = [&](std::size_t column, std::uint32_t goal, double least) {
-    return gain_without(with[column], without[column], cost.walk, cost.more[goal], least);
-  };
   Columns const columns(view);
-  for (std::uint32_t r = 0; r < receivers.size(); ++r) {
-    std::uint32_t const goal = goal_of_receiver(view, r);
-    double const mean = receivers[r].sub_paths,
-                 least = receivers[r].behind_glass ? std::fmin(least_behind_glass, mean) : 0;
-    world.set_sub_paths(r, gain(columns.of(goal), goal, 1) > sure ? least : mean);
-  }
   for (auto& [mode, mean] : modes) {
-    auto const pays = [&](std::size_t column) { return gain(column, mode, least_gain_of_mode) < -sure; };
+    auto const pays = [&](std::size_t column) {
+      return gain_without(with[column], without[column], cost.walk, cost.more[mode]) < -sure;
+    };
     mean = 0;
     for (std::uint32_t source = 0; source < view.lit.size; ++source)
       if (pays(columns.of(mode, source))) mean = sub_paths_for_one_beam;
