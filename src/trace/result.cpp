@@ -34,17 +34,17 @@ std::size_t records_kept(std::uint64_t blocks) {
   return std::clamp<std::size_t>(2 * blocks, records_per_class, most_records);
 }
 
-void drop_smallest(ClassSums& sums, std::size_t most) {
+void drop_smallest(ClassSums& sums) {
   std::erase_if(sums.kept, [&](ScoreAddress const& a) { return a.priority < sums.threshold; });
-  if (sums.kept.size() <= most) return;
-  auto const first_dropped = sums.kept.begin() + std::ptrdiff_t(most);
+  if (sums.kept.size() <= records_per_class) return;
+  auto const first_dropped = sums.kept.begin() + records_per_class;
   std::nth_element(sums.kept.begin(), first_dropped, sums.kept.end(), ByPriority());
   sums.threshold = std::max(sums.threshold, first_dropped->priority);
-  sums.kept.resize(most);
+  sums.kept.resize(records_per_class);
 }
 
-void keep_largest(ClassSums& sums, std::size_t most) {
-  drop_smallest(sums, most);
+void keep_largest(ClassSums& sums) {
+  drop_smallest(sums);
   std::sort(sums.kept.begin(), sums.kept.end(), ByPriority());
 }
 
@@ -57,14 +57,27 @@ void merge_scores(Moments& into, Moments const& from) {
   into.first_sum = first;
 }
 
+// keep_largest() of the records of both, which are sorted.
+void merge_records(ClassSums& into, ClassSums const& from, std::size_t most) {
+  auto const middle = std::ptrdiff_t(into.kept.size());
+  into.kept.insert(into.kept.end(), from.kept.begin(), from.kept.end());
+  std::inplace_merge(into.kept.begin(), into.kept.begin() + middle, into.kept.end(), ByPriority());
+  double const threshold = std::max(into.threshold, from.threshold);
+  auto const below =
+      std::ranges::partition_point(into.kept, [&](ScoreAddress const& a) { return a.priority >= threshold; });
+  into.kept.erase(below, into.kept.end());
+  into.threshold = threshold;
+  if (into.kept.size() <= most) return;
+  into.threshold = std::max(threshold, into.kept[most].priority);
+  into.kept.resize(most);
+}
+
 void merge_class(ClassSums& into, ClassSums const& from, std::size_t records) {
   into.port = from.port;
   merge_scores(into.moments, from.moments);
   for (int r = 0; r < replica_count; ++r) into.replica_sum[r] += from.replica_sum[r];
-  into.kept.insert(into.kept.end(), from.kept.begin(), from.kept.end());
+  merge_records(into, from, records);
   into.off_list += from.off_list;
-  into.threshold = std::max(into.threshold, from.threshold);
-  keep_largest(into, records);
   into.phase_sensitivities.add(from.phase_sensitivities);
 }
 

@@ -16,9 +16,9 @@ namespace straytrace::trace {
 constexpr std::size_t records_per_class = 512, most_records = 4096;
 
 // Keeps the largest priorities not below the threshold, in any order, and raises the threshold to the largest dropped.
-void drop_smallest(ClassSums&, std::size_t most = records_per_class);
+void drop_smallest(ClassSums&);
 // The same, sorted.
-void keep_largest(ClassSums&, std::size_t most = records_per_class);
+void keep_largest(ClassSums&);
 
 class BlockSink {
  public:
