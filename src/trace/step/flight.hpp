@@ -13,8 +13,9 @@ namespace straytrace::trace {
 template <class Tally>
 class Flight {
  public:
-  static constexpr std::uint32_t in_flight = 16;    // paths
-  static constexpr std::uint64_t kept_apart = 128;  // tallies: a history far ahead of the oldest waits for it
+  static constexpr std::uint32_t in_flight = 16;  // paths
+  static constexpr std::uint64_t kept_apart =
+      32;  // tallies, few for the cache: a history far ahead of the oldest waits
 
   // The view must live as long as this.
   Flight(WorldView const& world, std::uint64_t seed)
