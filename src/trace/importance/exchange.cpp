@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/process/threads.hpp"
@@ -9,7 +10,7 @@
 namespace straytrace::trace {
 namespace {
 
-// Points of a four-dimensional low-discrepancy sequence: the point on the first patch and that on the second.
+// Points of a four-dimensional low-discrepancy sequence: where a line starts and where it ends.
 struct Pair {
   double u1, v1, u2, v2;
 };
@@ -24,36 +25,66 @@ Pair pair_of_points(std::uint64_t row, std::uint64_t column, unsigned i) {
           coordinate(0.5385972572236101, 3)};
 }
 
+struct Point {
+  Vec3 p, normal;
+  SurfaceId surface;
+  std::uint32_t piece = 0;
+  bool round = false;  // on a sphere, which hides one of its sides
+};
+
+// A line between two patches.
+struct Line {
+  Point const *x = nullptr, *y = nullptr;
+  double kernel = 0;                // cosines over pi d^2, 1/m^2
+  unsigned side_x = 0, side_y = 0;  // that face each other
+  bool hides_itself() const { return (x->round && side_x == 1) || (y->round && side_y == 1); }
+};
+Line line_between(Point const& x, Point const& y) {
+  Vec3 const span = y.p - x.p;
+  double const d2 = length2(span), from = dot(span, x.normal), to = -dot(span, y.normal);
+  double const kernel = d2 > 0 ? std::fabs(from * to) / (pi * d2 * d2) : 0;
+  return {&x, &y, kernel, from > 0 ? 0u : 1u, to > 0 ? 0u : 1u};
+}
+
 class Quadrature {
  public:
-  Quadrature(World const& world, SteeringTables const& tables, std::vector<std::uint32_t> const& goals,
-             unsigned samples, unsigned threads)
-      : world_(world),
-        tables_(tables),
-        goals_(goals),
-        samples_(samples),
-        threads_(threads),
-        view_(world.view()),
-        steering_(tables.view()),
-        all_(tables.sides.size()) {}
+  Quadrature(World const& world, SteeringTables const& tables, unsigned samples)
+      : tables_(tables), samples_(samples), view_(world.view()), steering_(tables.view()) {
+    for (std::uint32_t patch = 0; patch < tables.patches.size(); ++patch)
+      for (unsigned i = 0; i < points_each(); ++i) {
+        Pair const at = pair_of_points(patch, 0, i);
+        starts_.push_back(point_on(patch, at.u1, at.v1));
+        ends_.push_back(point_on(patch, at.u2, at.v2));
+      }
+  }
 
-  std::vector<Exchange> run() {
-    in_parallel(all_.size(), threads_, [&](std::size_t side) { fill_side(side); });
-    return std::move(all_);
+  std::vector<Exchange> run(std::vector<std::uint32_t> const& goals, unsigned threads) {
+    std::size_t const sides = tables_.sides.size();
+    std::vector<Exchange> all(sides);
+    in_parallel(sides, threads, [&](std::size_t side) { fill_side(side, goals, all[side]); });
+    bool const few = sides / 2 <= few_patches;
+    in_parallel(sides / 2, threads, [&](std::size_t from) {
+      for (std::size_t to = from; to < sides / 2; ++to) exchange_between(from, to, few, all);
+    });
+    return all;
+  }
+  void resolve(std::vector<std::vector<std::uint32_t>> const& pairs, unsigned threads, std::vector<Exchange>& all) {
+    in_parallel(pairs.size(), threads, [&](std::size_t from) {
+      for (std::uint32_t const to : pairs[from]) exchange_between(from, to, true, all);
+    });
   }
 
  private:
-  struct Point {
-    Vec3 p, normal;
-    SurfaceId surface;
-    std::uint32_t piece;
-  };
+  static constexpr unsigned spare_points = 16;     // per patch: where the points of a pair begin
+  static constexpr std::size_t few_patches = 256;  // every line is traced at once
+  unsigned points_each() const { return samples_ + spare_points; }
   Point point_on(std::size_t patch, double u, double v) const {
     Steering::Place const place = steering_.place(std::uint32_t(patch), u);
     SurfaceId const id = tables_.strips[place.strip].surface;
     return view_.shapes.visit(view_.surfaces[id.value].shape, [&](auto const& shape) {
       SurfacePoint const at = sample_in_strip(shape, place.u, v);
-      return Point{at.point, normal_of(shape, at.point, at.piece), id, at.piece};
+      return Point{at.point, normal_of(shape, at.point, at.piece), id, at.piece,
+                   std::is_same_v<std::remove_cvref_t<decltype(shape)>, Sphere>};
     });
   }
 
@@ -69,57 +100,61 @@ class Quadrature {
     }
     return sum / patch.area;
   }
-  struct Sums {  // over pairs of points, by sides
-    std::vector<double> first, second;
-    explicit Sums(std::size_t sides) : first(sides), second(sides) {}
-    Arriving arriving(unsigned samples) const {
-      Arriving a;
-      a.share.reserve(first.size());
-      a.peak.reserve(first.size());
-      for (std::size_t i = 0; i < first.size(); ++i) {
-        a.share.push_back(float(first[i]));
-        a.peak.push_back(first[i] > 0 ? float(second[i] / first[i] * samples) : 0);
-      }
-      return a;
-    }
-  };
-  void fill_side(std::size_t side) {
-    Exchange& exchange = all_[side];
-    exchange.direct.assign(goals_.size(), 0);
+  void fill_side(std::size_t side, std::vector<std::uint32_t> const& goals, Exchange& exchange) const {
+    exchange.direct.assign(goals.size(), 0);
     exchange.albedo = mean_albedo(side);
     if (!(exchange.albedo > 0)) return;
-    Sums sums(tables_.sides.size());
-    for (std::size_t to = 0; to < tables_.patches.size(); ++to) exchange_with(side, to, sums);
-    exchange.diffuse = sums.arriving(samples_);
-    for (std::size_t g = 0; g < goals_.size(); ++g)
-      exchange.direct[g] = exchange.albedo * direct_score(side, goals_[g], g);
-    emit_from(side);
+    exchange.diffuse = Arriving(tables_.sides.size());
+    for (std::size_t g = 0; g < goals.size(); ++g)
+      exchange.direct[g] = exchange.albedo * direct_score(side, goals[g], g);
+    emit_from(side, exchange);
   }
 
-  // Adds the share of diffuse light that leaves one side and arrives on patch `to`.
-  void exchange_with(std::size_t side, std::size_t to, Sums& sums) const {
-    double const sign = side % 2 == 0 ? 1 : -1;
-    for (unsigned i = 0; i < samples_; ++i) {
-      Pair const at = pair_of_points(side, to, i);
-      Point const x = point_on(side / 2, at.u1, at.v1), y = point_on(to, at.u2, at.v2);
-      Vec3 const span = y.p - x.p;
-      double const d = length(span), cos_x = sign * dot(span, x.normal) / d;
-      if (!(cos_x > 0)) continue;
-      add_arrival(sums, x, y, to, d, cos_x / (pi * samples_));
-    }
+  bool hidden(Line const& line) const {
+    Vec3 const span = line.y->p - line.x->p;
+    double const d = length(span);
+    Vec3 const out = (1 / d) * span;
+    double const clear = d - view_.slack(line.y->surface, d, std::fabs(dot(out, line.y->normal)));
+    Ray const ray{line.x->p, out, clear};
+    Departure const from{line.x->surface, line.x->piece};
+    bool const to_itself = line.x->surface == line.y->surface;
+    if (!to_itself && line.hides_itself() &&
+        (view_.cross(line.y->surface.value, ray, from).distance < infinity ||
+         view_.cross(line.x->surface.value, ray, from).distance < infinity))
+      return true;
+    return view_.occluded(ray, from, to_itself);
   }
-  // `value`: f cos_x over the number of samples.
-  void add_arrival(Sums& sums, Point const& x, Point const& y, std::size_t to, double d, double value) const {
-    Vec3 const out = (1 / d) * (y.p - x.p);
-    double const cosine = dot(out, y.normal);
-    if (!(value > 0) || cosine == 0) return;
-    double const clear = d - view_.slack(y.surface, d, std::fabs(cosine));
-    if (view_.occluded({x.p, out, clear}, {x.surface, x.piece}, x.surface == y.surface)) return;
-    double const arriving = value * std::fabs(cosine) * tables_.patches[to].area / (d * d);
-    std::size_t const side = 2 * to + (cosine < 0 ? 0 : 1);
-    double const share = std::min(arriving, 1.0 / samples_);
-    sums.first[side] += share;
-    sums.second[side] += share * share;
+
+  // The lines between two patches, in both directions: the exchange is reciprocal. With `every_line` each is traced,
+  // otherwise the strongest from side to side decides for all of these.
+  void exchange_between(std::size_t from, std::size_t to, bool every_line, std::vector<Exchange>& all) const {
+    struct Facing {
+      LineSum there, back;
+      Line strongest;
+    };
+    std::array<Facing, 4> facing{};  // by side of `from` and of `to`
+    unsigned const lines = every_line ? samples_ : (samples_ + 1) / 2;
+    double const most = 1.0 / lines, area_from = tables_.patches[from].area / lines,
+                 area_to = tables_.patches[to].area / lines;
+    std::uint64_t const mix = mixed(from * 0x9e3779b97f4a7c15ull + to + 1);
+    Point const* const x = &starts_[points_each() * from + mix % spare_points];
+    Point const* const y = &ends_[points_each() * to + (mix >> 32) % spare_points];
+    for (unsigned i = 0; i < lines; ++i) {
+      Line const line = line_between(x[i], y[i]);
+      bool const scatters = all[2 * from + line.side_x].albedo > 0 || all[2 * to + line.side_y].albedo > 0;
+      if (!(line.kernel > 0) || !scatters || (every_line && hidden(line))) continue;
+      Facing& sides = facing[2 * line.side_x + line.side_y];
+      sides.there.add(std::min(line.kernel * area_to, most));
+      sides.back.add(std::min(line.kernel * area_from, most));
+      if (line.kernel > sides.strongest.kernel) sides.strongest = line;
+    }
+    for (unsigned k = 0; k < 4; ++k) {
+      if (!every_line && !(facing[k].there.first > 0)) continue;
+      bool const dark = !every_line && hidden(facing[k].strongest);
+      std::size_t const a = 2 * from + k / 2, b = 2 * to + k % 2;
+      all[a].diffuse.set(b, facing[k].there, lines, dark);
+      if (to != from) all[b].diffuse.set(a, facing[k].back, lines, dark);
+    }
   }
 
   // Score per unit of diffuse power leaving `side` by connections to one goal.
@@ -173,9 +208,8 @@ class Quadrature {
     return false;
   }
   // True law of the beams that start on this side.
-  void emit_from(std::size_t side) {
-    Exchange& exchange = all_[side];
-    Sums sums(tables_.sides.size());
+  void emit_from(std::size_t side, Exchange& exchange) const {
+    std::vector<LineSum> sums(tables_.sides.size());
     for (std::size_t e = 0; e < view_.emitters.size; ++e) {
       Footprint const& lit = view_.lit[view_.emitters[e]];
       if (lit.free || !holds(side / 2, lit.surface)) continue;
@@ -185,30 +219,33 @@ class Quadrature {
       for (std::size_t to = 0; to < tables_.patches.size(); ++to)
         for (unsigned i = 0; i < samples_; ++i) emit_sample(sums, side, lit, to, i);
     }
-    if (exchange.emitted > 0) exchange.by_law = sums.arriving(samples_);
+    if (!(exchange.emitted > 0)) return;
+    exchange.by_law = Arriving(sums.size());
+    for (std::size_t i = 0; i < sums.size(); ++i) exchange.by_law.set(i, sums[i], samples_, false);
   }
-  void emit_sample(Sums& sums, std::size_t side, Footprint const& lit, std::size_t to, unsigned i) {
+  void emit_sample(std::vector<LineSum>& sums, std::size_t side, Footprint const& lit, std::size_t to,
+                   unsigned i) const {
     Pair const at = pair_of_points(side + 1000003, to, i);
-    Ray const line = lit.sample(at.u1 > 0 ? at.u1 : 0.5, at.v1);
-    Crossing const met = view_.cross(lit.surface.value, line, {});
+    Ray const ray = lit.sample(at.u1 > 0 ? at.u1 : 0.5, at.v1);
+    Crossing const met = view_.cross(lit.surface.value, ray, {});
     if (!(met.distance < infinity)) return;
-    Vec3 const p = line.origin + met.distance * line.dir;
+    Vec3 const p = ray.origin + met.distance * ray.dir;
     Vertex const from = make_vertex(view_, lit.surface, p, lit.direction(p), met.piece);
-    Point const y = point_on(to, at.u2, at.v2);
-    Vec3 const span = y.p - from.point;
-    double const d = length(span);
-    Vec3 const wo = from.frame.to_local((1 / d) * span);
-    double const value = scatter_eval(view_.laws, *from.optic, from.wi, wo) * std::fabs(wo.z);
-    add_arrival(sums, {from.point, from.normal(), lit.surface, met.piece}, y, to, d, lit.share * value / samples_);
+    Point const x{from.point, from.normal(), lit.surface, met.piece, false}, y = point_on(to, at.u2, at.v2);
+    Line const line = line_between(x, y);
+    if (!(line.kernel > 0)) return;
+    Vec3 const wo = from.frame.to_local(unit(y.p - x.p));
+    double const bsdf = scatter_eval(view_.laws, *from.optic, from.wi, wo);
+    if (!(bsdf > 0) || hidden(line)) return;
+    double const arriving = lit.share * bsdf * pi * line.kernel * tables_.patches[to].area / samples_;
+    sums[2 * to + line.side_y].add(std::min(arriving, 1.0 / samples_));
   }
 
-  World const& world_;
   SteeringTables const& tables_;
-  std::vector<std::uint32_t> const& goals_;
-  unsigned const samples_, threads_;
+  unsigned const samples_;
   WorldView const view_;
   Steering const steering_;
-  std::vector<Exchange> all_;  // two per patch
+  std::vector<Point> starts_, ends_;  // of lines
 };
 
 }  // namespace
@@ -223,7 +260,13 @@ std::vector<std::uint32_t> goals_of(WorldView const& view) {
 
 std::vector<Exchange> exchanges(World const& world, SteeringTables const& tables,
                                 std::vector<std::uint32_t> const& goals, unsigned samples, unsigned threads) {
-  return Quadrature(world, tables, goals, samples, threads).run();
+  return Quadrature(world, tables, samples).run(goals, threads);
+}
+
+void trace_every_line(World const& world, SteeringTables const& tables,
+                      std::vector<std::vector<std::uint32_t>> const& pairs, unsigned samples, unsigned threads,
+                      std::vector<Exchange>& all) {
+  Quadrature(world, tables, samples).resolve(pairs, threads, all);
 }
 
 }  // namespace straytrace::trace

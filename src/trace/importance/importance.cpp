@@ -15,12 +15,15 @@ class Builder {
  public:
   Builder(World const& world, ImportanceSettings const& settings)
       : world_(world), settings_(settings), tables_(make_strips(world)), goals_(goals_of(world.view())) {
-    if (tables_.strips.size() > settings.most_strips) merge_strips(world, settings.most_patches, tables_);
+    merge_strips(world, settings.most_patches, tables_);
   }
 
   SteeringTables build() {
     if (tables_.strips.empty()) return {};
     sides_ = exchanges(world_, tables_, goals_, settings_.samples, settings_.threads);
+    worths_.assign(goals_.size(), {std::vector<double>(sides_.size(), 0), std::vector<double>(sides_.size(), 1)});
+    solve_all();
+    trace_every_line(world_, tables_, decisive_pairs(), settings_.samples, settings_.threads, sides_);
     solve_all();
     choose_targets();
     if (settings_.pilot_histories > 0) {
@@ -59,41 +62,51 @@ class Builder {
           worths_[g].adjoint[i] = std::max(worths_[g].adjoint[i], pilot.scored[goals_[g]][i] / pilot.arrived[i]);
   }
   // Adjoint of one goal, and the hops of the walk that are still to come, a mean over the score: with n hops to come
-  // the terms of the series count n times, B = albedo F (B + A).
-  Worth solved(std::size_t goal) const {
+  // the terms of the series count n times, B = albedo F (B + A). By the method of Gauss and Seidel, from what is known.
+  void solve(std::size_t goal) {
     std::size_t const n = sides_.size();
-    std::vector<double> adjoint(n), next(n), counted(n), next_counted(n);
+    auto& [adjoint, hops] = worths_[goal];
+    std::vector<double> counted(n);
+    for (std::size_t i = 0; i < n; ++i) counted[i] = (hops[i] - 1) * adjoint[i];
     for (int sweep = 0; sweep < 40; ++sweep) {
       double change = 0, largest = 0;
       for (std::size_t i = 0; i < n; ++i) {
-        double coming = 0, hops = 0;
-        for (std::size_t j = 0; j < sides_[i].diffuse.share.size(); ++j) {
-          double const share = sides_[i].diffuse.share[j];
-          coming += share * adjoint[j];
-          hops += share * counted[j];
-        }
-        double const albedo = std::min(sides_[i].albedo, 0.95);
-        next[i] = sides_[i].direct[goal] + albedo * coming;
-        next_counted[i] = albedo * (hops + coming);
-        change = std::max(change, std::fabs(next[i] - adjoint[i]));
-        largest = std::max(largest, next[i]);
+        double const albedo = std::min(sides_[i].albedo, 0.95), before = adjoint[i];
+        auto const [coming, later] = sides_[i].diffuse.sums_of(adjoint, counted);
+        adjoint[i] = sides_[i].direct[goal] + albedo * coming;
+        counted[i] = albedo * (later + coming);
+        change = std::max(change, std::fabs(adjoint[i] - before));
+        largest = std::max(largest, adjoint[i]);
       }
-      std::swap(adjoint, next);
-      std::swap(counted, next_counted);
       if (change <= 1e-3 * largest) break;
     }
     for (std::size_t i = 0; i < n; ++i)
-      counted[i] = 1 + std::min(adjoint[i] > 0 ? counted[i] / adjoint[i] : 0, double(world_.limits.max_order));
-    return {std::move(adjoint), std::move(counted)};
+      hops[i] = 1 + std::min(adjoint[i] > 0 ? counted[i] / adjoint[i] : 0, double(world_.limits.max_order));
   }
   void solve_all() {
-    worths_.resize(goals_.size());
-    in_parallel(goals_.size(), settings_.threads, [&](std::size_t g) { worths_[g] = solved(g); });
+    in_parallel(goals_.size(), settings_.threads, [&](std::size_t g) { solve(g); });
   }
   double forward_score(std::size_t side, std::vector<double> const& adjoint) const {
     double sum = 0;
-    for (std::size_t j = 0; j < adjoint.size(); ++j) sum += double(sides_[side].by_law.share[j]) * adjoint[j];
+    for (std::size_t j = 0; j < adjoint.size(); ++j) sum += sides_[side].by_law.share(j) * adjoint[j];
     return sum;
+  }
+
+  // Pairs of patches of which one may be a target of the other that matters: for each patch, those not before it.
+  std::vector<std::vector<std::uint32_t>> decisive_pairs() const {
+    std::vector<Worth> const worths = in_own_units();
+    Parts const parts = parts_of(world_, tables_);
+    std::vector<std::vector<std::uint32_t>> pairs(tables_.patches.size());
+    for (std::uint32_t side = 0; side < sides_.size(); ++side) {
+      std::vector<double> const efforts = efforts_of(parts, sides_[side].diffuse, worths, settings_.unseen);
+      for (std::uint32_t j = 0; j < efforts.size(); ++j)
+        if (efforts[j] > settings_.decisive) pairs[std::min(side / 2, j)].push_back(std::max(side / 2, j));
+    }
+    for (auto& list : pairs) {
+      std::ranges::sort(list);
+      list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+    return pairs;
   }
 
   void choose_targets() {
@@ -110,8 +123,8 @@ class Builder {
         if (emits) level += forward_score(i, w.adjoint);
       }
       Arriving const& arriving = emits ? exchange.by_law : exchange.diffuse;
-      std::vector<Target> const list =
-          targets_of(parts, arriving.share, worths, emits ? tables_.patches.size() : settings_.most_targets);
+      std::vector<Target> const list = targets_of(efforts_of(parts, arriving, worths, settings_.unseen),
+                                                  emits ? tables_.patches.size() : settings_.most_targets);
       side.first = std::uint32_t(tables_.targets.size());
       side.count = std::uint32_t(list.size());
       if (side.count > 0)

@@ -10,9 +10,10 @@ namespace straytrace::trace {
 struct ImportanceSettings {
   double alpha = 0.25;                      // least share of directions drawn from the BSDF model; at least 0.1
   bool window = true;                       // weight window: split and end paths by power x adjoint
-  unsigned samples = 8;                     // pairs of points per pair of patches
-  std::size_t most_strips = 2500;           // each its own patch; with more strips neighbours are joined
-  std::size_t most_patches = 1000;          // with joined strips; the work grows with the square
+  unsigned samples = 8;                     // lines per pair of patches
+  double decisive = 1.0 / 256;              // share of the effort from which all lines of a pair are traced
+  double unseen = 0.1;                      // of a pair whose one traced line is hidden: what its light counts for
+  std::size_t most_patches = 1000;          // with more strips neighbours are joined; the work grows with the square
   std::uint64_t pilot_histories = 1 << 14;  // 0: no pilot
   std::size_t most_targets = 128;           // per side of a patch that no beam lights
   unsigned threads = 0;                     // 0: all cores; does not affect the tables

@@ -3,6 +3,8 @@
 // share of the BSDF model, pilot run, cells of maps.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -12,11 +14,52 @@ namespace straytrace::trace {
 
 // Exchange of light between patches, by quadrature over pairs of points with visibility.
 
+// Shares of light along the lines from one side of a patch to one side of another.
+struct LineSum {
+  double first = 0, second = 0;
+  void add(double share) {
+    first += share;
+    second += share * share;
+  }
+};
 // Light leaving one side of a patch, by sides of arrival.
-struct Arriving {
-  std::vector<float> share;
-  std::vector<float> peak;  // mean square over mean of the share, over the pairs of points
-  bool empty() const { return share.empty(); }
+class Arriving {
+ public:
+  Arriving() = default;
+  explicit Arriving(std::size_t sides) : on_(sides) {}
+  bool empty() const { return on_.empty(); }
+  std::size_t size() const { return on_.size(); }
+  // `hidden`: the one line traced was.
+  void set(std::size_t side, LineSum const& sum, unsigned lines, bool hidden) {
+    if (empty()) return;
+    on_[side] = {hidden ? -float(sum.first) : float(sum.first),
+                 sum.first > 0 ? float(sum.second / sum.first * lines) : 0};
+  }
+  double share(std::size_t side) const { return std::max(on_[side].share, 0.0f); }
+  // Of two functions of the sides.
+  std::array<double, 2> sums_of(std::vector<double> const& a, std::vector<double> const& b) const {
+    double of_a[2] = {}, of_b[2] = {};  // fronts and backs
+    for (std::size_t i = 0; i < on_.size(); i += 2)
+      for (std::size_t k = 0; k < 2; ++k) {
+        of_a[k] += share(i + k) * a[i + k];
+        of_b[k] += share(i + k) * b[i + k];
+      }
+    return {of_a[0] + of_a[1], of_b[0] + of_b[1]};
+  }
+  // What light is aimed by: where the one line traced was hidden, `unseen` of what would arrive without obstacles
+  // (docs/theory/sampling.md, eq. 1.23).
+  double possible(std::size_t side, double unseen) const {
+    double const share = on_[side].share;
+    return share > 0 ? share : -unseen * share;
+  }
+  // Mean square over mean of the share, over the lines.
+  double peak(std::size_t side) const { return on_[side].peak; }
+
+ private:
+  struct OneSide {
+    float share = 0, peak = 0;  // share negative: hidden, and what would arrive otherwise
+  };
+  std::vector<OneSide> on_;
 };
 struct Exchange {              // of one side of one patch
   Arriving diffuse, by_law;    // F, per unit of power that leaves; and of the beams that start here, by their true BSDF
@@ -28,8 +71,12 @@ struct Exchange {              // of one side of one patch
 std::vector<std::uint32_t> goals_of(WorldView const&);
 
 // For every side of every patch. Sides without scatter have no lists; sides without a beam have no `by_law`.
+// In scenes of many patches one line from side to side is traced.
 std::vector<Exchange> exchanges(World const&, SteeringTables const&, std::vector<std::uint32_t> const& goals,
                                 unsigned samples, unsigned threads);
+// Traces all lines between pairs of patches: a list for each patch.
+void trace_every_line(World const&, SteeringTables const&, std::vector<std::vector<std::uint32_t>> const& pairs,
+                      unsigned samples, unsigned threads, std::vector<Exchange>&);
 
 // Importance with respect to one goal.
 struct Worth {
@@ -55,10 +102,10 @@ struct Parts {
 };
 Parts parts_of(World const&, SteeringTables const&);
 
-// Patches to aim at from one side of a patch, with probabilities that sum to 1, sorted by patch. transfer: share of the
-// light that arrives on each side of each patch.
-std::vector<Target> targets_of(Parts const&, std::vector<float> const& transfer, std::vector<Worth> const& worths,
-                               std::size_t most);
+// Effort to spend on each patch from one side of a patch; 1 in all, or none.
+std::vector<double> efforts_of(Parts const&, Arriving const&, std::vector<Worth> const& worths, double unseen);
+// The patches of most effort, with probabilities that sum to 1, sorted by patch.
+std::vector<Target> targets_of(std::vector<double> const& efforts, std::size_t most);
 
 // For scenes with more strips than the tables have rows: joins neighbours until there are at most `most` patches.
 // Strips of one patch belong to one body and group and have one finish, and strips of lit surfaces and of receivers

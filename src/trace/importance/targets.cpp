@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "trace/importance/steering_tables.hpp"
@@ -44,29 +45,40 @@ Parts parts_of(World const& world, SteeringTables const& tables) {
   return parts;
 }
 
-std::vector<Target> targets_of(Parts const& parts, std::vector<float> const& transfer, std::vector<Worth> const& worths,
-                               std::size_t most) {
-  std::vector<Target> list;
-  if (transfer.empty()) return list;
+std::vector<double> efforts_of(Parts const& parts, Arriving const& arriving, std::vector<Worth> const& worths,
+                               double unseen) {
+  if (arriving.empty()) return {};
   std::size_t const patches = parts.of_patch.size();
   std::vector<double> effort(patches, 0), worth(patches);
   for (auto const& [adjoint, hops] : worths) {
     for (std::size_t i = 0; i < patches; ++i)
-      worth[i] = double(transfer[2 * i]) * adjoint[2 * i] + double(transfer[2 * i + 1]) * adjoint[2 * i + 1];
+      worth[i] =
+          arriving.possible(2 * i, unseen) * adjoint[2 * i] + arriving.possible(2 * i + 1, unseen) * adjoint[2 * i + 1];
     add_goal(effort, worth, parts);
   }
-  for (std::uint32_t i = 0; i < patches; ++i)
-    if (effort[i] > 0) list.push_back({i, effort[i], 0});
-  auto const brighter = [](Target const& a, Target const& b) {
-    return a.share != b.share ? a.share > b.share : a.patch < b.patch;
-  };
-  if (list.size() > most) {
-    std::nth_element(list.begin(), list.begin() + std::ptrdiff_t(most), list.end(), brighter);
-    list.resize(most);
+  double total = 0;
+  for (double const e : effort) total += e;
+  if (!(total > 0)) return {};
+  double const unit = 1 / total;
+  for (double& e : effort) e *= unit;
+  return effort;
+}
+
+std::vector<Target> targets_of(std::vector<double> const& efforts, std::size_t most) {
+  double least = 0;  // effort of the last one that still counts
+  if (efforts.size() > most) {
+    std::vector<double> sorted = efforts;
+    auto const last = sorted.begin() + std::ptrdiff_t(most) - 1;
+    std::nth_element(sorted.begin(), last, sorted.end(), std::greater<>());
+    least = *last;
   }
-  std::ranges::sort(list, [](Target const& a, Target const& b) { return a.patch < b.patch; });
+  std::vector<Target> list;
   double total = 0, so_far = 0;
-  for (Target const& t : list) total += t.share;
+  for (std::uint32_t i = 0; i < efforts.size() && list.size() < most; ++i) {
+    if (!(efforts[i] > 0 && efforts[i] >= least)) continue;
+    list.push_back({i, efforts[i], 0});
+    total += efforts[i];
+  }
   for (Target& t : list) {
     t.share /= total;
     t.cumulative = so_far += t.share;
@@ -105,7 +117,7 @@ double best_law_share(Arriving const& arriving, double emitted, std::vector<Targ
   std::vector<double> aimed(part_of.size(), 0);
   for (Target const& t : targets) aimed[t.patch] = t.share;
   double all = 0;
-  for (double const share : arriving.share) all += share;
+  for (std::size_t i = 0; i < arriving.size(); ++i) all += arriving.share(i);
   double const unit = std::max(all, emitted);
   std::size_t const parts = *std::ranges::max_element(part_of) + 1;
   std::vector<Sums> of_part(parts);
@@ -113,10 +125,10 @@ double best_law_share(Arriving const& arriving, double emitted, std::vector<Targ
   PerChoice cost{};
   for (Worth const& worth : worths) {
     std::ranges::fill(of_part, Sums{});
-    for (std::size_t i = 0; i < arriving.share.size(); ++i) {
-      double const f = arriving.share[i] / unit, a = worth.adjoint[i];
+    for (std::size_t i = 0; i < arriving.size(); ++i) {
+      double const f = arriving.share(i) / unit, a = worth.adjoint[i];
       if (!(f * a > 0)) continue;
-      double const peak = arriving.peak[i] / unit;
+      double const peak = arriving.peak(i) / unit;
       Sums& sums = of_part[part_of[i / 2]];
       sums.first += f * a;
       for (int k = 0; k < choices; ++k)

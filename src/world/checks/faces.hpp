@@ -55,6 +55,7 @@ struct AllHitsQuery {
 
 inline std::vector<AllHitsQuery::Found> surfaces_along(WorldView const& view, Ray const& ray, Departure from) {
   std::vector<AllHitsQuery::Found> found;
+  if (!view.occluded(ray, from, true)) return found;  // by the fast search, as nearly always
   view.search(ray, AllHitsQuery{view, ray, from, found});
   return found;
 }
