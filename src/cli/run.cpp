@@ -28,7 +28,9 @@ std::string write_with_page(std::string const& folder, RunContent const& content
   Picture const picture{"png", undrawn.empty() ? read_file(folder + "/report.png") : ""};
   ReportWanted wanted;
   wanted.pictures = read_pictures(model.scene.table("report"));
-  write_file(folder + "/report.html", report_page(content, paths, model, world, wanted, picture));
+  write_file(folder + "/report.html",
+             report_page(
+                 content, paths, model, [&]() -> SteeredWorld const& { return world; }, wanted, picture));
   return undrawn;
 }
 

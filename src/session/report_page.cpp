@@ -147,13 +147,14 @@ bool ReportWanted::has(std::string const& picture) const {
   return pictures.empty() || std::find(pictures.begin(), pictures.end(), picture) != pictures.end();
 }
 
-std::vector<DrawnPath> paths_of_rows(CouplingTable const& coupling, PathTable const& table, SteeredWorld const& world,
-                                     std::vector<GhostReport> const& ghosts, std::size_t rows, std::size_t paths) {
+std::vector<DrawnPath> paths_of_rows(CouplingTable const& coupling, PathTable const& table, World const& world,
+                                     TracedAgain const& traced, std::vector<GhostReport> const& ghosts,
+                                     std::size_t rows, std::size_t paths) {
   auto const classes = by_hash(coupling.classes);
   std::vector<DrawnPath> all;
   auto const add = [&](CouplingClass const& c) {
     std::vector<DrawnPath> const some =
-        c.deterministic() ? computed_paths(world, c, ghosts, paths) : paths_of(world, coupling.seed, c, paths);
+        c.deterministic() ? computed_paths(world, c, ghosts, paths) : paths_of(traced(), coupling.seed, c, paths);
     all.insert(all.end(), some.begin(), some.end());
   };
   for (std::size_t i = 0; i < std::min(rows, table.rows.size()); ++i)
@@ -177,7 +178,7 @@ Picture budget_svg(std::string const& run_file, std::string& message) {
   return {"svg+xml", svg_of_run(run_file, message)};
 }
 
-std::string report_page(RunContent const& run, PathTable const& table, Model const& model, SteeredWorld const& world,
+std::string report_page(RunContent const& run, PathTable const& table, Model const& model, TracedAgain const& traced,
                         ReportWanted const& wanted, Picture const& picture) {
   HtmlPage page;
   page.title = !wanted.title.empty() ? wanted.title : run.title.empty() ? "straytrace run" : run.title;
@@ -198,11 +199,12 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   if (run.noise && wanted.has("budget")) j["budget"] = budget_json(*run.noise, table, routes_in_budget);
   j["table"] = table_json(table);
   if (wanted.has("scene"))
-    j["scene"] =
-        scene_part(model, paths_of_rows(run.trace->coupling, table, world, ghosts, wanted.rows, wanted.paths), ghosts);
-  if (wanted.has("maps")) j["maps"] = maps_part(world, run, table);
+    j["scene"] = scene_part(
+        model, paths_of_rows(run.trace->coupling, table, model.world, traced, ghosts, wanted.rows, wanted.paths),
+        ghosts);
+  if (wanted.has("maps")) j["maps"] = maps_part(traced(), run, table);
   if (run.waves && model.world.wave.present && wanted.has("wave")) j["wave"] = wave_part(model.world, *run.waves);
-  j["receivers"] = receivers_json(run, world);
+  j["receivers"] = receivers_json(run, model.world);
   if (wanted.has("ghosts")) j["ghosts"] = ghosts_json(ghosts);
   FirstOrderSettings settings;
   settings.seed = run.trace->coupling.seed;
@@ -221,7 +223,7 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   return html_text(page);
 }
 
-std::string view_page(Model const& model, SteeredWorld const& world, RunContent const* run, PathTable const* table,
+std::string view_page(Model const& model, TracedAgain const& traced, RunContent const* run, PathTable const* table,
                       ViewWanted const& wanted) {
   HtmlPage page;
   std::string const own = model.scene.title();
@@ -231,12 +233,15 @@ std::string view_page(Model const& model, SteeredWorld const& world, RunContent 
       "straytrace render SCENE</p></noscript>\n";
   std::vector<GhostReport> const ghosts = ghosts_for_page(model, ghosts_shown);
   std::vector<DrawnPath> paths;
-  if (run && table) paths = paths_of_rows(run->trace->coupling, *table, world, ghosts, wanted.rows, wanted.paths);
+  if (run && table)
+    paths = paths_of_rows(run->trace->coupling, *table, model.world, traced, ghosts, wanted.rows, wanted.paths);
   PageJson& j = page.data;
   j["kind"] = "view";
   j["scene"] = scene_part(model, paths, ghosts);
   Box const box = scene_drawing(model.world, 1).box;
-  j["scene"]["rays"] = rays_json(model.world, sample_rays(world, box, model.seed, wanted.rays));
+  std::vector<RaySegment> rays;
+  if (wanted.rays > 0) rays = sample_rays(traced(), box, model.seed, wanted.rays);
+  j["scene"]["rays"] = rays_json(model.world, rays);
   if (wanted.halo) j["scene"]["halo"] = halo_json(model.world, *model.arm, *model.waves);
   if (run && table) j["table"] = table_json(*table);
   j["version"] = fmt::format("{} ({})", build_info::version, build_info::commit);

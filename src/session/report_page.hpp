@@ -2,6 +2,7 @@
 // The pages of `straytrace report` and `straytrace view`: runs and scenes gathered into one HTML file.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,11 @@ std::vector<std::string> const& report_pictures();  // budget, scene, maps, wave
 // `pictures` of the table `report` of a scene; an unknown word is a problem there. Empty: all.
 std::vector<std::string> read_pictures(Node const& report);
 
+// Prepares the world of a run when paths are to be traced again.
+using TracedAgain = std::function<SteeredWorld const&()>;
+
 // The page of a run; `picture`: for browsers without scripts.
-std::string report_page(RunContent const&, PathTable const&, Model const&, SteeredWorld const&, ReportWanted const&,
+std::string report_page(RunContent const&, PathTable const&, Model const&, TracedAgain const&, ReportWanted const&,
                         Picture const&);
 
 struct ViewWanted {
@@ -35,11 +39,11 @@ struct ViewWanted {
   bool halo = false;  // light at small angles of the field that the model has
 };
 // A scene with its beams, ghosts, sample rays and light at small angles; with a run also the paths of its first rows.
-std::string view_page(Model const&, SteeredWorld const&, RunContent const* run, PathTable const*, ViewWanted const&);
+std::string view_page(Model const&, TracedAgain const&, RunContent const* run, PathTable const*, ViewWanted const&);
 
 // Paths of the first rows of the table, and of the routes to receivers, `paths` of each; of routes that were computed
 // those of the ghosts in the reports.
-std::vector<DrawnPath> paths_of_rows(CouplingTable const&, PathTable const&, SteeredWorld const&,
+std::vector<DrawnPath> paths_of_rows(CouplingTable const&, PathTable const&, World const&, TracedAgain const&,
                                      std::vector<GhostReport> const&, std::size_t rows, std::size_t paths);
 constexpr std::size_t ghosts_shown = 60;  // rows of each beam
 // Ghosts of all launched beams as the scene says, or the strongest down to 1e-12 and order 2.

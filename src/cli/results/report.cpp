@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -23,22 +24,40 @@
 namespace straytrace::cli {
 namespace {
 
-SteeredWorld steered_as_traced(RunFile const& file, Model& model, PrintOptions const& print) {
+// Steers a world the first time it is asked for.
+class Steered {
+ public:
+  explicit Steered(Model& model) : model_(model) {}
+  SteeredWorld const& world() {
+    if (!world_) world_ = steer(model_.world);
+    return *world_;
+  }
+  TracedAgain traced() {
+    return [this]() -> SteeredWorld const& { return world(); };
+  }
+
+ private:
+  Model& model_;
+  std::optional<SteeredWorld> world_;
+};
+
+Model model_as_traced(RunFile const& file, PrintOptions const& print) {
+  Model model = model_of(file);
   model.world.block_size = file.trace.coupling.block_size;
   model.waves = file.about.waves;
   light_halo(model, true, 0, print);
-  return steer(model.world);
+  return model;
 }
 
 // A run whose histories can be traced again.
 struct Opened {
   RunFile file;
   Model model;
-  SteeredWorld world;
+  Steered steered;
   RunContent content;
   PathTable table;
   Opened(std::string const& name, PrintOptions const& print)
-      : file(read_run_file(name)), model(model_of(file)), world(steered_as_traced(file, model, print)) {
+      : file(read_run_file(name)), model(model_as_traced(file, print)), steered(model) {
     content = file.content();
     table = table_for(file.trace.coupling, content.noise, model);
   }
@@ -78,14 +97,14 @@ int report(ReportOptions const& options) {
     if (!options.quiet) std::cerr << fmt::format("picture: {}\n", options.out);
     return done;
   }
-  Opened const run(options.input, options);
+  Opened run(options.input, options);
   if (wanted.pictures.empty()) wanted.pictures = read_pictures(run.model.scene.table("report"));
   if (!options.csv.empty()) write_curves(options.csv, run.content, run.table);
   Picture const svg = wanted.has("budget") ? budget_svg(options.input, message) : Picture{};
   if (!message.empty() && !options.quiet)
     std::cerr << "warning: without scripts the report has no picture: " << message << '\n';
   std::string const out = options.out.empty() ? beside(options.input, "report.html") : options.out;
-  write_file(out, report_page(run.content, run.table, run.model, run.world, wanted, svg));
+  write_file(out, report_page(run.content, run.table, run.model, run.steered.traced(), wanted, svg));
   if (!options.quiet) std::cerr << fmt::format("report: {}\n", out);
   return done;
 }
@@ -96,7 +115,7 @@ struct ViewOptions : SceneOptions {
 };
 
 // A page, unless only other files are requested.
-void write_view(ViewOptions const& options, Model const& model, SteeredWorld const& world, RunContent const* run,
+void write_view(ViewOptions const& options, Model const& model, TracedAgain const& traced, RunContent const* run,
                 PathTable const* table) {
   ViewWanted const& wanted = options.wanted;
   auto const tell = [&](char const* what, std::string const& file) {
@@ -106,8 +125,8 @@ void write_view(ViewOptions const& options, Model const& model, SteeredWorld con
     SceneDrawing const scene = scene_drawing(model.world, ~std::size_t{0});  // every triangle
     std::vector<DrawnPath> paths;
     if (run)
-      paths = paths_of_rows(run->trace->coupling, *table, world, ghosts_for_page(model, ghosts_shown), wanted.rows,
-                            wanted.paths);
+      paths = paths_of_rows(run->trace->coupling, *table, model.world, traced, ghosts_for_page(model, ghosts_shown),
+                            wanted.rows, wanted.paths);
     if (!options.vtk.empty()) {
       OutputFolder const parts((std::filesystem::path(options.vtk) / "parts").string());
       NamedTexts files;
@@ -123,7 +142,7 @@ void write_view(ViewOptions const& options, Model const& model, SteeredWorld con
     if (options.out.empty()) return;
   }
   std::string const out = options.out.empty() ? "view.html" : options.out;
-  write_file(out, view_page(model, world, run, table, wanted));
+  write_file(out, view_page(model, traced, run, table, wanted));
   tell("view", out);
 }
 
@@ -137,7 +156,7 @@ int view(ViewOptions const& options) {
     Model model = read_model(options.input, options.overrides);
     print_warnings(model, options);
     if (options.wanted.halo) waves_to_show(model, false, 0, options);
-    write_view(options, model, steer(model.world), nullptr, nullptr);
+    write_view(options, model, Steered(model).traced(), nullptr, nullptr);
   } else {
     if (!options.overrides.empty())
       throw InputError("the parameters of a run are fixed", "remove -p, or view the scene file");
@@ -145,7 +164,7 @@ int view(ViewOptions const& options) {
     ViewOptions shown = options;
     shown.wanted.halo = options.wanted.halo || has_halo(run.model);
     if (shown.wanted.halo) waves_to_show(run.model, true, 0, options);
-    write_view(shown, run.model, run.world, &run.content, &run.table);
+    write_view(shown, run.model, run.steered.traced(), &run.content, &run.table);
   }
   return done;
 }

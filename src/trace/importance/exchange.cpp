@@ -62,9 +62,9 @@ class Quadrature {
     std::size_t const sides = tables_.sides.size();
     std::vector<Exchange> all(sides);
     in_parallel(sides, threads, [&](std::size_t side) { fill_side(side, goals, all[side]); });
-    bool const few = sides / 2 <= few_patches;
+    bool const every_line = sides / 2 <= patches_with_every_line;
     in_parallel(sides / 2, threads, [&](std::size_t from) {
-      for (std::size_t to = from; to < sides / 2; ++to) exchange_between(from, to, few, all);
+      for (std::size_t to = from; to < sides / 2; ++to) exchange_between(from, to, every_line, all);
     });
     return all;
   }
@@ -75,8 +75,7 @@ class Quadrature {
   }
 
  private:
-  static constexpr unsigned spare_points = 16;     // per patch: where the points of a pair begin
-  static constexpr std::size_t few_patches = 256;  // every line is traced at once
+  static constexpr unsigned spare_points = 16;  // per patch: where the points of a pair begin
   unsigned points_each() const { return samples_ + spare_points; }
   Point point_on(std::size_t patch, double u, double v) const {
     Steering::Place const place = steering_.place(std::uint32_t(patch), u);

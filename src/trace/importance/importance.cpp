@@ -23,8 +23,10 @@ class Builder {
     sides_ = exchanges(world_, tables_, goals_, settings_.samples, settings_.threads);
     worths_.assign(goals_.size(), {std::vector<double>(sides_.size(), 0), std::vector<double>(sides_.size(), 1)});
     solve_all();
-    trace_every_line(world_, tables_, decisive_pairs(), settings_.samples, settings_.threads, sides_);
-    solve_all();
+    if (tables_.patches.size() > patches_with_every_line) {
+      trace_every_line(world_, tables_, decisive_pairs(), settings_.samples, settings_.threads, sides_);
+      solve_all();
+    }
     choose_targets();
     if (settings_.pilot_histories > 0) {
       learn();

@@ -12,7 +12,7 @@
 
 namespace straytrace::trace {
 
-// Exchange of light between patches, by quadrature over pairs of points with visibility.
+// Exchange of light between patches, by lines between points of both (docs/theory/sampling.md, eq. 1.21 and 1.22).
 
 // Shares of light along the lines from one side of a patch to one side of another.
 struct LineSum {
@@ -71,7 +71,8 @@ struct Exchange {              // of one side of one patch
 std::vector<std::uint32_t> goals_of(WorldView const&);
 
 // For every side of every patch. Sides without scatter have no lists; sides without a beam have no `by_law`.
-// In scenes of many patches one line from side to side is traced.
+// With more patches than this one line from side to side is traced, otherwise every line.
+constexpr std::size_t patches_with_every_line = 256;
 std::vector<Exchange> exchanges(World const&, SteeringTables const&, std::vector<std::uint32_t> const& goals,
                                 unsigned samples, unsigned threads);
 // Traces all lines between pairs of patches: a list for each patch.
