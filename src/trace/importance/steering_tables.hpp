@@ -12,7 +12,7 @@
 
 namespace straytrace::trace {
 
-// Exchange of light between patches, by lines between points of both (docs/theory/sampling.md, eq. 1.21 and 1.22).
+// Exchange of light between patches, by lines between points of both (docs/theory/sampling.md, eq. 1.22 and 1.23).
 
 // Shares of light along the lines from one side of a patch to one side of another.
 struct LineSum {
@@ -47,7 +47,7 @@ class Arriving {
     return {of_a[0] + of_a[1], of_b[0] + of_b[1]};
   }
   // What light is aimed by: where the one line traced was hidden, `unseen` of what would arrive without obstacles
-  // (docs/theory/sampling.md, eq. 1.23).
+  // (docs/theory/sampling.md, eq. 1.24).
   double possible(std::size_t side, double unseen) const {
     double const share = on_[side].share;
     return share > 0 ? share : -unseen * share;

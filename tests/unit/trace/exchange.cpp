@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Exchange of light between patches of which most trace one line (docs/theory/sampling.md, eq. 1.22 and 1.23), against
+// Exchange of light between patches of which most trace one line (docs/theory/sampling.md, eq. 1.23 and 1.24), against
 // the table of which all lines are traced.
 #include <gtest/gtest.h>
 
@@ -112,7 +112,7 @@ TEST(Exchange, AdjointFollowsTheFullTable) {
   EXPECT_GT(apart(rough), 0.1);  // control: one line for every pair
 }
 
-// Light that is exchanged is the same in both directions: area times share (docs/theory/sampling.md, eq. 1.21).
+// Light that is exchanged is the same in both directions: area times share (docs/theory/sampling.md, eq. 1.22).
 TEST(Exchange, IsReciprocal) {
   World const world = plates_in_box();
   SteeringTables const tables = make_strips(world);
