@@ -24,7 +24,7 @@
 namespace straytrace::cli {
 namespace {
 
-// Steers a world the first time it is asked for.
+// Steers a world the first time it is requested.
 class Steered {
  public:
   explicit Steered(Model& model) : model_(model) {}

@@ -35,9 +35,9 @@ SteeredWorld steer(World&, unsigned threads = 0);
 void find_covered_receivers(World&);
 // Gives sub-paths to the modes for which they pay, by two short separate runs.
 void choose_sub_paths_of_modes(World&);
-// Lessens the sub-paths of receivers, and the targets after the first hop, where that lessens error and cost, by a short
-// separate run in a world with receivers and steering tables. Histories of these runs never enter results.
-void choose_techniques(World&);
+// Lessens those of receivers where that lessens error and cost, by a short separate run. Histories of these runs never
+// enter results.
+void choose_sub_paths_of_receivers(World&);
 
 // Only the strips, each its own patch.
 SteeringTables make_strips(World const&);

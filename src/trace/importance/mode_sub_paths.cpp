@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which modes have sub-paths (docs/theory/sampling.md, eq. 1.24): those to which mirrors or glass lead light that the
-// walk hardly finds. Targets and connections aim at all others well enough.
+// Which modes have sub-paths (docs/theory/sampling.md, eq. 1.20 and 1.21): those to which mirrors or glass lead light
+// that the walk hardly finds. Targets and connections aim at all others well enough.
 #include <array>
 #include <cmath>
 
@@ -14,8 +14,8 @@ namespace {
 constexpr std::uint64_t first_of_mode_trial = 7ull << 61;
 constexpr int mode_rounds = 16, histories_of_round = 256;
 
-// What is compared: all light in a mode, and the light of each beam that joins it, since faint beams have ports of their
-// own.
+// What is compared: all light in a mode, and the light of each beam that joins it, since faint beams have ports of
+// their own.
 class Columns {
  public:
   explicit Columns(WorldView const& view) : modes_(view.lit.size) {}
@@ -135,7 +135,7 @@ double gain_without(PilotRounds const& with, PilotRounds const& without, double 
   double const gain = sum / mode_rounds, error = std::sqrt((sum2 / mode_rounds - gain * gain) / (mode_rounds - 1));
   return error > 0 ? gain / error : 0;
 }
-constexpr double sure = 2;  // standard errors
+constexpr double sure = 2;                      // standard errors
 constexpr double sub_paths_for_one_beam = 0.1;  // per history, of a mode that has them for the light of some beam alone
 
 // Modes and their mean numbers of sub-paths per history. Those of a profile `point` have no density.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Paths from both ends (docs/theory/sampling.md, eq. 1.15 to 1.20): the power heuristic over all ways to make a path,
-// against explicit sums and against walk and connections alone.
+// Paths from both ends (docs/theory/sampling.md, eq. 1.15 to 1.21, 1.25 and 1.26): the power heuristic over all ways
+// to make a path, against explicit sums and against walk and connections alone.
 #include <map>
 
+#include "support/baffled_tube.hpp"
 #include "support/trace_received.hpp"
 #include "trace/tally/history_tally.hpp"
 #include "trace/tally/replay.hpp"
@@ -315,6 +316,16 @@ TEST(BothEnds, LightThatConnectionsFindKeepsItsError) {
   World near_ceiling = below_a_ceiling(5e-4);
   steer(near_ceiling);
   EXPECT_EQ(near_ceiling.receivers()[0].sub_paths, 1);
+}
+
+// A tube of 4 km with two receivers: targets find the light of both, so that sub-paths gain one of them less than they
+// cost both (eq. 1.26).
+TEST(BothEnds, SubPathsAreChosenForAllReceivers) {
+  World chosen = baffled_tube();
+  find_covered_receivers(chosen);
+  for (Receiver const& r : chosen.receivers()) EXPECT_GT(r.sub_paths, 0);
+  steer(chosen);
+  for (Receiver const& r : chosen.receivers()) EXPECT_EQ(r.sub_paths, 0);
 }
 
 // A lamp lights a ceiling; its light reaches a mode on a small card below a window of glass (eq. 1.21): no connection
