@@ -120,7 +120,7 @@ struct Shares {
     return (of_sub_path ? times : 1) * (walk.squares + sub_paths.squares) / squares;
   }
 };
-// Weight of one of two strategies (eq. 1.18).
+// Weight of one of two strategies (eq. 1.9).
 STRAY_HD double weight_of(double own, double other) {
   double const ratio = other / own;
   return 1 / (1 + ratio * ratio);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How light rejoins a mode: the walk hits a lit surface (eq. 1.7), a connection reaches a point drawn on it (eq. 1.8),
-// or light scatters once at the source (eq. 1.4). The first two sample the same paths and are combined by the balance
+// or light scatters once at the source (eq. 1.4). The first two sample the same paths and are combined by the power
 // heuristic (eq. 1.9), with paths from both ends where there are some (eq. 1.18). A score is the speckle average of
 // ORDERED paths; C_rev is applied later (eq. 1.5). Receivers that count watts: receive.hpp.
 #pragma once

@@ -139,15 +139,11 @@ STRAY_HD Ends ends_on(WorldView const& world, std::uint32_t goal, Vertex const& 
   return ends;
 }
 
-// Weight of the walk or of the connection alone: eq. 1.18 on receivers, eq. 1.9 in modes.
-STRAY_HD double share_of_two(WorldView const& world, std::uint32_t goal, double own, double other) {
-  return is_receiver(world, goal) ? weight_of(own, other) : own / (own + other);
-}
 // Shares of a walk that hits the goal at y, and of a connection to y.
 STRAY_HD Shares shares_of_hit(WorldView const& world, PathState const& path, Vertex const& y, std::uint32_t goal) {
   if (!(sub_paths_of(world, goal) > 0)) {
     double const walk = per_area(path.hop.pdf, y.leg, y.cosine());
-    return Shares(path.hop.pdf > 0 ? share_of_two(world, goal, walk, density_on(world, goal, y)) : 1);
+    return Shares(path.hop.pdf > 0 ? weight_of(walk, density_on(world, goal, y)) : 1);
   }
   if (path.trail.count == 0) return Shares(1);
   Ends ends = ends_on(world, goal, y, path.ray.dir);
@@ -173,8 +169,7 @@ STRAY_HD void append_walk(WorldView const& world, PathState const& path, Vertex 
 STRAY_HD Shares shares_of_connection(WorldView const& world, PathState const& path, Vertex const& vertex,
                                      Way const& way, Vertex const& y, double walk, std::uint32_t goal) {
   if (!(sub_paths_of(world, goal) > 0)) {
-    double const density = density_on(world, goal, y);
-    return Shares(share_of_two(world, goal, density, walk));
+    return Shares(weight_of(density_on(world, goal, y), walk));
   }
   Ends ends = ends_on(world, goal, y, way.out);
   append_walk(world, path, vertex, way, y.cosine(), walk, 1, ends);

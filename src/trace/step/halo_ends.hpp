@@ -50,7 +50,7 @@ STRAY_HD void score_halo_hit(WorldView const& world, PathState const& path, Vert
   if (!(irradiance > 0)) return;
   double const density = -irradiance * dot(source.travel, vertex.normal());  // per area of the surface
   double const walk = per_area(path.hop.pdf, vertex.leg, vertex.cosine());
-  double const weight = path.hop.pdf > 0 ? walk / (walk + density / source.power) : 1;
+  double const weight = path.hop.pdf > 0 ? weight_of(walk, density / source.power) : 1;
   double const coupling =
       path.power * density * back_into_halo(world, path.polarisation, path.ray.dir, vertex, source) * weight;
   if (coupling > 0) sink.score_halo(path, vertex, vertex, index, false, coupling);
@@ -81,7 +81,7 @@ STRAY_HD void connect_to_halo(WorldView const& world, PathState const& path, Ver
                           back_into_halo(world, light, way.out, y, source) * source.power;
   if (!(coupling > 0) || blocked(world, vertex, way, y)) return;
   double const walk = walk_density(world, path, vertex, way, y.patch, y.cosine());
-  sink.score_halo(path, vertex, y, index, true, coupling * density / (density + walk));
+  sink.score_halo(path, vertex, y, index, true, coupling * weight_of(density, walk));
 }
 
 template <class Sink>

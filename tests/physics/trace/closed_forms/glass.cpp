@@ -78,7 +78,7 @@ SampleMean inside_the_plate(double absorption, bool on_the_way_back) {
   world.add_surface(disk(0, 0.5, {{0, 0, 0.3}, {0, 0, 1}}), black_optic(world), lambertian_optic(world, 0.8), body,
                     world.add_group("above"), volume);
   Receiver plane;
-  plane.surface = world.add_surface(disk(0, on_the_way_back ? 0.005 : 0.4, {{0, 0, 0.2}, {0, 0, 1}}), open, open, body,
+  plane.surface = world.add_surface(disk(0, on_the_way_back ? 2e-4 : 0.4, {{0, 0, 0.2}, {0, 0, 1}}), open, open, body,
                                     world.add_group("plane"));
   plane.clear = true;
   plane.front = on_the_way_back;

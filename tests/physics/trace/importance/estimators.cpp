@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Case A27: the walk alone (eq. 1.7), connections alone (eq. 1.8) and both with the balance heuristic (eq. 1.9) have
+// Case A27: the walk alone (eq. 1.7), connections alone (eq. 1.8) and both with the power heuristic (eq. 1.9) have
 // the same mean. Walk and connections are written here once more without any weights, on the histories of the program.
 #include <random>
 
