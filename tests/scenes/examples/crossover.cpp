@@ -137,11 +137,13 @@ template <class Estimate>
 SampleMean sampled(CouplingTable const& table, Estimate const& found) {
   return {found.mean, found.std_error, (long long)table.histories};
 }
-// Of a route in a row `other`, which is not resolved.
+// Of a route with a row of its own or, where it is not resolved, in a row `other`.
 SampleMean hint_of(CouplingTable const& table, std::uint64_t route) {
-  for (CouplingClass const& c : table.classes)
+  for (CouplingClass const& c : table.classes) {
+    if (c.hash == route) return sampled(table, c.coupling);
     for (FoldedRoute const& folded : c.folded)
       if (folded.hash == route) return sampled(table, folded);
+  }
   ADD_FAILURE() << "no such route";
   return {};
 }

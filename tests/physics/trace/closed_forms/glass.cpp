@@ -78,7 +78,7 @@ SampleMean inside_the_plate(double absorption, bool on_the_way_back) {
   world.add_surface(disk(0, 0.5, {{0, 0, 0.3}, {0, 0, 1}}), black_optic(world), lambertian_optic(world, 0.8), body,
                     world.add_group("above"), volume);
   Receiver plane;
-  plane.surface = world.add_surface(disk(0, on_the_way_back ? 2e-4 : 0.4, {{0, 0, 0.2}, {0, 0, 1}}), open, open, body,
+  plane.surface = world.add_surface(disk(0, on_the_way_back ? 5e-3 : 0.4, {{0, 0, 0.2}, {0, 0, 1}}), open, open, body,
                                     world.add_group("plane"));
   plane.clear = true;
   plane.front = on_the_way_back;
@@ -95,7 +95,11 @@ TEST(Glass, ReceiversInsideAnAbsorberBeerLambert) {
   double const a = 5;
   EXPECT_NEAR(inside_the_plate(a, false).mean / inside_the_plate(0, false).mean, std::exp(-a * 0.1), 1e-9);
   SampleMean const back = ratio(inside_the_plate(a, true), inside_the_plate(0, true));
-  expect_mean("there and back", back, std::exp(-a * 0.3), 0.01);
+  // The way back, of 0.1 m, is longer by rho^2/(2 d), with rho^2 the sum of those of a spot of 1 mm and a plane of 5
+  // mm.
+  double const slant = 0.5 * (1e-3 * 1e-3 + 5e-3 * 5e-3) / (2 * 0.1);
+  expect_mean("there and back", back, std::exp(-a * (0.3 + slant)), 1e-3);
+  expect_rejected("as if all came straight back", back, std::exp(-a * 0.3));
   expect_rejected("the way back for nothing", back, std::exp(-a * 0.2));
 }
 

@@ -159,7 +159,7 @@ TEST(Estimators, ReflectingScattererA27) {
   for (std::uint32_t const limit : {2u, 5u}) {  // short paths as well: nothing is lost at the order limit
     Scene scene = over_a_plate(of_plate);
     scene.world.limits.max_order = limit;
-    compare("plate", scene, 1 << 18, 5e-2);
+    compare("plate", scene, 1 << 19, 5e-2);
   }
 }
 
