@@ -33,7 +33,7 @@ SteeredWorld steer(World&, unsigned threads = 0);
 // Gives sub-paths to receivers (trace/step/sub_path.hpp), and marks those that see part of the scene through lenses or
 // mirrors.
 void find_covered_receivers(World&);
-// Gives sub-paths to the modes for which they pay, by two short separate runs.
+// Gives sub-paths to the modes for which they pay, by a short separate run.
 void choose_sub_paths_of_modes(World&);
 // Lessens those of receivers where that lessens error and cost, by a short separate run. Histories of these runs never
 // enter results.

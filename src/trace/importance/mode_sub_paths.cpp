@@ -103,7 +103,7 @@ void count_cost(WorldView const& view, History const& history, Cost& cost) {
   }
 }
 
-// Rounds with all strategies (`cost`: the cost of the sub-paths of each goal besides), or without sub-paths.
+// Rounds with all strategies, and their cost.
 std::vector<PilotRounds> tried(WorldView const& view, Cost& cost) {
   ModeSink sink(view);
   History history;
@@ -115,20 +115,14 @@ std::vector<PilotRounds> tried(WorldView const& view, Cost& cost) {
   return std::move(sink.found);
 }
 
-// By how many standard errors the variance times the cost is smaller without sub-paths, or not larger by the factor
-// least_gain: they take time from all other goals. A variance found without them may lack rare, large scores. It counts
-// as not less than its part that the scores with all strategies show (eq. 1.20).
+// By how many standard errors the variance times the cost is smaller with sub-paths by the factor `least_gain`: they
+// take time from all other goals. The variance without them is the part of it that scores with all strategies show
+// (eq. 1.20); products of scores only add to it.
 constexpr double least_gain = 4;
-double gain_without(PilotRounds const& with, PilotRounds const& without, double cost, double more) {
-  double found = 0, bound = 0;
-  for (int i = 0; i < mode_rounds; ++i) {
-    found += without[i].variance();
-    bound += with[i].bound();
-  }
+double sure_gain(PilotRounds const& found, double cost, double more) {
   double sum = 0, sum2 = 0;
-  for (int i = 0; i < mode_rounds; ++i) {
-    double const other = found > bound ? without[i].variance() : with[i].bound();
-    double const gain = least_gain * with[i].variance() * (cost + more) - other * cost;
+  for (PilotRound const& round : found) {
+    double const gain = round.bound() * cost - least_gain * round.variance() * (cost + more);
     sum += gain;
     sum2 += gain * gain;
   }
@@ -155,28 +149,19 @@ void share_among(World& world, std::vector<std::pair<std::uint32_t, double>> con
   for (auto const& [mode, mean] : modes) world.set_sub_paths_of_mode(mode, sum > 1 ? 0.999 * mean / sum : mean);
 }
 
-WorldView without_halo(World const& world) {
-  WorldView view = world.view();
-  view.halo = {};  // whose field may not be known yet
-  return view;
-}
-
 }  // namespace
 
 void choose_sub_paths_of_modes(World& world) {
   std::vector<std::pair<std::uint32_t, double>> modes = modes_to_try(world.view());
   if (modes.empty()) return;
   share_among(world, modes);
-  WorldView const view = without_halo(world);
-  Cost cost{0, std::vector<double>(goal_count(view))}, unused = cost;
-  std::vector<PilotRounds> const with = tried(view, cost);
-  for (auto const& [mode, mean] : modes) world.set_sub_paths_of_mode(mode, 0);
-  std::vector<PilotRounds> const without = tried(without_halo(world), unused);
+  WorldView view = world.view();
+  view.halo = {};  // whose field may not be known yet
+  Cost cost{0, std::vector<double>(goal_count(view))};
+  std::vector<PilotRounds> const found = tried(view, cost);
   Columns const columns(view);
   for (auto& [mode, mean] : modes) {
-    auto const pays = [&](std::size_t column) {
-      return gain_without(with[column], without[column], cost.walk, cost.more[mode]) < -sure;
-    };
+    auto const pays = [&](std::size_t column) { return sure_gain(found[column], cost.walk, cost.more[mode]) > sure; };
     mean = 0;
     for (std::uint32_t source = 0; source < view.lit.size; ++source)
       if (pays(columns.of(mode, source))) mean = sub_paths_for_one_beam;
