@@ -3,7 +3,12 @@
 "use strict";
 
 const rowHeight = 24, spareRows = 6, printedRows = 40;
-const measuredRows = 4000;  // as many rows, evenly spread, determine the width of a column
+const measuredRows = 4000;  // at most as many rows determine the width of a column
+
+// All row numbers, or `most` of them, spread by the golden ratio: rows that repeat with any period are met.
+function sampledRows(rows, most) {
+  return Array.from({length: Math.min(rows, most)}, (_, k) => rows <= most ? k : Math.floor(k * 0.6180339887498949 % 1 * rows));
+}
 
 class PathTable {
   // Calls `chosen(ids)` with the clicked rows and `switched(off)` with all that are off.
@@ -148,7 +153,7 @@ class PathTable {
       const texts = new Set(), context = document.createElement("canvas").getContext("2d");
       const style = getComputedStyle(this.box);
       context.font = style.fontSize + " " + style.fontFamily;
-      for (let i = 0; i < this.table.rows; i += Math.ceil(this.table.rows / measuredRows)) texts.add(this.cell(key, i));
+      for (const i of sampledRows(this.table.rows, measuredRows)) texts.add(this.cell(key, i));
       const widths = [...texts].map(text => [context.measureText(text).width, text]);
       this.widest.set(key, widths.reduce((a, b) => b[0] > a[0] ? b : a)[1]);
     }

@@ -12,8 +12,8 @@ os.environ["STRAYTRACE_PROGRAM"] = PROGRAM
 
 import straytrace  # noqa: E402
 
-BLOCK = 4096            # histories
-HISTORIES = 32 * BLOCK  # 32 blocks, the fewest that resolve anything
+BLOCK = 4096  # histories
+HISTORIES = 32 * BLOCK
 
 
 def arm(**tables):

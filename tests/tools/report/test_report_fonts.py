@@ -31,8 +31,8 @@ TEXT_HARM = ((".keep { white-space: normal } td.text { max-width: 3rem; min-widt
 
 
 def with_long_texts(page, folder):
-    """The page with names that have no end and numbers as long as they get. Of so many rows every
-    third says how wide columns are: the row with the longest number does not."""
+    """The page with names that have no end and numbers as long as they get. Of so many rows a part says how wide
+    columns are: the row with the long names does, the row with the longest number does not."""
     data = json.loads(DATA.search(page.read_text()).group(2))
     columns = {c["key"]: c["values"] for c in data["table"]["columns"]}
     rows = 10000
@@ -40,7 +40,7 @@ def with_long_texts(page, folder):
         values[:] = (values * (rows // len(values) + 1))[:rows]
     columns["rank"][:] = range(1, rows + 1)
     columns["id"][:] = [f"{i:016x}" for i in range(rows)]
-    columns["sequence"][6] = columns["body"][6] = WORD
+    columns["sequence"][0] = columns["body"][0] = WORD
     columns["coupling"][LONGEST], columns["coupling_sigma"][LONGEST] = 1.23456789012345e-123, 1.2345e-136
     data["table"]["rows"] = rows
     light = {"value": 1.23456e-12, "sigma": 1.2e-17}
