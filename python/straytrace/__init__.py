@@ -23,6 +23,7 @@ from .errors import InputError, NumericalError, Problem, RunError, StraytraceWar
 from .paths import Path, PathColumn, Paths
 from .routes import EnergyBalance, Receiver, Receivers, Routes
 from .run import Run, open_run
+from .sensitivity import SensitiveInput, Sensitivity
 from .wave import Irradiance, SeamCheck, Wave, WaveRing
 
 if TYPE_CHECKING:
@@ -76,4 +77,4 @@ def run(model: Model | Mapping[str, Any] | str | os.PathLike[str], out: str | os
 
 __all__ = ["Bands", "Check", "Curve", "InputError", "Interferometer", "Irradiance", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Path", "PathColumn", "Paths", "Positions",
            "Problem", "Progress", "Receiver", "Receivers", "Routes", "Run", "RunError", "Scan", "ScanPoint",
-           "SeamCheck", "StraytraceWarning", "Table", "Wave", "WaveRing", "check", "open", "open_run", "quantity", "run", "scan", "trace"]
+           "SeamCheck", "SensitiveInput", "Sensitivity", "StraytraceWarning", "Table", "Wave", "WaveRing", "check", "open", "open_run", "quantity", "run", "scan", "trace"]

@@ -11,7 +11,7 @@ import shutil
 import tempfile
 import warnings
 import weakref
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,7 @@ from .curves import Noise
 from .errors import RunError, StraytraceWarning
 from .paths import Paths, Where, paths_from
 from .routes import EnergyBalance, Receiver, Receivers, Routes
+from .sensitivity import Sensitivity, sensitivity_from
 from .wave import SeamCheck, Wave, WaveRing, seam_of, wave_of, wave_ring_of
 
 if TYPE_CHECKING:
@@ -135,6 +136,30 @@ class Run:
         for warning in answer.warnings:
             warnings.warn(warning, StraytraceWarning, stacklevel=2)
         return run
+
+    def sensitivity(self, only: Sequence[str] = (), trace: Sequence[str] = (), step: float = 0.03, histories: int | None = None,
+                    threads: int | None = None) -> Sensitivity:
+        """Elasticities of h with respect to its inputs, as `straytrace sensitivity`.
+
+        only: classes, "strength", "shape", "motion", "response", "traced"; all by default.
+        trace: parameters, or values of the scene by their place, to trace at both ends of a `step` of their logarithm, with
+        the histories of the run or this number."""
+        words = ["sensitivity", str(self.path), "--format", "json", "--quiet"]
+        words += ["--only", ",".join(only)] if only else []
+        if trace:
+            words += ["--trace", ",".join(trace), "--step", repr(float(step))]
+        words += ["--histories", str(histories)] if histories is not None else []
+        words += ["--threads", str(threads)] if threads is not None else []
+        return sensitivity_from(json.loads(engine.ask(*words).output))
+
+    def with_inputs(self, *settings: str) -> dict[str, Any]:
+        """The summary of the noise with other inputs, without tracing, as `straytrace noise --set`: "steel=x2",
+        "steel.brdf=5e-3/sr", "tube.motion=x2"."""
+        words = ["noise", str(self.path), "--format", "json", "--quiet"]
+        for setting in settings:
+            words += ["--set", setting]
+        summary: dict[str, Any] = json.loads(engine.ask(*words).output)
+        return summary
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, low: float = 0.0, high: float = 0.0) -> Figure:
         """Plot of the run: noise, routes, energy balance.

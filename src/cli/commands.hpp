@@ -37,6 +37,7 @@ void add_ghosts(CLI::App&, int& exit_code);
 void add_noise(CLI::App&, int& exit_code);
 void add_budget(CLI::App&, int& exit_code);
 void add_scan(CLI::App&, int& exit_code);
+void add_sensitivity(CLI::App&, int& exit_code);
 void add_project(CLI::App&, int& exit_code);
 void add_fringes(CLI::App&, int& exit_code);
 void add_sensors(CLI::App&, int& exit_code);

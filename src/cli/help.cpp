@@ -19,7 +19,7 @@ std::vector<Task> const& tasks() {
   static std::vector<Task> const all = {
       {"Model", {add_check, add_print, add_inspect, add_render, add_view}},
       {"Light", {add_run, add_trace, add_importance, add_apertures, add_wave, add_ghosts, add_ifo}},
-      {"Noise", {add_noise, add_budget, add_scan, add_project, add_fringes, add_sensors}},
+      {"Noise", {add_noise, add_budget, add_scan, add_sensitivity, add_project, add_fringes, add_sensors}},
       {"Data", {add_signal, add_couple, add_fit}},
       {"Results", {add_paths, add_maps, add_report, add_diff}},
       {"Cluster", {add_submit, add_merge}},
@@ -36,7 +36,7 @@ struct OptionGroup {
 std::vector<OptionGroup> const& groups() {
   static std::vector<OptionGroup> const all = {
       {"Model", {"param", "strict", "resolved", "migrate", "units", "entry", "angles", "beyond"}},
-      {"Motion", {"motion", "response", "body", "axis", "channel", "own-motion", "amplitude", "frequency", "duration"}},
+      {"Motion", {"motion", "response", "set", "body", "axis", "channel", "own-motion", "amplitude", "frequency", "duration"}},
       {"Data", {"witness",    "witness2",     "target",        "force",          "local",         "injection",
                 "list",       "gps",          "unit",          "witness-unit",   "witness2-unit", "target-unit",
                 "force-unit", "output-unit",  "coupling-unit", "displacement",   "corner",        "ratio",
@@ -44,7 +44,7 @@ std::vector<OptionGroup> const& groups() {
                 "length",     "before",       "rate"}},
       {"Tracing",
        {"histories", "seed", "until", "max-time", "checkpoint", "slice", "history", "floor", "order", "detuning",
-        "seam", "no-seam", "grid-check", "by-frequency"}},
+        "seam", "no-seam", "grid-check", "by-frequency", "trace", "step"}},
       {"Computing", {"threads", "backend", "jobs", "time", "accounting"}},
       {"Analysis", {"invert",        "against",
                     "margin",        "per-frequency",
@@ -68,7 +68,7 @@ std::vector<OptionGroup> const& groups() {
         "normalise", "q"}},
       {"Camera", {"mode", "eye", "look", "up", "fov", "pixels", "from", "cut", "flash", "lamp", "section", "whole"}},
       {"Selection",
-       {"show", "band", "by",     "where",   "sort",     "without", "census", "path",     "route", "port", "moved-by",
+       {"show", "only", "band", "by",     "where",   "sort",     "without", "census", "path",     "route", "port", "moved-by",
         "beam", "at",   "points", "profile", "distance", "above",   "kind",   "pictures", "rays",  "halo"}},
       {"Output", {"out",         "csv",     "plot",   "html",   "write",   "save",   "save-motion", "subtract", "asd",
                   "spectrogram", "overlay", "export", "title",  "vtk",     "glb",    "copy",        "partial",  "force",

@@ -51,6 +51,9 @@ struct NoiseTrace {
   bool faint = false;               // unresolved, but its observed part is below `faint_limit`
   bool upper_bound = false;         // of routes: computed as an upper bound (kind edge)
   std::vector<double> bound_share;  // of the total: share of the PSD that such routes make; empty: not computed
+  // Of the total: PSD without the histories of one replica each, less what no history changes; empty: no such part.
+  // Not in run files.
+  std::vector<std::vector<double>> without;
 
   // strain^2/Hz, from the ASD stored in run files: a new budget and one read from a file agree to the last bit.
   double psd(std::size_t bin) const { return asd[bin] * asd[bin]; }

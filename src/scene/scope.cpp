@@ -7,6 +7,7 @@
 
 #include "base/input/table.hpp"
 #include "scene/scene_document.hpp"
+#include "scene/set_values.hpp"
 
 namespace straytrace::scene {
 namespace {
@@ -174,12 +175,15 @@ std::shared_ptr<Scope const> make_model_scope(SceneDocument& document, NodeData 
   std::vector<std::shared_ptr<NodeData>> texts;
   for (std::uint32_t i = 0; i < overrides.size(); ++i) {
     std::string const& o = overrides[i];
+    if (names_place(o)) continue;
     std::size_t const equals = o.find('=');
     std::string const name = o.substr(0, equals);
     Place place{document.command_line(), i + 1, 4};  // behind "-p "
     if (equals == std::string::npos || equals == 0 || equals + 1 == o.size()) {
       document.add({place, fmt::format("'{}' does not set a parameter", shortened(o)),
-                    "write 'name=value', for example 'aperture=60cm'", Severity::error, code_points(o)});
+                    "write 'name=value', for example 'aperture=60cm', or a place in the model, "
+                    "'materials.steel.scatter.brdf=5e-3/sr'",
+                    Severity::error, code_points(o)});
       continue;
     }
     if (!params || !params->find(name)) {

@@ -33,10 +33,10 @@ std::vector<std::string> lines_of(std::string const& text) {
 }
 
 // Files of schema 1 hold no projection inputs: their whole model is built for them.
-ProjectionModel traced_projection(RunFile const& file) {
+ProjectionModel traced_projection(RunFile const& file, std::vector<std::string> const& overrides = {}) {
   RunContent const& about = file.about;
-  if (!about.projection) return traced_model(file, {});
-  return read_projection_model(about.main_file, about.overrides, about.files, *about.projection);
+  if (!about.projection) return traced_model(file, overrides);
+  return read_projection_model(about.main_file, all_overrides(file, overrides), about.files, *about.projection);
 }
 
 template <class Projected>
@@ -61,6 +61,10 @@ std::vector<std::string> files_of_responses(RunFile const& file) {
 
 Model model_of(RunFile const& file, std::vector<std::string> const& overrides) {
   return with_motion_of(file, traced_model(file, overrides));
+}
+
+ProjectionModel projection_of(RunFile const& file, std::vector<std::string> const& overrides) {
+  return with_motion_of(file, traced_projection(file, overrides));
 }
 
 Scene scene_of(RunFile const& file, std::vector<std::string> const& overrides) {

@@ -17,6 +17,9 @@ namespace straytrace::session {
 // the file.
 Model model_of(RunFile const&, std::vector<std::string> const& overrides = {});
 
+// The part of it that projects noise, without its surfaces; `overrides` must not change the light.
+ProjectionModel projection_of(RunFile const&, std::vector<std::string> const& overrides);
+
 // The scene inside the file with the parameters of the run, then `overrides`. Refers to the texts in the file.
 Scene scene_of(RunFile const&, std::vector<std::string> const& overrides);
 

@@ -12,6 +12,7 @@
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/curves/band.hpp"
+#include "session/decide/what_if.hpp"
 #include "session/diagnostics.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
@@ -21,6 +22,7 @@ namespace {
 
 struct NoiseOptions : PrintOptions {
   std::string input, out, motion, response;
+  std::vector<std::string> set;  // "steel.brdf=5e-3/sr"
   std::size_t show = 0;  // rows; 0: as in the scene
   bool force = false;
 };
@@ -38,10 +40,46 @@ void warn_of_own_folder(NoiseOptions const& options) {
         options.out, name_of(options.motion.empty() ? options.response : options.motion));
 }
 
+// A run file holds the light as it was traced.
+void refuse_files_of_what_if(NoiseOptions const& options) {
+  if (options.set.empty() || options.out.empty()) return;
+  throw InputError("--set does not go with -o: a run file holds the light as it was traced",
+                   "print the result, with --format json for all curves; to keep a run, change the scene and trace it");
+}
+
+// The noise as it would be with other inputs.
+int noise_if(NoiseOptions const& options, OpenRun& run) {
+  WhatIf const changed = what_if(run, options.set);
+  CouplingTable const& light = changed.light.table;
+  print_warnings(changed.model, options);
+  NoiseBudget const budget = changed.model.project_with_bands(light);
+  print_warnings(budget, options);
+  PathTable const paths = table_for(light, &budget, changed.model);
+  TraceResult trace = run.file.trace;
+  trace.coupling = light;
+  RunContent content = run.file.content();
+  content.trace = &trace;
+  content.noise = &budget;
+  content.interferometer = changed.model.detector->description();
+  for (std::string const& statement : changed.statements) content.warnings.push_back("what if " + statement);
+  if (options.json()) {
+    std::cout << summary_json(content, paths) << '\n';
+    return done;
+  }
+  for (std::string const& statement : changed.statements) std::cout << "what if " << statement << '\n';
+  std::cout << '\n'
+            << path_text(paths, options.show ? options.show : changed.model.paths_shown) << '\n'
+            << band_summary(budget, paths.frequencies) << '\n'
+            << headline(budget, paths) << '\n';
+  return done;
+}
+
 int noise(NoiseOptions const& options) {
   auto const start = std::chrono::steady_clock::now();
+  refuse_files_of_what_if(options);
   FileTexts files;
   OpenRun run(options.input, options.motion, &files);
+  if (!options.set.empty()) return noise_if(options, run);
   RunFile const& file = run.file;
   ProjectionModel& model = run.model;
   bool const alone = options.out.ends_with(".h5");  // only the run file
@@ -100,6 +138,9 @@ void add_noise(CLI::App& app, int& exit_code) {
                       "YAML file with 'straytrace: 1' and 'bodies' (also 'noise', 'interferometer') to use instead");
   command->add_option("--response", o.response,
                       "YAML file with 'straytrace: 1' and 'interferometer: {responses: ...}', new responses of ports");
+  command->add_option("--set", o.set,
+                      "other inputs, where the run has the exact answer: steel=x2, steel=black, steel.brdf=5e-3/sr, "
+                      "tube.motion=x2, interferometer.mirror_mass=100kg");
   command->add_option("-o,--out", o.out,
                       "folder for curves, tables and picture; a name that ends with .h5: the run file alone");
   add_force_option(*command, o.force);
@@ -109,7 +150,8 @@ void add_noise(CLI::App& app, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace noise out/run.h5\n"
-      "  straytrace noise out/run.h5 --motion examples/storm.yaml -o storm/");
+      "  straytrace noise out/run.h5 --motion examples/storm.yaml -o storm/\n"
+      "  straytrace noise out/run.h5 --set baffle=x0.5 --set tube.motion=x2");
   command->callback([options, &exit_code] {
     drop_slashes(options->out);
     exit_code = noise(*options);

@@ -186,34 +186,6 @@ void add_materials(NoiseBudget& b, Materials const& all, Spreads& spreads) {
   }
 }
 
-// Inputs that move the same bodies come from one measurement and are varied together.
-using Cause = std::set<std::uint32_t>;
-std::map<Cause, std::vector<std::size_t>> causes(MotionSet const& motion) {
-  std::map<Cause, std::vector<std::size_t>> all;
-  for (std::size_t i = 0; i < motion.inputs.size(); ++i) {
-    Cause bodies;
-    for (Gain const& g : motion.inputs[i].gains) bodies.insert(g.body.value);
-    all[bodies].push_back(i);
-  }
-  return all;
-}
-
-// `towards` +1, -1: ASDs times and over their factor of uncertainty.
-MotionSet moved(MotionSet const& motion, std::vector<std::size_t> const& inputs, int towards) {
-  MotionSet out = motion;
-  for (std::size_t const i : inputs) {
-    double const factor = std::pow(motion.inputs[i].uncertainty, towards);
-    for (Gain& g : out.inputs[i].gains) g.value *= factor;
-  }
-  return out;
-}
-
-std::string names_of(MotionSet const& motion, Cause const& bodies) {
-  std::string text;
-  for (std::uint32_t const b : bodies) text += (text.empty() ? "motion of " : ", ") + motion.bodies[b];
-  return text;
-}
-
 struct Projection {
   CouplingTable const& table;
   Interferometer const& ifo;
@@ -221,22 +193,21 @@ struct Projection {
 };
 
 void add_motion(NoiseBudget& b, MotionSet const& motion, Projection const& projection, Spreads& spreads) {
-  for (auto const& [bodies, inputs] : causes(motion)) {
-    double factor = 1;
-    for (std::size_t const i : inputs) factor = std::max(factor, motion.inputs[i].uncertainty);
-    if (factor == 1) {
-      b.bands.taken_as_exact.push_back(names_of(motion, bodies));
+  for (MotionCause const& cause : motion_causes(motion)) {
+    if (cause.uncertainty == 1) {
+      b.bands.taken_as_exact.push_back(cause.name);
       continue;
     }
     Doubles ends[2];
     std::vector<Doubles> of_routes[2];
     for (int const towards : {-1, 1}) {
-      NoiseBudget other =
-          project_noise(projection.table, moved(motion, inputs, towards), projection.ifo, projection.settings);
+      MotionSet const moved =
+          with_scaled_inputs(motion, cause, [&](double uncertainty) { return std::pow(uncertainty, towards); });
+      NoiseBudget other = project_noise(projection.table, moved, projection.ifo, projection.settings);
       ends[towards > 0] = total_psd(other);
       for (NoiseTrace const& t : other.routes) of_routes[towards > 0].push_back(psd_of(t));
     }
-    InputSource source{names_of(motion, bodies), fmt::format("one sigma: factor {:.3g} on the ASD", factor), 1, 1, 0};
+    InputSource source{cause.name, fmt::format("one sigma: factor {:.3g} on the ASD", cause.uncertainty), 1, 1, 0};
     spreads.total.sigma(ends[0], ends[1], source);
     InputSource of_route;
     for (std::size_t r = 0; r < b.routes.size(); ++r)
@@ -261,6 +232,30 @@ void hide_unknown(NoiseBudget& b, Materials const& all) {
 }
 
 }  // namespace
+
+std::vector<MotionCause> motion_causes(MotionSet const& motion) {
+  std::map<std::set<std::uint32_t>, MotionCause> all;  // by the bodies moved
+  for (std::size_t i = 0; i < motion.inputs.size(); ++i) {
+    std::set<std::uint32_t> bodies;
+    for (Gain const& g : motion.inputs[i].gains) bodies.insert(g.body.value);
+    MotionCause& cause = all[bodies];
+    cause.inputs.push_back(i);
+    cause.uncertainty = std::max(cause.uncertainty, motion.inputs[i].uncertainty);
+    if (!cause.name.empty()) continue;
+    for (std::uint32_t const b : bodies) cause.name += (cause.name.empty() ? "motion of " : ", ") + motion.bodies[b];
+  }
+  std::vector<MotionCause> out;
+  for (auto& [bodies, cause] : all) out.push_back(std::move(cause));
+  return out;
+}
+
+MotionSet with_scaled_inputs(MotionSet const& motion, MotionCause const& cause,
+                             std::function<double(double uncertainty)> const& factor) {
+  MotionSet out = motion;
+  for (std::size_t const i : cause.inputs)
+    for (Gain& g : out.inputs[i].gains) g.value *= factor(motion.inputs[i].uncertainty);
+  return out;
+}
 
 void add_input_band(NoiseBudget& b, CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
                     NoiseSettings const& settings, std::vector<MaterialSpread> const& materials) {

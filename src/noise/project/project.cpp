@@ -384,6 +384,8 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
   budget.faint_share = largest_ratio(faint, total);
   for (auto const& [r, own] : doubtful) total.add_hint(own);
   budget.total = finished("total", total);
+  for (Bins& replica : total.without[std::size_t(ErrorPart::all)])
+    if (!replica.empty()) budget.total.without.push_back(std::move(replica));
   budget.total.resolved = budget.unresolved.empty();
   bool const nothing = std::ranges::none_of(budget.routes, [](auto const& t) { return t.resolved; });
   if (nothing && !budget.unresolved.empty())  // unresolved is not zero

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace sensitivity: run file -> elasticities of h, shares of the input band, what to measure next.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/options.hpp"
+#include "results/text/picture.hpp"
+#include "session/decide/sensitivity.hpp"
+#include "session/diagnostics.hpp"
+
+namespace straytrace::cli {
+namespace {
+
+struct SensitivityOptions : TraceOptions {
+  std::string at, csv, plot, step = "3 %", traced, only;
+};
+
+double step_of(std::string const& text) {
+  auto const number = leading_number(text);
+  std::string const unit = number ? number->rest : "";
+  double const step = number ? number->value * (unit == "%" || unit == " %" ? 0.01 : 1) : 0;
+  if (!(step >= 1e-4 && step <= 0.5) || !(unit.empty() || unit == "%" || unit == " %"))
+    throw InputError(fmt::format("--step: '{}' is not a step", text), "write 3%, from 0.01% to 50%");
+  return step;
+}
+
+std::vector<std::string> names_in(std::string const& list) {
+  std::vector<std::string> names;
+  for (std::string const& name : CLI::detail::split(list, ','))
+    if (std::string const plain = CLI::detail::trim_copy(name); !plain.empty()) names.push_back(plain);
+  return names;
+}
+
+std::vector<InputClass> classes_in(std::string const& list) {
+  std::vector<InputClass> classes;
+  for (std::string const& name : names_in(list)) {
+    auto const hit = std::ranges::find(input_class_names, name);
+    std::vector<std::string> const known(input_class_names.begin(), input_class_names.end());
+    if (hit == input_class_names.end())
+      throw InputError(fmt::format("--only: there is no class '{}'", name),
+                       did_you_mean(name, known, "write strength, shape, motion, response or traced, or several with commas"));
+    classes.push_back(InputClass(hit - input_class_names.begin()));
+  }
+  return classes;
+}
+
+void draw(Sensitivity const& s, std::string const& png) {
+  std::string message;
+  std::string const picture = picture_of(sensitivity_json(s), "sensitivity", message, ".png");
+  if (picture.empty())
+    std::cerr << fmt::format("warning: {} was not drawn: {}\n", png, message);
+  else
+    write_file(png, picture);
+}
+
+SensitivityOrder order_of(SensitivityOptions const& options) {
+  SensitivityOrder order{TableSettings{}.frequencies, {}, names_in(options.traced), 0.03, options};
+  order.options.quiet = true;
+  std::vector<InputError> errors;
+  auto const read = [&](auto const& action) {
+    try {
+      action();
+    } catch (InputError const& e) {
+      errors.push_back(e);
+    }
+  };
+  read([&] { order.step = step_of(options.step); });
+  read([&] { order.only = classes_in(options.only); });
+  read([&] {
+    if (!options.at.empty()) order.frequencies = parse_frequencies(options.at, "--at");
+  });
+  throw_all(errors);
+  return order;
+}
+
+int sensitivity(SensitivityOptions const& options) {
+  SensitivityOrder const order = order_of(options);
+  OpenRun const run(options.input);
+  print_warnings(run.model, options);
+  Sensitivity const s = session::sensitivity(run, order, [&](std::string const& name) {
+    if (!options.quiet) std::cerr << fmt::format("sensitivity  {}\n", name);
+  });
+  for (std::string const& warning : s.warnings)
+    if (!options.quiet && !options.json()) std::cerr << "warning: " << warning << '\n';
+  std::cout << (options.json() ? sensitivity_json(s) : sensitivity_text(s));
+  if (!options.csv.empty()) write_file(options.csv, sensitivity_csv(s));
+  if (!options.plot.empty()) draw(s, options.plot);
+  return done;
+}
+
+}  // namespace
+
+void add_sensitivity(CLI::App& app, int& exit_code) {
+  auto const options = std::make_shared<SensitivityOptions>();
+  SensitivityOptions& o = *options;
+  auto* const command =
+      app.add_subcommand("sensitivity", "Rank the inputs of a run by their effect on h, and name what to measure next.");
+  command->add_option("run", o.input, "run file (HDF5)")->required();
+  command->add_option("--at", o.at, "frequencies to print, for example 10Hz,100Hz; default 10, 30 and 100 Hz");
+  command->add_option("--only", o.only, "classes of inputs: strength, shape, motion, response, traced");
+  command->add_option("--trace", o.traced,
+                      "parameters, or values of the scene by their place, to trace at both ends of a step, for example "
+                      "rim,scene.baffle.shape.cone.half_angle");
+  command->add_option("--step", o.step, "step of --trace, of the logarithm; default 3%");
+  add_history_options(*command, o);
+  command->add_option("--threads", o.threads, "number of threads; default: all cores; does not change the result");
+  mark_output(*command, *command->add_option("--csv", o.csv, "file for the table of all frequencies"));
+  mark_output(*command, *command->add_option("--plot", o.plot, "file for the picture"));
+  command->add_flag("--quiet", o.quiet, "results only");
+  add_format_option(*command, o);
+  command->footer(
+      "Examples:\n"
+      "  straytrace sensitivity out/run.h5\n"
+      "  straytrace sensitivity out/run.h5 --trace rim --step 1% --plot tornado.png");
+  command->callback([options, &exit_code] { exit_code = sensitivity(*options); });
+}
+
+}  // namespace straytrace::cli

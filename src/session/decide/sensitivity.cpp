@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/decide/sensitivity.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "noise/bands/input_band.hpp"
+#include "session/decide/path_laws.hpp"
+#include "session/decide/what_if.hpp"
+#include "session/session.hpp"
+
+namespace straytrace::session {
+namespace {
+
+constexpr double least_effect = 1e-4;  // of an elasticity, to be listed
+
+using Progress = std::function<void(std::string const&)>;
+
+NoiseTrace total_of(ProjectionModel const& model, CouplingTable const& table) {
+  return project_noise(table, model.motion, *model.detector, model.noise).total;
+}
+
+// Bins where light whose scatters are not counted makes more than composition_limit of the noise.
+std::vector<bool> unknown_bins(NoiseBudget const& b, std::vector<double> const& unknown) {
+  std::vector<bool> out;
+  for (std::size_t i = 0; i < b.grid.size(); ++i) {
+    double sum = 0;
+    for (std::size_t r = 0; r < b.routes.size(); ++r) sum += unknown[r] * b.routes[r].psd(i);
+    out.push_back(sum > composition_limit * b.total.psd(i));
+  }
+  return out;
+}
+
+void hide(BinValues& values, std::vector<bool> const& bins) {
+  for (std::size_t i = 0; i < bins.size(); ++i)
+    if (bins[i]) values.value[i] = values.sigma[i] = not_a_number;
+}
+
+// dS/d ln p of the BRDF of a material counts each route as often as it scatters on it (eq. D.1).
+SensitiveInput of_material(OpenRun const& run, NoiseBudget const& budget, std::size_t m) {
+  MaterialSpread const& material = run.model.traced.materials[m];
+  auto const count = [&](std::vector<PathStep> const& steps) { return double(scatters_on(material, steps)); };
+  ScaledCouplings const derivative = scaled_couplings(run.file.trace.coupling, count);
+  SensitiveInput in;
+  in.name = "material " + material.name;
+  double const share = run.model.traced.scattered[m];
+  in.value = material.of_reflection ? "reflectance" : fmt::format("scatters {:.3g}", share);
+  in.method = "exact, by the scatters of each route";
+  in.factor = material.factor;
+  in.low = material.low;
+  in.high = material.high;
+  in.elasticity = elasticity(total_of(run.model, derivative.table), budget.total);
+  hide(in.elasticity, unknown_bins(budget, derivative.unknown));
+  return in;
+}
+
+SensitiveInput of_motion(OpenRun const& run, MotionCause const& cause) {
+  SensitiveInput in;
+  in.kind = InputClass::motion;
+  in.name = cause.name;
+  in.method = "projected at 0.9 to 1.1 times its ASD";
+  in.factor = cause.uncertainty;
+  in.elasticity = central_elasticity([&](double factor) {
+    MotionSet const motion = with_scaled_inputs(run.model.motion, cause, [&](double) { return factor; });
+    return project_noise(run.file.trace.coupling, motion, *run.model.detector, run.model.noise).total;
+  });
+  return in;
+}
+
+SensitiveInput of_value(OpenRun const& run, SceneValue const& value) {
+  SensitiveInput in;
+  in.kind = value.place.starts_with("bodies.") ? InputClass::motion : InputClass::response;
+  in.name = value.place;
+  bool const word = value.written.empty() || std::isalpha(static_cast<unsigned char>(value.written.front()));
+  in.value = word ? fmt::format("{:.6g} (SI)", value.quantity->si) : value.written;
+  in.method = "projected at 0.9 to 1.1 times its value";
+  in.elasticity = central_elasticity([&](double factor) {
+    return total_of(projection_of(run.file, {times(value, factor)}), run.file.trace.coupling);
+  });
+  return in;
+}
+
+// Numbers of the materials that change more than one strength: shapes, one law of several, coatings.
+class Shapes {
+ public:
+  Shapes(OpenRun const& run, NoiseBudget const& budget, unsigned threads)
+      : run_(run), budget_(budget), laws_(run.file, threads) {}
+
+  std::vector<SceneValue> values() const {
+    std::vector<SceneValue> all;
+    for (SceneValue const& v : scene_values(laws_.model().scene)) {
+      bool const of_light = v.place.starts_with("materials.") && v.place.find(".bracket") == v.place.npos &&
+                            v.place.find(".uncertainty") == v.place.npos;
+      if (of_light && v.quantity && v.quantity->si != 0 && !v.whole) all.push_back(v);
+    }
+    return all;
+  }
+  // Nothing where one strength changes, which has a row of its own.
+  std::optional<SensitiveInput> of(SceneValue const& value) const {
+    Model const high = at(value, step), low = at(value, -step);
+    MaterialChange const change = change_of(laws_.model().world, high.world);
+    if (!change.shape && !change.coating) return {};
+    SensitiveInput in;
+    in.kind = InputClass::shape;
+    in.name = value.place;
+    in.value = value.written;
+    in.method = "by the laws at the vertices of the kept paths, at 0.98 and 1.02 times its value";
+    PathFactors const up = laws_.factors(high), down = laws_.factors(low);
+    if (meets_an_edge(up) || meets_an_edge(down)) {
+      in.method = "not known: it moves an edge of the BSDF where light goes; trace it with --trace";
+      in.elasticity.value.assign(budget_.grid.size(), not_a_number);
+      in.elasticity.sigma = in.elasticity.value;
+      return in;
+    }
+    CouplingTable const& table = run_.file.trace.coupling;
+    World const& here = laws_.model().world;
+    ReweightedCouplings const more = reweighted(table, up, here, high.world),
+                              less = reweighted(table, down, here, low.world);
+    in.elasticity = log_ratio(total_of(run_.model, more.light.table), total_of(run_.model, less.light.table), true);
+    for (std::vector<double>* const all : {&in.elasticity.value, &in.elasticity.sigma})
+      for (double& x : *all) x /= 2 * step;
+    hide(in.elasticity, unknown_bins(budget_, few_paths(more, computed_anew(table, change))));
+    return in;
+  }
+
+ private:
+  static constexpr double step = 0.02, fewest_paths = 100;
+
+  Model at(SceneValue const& value, double step) const { return model_of(run_.file, {times(value, std::exp(step))}); }
+  static bool meets_an_edge(PathFactors const& factors) {
+    return std::ranges::any_of(factors, [](auto const& of_class) { return std::ranges::any_of(of_class, [](double f) { return std::isinf(f); }); });
+  }
+  static std::vector<double> few_paths(ReweightedCouplings const& r, std::vector<bool> const& computed) {
+    std::vector<double> unknown = r.light.unknown;
+    for (std::size_t k = 0; k < unknown.size(); ++k)
+      if (r.effective[k] < fewest_paths || computed[k]) unknown[k] = 1;
+    return unknown;
+  }
+
+  OpenRun const& run_;
+  NoiseBudget const& budget_;
+  PathLaws laws_;
+};
+
+// Numbers of motion and interferometer that may be scaled.
+std::vector<SceneValue> projected_values(OpenRun const& run) {
+  std::vector<SceneValue> all;
+  if (!run.projected_with.empty()) return all;  // they stand in another file
+  for (SceneValue const& v : scene_values(run.model.scene)) {
+    bool const table = v.place.starts_with("bodies.") || v.place.starts_with("interferometer.");
+    bool const default_of_body = !v.given && v.place.starts_with("bodies.");
+    if (table && v.quantity && v.quantity->si != 0 && !v.whole && !default_of_body &&
+        v.place.find(".uncertainty") == v.place.npos)
+      all.push_back(v);
+  }
+  return all;
+}
+
+bool acts(BinValues const& e) {
+  return std::ranges::any_of(e.value, [](double v) { return std::isnan(v) || std::fabs(v) > least_effect; });
+}
+
+NoiseTrace traced_total(OpenRun const& run, SceneValue const& value, double factor, TraceOptions const& options) {
+  Model model = model_of(run.file, {times(value, factor)});
+  model.seed = run.file.trace.coupling.seed;
+  model.world.block_size = run.file.trace.coupling.block_size;
+  model.until = {};
+  model.histories = options.histories ? *options.histories : run.file.trace.coupling.histories;
+  TracedModel const traced = trace_model(model, options, "");
+  return total_of(model, traced.result.coupling);
+}
+
+// Mean over the bins with noise of the correlation that the paired and the unpaired error of a difference mean.
+double correlation(BinValues const& paired, BinValues const& independent) {
+  double sum = 0, n = 0;
+  for (std::size_t i = 0; i < paired.sigma.size(); ++i) {
+    if (!(independent.sigma[i] > 0)) continue;
+    sum += 1 - std::pow(paired.sigma[i] / independent.sigma[i], 2);
+    ++n;
+  }
+  return n > 0 ? sum / n : not_a_number;
+}
+
+SensitiveInput of_traces(OpenRun const& run, SceneValue const& value, std::string const& name,
+                         SensitivityOrder const& traced) {
+  SensitiveInput in;
+  in.kind = InputClass::traced;
+  in.name = name;
+  in.value = value.written;
+  in.method = fmt::format("traced at {:.4g} and {:.4g} times its value with the same random numbers",
+                          std::exp(-traced.step), std::exp(traced.step));
+  NoiseTrace const low = traced_total(run, value, std::exp(-traced.step), traced.options),
+                   high = traced_total(run, value, std::exp(traced.step), traced.options);
+  in.elasticity = log_ratio(high, low, true);
+  in.correlation = correlation(in.elasticity, log_ratio(high, low, false));
+  for (std::vector<double>* const values : {&in.elasticity.value, &in.elasticity.sigma})
+    for (double& v : *values) v /= 2 * traced.step;
+  return in;
+}
+
+SceneValue value_to_trace(OpenRun const& run, std::string const& name) {
+  std::vector<std::string> known;
+  for (SceneValue const& v : scene_values(run.model.scene)) {
+    if (v.place == name || v.place == "params." + name) {
+      if (v.quantity && v.quantity->si == 0) throw InputError(fmt::format("--trace: '{}' is zero", name), "a step needs a value");
+      return v;
+    }
+    known.push_back(v.place.starts_with("params.") ? v.place.substr(7) : v.place);
+  }
+  throw InputError(fmt::format("--trace: the scene has no value '{}'", name),
+                   did_you_mean(name, known, "name a parameter, or a value by its place: scene.baffle.shape.ring.inner_radius"));
+}
+
+void add_shapes(OpenRun const& run, NoiseBudget const& budget, unsigned threads, Progress const& progress,
+                std::function<void(SensitiveInput)> const& add) {
+  progress("kept paths, traced again");
+  Shapes const shapes(run, budget, threads);
+  for (SceneValue const& value : shapes.values()) {
+    progress(value.place);
+    try {
+      if (auto in = shapes.of(value)) add(std::move(*in));
+    } catch (InputError const&) {  // it cannot be changed alone, as 100 % of reflected light
+    }
+  }
+}
+
+// Shares of the stated standard deviations, and the band that they make.
+void share_out(Sensitivity& s) {
+  s.band.assign(s.grid.size(), 0);
+  auto const part = [](SensitiveInput const& in, std::size_t i) {
+    return std::pow(in.elasticity.value[i] * std::log(in.factor), 2);
+  };
+  for (SensitiveInput const& in : s.inputs)
+    for (std::size_t i = 0; in.factor > 1 && i < s.band.size(); ++i) s.band[i] += part(in, i);
+  for (SensitiveInput& in : s.inputs)
+    for (std::size_t i = 0; in.factor > 1 && i < s.band.size(); ++i)
+      in.share.push_back(s.band[i] > 0 ? part(in, i) / s.band[i] : 0);
+  for (double& b : s.band) b = std::sqrt(b);
+}
+
+void find_deciding_bin(Sensitivity& s, ProjectionModel const& model, NoiseBudget const& budget) {
+  std::size_t const first = s.grid.bin_of(s.frequencies.front());
+  s.decides = first < s.grid.size() ? first : 0;
+  if (model.design.empty()) return;
+  DesignCurve const& line = model.design.front();
+  double worst = 0;
+  for (std::size_t i = 0; i < s.grid.size(); ++i)
+    if (double const ratio = budget.total.asd[i] / line.asd[i]; ratio > worst) {
+      worst = ratio;
+      s.decides = i;
+      s.line = fmt::format("{:.3g} x {}", model.noise.margin, line.name);
+    }
+}
+
+double largest_at(Sensitivity const& s, SensitiveInput const& in) {
+  double largest = 0;
+  for (double const hz : s.frequencies)
+    if (std::size_t const i = s.grid.bin_of(hz); i < s.grid.size() && std::isfinite(in.elasticity.value[i]))
+      largest = std::max(largest, std::fabs(in.elasticity.value[i]));
+  return largest;
+}
+
+}  // namespace
+
+double gain_of_halving(SensitiveInput const& in, std::size_t bin) {
+  return in.share.empty() ? 0 : 1 - std::sqrt(1 - 0.75 * in.share[bin]);
+}
+
+namespace {
+
+std::vector<SceneValue> values_to_trace(OpenRun const& run, SensitivityOrder const& order) {
+  std::vector<SceneValue> all;
+  std::vector<InputError> errors;
+  if (order.wants(InputClass::traced))
+    for (std::string const& name : order.traced) try {
+        all.push_back(value_to_trace(run, name));
+      } catch (InputError const& e) {
+        errors.push_back(e);
+      }
+  throw_all(errors);
+  return all;
+}
+
+void add_projected(OpenRun const& run, SensitivityOrder const& order, Progress const& progress,
+                   std::function<void(SensitiveInput)> const& add, std::vector<std::string>& idle) {
+  if (order.wants(InputClass::motion))
+    for (MotionCause const& cause : motion_causes(run.model.motion)) {
+      progress(cause.name);
+      add(of_motion(run, cause));
+    }
+  for (SceneValue const& value : projected_values(run)) {
+    if (!order.wants(value.place.starts_with("bodies.") ? InputClass::motion : InputClass::response)) continue;
+    progress(value.place);
+    try {
+      add(of_value(run, value));
+    } catch (InputError const&) {
+      idle.push_back(value.place + " (cannot be changed alone)");
+    }
+  }
+}
+
+}  // namespace
+
+Sensitivity sensitivity(OpenRun const& run, SensitivityOrder const& order, Progress const& progress) {
+  ProjectionModel const& model = run.model;
+  if (!model.detector)
+    throw InputError("without an interferometer there is no noise that could depend on anything",
+                     "add 'ports' and 'interferometer' to the scene");
+  std::vector<SceneValue> const to_trace = values_to_trace(run, order);
+  NoiseBudget const budget = model.project(run.file.trace.coupling);
+  Sensitivity s;
+  s.grid = model.noise.grid;
+  s.frequencies = order.frequencies;
+  s.total = budget.total;
+  if (budget.total.without.empty())
+    s.warnings.emplace_back("no route has a Monte-Carlo error: errors of elasticities are those of the traces alone");
+  for (std::string const& name : budget.unresolved)
+    s.warnings.push_back("unresolved, so its part of every elasticity is a hint: " + name);
+  std::function<void(SensitiveInput)> const add = [&](SensitiveInput in) {
+    acts(in.elasticity) ? s.inputs.push_back(std::move(in)) : s.idle.push_back(in.name);
+  };
+  if (order.wants(InputClass::strength))
+    for (std::size_t m = 0; m < model.traced.materials.size(); ++m) {
+      progress("material " + model.traced.materials[m].name);
+      add(of_material(run, budget, m));
+    }
+  if (order.wants(InputClass::shape)) add_shapes(run, budget, order.options.threads, progress, add);
+  add_projected(run, order, progress, add, s.idle);
+  for (std::size_t i = 0; i < to_trace.size(); ++i) {
+    progress(order.traced[i] + ", traced");
+    s.inputs.push_back(of_traces(run, to_trace[i], order.traced[i], order));
+  }
+  std::ranges::stable_sort(s.inputs, std::greater<>{}, [&](SensitiveInput const& in) { return largest_at(s, in); });
+  share_out(s);
+  find_deciding_bin(s, model, budget);
+  return s;
+}
+
+}  // namespace straytrace::session

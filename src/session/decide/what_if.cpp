@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/decide/what_if.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <optional>
+
+#include "base/errors.hpp"
+#include "base/text/words.hpp"
+#include "noise/bands/inversion.hpp"
+#include "session/decide/path_laws.hpp"
+#include "scene/model_tree.hpp"
+#include "world/model/material.hpp"
+
+namespace straytrace::session {
+namespace {
+
+struct Setting {
+  std::string text, name, value;
+  std::optional<double> factor;  // of "x2" and "black"
+};
+
+constexpr char const* forms = "write MATERIAL=x2, MATERIAL=black, BODY.motion=x2, or a value of the scene: steel.brdf=5e-3/sr";
+
+Setting parsed(std::string const& text) {
+  std::size_t const equals = text.find('=');
+  if (equals == text.npos || equals == 0 || equals + 1 == text.size())
+    throw InputError(fmt::format("--set: '{}' sets nothing", text), forms);
+  Setting s{text, text.substr(0, equals), text.substr(equals + 1), {}};
+  if (s.value == "black") s.factor = 0;
+  if (s.value.front() != 'x') return s;
+  char* end = nullptr;
+  double const factor = std::strtod(s.value.c_str() + 1, &end);
+  if (end != s.value.c_str() + s.value.size() || !(factor >= 0) || !std::isfinite(factor))
+    throw InputError(fmt::format("--set {}: '{}' is not a factor", text, s.value), "write x0.5 or x2");
+  s.factor = factor;
+  return s;
+}
+
+std::vector<std::string> keys_of(std::string const& place) {
+  std::vector<std::string> keys(1);
+  for (char const c : place)
+    if (c == '.')
+      keys.emplace_back();
+    else
+      keys.back() += c;
+  return keys;
+}
+
+// The keys of `name` occur in `place` in this order, and its last key is the last.
+bool leads_to(std::string const& name, std::string const& place) {
+  std::vector<std::string> const wanted = keys_of(name), keys = keys_of(place);
+  if (wanted.back() != keys.back()) return false;
+  auto at = keys.begin();
+  for (std::string const& key : wanted) {
+    at = std::find(at, keys.end(), key);
+    if (at == keys.end()) return false;
+    ++at;
+  }
+  return true;
+}
+
+void add_values(scene::ModelValue const& value, std::string const& place, std::vector<SceneValue>& all) {
+  bool const number = value.quantity && std::isfinite(value.quantity->si);
+  if (value.kind == Node::Kind::scalar || (!value.given() && number))
+    all.push_back({place, value.written, number ? value.quantity : std::nullopt, value.given(),
+                   value.how.form == KeyRequest::Form::whole});
+  for (std::size_t i = 0; i < value.children.size(); ++i) {
+    scene::ModelValue const& child = value.children[i];
+    scene::ModelValue const* const name = child.find("name");
+    std::string const key = !child.key.empty() ? child.key : name && name->given() ? name->value : fmt::format("{}", i);
+    add_values(child, place.empty() ? key : place + "." + key, all);
+  }
+}
+
+SceneValue value_named(std::string const& name, std::vector<SceneValue> const& all) {
+  std::vector<SceneValue> found;
+  std::vector<std::string> places;
+  for (SceneValue const& v : all) {
+    if (v.place == name) return v;
+    if (v.given) places.push_back(v.place);
+    if (leads_to(name, v.place)) found.push_back(v);
+  }
+  if (found.size() == 1) return found.front();
+  std::vector<std::string> several;
+  for (SceneValue const& v : found) several.push_back(v.place);
+  if (!found.empty())
+    throw InputError(fmt::format("--set: '{}' can be {} values of the scene", name, found.size()),
+                     fmt::format("write one of {}", fmt::join(several, ", ")));
+  throw InputError(fmt::format("--set: the scene has no value '{}'", name), did_you_mean(name, places, forms));
+}
+
+class Changes {
+ public:
+  explicit Changes(OpenRun& run) : run_(run), materials_(run.model.traced.materials), scattered_(run.model.traced.scattered), factor_(materials_.size(), 1) {}
+
+  void add(Setting const& s) {
+    std::size_t const point = s.name.rfind('.');
+    std::string const owner = s.name.substr(0, point), key = point == s.name.npos ? "" : s.name.substr(point + 1);
+    if (auto const m = material(s.name)) return scale(*m, whole_factor(s), s.text);
+    if (auto const m = material(owner); m && key == "tis") return scale(*m, tis_factor(*m, s), s.text);
+    if (auto const moved = body(owner); moved && key == "motion") return move(s, *moved);
+    if (key.empty() && std::ranges::none_of(values(), [&](SceneValue const& v) { return leads_to(s.name, v.place); }))
+      throw InputError(fmt::format("--set {}: there is no material or value '{}'", s.text, s.name),
+                       did_you_mean(s.name, material_names(), forms));
+    set(s);
+  }
+
+  WhatIf result() {
+    WhatIf out;
+    if (!of_materials_.empty()) change_laws();
+    ProjectionModel model =
+        of_projection_.empty() ? std::move(run_.model) : projection_of(run_.file, of_projection_);
+    for (auto const& [moved, factor] : moved_) model.motion = with_scaled_body(model.motion, moved, factor);
+    out.model = std::move(model);
+    CouplingTable const& light = reweighted_ ? reweighted_->table : run_.file.trace.coupling;
+    out.light = scaled_couplings(light, [&](std::vector<PathStep> const& steps) {
+      double product = 1;
+      for (std::size_t m = 0; m < factor_.size(); ++m)
+        if (factor_[m] != 1) product *= std::pow(factor_[m], scatters_on(materials_[m], steps));
+      return product;
+    });
+    out.statements = std::move(statements_);
+    return out;
+  }
+
+ private:
+  std::optional<std::size_t> material(std::string const& name) const {
+    for (std::size_t m = 0; m < materials_.size(); ++m)
+      if (materials_[m].name == name) return m;
+    return {};
+  }
+  std::vector<std::string> material_names() const {
+    std::vector<std::string> names;
+    for (MaterialSpread const& m : materials_) names.push_back(m.name);
+    return names;
+  }
+  std::optional<BodyId> body(std::string const& name) const {
+    auto const& bodies = run_.model.motion.bodies;
+    auto const hit = std::ranges::find(bodies, name);
+    if (hit == bodies.end()) return {};
+    return BodyId{std::uint32_t(hit - bodies.begin())};
+  }
+
+  std::vector<SceneValue> const& values() {
+    if (values_.empty()) values_ = scene_values(run_.model.scene);
+    return values_;
+  }
+
+  static double whole_factor(Setting const& s) {
+    if (!s.factor)
+      throw InputError(fmt::format("--set {}: a whole material takes a factor", s.text),
+                       fmt::format("write {0}=x2, {0}=black or {0}.tis=1e-4", s.name));
+    return *s.factor;
+  }
+  double tis_factor(std::size_t m, Setting const& s) const {
+    if (s.factor) return *s.factor;
+    char* end = nullptr;
+    double const share = std::strtod(s.value.c_str(), &end), now = scattered_[m];
+    std::string_view const unit(end);
+    double const scale = unit.empty() ? 1 : unit == "%" || unit == " %" ? 1e-2 : unit == "ppm" || unit == " ppm" ? 1e-6 : -1;
+    if (end == s.value.c_str() || scale < 0 || !(share >= 0))
+      throw InputError(fmt::format("--set {}: '{}' is not a share of the light", s.text, s.value), "write 2e-4, 5 ppm or 3 %");
+    if (!(now > 0)) throw InputError(fmt::format("--set {}: it scatters no light", s.text), "trace the scene with a BSDF");
+    return share * scale / now;
+  }
+  void scale(std::size_t m, double factor, std::string const& text) {
+    double const now = scattered_[m];
+    if (factor * now > 1)
+      throw InputError(fmt::format("--set {}: '{}' would scatter {:.3g} of the light", text, materials_[m].name, factor * now),
+                       fmt::format("at most x{:.3g}", 1 / now));
+    if (materials_[m].of_reflection)
+      throw InputError(fmt::format("--set {}: what is stated of '{}' is its reflectance, which decides where light goes", text,
+                                   materials_[m].name),
+                       "change the scene, and trace it");
+    factor_[m] *= factor;
+    statements_.push_back(fmt::format("{}: BRDF of {} times {:.4g}", text, materials_[m].name, factor));
+  }
+  void move(Setting const& s, BodyId moved) {
+    if (!s.factor)
+      throw InputError(fmt::format("--set {}: the motion of a body takes a factor", s.text),
+                       fmt::format("write {}=x2", s.name));
+    moved_.emplace_back(moved, *s.factor);
+    statements_.push_back(
+        fmt::format("{}: motion of {} times {:.4g}", s.text, run_.model.motion.bodies[moved.value], *s.factor));
+  }
+  void set(Setting const& s) {
+    SceneValue const value = value_named(s.name, values());
+    if (s.factor && value.quantity && value.quantity->si == 0)
+      throw InputError(fmt::format("--set {}: '{}' is zero", s.text, value.place), "give it a value");
+    std::string const text = s.factor ? times(value, *s.factor) : value.place + "=" + s.value;
+    if (session::of_projection(value.place)) {
+      refuse_other_files(s);
+      of_projection_.push_back(text);
+      statements_.push_back(fmt::format("{}, instead of {}", text, value.written.empty() ? "its default" : value.written));
+    } else if (value.place.starts_with("materials.")) {
+      of_materials_.push_back(text);
+    } else {
+      throw InputError(fmt::format("--set {}: '{}' changes where light goes", s.text, value.place),
+                       fmt::format("trace it: straytrace run SCENE -p \"{}\"", text));
+    }
+  }
+  void refuse_other_files(Setting const& s) const {
+    if (run_.projected_with.empty()) return;
+    throw InputError(fmt::format("--set {}: the motion or the responses of this run are those of another file", s.text),
+                     fmt::format("change the value there: {}", run_.projected_with));
+  }
+
+  // Both models are built. Where the law of a material changes by one factor at all angles, its routes count; else the
+  // laws at the vertices of the kept paths.
+  void change_laws() {
+    Model const before = model_of(run_.file), after = model_of(run_.file, of_materials_);
+    WorldView const a = before.world.view(), b = after.world.view();
+    std::string const text = fmt::format("{}", fmt::join(of_materials_, ", "));
+    std::vector<InputError> errors;
+    std::vector<std::pair<std::size_t, double>> strengths;
+    bool shape = false;
+    for (std::size_t i = 0; i < before.world.materials.size() && i < after.world.materials.size(); ++i) {
+      MaterialInfo const &x = before.world.materials[i], &y = after.world.materials[i];
+      Optic const &was = a.optics[x.optic], &is = b.optics[y.optic];
+      auto const m = material(x.name);
+      std::optional<double> const factor = common_factor(a, was, b, is);
+      if (!same_coating(a, was, b, is))
+        errors.emplace_back(fmt::format("--set: the coating of '{}' changes, and with it where light goes", x.name),
+                            "change the scene, and trace it");
+      else if (!factor && m)
+        shape = true;
+      else if (m && *factor != 1)
+        strengths.emplace_back(*m, *factor);
+    }
+    throw_all(errors);
+    if (shape) return reweigh(after, text);
+    for (auto const& [m, factor] : strengths) scale(m, factor, text);
+  }
+  // Light that the changed law sends where the run kept no path.
+  static void refuse_other_ways(PathLaws const& laws, Model const& after) {
+    constexpr double most = 10;  // of light that 512 kept paths may have missed, 2 %
+    World const &was = laws.model().world, &is = after.world;
+    WorldView const a = was.view(), b = is.view();
+    std::vector<double> const seen = laws.largest_ratios(after);
+    for (std::size_t m = 0; m < seen.size(); ++m)
+      if (seen[m] > 0 &&
+          largest_ratio(a, a.optics[was.materials[m].optic], b, b.optics[is.materials[m].optic]) > most * seen[m])
+        throw InputError(fmt::format("--set: '{}' would scatter most where the run kept no path", was.materials[m].name),
+                         "change the scene, and trace it");
+  }
+  void reweigh(Model const& after, std::string const& text) {
+    constexpr double fewest = 100;
+    statements_.push_back(text + ": the laws at the vertices of the kept paths, of which each route has few");
+    PathLaws const laws(run_.file, 0);
+    refuse_other_ways(laws, after);
+    ReweightedCouplings changed = reweighted(run_.file.trace.coupling, laws.factors(after));
+    NoiseBudget const budget = run_.model.project(run_.file.trace.coupling);
+    std::vector<bool> const computed =
+        computed_anew(run_.file.trace.coupling, change_of(laws.model().world, after.world));
+    for (std::size_t r = 0; r < budget.routes.size(); ++r) {
+      if (changed.effective[r] >= fewest && !computed[r]) continue;
+      for (std::size_t i = 0; i < budget.grid.size(); ++i)
+        if (budget.routes[r].psd(i) > 0.01 * budget.total.psd(i))
+          throw InputError(
+              computed[r] ? fmt::format("--set {}: the route '{}' is computed, and has no kept paths", text, budget.routes[r].name)
+                          : fmt::format("--set {}: too far from the run: about {:.0f} kept paths of '{}' would carry its light",
+                                        text, changed.effective[r], budget.routes[r].name),
+              "change the scene, and trace it");
+    }
+    reweighted_ = std::move(changed.light);
+  }
+
+  OpenRun& run_;
+  std::vector<MaterialSpread> materials_;
+  std::vector<double> scattered_;  // by material, at normal incidence
+  std::vector<double> factor_;  // by material
+  std::vector<std::pair<BodyId, double>> moved_;
+  std::vector<std::string> of_projection_, of_materials_, statements_;
+  std::vector<SceneValue> values_;
+  std::optional<ScaledCouplings> reweighted_;
+};
+
+}  // namespace
+
+std::vector<SceneValue> scene_values(Scene const& scene) {
+  std::vector<SceneValue> all;
+  add_values(scene::model_tree(scene), "", all);
+  std::erase_if(all, [](SceneValue const& v) { return !v.given && !of_projection(v.place); });
+  return all;
+}
+
+bool of_projection(std::string const& place) {
+  std::string const top = keys_of(place).front();
+  return top == "bodies" || top == "interferometer" || top == "noise";
+}
+
+std::string times(SceneValue const& v, double factor) {
+  if (!v.quantity) return fmt::format("{}=({}) * {:.17g}", v.place, v.written, factor);
+  Value scaled{*v.quantity};
+  scaled.quantity.si *= factor;
+  return v.place + "=" + scene::si_text(scaled);
+}
+
+WhatIf what_if(OpenRun& run, std::vector<std::string> const& settings) {
+  Changes changes(run);
+  std::vector<InputError> errors;
+  for (std::string const& text : settings) try {
+      changes.add(parsed(text));
+    } catch (InputError const& e) {
+      errors.push_back(e);
+    }
+  throw_all(errors);
+  return changes.result();
+}
+
+}  // namespace straytrace::session

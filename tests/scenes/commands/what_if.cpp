@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace noise --set and straytrace sensitivity: other inputs of a run, against traces of them
+// (docs/theory/decisions.md, eq. D.1 to D.6).
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "base/every_module.hpp"
+#include "results/results.hpp"
+#include "scenes/program.hpp"
+
+namespace straytrace::testing::app_what_if {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+
+struct Asd {
+  double value, sigma;
+};
+
+// h at 10 Hz of a summary.
+Asd h_of(Finished const& done, double hz) {
+  Json const j = Json::parse(done.out);
+  for (auto const& h : j.at("total_strain"))
+    if (h.at("frequency_Hz") == hz) return {h.at("value"), h.at("sigma")};
+  return {not_a_number, not_a_number};
+}
+
+Asd at_10_hz(Finished const& done) { return h_of(done, 10); }
+
+struct WhatIf : ::testing::Test {
+  static inline Folder const folder;
+  static std::string run_of(std::string const& name, Words more) {
+    std::string const run = folder / (name + "/run.h5");
+    if (std::filesystem::exists(run)) return run;
+    Words words{"run", written_arm, "-o", folder / name, "--histories", "65536", "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    Finished const done = straytrace(words);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return run;
+  }
+  static std::string run() { return run_of("run", {}); }
+  static Finished noise(Words settings, std::string const& of = run()) {
+    Words words{"noise", of, "--quiet", "--format", "json"};
+    for (std::string const& s : settings) words.insert(words.end(), {"--set", s});
+    return straytrace(words);
+  }
+};
+
+// Another seed with ten times the BRDF: h ~ beta^(1/2) for one scatter on a baffle, and the rest of the polynomial.
+// Control: the run as it was is many errors away.
+TEST_F(WhatIf, StrengthIsThatOfATraceWithIt) {
+  Asd const set = at_10_hz(noise({"baffle_steel=x10"})), plain = at_10_hz(noise({})),
+            traced = at_10_hz(noise({}, run_of("bright", {"-p", "materials.baffle_steel.scatter.brdf=0.1/sr", "--seed", "7"})));
+  double const sigma = std::hypot(set.sigma, traced.sigma);
+  EXPECT_LT(std::fabs(set.value - traced.value), 4.5 * sigma) << set.value << " " << traced.value;
+  EXPECT_GT(std::fabs(plain.value - traced.value), 20 * sigma) << "control";
+  for (char const* same : {"baffle_steel.brdf=0.1/sr", "materials.baffle_steel.scatter.brdf=x10"})
+    EXPECT_NEAR(at_10_hz(noise({same})).value / set.value, 1, 1e-9) << same;
+}
+
+TEST_F(WhatIf, MotionAndResponseAreProjectedAnew) {
+  Finished const as_run = noise({}), louder = noise({"tube.motion=x2"});
+  double const plain = at_10_hz(as_run).value;
+  EXPECT_LT(at_10_hz(louder).value, plain);  // on the shelf, eq. D.4
+  EXPECT_GT(h_of(louder, 30).value, 1.5 * h_of(as_run, 30).value);
+  Finished const heavy = noise({"interferometer.mirror_mass=84kg"});
+  EXPECT_LT(at_10_hz(heavy).value, plain);
+  EXPECT_EQ(at_10_hz(noise({"mirror_mass=x2"})).value, at_10_hz(heavy).value);
+  EXPECT_GT(plain, at_10_hz(noise({"baffle_steel=black"})).value);
+}
+
+TEST_F(WhatIf, WrongSettingsAreAllNamed) {
+  Finished const done = noise({"bafle_steel=x2", "rim=48cm", "tube.motion=3 m", "test_mass=x1e6", "baffle_steel"});
+  EXPECT_EQ(done.code, 2);
+  for (char const* message :
+       {"there is no material or value 'bafle_steel'", "did you mean 'baffle_steel'?", "'params.rim' changes where light goes",
+        "the motion of a body takes a factor", "would scatter", "'baffle_steel' sets nothing"})
+    EXPECT_THAT(done.err, HasSubstr(message));
+  Finished const several = noise({"materials.exponent=3"});
+  EXPECT_EQ(several.code, 2);
+  EXPECT_THAT(several.err, HasSubstr("can be 2 values of the scene"));
+  Finished const place = noise({"params.rim=48cm"});
+  EXPECT_EQ(place.code, 2);
+  EXPECT_THAT(place.err, HasSubstr("'params.rim' changes where light goes"));
+  Finished const kept = straytrace({"noise", run(), "--set", "baffle_steel=x2", "-o", folder / "kept"});
+  EXPECT_EQ(kept.code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder / "kept"));
+}
+
+// The elasticity is the slope of what --set gives: a central difference over 2 % either way.
+TEST_F(WhatIf, SensitivityIsTheSlope) {
+  Finished const done = straytrace({"sensitivity", run(), "--at", "10Hz", "--only", "strength,motion,response",
+                                    "--quiet", "--format", "json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const j = Json::parse(done.out);
+  std::vector<double> const hz = j.at("frequency");
+  std::size_t const bin = std::size_t(std::ranges::min_element(hz, {}, [](double f) { return std::fabs(std::log(f / 10)); }) - hz.begin());
+  auto const of = [&](std::string const& name) {
+    for (Json const& in : j.at("inputs"))
+      if (in.at("name") == name) return in.at("elasticity").at(bin).get<double>();
+    return not_a_number;
+  };
+  auto const slope = [&](std::string const& name) {
+    return std::log(at_10_hz(noise({name + "=x1.02"})).value / at_10_hz(noise({name + "=x0.98"})).value) / std::log(1.02 / 0.98);
+  };
+  EXPECT_NEAR(of("material baffle_steel"), slope("baffle_steel"), 3e-3);
+  EXPECT_NEAR(of("motion of tube"), slope("tube.motion"), 3e-2);
+  EXPECT_NEAR(of("interferometer.mirror_mass"), slope("mirror_mass"), 3e-2);
+  EXPECT_GT(std::fabs(of("material baffle_steel") - of("motion of tube")), 0.1) << "control";
+  EXPECT_THAT(j.at("next").get<std::string>(), HasSubstr("No input states a standard deviation"));
+}
+
+// Case A11: light from a mirror to annuli and back, of a law theta^-n at both ends, with the density theta^(1 - 2 n) of eq.
+// 8.1: d ln C/dn = -2 <ln theta> = 19.1735, so e = n/2 times that (eq. D.7). Controls: one vertex alone; traces at
+// both ends of 2 % of n, which know nothing of the laws at vertices, agree.
+TEST_F(WhatIf, ShapeOfALawHasTheClosedFormOfA11) {
+  std::string const run = folder / "annuli/run.h5";
+  Finished const made = straytrace({"run", source_folder + "/tests/scenes/et_hf_backscatter.yaml", "-o", folder / "annuli",
+                                    "--histories", "131072", "--quiet"});
+  ASSERT_EQ(made.code, 0) << made.err;
+  std::string const place = "materials.mirror.scatter.exponent";
+  Finished const done = straytrace({"sensitivity", run, "--trace", place, "--step", "2%", "--only", "shape,traced",
+                                    "--quiet", "--format", "json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const j = Json::parse(done.out);
+  std::map<std::string, Asd> found;
+  for (Json const& in : j.at("inputs"))
+    if (in.at("name") == place) found[in.at("class")] = {in.at("elasticity").at(100), in.at("elasticity_sigma").at(100)};
+  double const exact = 0.5 * 2.3986 * 19.1735;
+  Asd const shape = found.at("shape"), traced = found.at("traced");
+  EXPECT_LT(shape.sigma, 0.05);
+  EXPECT_LT(std::fabs(shape.value - exact), 4 * shape.sigma + 1e-3 * exact) << shape.value;
+  EXPECT_LT(std::fabs(traced.value - exact), 4 * traced.sigma + 1e-3 * exact) << traced.value;
+  EXPECT_GT(std::fabs(shape.value - exact / 2), 20 * shape.sigma) << "control";
+  Asd const steeper = at_10_hz(noise({place + "=2.45"}, run)), plain = at_10_hz(noise({}, run));
+  EXPECT_NEAR(std::log(steeper.value / plain.value), exact * (2.45 / 2.3986 - 1), 0.01);
+  Finished const wider = noise({"mirror.above=20 urad"}, run);
+  EXPECT_EQ(wider.code, 2);
+  EXPECT_THAT(wider.err, HasSubstr("'mirror' would scatter most where the run kept no path"));
+  Finished const flat = noise({place + "=1"}, run);  // grows 10^5 times more at 1 rad than at the annuli
+  EXPECT_EQ(flat.code, 2);
+  EXPECT_THAT(flat.err, HasSubstr("'mirror' would scatter most where the run kept no path"));
+}
+
+// All light of a bench behind the end mirror passes it twice, scattered or as a ghost: e = 1 (eq. 1.1, 5.4). Controls: a
+// ghost of one coating of its lens; the glass of the sensor, which a part of the light meets once, has at most 1/2.
+TEST_F(WhatIf, TransmissionOfAMirrorActsOnAllLightBehindIt) {
+  std::string const run = folder / "bench/run.h5";
+  Finished const made = straytrace({"run", source_folder + "/examples/end_bench.yaml", "-o", folder / "bench",
+                                    "--histories", "65536", "--quiet"});
+  ASSERT_EQ(made.code, 0) << made.err;
+  Finished const done = straytrace({"sensitivity", run, "--only", "strength,shape", "--quiet", "--format", "json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  std::map<std::string, double> found;
+  Json const j = Json::parse(done.out);
+  for (Json const& in : j.at("inputs")) found[in.at("name")] = in.at("elasticity").at(20);
+  EXPECT_NEAR(found.at("materials.test_mass.specular.transmit"), 1, 1e-3);
+  EXPECT_LT(found.at("materials.lens.specular.reflect"), 0.5) << "control";
+  EXPECT_LT(found.at("material glass"), 0.5) << "control";
+  EXPECT_GT(found.at("material glass"), 0.2);
+  EXPECT_THAT(j.at("next").get<std::string>(), HasSubstr("Measure next: material glass"));
+}
+
+}  // namespace
+}  // namespace straytrace::testing::app_what_if
