@@ -27,7 +27,7 @@ docstrings. Arrays are numpy arrays, `[n]` is over frequency, tables are pandas 
 """
 PARTS = (
     ("Models", "straytrace", ("Model", "Table", "Items", "quantity", "Check", "check", "run", "trace")),
-    ("Results", "straytrace", ("open", "Run", "Noise", "Curve", "Bands", "Positions", "Routes", "EnergyBalance", "Receiver", "Receivers", "Wave", "WaveRing", "SeamCheck", "Irradiance",
+    ("Results", "straytrace", ("open", "Run", "Noise", "Curve", "Bands", "Positions", "Routes", "EnergyBalance", "Receiver", "Receivers", "Wave", "WaveRing", "SeamCheck", "Irradiance", "Sensitivity", "SensitiveInput",
                                "Progress")),
     ("Paths", "straytrace", ("Paths", "Path", "PathColumn")),
     ("Scans", "straytrace", ("scan", "Scan", "ScanPoint")),

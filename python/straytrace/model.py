@@ -17,8 +17,7 @@ from . import engine
 from .errors import InputError, Problem, StraytraceWarning
 from .progress import Shown, shown
 from .run import Run, Scratch, open_run
-from .tree import SCALARS, Table, plain, scene_tree
-from .yaml_text import YAMLError, dump, load
+from .tree import SCALARS, Table, YAMLError, dump, load, plain, scene_tree
 
 Parameters = Mapping[str, str | float]
 

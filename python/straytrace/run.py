@@ -210,8 +210,7 @@ def _texts_of(given: Any, option: str) -> dict[str, str]:
         texts: dict[str, str] = given.texts()
         return texts
     if isinstance(given, Mapping):
-        from .tree import scene_tree
-        from .yaml_text import dump
+        from .tree import dump, scene_tree
 
         text = dump(scene_tree(given))
         return {f"{option}-{hashlib.sha256(text.encode()).hexdigest()[:8]}.yaml": text}

@@ -4,13 +4,18 @@
 from __future__ import annotations
 
 import difflib
+import io
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping, MutableSequence
 from typing import Any, overload
 
 import numpy as np
+from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.error import YAMLError
+
+__all__ = ["FORMAT", "SCALARS", "Items", "Table", "YAMLError", "dump", "load", "plain", "quantity", "scene_tree", "wrapped"]
 
 FORMAT = 1                     # of the scene language
 SCALARS = (str, bool, int, float)
@@ -167,3 +172,25 @@ class Items(MutableSequence[Any]):
 
     def __repr__(self) -> str:
         return f"<{self.where}: {len(self.data)} entries>"
+
+
+def _language() -> YAML:
+    """YAML with its comments, kept from reading to writing."""
+    yaml = YAML()
+    yaml.preserve_quotes = True
+    yaml.width = 4096
+    yaml.indent(mapping=2, sequence=4, offset=2)
+    yaml.representer.ignore_aliases = lambda *_: True      # a table used twice is written twice
+    return yaml
+
+
+def load(text: str) -> Any:
+    """Tables, lists and scalars of a text; raises YAMLError."""
+    return _language().load(text)
+
+
+def dump(tree: Any) -> str:
+    """The text of a tree."""
+    out = io.StringIO()
+    _language().dump(tree, out)
+    return out.getvalue()

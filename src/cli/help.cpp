@@ -36,7 +36,8 @@ struct OptionGroup {
 std::vector<OptionGroup> const& groups() {
   static std::vector<OptionGroup> const all = {
       {"Model", {"param", "strict", "resolved", "migrate", "units", "entry", "angles", "beyond"}},
-      {"Motion", {"motion", "response", "set", "body", "axis", "channel", "own-motion", "amplitude", "frequency", "duration"}},
+      {"Motion",
+       {"motion", "response", "set", "body", "axis", "channel", "own-motion", "amplitude", "frequency", "duration"}},
       {"Data", {"witness",    "witness2",     "target",        "force",          "local",         "injection",
                 "list",       "gps",          "unit",          "witness-unit",   "witness2-unit", "target-unit",
                 "force-unit", "output-unit",  "coupling-unit", "displacement",   "corner",        "ratio",
@@ -68,8 +69,8 @@ std::vector<OptionGroup> const& groups() {
         "normalise", "q"}},
       {"Camera", {"mode", "eye", "look", "up", "fov", "pixels", "from", "cut", "flash", "lamp", "section", "whole"}},
       {"Selection",
-       {"show", "only", "band", "by",     "where",   "sort",     "without", "census", "path",     "route", "port", "moved-by",
-        "beam", "at",   "points", "profile", "distance", "above",   "kind",   "pictures", "rays",  "halo"}},
+       {"show",     "only", "band", "by",     "where",   "sort",     "without", "census", "path",     "route", "port",
+        "moved-by", "beam", "at",   "points", "profile", "distance", "above",   "kind",   "pictures", "rays",  "halo"}},
       {"Output", {"out",         "csv",     "plot",   "html",   "write",   "save",   "save-motion", "subtract", "asd",
                   "spectrogram", "overlay", "export", "title",  "vtk",     "glb",    "copy",        "partial",  "force",
                   "format",      "quiet",   "silent", "events", "unsaved", "fields", "version",     "help"}},

@@ -16,7 +16,7 @@
 #include "cli/options.hpp"
 #include "results/text/columns.hpp"
 #include "session/diagnostics.hpp"
-#include "session/importance_map.hpp"
+#include "session/light/importance_map.hpp"
 #include "session/light/network_beams.hpp"
 #include "session/open_run.hpp"
 

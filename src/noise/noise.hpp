@@ -54,6 +54,7 @@ struct NoiseTrace {
   // Of the total: PSD without the histories of one replica each, less what no history changes; empty: no such part.
   // Not in run files.
   std::vector<std::vector<double>> without;
+  std::vector<double> hint_sigma;  // of the total: the part of `sigma` by unresolved routes; not in run files
 
   // strain^2/Hz, from the ASD stored in run files: a new budget and one read from a file agree to the last bit.
   double psd(std::size_t bin) const { return asd[bin] * asd[bin]; }

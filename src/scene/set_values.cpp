@@ -66,7 +66,6 @@ class Setter {
       }
       if (!value) return refuse(keys, i, *data);
       if (last) return replace(*value, keys[i]);
-      if (value->use_count() > 1) *value = std::make_shared<NodeData>(**value);  // an alias: the others stay
       data = value->get();
     }
   }

@@ -23,7 +23,7 @@ namespace {
 struct NoiseOptions : PrintOptions {
   std::string input, out, motion, response;
   std::vector<std::string> set;  // "steel.brdf=5e-3/sr"
-  std::size_t show = 0;  // rows; 0: as in the scene
+  std::size_t show = 0;          // rows; 0: as in the scene
   bool force = false;
 };
 

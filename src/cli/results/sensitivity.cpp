@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace sensitivity: run file -> elasticities of h, shares of the input band, what to measure next.
+#include "session/decide/sensitivity.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -10,7 +12,6 @@
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/text/picture.hpp"
-#include "session/decide/sensitivity.hpp"
 #include "session/diagnostics.hpp"
 
 namespace straytrace::cli {
@@ -42,8 +43,9 @@ std::vector<InputClass> classes_in(std::string const& list) {
     auto const hit = std::ranges::find(input_class_names, name);
     std::vector<std::string> const known(input_class_names.begin(), input_class_names.end());
     if (hit == input_class_names.end())
-      throw InputError(fmt::format("--only: there is no class '{}'", name),
-                       did_you_mean(name, known, "write strength, shape, motion, response or traced, or several with commas"));
+      throw InputError(
+          fmt::format("--only: there is no class '{}'", name),
+          did_you_mean(name, known, "write strength, shape, motion, response or traced, or several with commas"));
     classes.push_back(InputClass(hit - input_class_names.begin()));
   }
   return classes;
@@ -98,8 +100,8 @@ int sensitivity(SensitivityOptions const& options) {
 void add_sensitivity(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<SensitivityOptions>();
   SensitivityOptions& o = *options;
-  auto* const command =
-      app.add_subcommand("sensitivity", "Rank the inputs of a run by their effect on h, and name what to measure next.");
+  auto* const command = app.add_subcommand(
+      "sensitivity", "Rank the inputs of a run by their effect on h, and name what to measure next.");
   command->add_option("run", o.input, "run file (HDF5)")->required();
   command->add_option("--at", o.at, "frequencies to print, for example 10Hz,100Hz; default 10, 30 and 100 Hz");
   command->add_option("--only", o.only, "classes of inputs: strength, shape, motion, response, traced");

@@ -22,9 +22,15 @@ std::vector<Doubles> replicas_of(NoiseTrace const& t) {
   return all;
 }
 
-// A function of two PSDs in each bin, with its jackknife where both have the same replicas.
+// Relative error of the ASD by unresolved routes.
+double hint(NoiseTrace const& t, std::size_t i) {
+  return t.hint_sigma.empty() || !(t.asd[i] > 0) ? 0 : t.hint_sigma[i] / t.asd[i];
+}
+
+// A function of two PSDs in each bin, with its jackknife where both have the same replicas; `unresolved`: its change
+// with the relative change of the ASD of either by routes that no replica tells of.
 template <class Function>
-BinValues of_pair(NoiseTrace const& a, NoiseTrace const& b, Function const& f) {
+BinValues of_pair(NoiseTrace const& a, NoiseTrace const& b, double unresolved, Function const& f) {
   BinValues out;
   std::vector<Doubles> const ra = replicas_of(a), rb = replicas_of(b);
   std::size_t const both = std::max(ra.size(), rb.size());
@@ -33,7 +39,8 @@ BinValues of_pair(NoiseTrace const& a, NoiseTrace const& b, Function const& f) {
     for (std::size_t r = 0; r < both; ++r)
       values.push_back(f(ra.empty() ? a.psd(i) : ra[r][i], rb.empty() ? b.psd(i) : rb[r][i]));
     out.value.push_back(f(a.psd(i), b.psd(i)));
-    out.sigma.push_back(values.empty() ? 0 : std::sqrt(jackknife_variance(values)));
+    double const sampled = values.empty() ? 0 : std::sqrt(jackknife_variance(values));
+    out.sigma.push_back(std::hypot(sampled, unresolved * std::max(hint(a, i), hint(b, i))));
   }
   return out;
 }
@@ -104,8 +111,8 @@ void scale_sums(CouplingClass& c, double factor) {
 
 }  // namespace
 
-BinValues log_ratio(NoiseTrace const& a, NoiseTrace const& b, bool paired) {
-  if (paired && a.without.size() == b.without.size()) return of_pair(a, b, half_log);
+BinValues log_ratio(NoiseTrace const& a, NoiseTrace const& b, bool paired, double unresolved) {
+  if (paired && a.without.size() == b.without.size()) return of_pair(a, b, unresolved, half_log);
   BinValues out;
   for (std::size_t i = 0; i < a.asd.size(); ++i) {
     out.value.push_back(half_log(a.psd(i), b.psd(i)));
@@ -115,14 +122,14 @@ BinValues log_ratio(NoiseTrace const& a, NoiseTrace const& b, bool paired) {
 }
 
 BinValues elasticity(NoiseTrace const& derivative, NoiseTrace const& total) {
-  return of_pair(derivative, total, [](double d, double s) { return 0.5 * ratio(d, s); });
+  return of_pair(derivative, total, 1, [](double d, double s) { return 0.5 * ratio(d, s); });
 }
 
 BinValues central_elasticity(std::function<NoiseTrace(double factor)> const& total) {
   constexpr double step = 0.05;
   NoiseTrace const traces[] = {total(std::exp(-2 * step)), total(std::exp(-step)), total(std::exp(step)),
                                total(std::exp(2 * step))};
-  BinValues near = log_ratio(traces[2], traces[1], true), far = log_ratio(traces[3], traces[0], true);
+  BinValues near = log_ratio(traces[2], traces[1], true, 2 * step), far = log_ratio(traces[3], traces[0], true, 0);
   for (std::size_t i = 0; i < near.value.size(); ++i) {
     near.value[i] = (8 * near.value[i] - far.value[i]) / (12 * step);
     near.sigma[i] /= 2 * step;

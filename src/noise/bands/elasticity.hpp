@@ -17,7 +17,8 @@ struct BinValues {
 
 // ln(a/b) of the ASDs of two totals. Where both come from the same histories (`paired`) the error is the jackknife of
 // the ratio over the replicas (eq. D.2); otherwise the squares of their relative errors add. NaN where one is zero.
-BinValues log_ratio(NoiseTrace const& a, NoiseTrace const& b, bool paired);
+// `unresolved`: by how much the ratio may change with that share of unresolved light in both.
+BinValues log_ratio(NoiseTrace const& a, NoiseTrace const& b, bool paired, double unresolved = 1);
 
 // d ln h/d ln p = 1/2 (dS/d ln p)/S from the projection of the derivative, which is linear in the couplings (eq. D.1),
 // with the jackknife of the ratio. 0 where `derivative` is, NaN where the total is zero.

@@ -386,6 +386,9 @@ NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion,
   budget.total = finished("total", total);
   for (Bins& replica : total.without[std::size_t(ErrorPart::all)])
     if (!replica.empty()) budget.total.without.push_back(std::move(replica));
+  for (std::size_t i = 0; i < total.guessed.size(); ++i)
+    budget.total.hint_sigma.push_back(budget.total.asd[i] > 0 ? std::sqrt(total.guessed[i]) / (2 * budget.total.asd[i])
+                                                              : 0);
   budget.total.resolved = budget.unresolved.empty();
   bool const nothing = std::ranges::none_of(budget.routes, [](auto const& t) { return t.resolved; });
   if (nothing && !budget.unresolved.empty())  // unresolved is not zero

@@ -9,7 +9,7 @@
 
 #include "base/errors.hpp"
 #include "noise/bands/input_band.hpp"
-#include "session/decide/path_laws.hpp"
+#include "session/decide/reweighted.hpp"
 #include "session/decide/what_if.hpp"
 #include "session/session.hpp"
 
@@ -88,11 +88,11 @@ SensitiveInput of_value(OpenRun const& run, SceneValue const& value) {
 class Shapes {
  public:
   Shapes(OpenRun const& run, NoiseBudget const& budget, unsigned threads)
-      : run_(run), budget_(budget), laws_(run.file, threads) {}
+      : run_(run), budget_(budget), paths_(run.file, threads) {}
 
   std::vector<SceneValue> values() const {
     std::vector<SceneValue> all;
-    for (SceneValue const& v : scene_values(laws_.model().scene)) {
+    for (SceneValue const& v : scene_values(paths_.scene())) {
       bool const of_light = v.place.starts_with("materials.") && v.place.find(".bracket") == v.place.npos &&
                             v.place.find(".uncertainty") == v.place.npos;
       if (of_light && v.quantity && v.quantity->si != 0 && !v.whole) all.push_back(v);
@@ -102,25 +102,23 @@ class Shapes {
   // Nothing where one strength changes, which has a row of its own.
   std::optional<SensitiveInput> of(SceneValue const& value) const {
     Model const high = at(value, step), low = at(value, -step);
-    MaterialChange const change = change_of(laws_.model().world, high.world);
+    MaterialChange const change = change_of(paths_.world(), high.world);
     if (!change.shape && !change.coating) return {};
     SensitiveInput in;
     in.kind = InputClass::shape;
     in.name = value.place;
     in.value = value.written;
     in.method = "by the laws at the vertices of the kept paths, at 0.98 and 1.02 times its value";
-    PathFactors const up = laws_.factors(high), down = laws_.factors(low);
-    if (meets_an_edge(up) || meets_an_edge(down)) {
+    CouplingTable const& table = run_.file.trace.coupling;
+    ReweightedCouplings const more = reweighted(table, paths_, high.world), less = reweighted(table, paths_, low.world);
+    if (more.meets_edge || less.meets_edge) {
       in.method = "not known: it moves an edge of the BSDF where light goes; trace it with --trace";
       in.elasticity.value.assign(budget_.grid.size(), not_a_number);
       in.elasticity.sigma = in.elasticity.value;
       return in;
     }
-    CouplingTable const& table = run_.file.trace.coupling;
-    World const& here = laws_.model().world;
-    ReweightedCouplings const more = reweighted(table, up, here, high.world),
-                              less = reweighted(table, down, here, low.world);
-    in.elasticity = log_ratio(total_of(run_.model, more.light.table), total_of(run_.model, less.light.table), true);
+    in.elasticity =
+        log_ratio(total_of(run_.model, more.light.table), total_of(run_.model, less.light.table), true, 2 * step);
     for (std::vector<double>* const all : {&in.elasticity.value, &in.elasticity.sigma})
       for (double& x : *all) x /= 2 * step;
     hide(in.elasticity, unknown_bins(budget_, few_paths(more, computed_anew(table, change))));
@@ -131,9 +129,6 @@ class Shapes {
   static constexpr double step = 0.02, fewest_paths = 100;
 
   Model at(SceneValue const& value, double step) const { return model_of(run_.file, {times(value, std::exp(step))}); }
-  static bool meets_an_edge(PathFactors const& factors) {
-    return std::ranges::any_of(factors, [](auto const& of_class) { return std::ranges::any_of(of_class, [](double f) { return std::isinf(f); }); });
-  }
   static std::vector<double> few_paths(ReweightedCouplings const& r, std::vector<bool> const& computed) {
     std::vector<double> unknown = r.light.unknown;
     for (std::size_t k = 0; k < unknown.size(); ++k)
@@ -143,7 +138,7 @@ class Shapes {
 
   OpenRun const& run_;
   NoiseBudget const& budget_;
-  PathLaws laws_;
+  KeptPaths paths_;
 };
 
 // Numbers of motion and interferometer that may be scaled.
@@ -167,9 +162,10 @@ bool acts(BinValues const& e) {
 NoiseTrace traced_total(OpenRun const& run, SceneValue const& value, double factor, TraceOptions const& options) {
   Model model = model_of(run.file, {times(value, factor)});
   model.seed = run.file.trace.coupling.seed;
-  model.world.block_size = run.file.trace.coupling.block_size;
   model.until = {};
-  model.histories = options.histories ? *options.histories : run.file.trace.coupling.histories;
+  model.histories = run.file.trace.coupling.histories;
+  model.world.block_size = run.file.trace.coupling.block_size;
+  apply(options, model);
   TracedModel const traced = trace_model(model, options, "");
   return total_of(model, traced.result.coupling);
 }
@@ -195,7 +191,7 @@ SensitiveInput of_traces(OpenRun const& run, SceneValue const& value, std::strin
                           std::exp(-traced.step), std::exp(traced.step));
   NoiseTrace const low = traced_total(run, value, std::exp(-traced.step), traced.options),
                    high = traced_total(run, value, std::exp(traced.step), traced.options);
-  in.elasticity = log_ratio(high, low, true);
+  in.elasticity = log_ratio(high, low, true, 2 * traced.step);
   in.correlation = correlation(in.elasticity, log_ratio(high, low, false));
   for (std::vector<double>* const values : {&in.elasticity.value, &in.elasticity.sigma})
     for (double& v : *values) v /= 2 * traced.step;
@@ -206,13 +202,15 @@ SceneValue value_to_trace(OpenRun const& run, std::string const& name) {
   std::vector<std::string> known;
   for (SceneValue const& v : scene_values(run.model.scene)) {
     if (v.place == name || v.place == "params." + name) {
-      if (v.quantity && v.quantity->si == 0) throw InputError(fmt::format("--trace: '{}' is zero", name), "a step needs a value");
+      if (v.quantity && v.quantity->si == 0)
+        throw InputError(fmt::format("--trace: '{}' is zero", name), "a step needs a value");
       return v;
     }
     known.push_back(v.place.starts_with("params.") ? v.place.substr(7) : v.place);
   }
-  throw InputError(fmt::format("--trace: the scene has no value '{}'", name),
-                   did_you_mean(name, known, "name a parameter, or a value by its place: scene.baffle.shape.ring.inner_radius"));
+  throw InputError(
+      fmt::format("--trace: the scene has no value '{}'", name),
+      did_you_mean(name, known, "name a parameter, or a value by its place: scene.baffle.shape.ring.inner_radius"));
 }
 
 void add_shapes(OpenRun const& run, NoiseBudget const& budget, unsigned threads, Progress const& progress,

@@ -21,11 +21,11 @@ constexpr char const* name_of(InputClass c) { return input_class_names[std::size
 // What h depends on, and how far.
 struct SensitiveInput {
   InputClass kind = InputClass::strength;
-  std::string name;       // "material steel", "motion of tube", "interferometer.mirror_mass", "rim"
-  std::string value;      // "scatters 3.1e-05", "42 kg"; of motions empty
-  std::string method;     // in words
-  BinValues elasticity;   // d ln h/d ln p per bin; value NaN: not known, or no noise
-  double factor = 1;      // stated uncertainty, one standard deviation of the logarithm; 1: none
+  std::string name;             // "material steel", "motion of tube", "interferometer.mirror_mass", "rim"
+  std::string value;            // "scatters 3.1e-05", "42 kg"; of motions empty
+  std::string method;           // in words
+  BinValues elasticity;         // d ln h/d ln p per bin; value NaN: not known, or no noise
+  double factor = 1;            // stated uncertainty, one standard deviation of the logarithm; 1: none
   double low = 1, high = 1;     // stated bracket, a range
   std::vector<double> share{};  // of the variance of ln h by all stated standard deviations, per bin; empty: no part
   double correlation = not_a_number;  // of the traces at both ends, class traced
@@ -45,11 +45,11 @@ struct Sensitivity {
 };
 
 struct SensitivityOrder {
-  std::vector<double> frequencies;   // Hz, to print
-  std::vector<InputClass> only;      // empty: all
-  std::vector<std::string> traced;   // parameters or places of values, for a trace at both ends of a step
-  double step = 0.03;                // of their logarithms
-  TraceOptions options{};            // of these traces
+  std::vector<double> frequencies;  // Hz, to print
+  std::vector<InputClass> only;     // empty: all
+  std::vector<std::string> traced;  // parameters or places of values, for a trace at both ends of a step
+  double step = 0.03;               // of their logarithms
+  TraceOptions options{};           // of these traces
   bool wants(InputClass c) const { return only.empty() || std::ranges::find(only, c) != only.end(); }
 };
 

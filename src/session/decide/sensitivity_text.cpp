@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "results/curves/band.hpp"
 #include "results/text/columns.hpp"
@@ -69,8 +69,10 @@ std::string brackets_text(Sensitivity const& s) {
   for (SensitiveInput const& in : s.inputs)
     if ((in.low < 1 || in.high > 1) && std::isfinite(in.elasticity.value[s.decides])) {
       double const e = in.elasticity.value[s.decides];
-      text += fmt::format("The bracket of {} moves h at {} by a factor {:.3g} to {:.3g}, to first order; it is a range and has no share.\n",
-                          in.name, hertz(s.grid.centre(s.decides)), std::pow(in.low, e), std::pow(in.high, e));
+      text += fmt::format(
+          "The bracket of {} moves h at {} by a factor {:.3g} to {:.3g}, to first order; it is a range and has no "
+          "share.\n",
+          in.name, hertz(s.grid.centre(s.decides)), std::pow(in.low, e), std::pow(in.high, e));
     }
   return text;
 }
@@ -83,9 +85,14 @@ Json numbers(std::vector<double> const& values) {
 }
 
 Json json_of(Sensitivity const& s, SensitiveInput const& in) {
-  Json j{{"name", in.name}, {"class", name_of(in.kind)}, {"value", in.value}, {"method", in.method},
-         {"elasticity", numbers(in.elasticity.value)}, {"elasticity_sigma", numbers(in.elasticity.sigma)},
-         {"one_sigma_factor", in.factor}, {"bracket", {in.low, in.high}}};
+  Json j{{"name", in.name},
+         {"class", name_of(in.kind)},
+         {"value", in.value},
+         {"method", in.method},
+         {"elasticity", numbers(in.elasticity.value)},
+         {"elasticity_sigma", numbers(in.elasticity.sigma)},
+         {"one_sigma_factor", in.factor},
+         {"bracket", {in.low, in.high}}};
   j["share"] = numbers(in.share);
   if (!in.share.empty()) j["gain_of_halving"] = gain_of_halving(in, s.decides);
   if (std::isfinite(in.correlation)) j["correlation"] = in.correlation;
@@ -95,23 +102,25 @@ Json json_of(Sensitivity const& s, SensitiveInput const& in) {
 }  // namespace
 
 std::string next_measurement(Sensitivity const& s) {
-  std::string const where =
-      fmt::format("at {}{}", hertz(s.grid.centre(s.decides)), s.line.empty() ? "" : ", where h is closest to " + s.line);
+  std::string const where = fmt::format("at {}{}", hertz(s.grid.centre(s.decides)),
+                                        s.line.empty() ? "" : ", where h is closest to " + s.line);
   if (std::ranges::none_of(s.inputs, [](SensitiveInput const& in) { return in.factor > 1; })) {
     std::vector<std::string> names;
     for (SensitiveInput const& in : s.inputs)
       if (names.size() < 3 && std::ranges::find(names, in.name) == names.end()) names.push_back(in.name);
-    return fmt::format("No input states a standard deviation ('uncertainty'). State first those that h follows most: {}.\n",
-                       fmt::join(names, ", "));
+    return fmt::format(
+        "No input states a standard deviation ('uncertainty'). State first those that h follows most: {}.\n",
+        fmt::join(names, ", "));
   }
   SensitiveInput const* const best = leader_at(s, s.decides);
   if (!best)
-    return fmt::format("No single input narrows the band of h {} by more than {:.0f} % when its uncertainty is halved.{}\n",
-                       where, 100 * worth_naming, other_leaders(s, nullptr));
+    return fmt::format(
+        "No single input narrows the band of h {} by more than {:.0f} % when its uncertainty is halved.{}\n", where,
+        100 * worth_naming, other_leaders(s, nullptr));
   double const gain = 100 * gain_of_halving(*best, s.decides), sigma = 100 * sigma_of_gain(*best, s.decides);
   return fmt::format("Measure next: {}. Halving its uncertainty narrows the band of h {} by {} %.{}\n", best->name,
-                     where + (s.line.empty() ? "" : ","), sigma > 1e-3 ? with_error(gain, sigma) : fmt::format("{:.3g}", gain),
-                     other_leaders(s, best));
+                     where + (s.line.empty() ? "" : ","),
+                     sigma > 1e-3 ? with_error(gain, sigma) : fmt::format("{:.3g}", gain), other_leaders(s, best));
 }
 
 std::string sensitivity_text(Sensitivity const& s) {
@@ -129,15 +138,18 @@ std::string sensitivity_text(Sensitivity const& s) {
     row.push_back(in.share.empty() ? "-" : fmt::format("{:.3g} %", 100 * in.share[s.decides]));
     c.rows.push_back(std::move(row));
   }
-  std::string text = "Elasticity of h, d ln h/d ln p: by how many per cent h changes with 1 % of the input.\n\n" + aligned(c);
+  std::string text =
+      "Elasticity of h, d ln h/d ln p: by how many per cent h changes with 1 % of the input.\n\n" + aligned(c);
   text +=
-      "\nexact: all light changes by one factor, so that the Monte-Carlo error cancels. not known: the light that depends "
+      "\nexact: all light changes by one factor, so that the Monte-Carlo error cancels. not known: the light that "
+      "depends "
       "on the input is unresolved, or has too few kept paths, or an edge of its BSDF moves.\n";
   if (!s.idle.empty()) text += fmt::format("\nWithout effect on h: {}.\n", fmt::join(s.idle, ", "));
   for (SensitiveInput const& in : s.inputs)
     if (in.kind == InputClass::traced)
-      text += fmt::format("{}: {}; correlation of both {:.3g}{}.\n", in.name, in.method, in.correlation,
-                          in.correlation < 0.5 ? ": the paths have come apart, the error is nearly that of independent runs" : "");
+      text += fmt::format(
+          "{}: {}; correlation of both {:.3g}{}.\n", in.name, in.method, in.correlation,
+          in.correlation < 0.5 ? ": the paths have come apart, the error is nearly that of independent runs" : "");
   text += "\n" + brackets_text(s);
   if (s.band[s.decides] > 0)
     text += fmt::format("The stated standard deviations give h at {} a band of {:.3g} % (one sigma, to first order).\n",

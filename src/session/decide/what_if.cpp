@@ -14,8 +14,8 @@
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "noise/bands/inversion.hpp"
-#include "session/decide/path_laws.hpp"
 #include "scene/model_tree.hpp"
+#include "session/decide/reweighted.hpp"
 #include "world/model/material.hpp"
 
 namespace straytrace::session {
@@ -26,7 +26,8 @@ struct Setting {
   std::optional<double> factor;  // of "x2" and "black"
 };
 
-constexpr char const* forms = "write MATERIAL=x2, MATERIAL=black, BODY.motion=x2, or a value of the scene: steel.brdf=5e-3/sr";
+constexpr char const* forms =
+    "write MATERIAL=x2, MATERIAL=black, BODY.motion=x2, or a value of the scene: steel.brdf=5e-3/sr";
 
 Setting parsed(std::string const& text) {
   std::size_t const equals = text.find('=');
@@ -98,7 +99,11 @@ SceneValue value_named(std::string const& name, std::vector<SceneValue> const& a
 
 class Changes {
  public:
-  explicit Changes(OpenRun& run) : run_(run), materials_(run.model.traced.materials), scattered_(run.model.traced.scattered), factor_(materials_.size(), 1) {}
+  explicit Changes(OpenRun& run)
+      : run_(run),
+        materials_(run.model.traced.materials),
+        scattered_(run.model.traced.scattered),
+        factor_(materials_.size(), 1) {}
 
   void add(Setting const& s) {
     std::size_t const point = s.name.rfind('.');
@@ -115,8 +120,7 @@ class Changes {
   WhatIf result() {
     WhatIf out;
     if (!of_materials_.empty()) change_laws();
-    ProjectionModel model =
-        of_projection_.empty() ? std::move(run_.model) : projection_of(run_.file, of_projection_);
+    ProjectionModel model = of_projection_.empty() ? std::move(run_.model) : projection_of(run_.file, of_projection_);
     for (auto const& [moved, factor] : moved_) model.motion = with_scaled_body(model.motion, moved, factor);
     out.model = std::move(model);
     CouplingTable const& light = reweighted_ ? reweighted_->table : run_.file.trace.coupling;
@@ -164,21 +168,28 @@ class Changes {
     char* end = nullptr;
     double const share = std::strtod(s.value.c_str(), &end), now = scattered_[m];
     std::string_view const unit(end);
-    double const scale = unit.empty() ? 1 : unit == "%" || unit == " %" ? 1e-2 : unit == "ppm" || unit == " ppm" ? 1e-6 : -1;
+    double const scale = unit.empty()                      ? 1
+                         : unit == "%" || unit == " %"     ? 1e-2
+                         : unit == "ppm" || unit == " ppm" ? 1e-6
+                                                           : -1;
     if (end == s.value.c_str() || scale < 0 || !(share >= 0))
-      throw InputError(fmt::format("--set {}: '{}' is not a share of the light", s.text, s.value), "write 2e-4, 5 ppm or 3 %");
-    if (!(now > 0)) throw InputError(fmt::format("--set {}: it scatters no light", s.text), "trace the scene with a BSDF");
+      throw InputError(fmt::format("--set {}: '{}' is not a share of the light", s.text, s.value),
+                       "write 2e-4, 5 ppm or 3 %");
+    if (!(now > 0))
+      throw InputError(fmt::format("--set {}: it scatters no light", s.text), "trace the scene with a BSDF");
     return share * scale / now;
   }
   void scale(std::size_t m, double factor, std::string const& text) {
     double const now = scattered_[m];
     if (factor * now > 1)
-      throw InputError(fmt::format("--set {}: '{}' would scatter {:.3g} of the light", text, materials_[m].name, factor * now),
-                       fmt::format("at most x{:.3g}", 1 / now));
+      throw InputError(
+          fmt::format("--set {}: '{}' would scatter {:.3g} of the light", text, materials_[m].name, factor * now),
+          fmt::format("at most x{:.3g}", 1 / now));
     if (materials_[m].of_reflection)
-      throw InputError(fmt::format("--set {}: what is stated of '{}' is its reflectance, which decides where light goes", text,
-                                   materials_[m].name),
-                       "change the scene, and trace it");
+      throw InputError(
+          fmt::format("--set {}: what is stated of '{}' is its reflectance, which decides where light goes", text,
+                      materials_[m].name),
+          "change the scene, and trace it");
     factor_[m] *= factor;
     statements_.push_back(fmt::format("{}: BRDF of {} times {:.4g}", text, materials_[m].name, factor));
   }
@@ -198,7 +209,8 @@ class Changes {
     if (session::of_projection(value.place)) {
       refuse_other_files(s);
       of_projection_.push_back(text);
-      statements_.push_back(fmt::format("{}, instead of {}", text, value.written.empty() ? "its default" : value.written));
+      statements_.push_back(
+          fmt::format("{}, instead of {}", text, value.written.empty() ? "its default" : value.written));
     } else if (value.place.starts_with("materials.")) {
       of_materials_.push_back(text);
     } else {
@@ -239,34 +251,36 @@ class Changes {
     for (auto const& [m, factor] : strengths) scale(m, factor, text);
   }
   // Light that the changed law sends where the run kept no path.
-  static void refuse_other_ways(PathLaws const& laws, Model const& after) {
+  static void refuse_other_ways(KeptPaths const& paths, World const& is) {
     constexpr double most = 10;  // of light that 512 kept paths may have missed, 2 %
-    World const &was = laws.model().world, &is = after.world;
+    World const& was = paths.world();
     WorldView const a = was.view(), b = is.view();
-    std::vector<double> const seen = laws.largest_ratios(after);
+    std::vector<double> const seen = paths.laws().largest_ratios(is);
     for (std::size_t m = 0; m < seen.size(); ++m)
       if (seen[m] > 0 &&
           largest_ratio(a, a.optics[was.materials[m].optic], b, b.optics[is.materials[m].optic]) > most * seen[m])
-        throw InputError(fmt::format("--set: '{}' would scatter most where the run kept no path", was.materials[m].name),
-                         "change the scene, and trace it");
+        throw InputError(
+            fmt::format("--set: '{}' would scatter most where the run kept no path", was.materials[m].name),
+            "change the scene, and trace it");
   }
   void reweigh(Model const& after, std::string const& text) {
     constexpr double fewest = 100;
     statements_.push_back(text + ": the laws at the vertices of the kept paths, of which each route has few");
-    PathLaws const laws(run_.file, 0);
-    refuse_other_ways(laws, after);
-    ReweightedCouplings changed = reweighted(run_.file.trace.coupling, laws.factors(after));
+    KeptPaths const paths(run_.file, 0);
+    refuse_other_ways(paths, after.world);
+    ReweightedCouplings changed = reweighted(run_.file.trace.coupling, paths, after.world);
     NoiseBudget const budget = run_.model.project(run_.file.trace.coupling);
-    std::vector<bool> const computed =
-        computed_anew(run_.file.trace.coupling, change_of(laws.model().world, after.world));
+    std::vector<bool> const computed = computed_anew(run_.file.trace.coupling, change_of(paths.world(), after.world));
     for (std::size_t r = 0; r < budget.routes.size(); ++r) {
       if (changed.effective[r] >= fewest && !computed[r]) continue;
       for (std::size_t i = 0; i < budget.grid.size(); ++i)
         if (budget.routes[r].psd(i) > 0.01 * budget.total.psd(i))
           throw InputError(
-              computed[r] ? fmt::format("--set {}: the route '{}' is computed, and has no kept paths", text, budget.routes[r].name)
-                          : fmt::format("--set {}: too far from the run: about {:.0f} kept paths of '{}' would carry its light",
-                                        text, changed.effective[r], budget.routes[r].name),
+              computed[r]
+                  ? fmt::format("--set {}: the route '{}' is computed, and has no kept paths", text,
+                                budget.routes[r].name)
+                  : fmt::format("--set {}: too far from the run: about {:.0f} kept paths of '{}' would carry its light",
+                                text, changed.effective[r], budget.routes[r].name),
               "change the scene, and trace it");
     }
     reweighted_ = std::move(changed.light);
@@ -275,7 +289,7 @@ class Changes {
   OpenRun& run_;
   std::vector<MaterialSpread> materials_;
   std::vector<double> scattered_;  // by material, at normal incidence
-  std::vector<double> factor_;  // by material
+  std::vector<double> factor_;     // by material
   std::vector<std::pair<BodyId, double>> moved_;
   std::vector<std::string> of_projection_, of_materials_, statements_;
   std::vector<SceneValue> values_;

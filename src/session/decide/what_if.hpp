@@ -21,7 +21,8 @@ struct WhatIf {
 //   MATERIAL=x2, MATERIAL=black      the whole BRDF times a factor, or none
 //   MATERIAL.tis=2e-4                the share that it scatters at normal incidence
 //   BODY.motion=x2                   all motion of a body
-//   PLACE=VALUE, PLACE=x2            a value of the scene by its place, "materials.steel.scatter.brdf" or any keys of it
+//   PLACE=VALUE, PLACE=x2            a value of the scene by its place, "materials.steel.scatter.brdf" or any keys of
+//   it
 //                                    that name one value, "steel.brdf"
 // Takes the model of the run. Throws one InputError with all problems: unknown names, changes of the light that need a
 // trace, BSDFs above 1.

@@ -73,7 +73,7 @@ class Trees(unittest.TestCase):
             self.assertIn("36 deg", (place / "baffle.yaml").read_text())
 
     def test_examples_keep_text_and_comments(self):
-        from straytrace.yaml_text import dump, load
+        from straytrace.tree import dump, load
         for path in sorted((SOURCE / "examples").glob("*.yaml")):
             model, text = straytrace.Model.load(path), path.read_text()
             self.assertEqual(model.text(), text, path)
@@ -282,6 +282,21 @@ class Runs(unittest.TestCase):
         self.assertEqual(len(caught.exception.problems), 1)
         with self.assertRaisesRegex(TypeError, "list of them"):
             straytrace.scan(self.model, {"rim": "49 cm"})
+
+
+class Decisions(unittest.TestCase):
+    def test_sensitivity_is_the_slope_of_other_inputs(self):
+        run = arm().run(histories=BLOCK, progress=False)
+        found = run.sensitivity(only=["strength"])
+        self.assertEqual(found.frequency.size, run.noise.frequency.size)
+        steel = next(s for s in found.inputs if s.name == "material steel")
+        plain, twice = (run.with_inputs(*settings)["total_strain"][0]["value"] for settings in ((), ("steel=x1.01",)))
+        e = steel.elasticity[int(np.argmin(np.abs(np.log(found.frequency / 10))))]
+        self.assertAlmostEqual(np.log(twice / plain) / np.log(1.01), e, delta=2e-3)
+        self.assertGreater(abs(e), 0.3)
+        self.assertEqual(list(found.table()["class"].unique()), ["strength"])
+        with self.assertRaisesRegex(straytrace.InputError, "there is no material or value 'stel'"):
+            run.with_inputs("stel=x2")
 
 
 if __name__ == "__main__":

@@ -41,6 +41,29 @@ TEST(Overrides, ErrorsStateThePlace) {
   EXPECT_THAT(errors_of(model, {"aperture=60 cm", "aperture=x\ny"}), HasSubstr("command line:2"));
 }
 
+TEST(Overrides, ReplaceValuesByTheirPlace) {
+  std::string const model = "params: {a: 3 m}\nmaterials:\n  steel: {x: 1 m, laws: [{x: 2 m}, {name: second, x: a}]}\n";
+  auto const values = [&](std::vector<std::string> const& overrides) {
+    Scene const scene = scene_of(model, overrides);
+    Node const steel = scene.table("materials").table("steel");
+    std::vector<double> x{steel.number("x", dim::length), steel.number("y", dim::length, 0)};
+    for (Node const& law : steel.list("laws")) x.push_back(law.number("x", dim::length));
+    scene.throw_if_problems();
+    return x;
+  };
+  EXPECT_EQ(values({}), (std::vector<double>{1, 0, 2, 3}));
+  EXPECT_EQ(values({"materials.steel.x=5 m", "materials.steel.y=6 m"}), (std::vector<double>{5, 6, 2, 3}));
+  EXPECT_EQ(values({"materials.steel.laws[0].x=7 m", "materials.steel.laws.second.x=2*a", "params.a=4 m"}),
+            (std::vector<double>{1, 0, 7, 8}));
+  EXPECT_THAT(errors_of(model, {"materials.stel.x=5 m"}),
+              HasSubstr("command line:1:4: error: 'materials' has no 'stel'\n    1 | -p materials.stel.x=5 m\n"));
+  EXPECT_THAT(errors_of(model, {"materials.stel.x=5 m"}), HasSubstr("did you mean 'steel'?"));
+  EXPECT_THAT(errors_of(model, {"materials.steel=5 m"}), HasSubstr("'materials.steel' is a table, not a value"));
+  EXPECT_THAT(errors_of(model, {"materials.steel.laws.2.x=5 m"}), HasSubstr("'laws' has no '2'"));
+  EXPECT_THAT(errors_of(model, {"steel.x=5 m"}), HasSubstr("the model has no 'steel'"));
+  EXPECT_THAT(errors_of(model, {"materials.steel.x.z=5 m"}), HasSubstr("it is a single value"));
+}
+
 FileTexts included(std::string const& main, std::string const& lib) {
   return {{"arm.yaml", "straytrace: 1\ninclude: [lib/a.yaml]\n" + main}, {"lib/a.yaml", lib}};
 }

@@ -37,7 +37,8 @@ RouteFactor count(MaterialSpread const& material) {
   return [&material](std::vector<PathStep> const& steps) { return double(scatters_on(material, steps)); };
 }
 RouteFactor power(MaterialSpread const& material, double ratio) {
-  return [&material, ratio](std::vector<PathStep> const& steps) { return std::pow(ratio, scatters_on(material, steps)); };
+  return
+      [&material, ratio](std::vector<PathStep> const& steps) { return std::pow(ratio, scatters_on(material, steps)); };
 }
 double elasticity_on(MaterialSpread const& material, CouplingTable const& table) {
   return elasticity(projected(scaled_couplings(table, count(material)).table), projected(table)).value[0];
@@ -55,11 +56,12 @@ TEST(Elasticity, CountsTheScattersOfEachRoute) {
   EXPECT_GT(std::fabs(elasticity_on(of_steel, table_of({route(0, 5e-21), route(1, 5e-21)})) - 0.35), 0.05) << "control";
 }
 
-// A row `other` of two kept routes with 1 and 3 scatters, at 0.75 and 0.25 of its light: s = 2 gives 0.75 x 2 + 0.25 x 8.
-// Control: the row with unknown routes has the factor of the named one alone, and says so.
+// A row `other` of two kept routes with 1 and 3 scatters, at 0.75 and 0.25 of its light: s = 2 gives 0.75 x 2 + 0.25
+// x 8. Control: the row with unknown routes has the factor of the named one alone, and says so.
 TEST(Elasticity, DividesARowByItsKeptPaths) {
   CouplingClass other = route(1, 8e-21);
-  other.records = {record(0, 6e-21, {phase_sensitivity(0, 2, two_k)}), record(1, 2e-21, {phase_sensitivity(0, 2, two_k)})};
+  other.records = {record(0, 6e-21, {phase_sensitivity(0, 2, two_k)}),
+                   record(1, 2e-21, {phase_sensitivity(0, 2, two_k)})};
   other.records[0].member = 0;
   other.records[1].member = 1;
   other.members = {{by_steel(1)}, {by_steel(3)}};
@@ -86,8 +88,8 @@ Spectrum around_zero(double rms) {
   return shape.scaled(rms * rms / shape.total());
 }
 
-// One class with that PSD and a mean-square phase of 100, by sums of eq. 7.7; eq. D.4 gives -0.49875, -0.48, 0, 1.5, 4 in the
-// limit. Controls: weak motion, for which e = 1; the limit itself is off by more.
+// One class with that PSD and a mean-square phase of 100, by sums of eq. 7.7; eq. D.4 gives -0.49875, -0.48, 0, 1.5, 4
+// in the limit. Controls: weak motion, for which e = 1; the limit itself is off by more.
 TEST(Elasticity, OfStrongMotionChangesItsSign) {
   double const hz[] = {0.5, 2, 10, 20, 30}, exact[] = {-0.50255, -0.48322, 0.00769, 1.49558, 3.83793};
   std::vector<double> edges;
@@ -104,8 +106,8 @@ TEST(Elasticity, OfStrongMotionChangesItsSign) {
   EXPECT_GT(std::fabs(4 - strong.value[8]), 0.1) << "control";
 }
 
-// Two routes whose couplings differ by replica. What multiplies both has no error (eq. D.2); one of them alone has that of
-// its share, here by the textbook formula. Control: the error of independent runs.
+// Two routes whose couplings differ by replica. What multiplies both has no error (eq. D.2); one of them alone has that
+// of its share, here by the textbook formula. Control: the error of independent runs.
 TEST(Elasticity, RatiosOfTheSameHistoriesHaveTheErrorOfTheirDifference) {
   CouplingTable table = table_of({route(1, 5e-21), route(2, 5e-21)});
   for (std::size_t r = 0; r < replica_count; ++r) {
@@ -119,7 +121,8 @@ TEST(Elasticity, RatiosOfTheSameHistoriesHaveTheErrorOfTheirDifference) {
   EXPECT_GT(apart.sigma[0], 5e-3) << "control";
   BinValues const e = elasticity(projected(scaled_couplings(table, count(of_steel)).table), one);
   double sum = 0;  // e = 1/2 (a + 2 b)/(a + b), a = b: de = 1/8 (db/b - da/a), of means over 32 replicas
-  for (std::size_t r = 0; r < replica_count; ++r) sum += std::pow(0.1 * (std::sin(double(r)) - std::cos(double(r))) / 8, 2);
+  for (std::size_t r = 0; r < replica_count; ++r)
+    sum += std::pow(0.1 * (std::sin(double(r)) - std::cos(double(r))) / 8, 2);
   EXPECT_NEAR(e.value[0], 0.75, 1e-3);
   EXPECT_NEAR(e.sigma[0], std::sqrt(sum / 32 / 31), 0.05 * e.sigma[0]);
 }

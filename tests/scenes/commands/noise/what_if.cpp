@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace noise --set and straytrace sensitivity: other inputs of a run, against traces of them
 // (docs/theory/decisions.md, eq. D.1 to D.6).
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "base/every_module.hpp"
 #include "results/results.hpp"
@@ -52,7 +53,8 @@ struct WhatIf : ::testing::Test {
 // Control: the run as it was is many errors away.
 TEST_F(WhatIf, StrengthIsThatOfATraceWithIt) {
   Asd const set = at_10_hz(noise({"baffle_steel=x10"})), plain = at_10_hz(noise({})),
-            traced = at_10_hz(noise({}, run_of("bright", {"-p", "materials.baffle_steel.scatter.brdf=0.1/sr", "--seed", "7"})));
+            traced = at_10_hz(
+                noise({}, run_of("bright", {"-p", "materials.baffle_steel.scatter.brdf=0.1/sr", "--seed", "7"})));
   double const sigma = std::hypot(set.sigma, traced.sigma);
   EXPECT_LT(std::fabs(set.value - traced.value), 4.5 * sigma) << set.value << " " << traced.value;
   EXPECT_GT(std::fabs(plain.value - traced.value), 20 * sigma) << "control";
@@ -74,9 +76,9 @@ TEST_F(WhatIf, MotionAndResponseAreProjectedAnew) {
 TEST_F(WhatIf, WrongSettingsAreAllNamed) {
   Finished const done = noise({"bafle_steel=x2", "rim=48cm", "tube.motion=3 m", "test_mass=x1e6", "baffle_steel"});
   EXPECT_EQ(done.code, 2);
-  for (char const* message :
-       {"there is no material or value 'bafle_steel'", "did you mean 'baffle_steel'?", "'params.rim' changes where light goes",
-        "the motion of a body takes a factor", "would scatter", "'baffle_steel' sets nothing"})
+  for (char const* message : {"there is no material or value 'bafle_steel'", "did you mean 'baffle_steel'?",
+                              "'params.rim' changes where light goes", "the motion of a body takes a factor",
+                              "would scatter", "'baffle_steel' sets nothing"})
     EXPECT_THAT(done.err, HasSubstr(message));
   Finished const several = noise({"materials.exponent=3"});
   EXPECT_EQ(several.code, 2);
@@ -91,19 +93,21 @@ TEST_F(WhatIf, WrongSettingsAreAllNamed) {
 
 // The elasticity is the slope of what --set gives: a central difference over 2 % either way.
 TEST_F(WhatIf, SensitivityIsTheSlope) {
-  Finished const done = straytrace({"sensitivity", run(), "--at", "10Hz", "--only", "strength,motion,response",
-                                    "--quiet", "--format", "json"});
+  Finished const done = straytrace(
+      {"sensitivity", run(), "--at", "10Hz", "--only", "strength,motion,response", "--quiet", "--format", "json"});
   ASSERT_EQ(done.code, 0) << done.err;
   Json const j = Json::parse(done.out);
   std::vector<double> const hz = j.at("frequency");
-  std::size_t const bin = std::size_t(std::ranges::min_element(hz, {}, [](double f) { return std::fabs(std::log(f / 10)); }) - hz.begin());
+  std::size_t const bin =
+      std::size_t(std::ranges::min_element(hz, {}, [](double f) { return std::fabs(std::log(f / 10)); }) - hz.begin());
   auto const of = [&](std::string const& name) {
     for (Json const& in : j.at("inputs"))
       if (in.at("name") == name) return in.at("elasticity").at(bin).get<double>();
     return not_a_number;
   };
   auto const slope = [&](std::string const& name) {
-    return std::log(at_10_hz(noise({name + "=x1.02"})).value / at_10_hz(noise({name + "=x0.98"})).value) / std::log(1.02 / 0.98);
+    return std::log(at_10_hz(noise({name + "=x1.02"})).value / at_10_hz(noise({name + "=x0.98"})).value) /
+           std::log(1.02 / 0.98);
   };
   EXPECT_NEAR(of("material baffle_steel"), slope("baffle_steel"), 3e-3);
   EXPECT_NEAR(of("motion of tube"), slope("tube.motion"), 3e-2);
@@ -112,22 +116,23 @@ TEST_F(WhatIf, SensitivityIsTheSlope) {
   EXPECT_THAT(j.at("next").get<std::string>(), HasSubstr("No input states a standard deviation"));
 }
 
-// Case A11: light from a mirror to annuli and back, of a law theta^-n at both ends, with the density theta^(1 - 2 n) of eq.
-// 8.1: d ln C/dn = -2 <ln theta> = 19.1735, so e = n/2 times that (eq. D.7). Controls: one vertex alone; traces at
+// Case A11: light from a mirror to annuli and back, of a law theta^-n at both ends, with the density theta^(1 - 2 n) of
+// eq. 8.1: d ln C/dn = -2 <ln theta> = 19.1735, so e = n/2 times that (eq. D.7). Controls: one vertex alone; traces at
 // both ends of 2 % of n, which know nothing of the laws at vertices, agree.
 TEST_F(WhatIf, ShapeOfALawHasTheClosedFormOfA11) {
   std::string const run = folder / "annuli/run.h5";
-  Finished const made = straytrace({"run", source_folder + "/tests/scenes/et_hf_backscatter.yaml", "-o", folder / "annuli",
-                                    "--histories", "131072", "--quiet"});
+  Finished const made = straytrace({"run", source_folder + "/tests/scenes/et_hf_backscatter.yaml", "-o",
+                                    folder / "annuli", "--histories", "131072", "--quiet"});
   ASSERT_EQ(made.code, 0) << made.err;
   std::string const place = "materials.mirror.scatter.exponent";
-  Finished const done = straytrace({"sensitivity", run, "--trace", place, "--step", "2%", "--only", "shape,traced",
-                                    "--quiet", "--format", "json"});
+  Finished const done = straytrace(
+      {"sensitivity", run, "--trace", place, "--step", "2%", "--only", "shape,traced", "--quiet", "--format", "json"});
   ASSERT_EQ(done.code, 0) << done.err;
   Json const j = Json::parse(done.out);
   std::map<std::string, Asd> found;
   for (Json const& in : j.at("inputs"))
-    if (in.at("name") == place) found[in.at("class")] = {in.at("elasticity").at(100), in.at("elasticity_sigma").at(100)};
+    if (in.at("name") == place)
+      found[in.at("class")] = {in.at("elasticity").at(100), in.at("elasticity_sigma").at(100)};
   double const exact = 0.5 * 2.3986 * 19.1735;
   Asd const shape = found.at("shape"), traced = found.at("traced");
   EXPECT_LT(shape.sigma, 0.05);
@@ -144,12 +149,12 @@ TEST_F(WhatIf, ShapeOfALawHasTheClosedFormOfA11) {
   EXPECT_THAT(flat.err, HasSubstr("'mirror' would scatter most where the run kept no path"));
 }
 
-// All light of a bench behind the end mirror passes it twice, scattered or as a ghost: e = 1 (eq. 1.1, 5.4). Controls: a
-// ghost of one coating of its lens; the glass of the sensor, which a part of the light meets once, has at most 1/2.
+// All light of a bench behind the end mirror passes it twice, scattered or as a ghost: e = 1 (eq. 1.1, 5.4). Controls:
+// a ghost of one coating of its lens; the glass of the sensor, which a part of the light meets once, has at most 1/2.
 TEST_F(WhatIf, TransmissionOfAMirrorActsOnAllLightBehindIt) {
   std::string const run = folder / "bench/run.h5";
-  Finished const made = straytrace({"run", source_folder + "/examples/end_bench.yaml", "-o", folder / "bench",
-                                    "--histories", "65536", "--quiet"});
+  Finished const made = straytrace(
+      {"run", source_folder + "/examples/end_bench.yaml", "-o", folder / "bench", "--histories", "65536", "--quiet"});
   ASSERT_EQ(made.code, 0) << made.err;
   Finished const done = straytrace({"sensitivity", run, "--only", "strength,shape", "--quiet", "--format", "json"});
   ASSERT_EQ(done.code, 0) << done.err;

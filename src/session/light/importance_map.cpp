@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "session/importance_map.hpp"
+#include "session/light/importance_map.hpp"
 
 #include "trace/importance/importance.hpp"
 
