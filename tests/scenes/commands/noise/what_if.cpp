@@ -118,7 +118,7 @@ TEST_F(WhatIf, SensitivityIsTheSlope) {
 
 // Case A11: light from a mirror to annuli and back, of a law theta^-n at both ends, with the density theta^(1 - 2 n) of
 // eq. 8.1: d ln C/dn = -2 <ln theta> = 19.1735, so e = n/2 times that (eq. D.7). Controls: one vertex alone; traces at
-// both ends of 2 % of n, which know nothing of the laws at vertices, agree.
+// both ends of 2 % of n, which do not evaluate the laws at vertices, agree.
 TEST_F(WhatIf, ShapeOfALawHasTheClosedFormOfA11) {
   std::string const run = folder / "annuli/run.h5";
   Finished const made = straytrace({"run", source_folder + "/tests/scenes/et_hf_backscatter.yaml", "-o",
