@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Run the commands of the documents and compare what they print; check the complete scenes in them.
 
-Usage: run_docs.py [--write] [--night] PROGRAM [ROOT]
+Usage: run_docs.py [--write] [--night] PROGRAM [ROOT] [NAME.md...]
 
-Pages are read in the order of the list below, in one temporary folder that holds examples/, python/
-and build/straytrace.
+Pages, all or those named, are read in the order of the list below, in one temporary folder that holds examples/, python/ and
+build/straytrace. A page alone lacks the files that earlier pages make.
 In a ```console block each line `$ command` is run. It must exit with 0, or with N where the line ends in `# exit N`.
 The lines below it, if any, are what it prints, all and in this order; a line `...` stands for anything left out.
 On every page a ```yaml block that begins with `straytrace:` is complete and must pass `straytrace check --strict`.
+Where a comment `# NAME.yaml` comes first, it is also written to that file for later commands; a motion file, which has no `beams:` and
+no `include:`, is not checked alone.
 A block marked ```console night takes minutes: it is run with --night alone (scripts/nightly).
 The table under "## Options" of the page of commands names for each command the options that its --help prints, and the table
 under "## Commands" of README.md the commands that --help prints.
@@ -26,6 +28,7 @@ PAGES = ("README.md", "docs/guide/*.md", "docs/reference/commands.md", "docs/ref
          "docs/reference/maps.md", "docs/reference/layouts.md", "docs/reference/scatter/measured_files.md", "docs/theory/*.md")
 NOT_RUN = ("scripts/setup", "scripts/build", "scripts/demo", "scripts/test", "scripts/lint")   # install or build
 BLOCK = re.compile(r"^```(console|yaml)( night)?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+NAMED = re.compile(r"# ([\w-]+\.yaml)\n(?=straytrace:)")
 EXIT = re.compile(r"\s+# exit (\d+)$")
 RUN_DEPENDENT = (                                        # all that may differ between two equal runs
     (re.compile(r"projected in [0-9.]+ s"), "projected in TIME s"),
@@ -97,9 +100,12 @@ def problems_of_console(block, folder, corrected):
 
 
 def problems_of_scene(block, folder):
-    if block.startswith("straytrace:"):
-        (folder / "scene_of_page.yaml").write_text(block, encoding="utf-8")
-        code, output = run("build/straytrace check --strict scene_of_page.yaml", folder)
+    named = NAMED.match(block)
+    if named or block.startswith("straytrace:"):
+        name = named[1] if named else "scene_of_page.yaml"
+        (folder / name).write_text(block, encoding="utf-8")
+        motion = named and not re.search(r"^(beams|include):", block, re.MULTILINE)
+        code, output = (0, "") if motion else run(f"build/straytrace check --strict {name}", folder)
         if code:
             yield f"the scene does not pass 'straytrace check --strict':\n{output}"
 
@@ -139,11 +145,13 @@ def problems_of(page, root, folder, corrected, night):
             yield f"{page.relative_to(root)}:{text.count(chr(10), 0, block.start()) + 1}: {problem}"
 
 
-def main(program, root, write, night):
+def main(program, root, named, write, night):
     first = [page for pattern in PAGES for page in sorted(root.glob(pattern))]
     pages = first + [page for page in sorted((root / "docs").rglob("*.md")) if page not in first]
-    if not first:
-        print(f"{root}: no pages found; is the path right?")
+    if named:
+        pages = [page for page in pages if page in named]
+    if not first or len(pages) < len(named):
+        print(f"{root}: pages not found; is the path right?")
         return 1
     found = []
     with tempfile.TemporaryDirectory() as place:
@@ -171,5 +179,7 @@ if __name__ == "__main__":
     words = [word for word in sys.argv[1:] if word not in ("--write", "--night")]
     if not words:
         sys.exit(__doc__)
-    sys.exit(main(pathlib.Path(words[0]), pathlib.Path(words[1] if len(words) > 1 else pathlib.Path(__file__).parents[1])
-                  .resolve(), "--write" in sys.argv, "--night" in sys.argv))
+    places = [word for word in words[1:] if not word.endswith(".md")]
+    sys.exit(main(pathlib.Path(words[0]), pathlib.Path(places[0] if places else pathlib.Path(__file__).parents[1]).resolve(),
+                  {pathlib.Path(word).resolve() for word in words[1:] if word.endswith(".md")},
+                  "--write" in sys.argv, "--night" in sys.argv))

@@ -335,6 +335,19 @@ esac
         self.expect("straytrace: 1\nok: 1", 0, "do what they say", "yaml", page="docs/reference/scene.md")
         self.expect("straytrace: 1\nwrong: 1", 1, "does not pass", "yaml", page="docs/reference/scene.md")
 
+    def test_named_scene_is_written_for_later_commands(self):
+        scene, command = "# mine.yaml\nstraytrace: 1\n{}: []", "```\n\n```console\n$ grep -c straytrace mine.yaml\n1"
+        self.expect(scene.format("beams") + "\n" + command, 0, "do what they say", "yaml")
+        self.expect(scene.format("beams").replace("mine", "other") + "\n" + command, 1, "exits with 2", "yaml")
+        self.expect(scene.format("beams") + "\nwrong: 1", 1, "does not pass", "yaml")
+        self.expect(scene.format("bodies") + "\nwrong: 1", 0, "do what they say", "yaml")      # a motion file, not checked alone
+
+    def test_pages_that_are_named_run_alone(self):
+        wrong = {"docs/guide/a.md": "```console\n$ false\n```\n", "README.md": self.COMMANDS, "docs/guide/b.md": "words\n", "program": self.PROGRAM}
+        self.assertEqual(verdict("run_docs.py", wrong, "program", "", "docs/guide/b.md")[0], 0)
+        self.assertEqual(verdict("run_docs.py", wrong, "program", "", "docs/guide/a.md")[0], 1)
+        self.assertEqual(verdict("run_docs.py", wrong, "program", "", "docs/guide/c.md")[0], 1)
+
     def test_options_that_differ_fail(self):
         self.expect("", 1, "differ: --in", options=self.OPTIONS.replace("--out", "--out`, `--in"))
         self.expect("", 1, "differ: --out", options=self.OPTIONS.replace("--out", "-o"))
