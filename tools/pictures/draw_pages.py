@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 """Draw the pictures of report and view as a browser shows them, without scroll bars. Usage: draw_pages.py PROGRAM [NAME...]
 
-NAME: report, view or cad_bench_view. Needs Chromium (scripts/setup --test).
+NAME: report, view, cad_bench_view, rb1 or first_scene. Needs Chromium (scripts/setup --test).
 """
 import base64
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -51,10 +52,19 @@ def main(program, names):
         if "cad_bench_view" in names:
             made("view", examples / "suspended_bench.yaml", "-o", f"{folder}/cad.html")
             picture(f"{folder}/cad.html", docs / "guide/cad_bench_view.png", 1080, 760, ".stage")
+        if "rb1" in names:
+            made("view", examples / "benches/rb1.yaml", "-o", f"{folder}/rb1.html")
+            picture(f"{folder}/rb1.html", docs / "guide/gallery_rb1_view.png", 1080, 760, ".stage")
+        if "first_scene" in names:
+            page = (docs / "guide/first_scene.md").read_text(encoding="utf-8")
+            for name, scene in re.findall(r"^```yaml\n# ([\w-]+\.yaml)\n(.*?)^```$", page, re.MULTILINE | re.DOTALL):
+                pathlib.Path(folder, name).write_text(scene, encoding="utf-8")
+            made("view", f"{folder}/row.yaml", "-o", f"{folder}/row.html")
+            picture(f"{folder}/row.html", docs / "guide/first_scene_view.png", 1080, 760, ".stage")
 
 
 if __name__ == "__main__":
-    ALL = ("report", "view", "cad_bench_view")
+    ALL = ("report", "view", "cad_bench_view", "rb1", "first_scene")
     if len(sys.argv) < 2 or set(sys.argv[2:]) - set(ALL):
         sys.exit(__doc__)
     main(pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:] or ALL)

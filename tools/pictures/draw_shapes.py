@@ -1,18 +1,23 @@
 #!/usr/bin/python3
-"""Draw the pictures of the pages of shapes and parts: meridional section and sketch. Usage: draw_shapes.py [ROOT]
+"""Draw the pictures of the pages of shapes and parts: section and front with dimensions, sketch. Usage: draw_shapes.py [ROOT]
 
-Each shape is a list of patches (u, v) -> x, y, z; parts are given by their section.
+Each shape is a list of patches (u, v) -> x, y, z; parts are given by their section. Dimensions bear the names of keys.
 """
 import pathlib
 import sys
+import tempfile
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.patches import Arc  # noqa: E402
 
-BLUE, GREY, RED = "#1f5fa8", "#8a8f98", "#b8322a"
+from pictures import ROUTE_COLOURS, small  # noqa: E402
+
+BLUE, RED, GREEN = ROUTE_COLOURS[:3]
+GREY = "#8a8f98"
 U, V = np.meshgrid(np.linspace(0, 1, 61), np.linspace(0, 1, 121), indexing="ij")
 
 
@@ -55,11 +60,11 @@ def box(w, h, d):
     return [face(i, s, (w, h, d)) for i in range(3) for s in (-1, 1)]
 
 
-def pierced(radius, half, hole, count):
-    x, y, z = revolved(lambda s: (half * (2 * s - 1), radius + 0 * s))
+def pierced(radius, start, end, height, hole, count):
+    x, y, z = revolved(lambda s: (start + s * (end - start), radius + 0 * s))
     angle = 2 * np.pi * V
     nearest = np.round(angle * count / (2 * np.pi)) * 2 * np.pi / count
-    gone = (radius * np.sin(angle - nearest)) ** 2 + z ** 2 < hole ** 2
+    gone = (radius * np.sin(angle - nearest)) ** 2 + (z - height) ** 2 < hole ** 2
     return np.where(gone, np.nan, x), np.where(gone, np.nan, y), np.where(gone, np.nan, z)
 
 
@@ -102,21 +107,84 @@ def lines_of_box(w, d):
 SHAPES = {
     "disk": [revolved(ring(0.3, 1))],
     "cap": [revolved(lambda s: (sag(0.7, 0, s), s))],
-    "cylinder": [revolved(lambda s: (3 * s, 0.6 + 0 * s))],
+    "cylinder": [revolved(lambda s: (0.6 + 2.4 * s, 0.6 + 0 * s))],
     "cone": [revolved(ring(0.5, 1, 0, 0.7))],
     "sphere": [revolved(lambda s: (-np.cos(np.pi * s), np.sin(np.pi * s)))],
     "conic": [off_axis(0.6, 0.9, 0.5), revolved(lambda s: (sag(0.6, -1, 1.4 * s), 1.4 * s))],
     "rectangle": [flat(lambda a: 1 / np.maximum(np.abs(np.cos(a)), np.abs(np.sin(a)) / 0.6),
                        lambda a: 1 / np.maximum(np.abs(np.cos(a)) / 0.5, np.abs(np.sin(a)) / 0.3))],
-    "ellipse": [flat(elliptic(1, 1), elliptic(0.7, 0.35))],
+    "ellipse": [flat(elliptic(1, 0.8), elliptic(0.7, 0.35))],
     "polygon": [flat(regular(6, 1), regular(6, 0.6))],
     "box": box(1, 0.7, 1.4),
     "torus": [revolved(lambda s: (0.3 * np.sin(2 * np.pi * s), 1 + 0.3 * np.cos(2 * np.pi * s)))],
-    "pierced_cylinder": [pierced(0.6, 1, 0.25, 3)],
-    "serrated_cone": [serrated(0.5, 1, 0.7, 0.12, 24)],
+    "pierced_cylinder": [pierced(0.6, 0.3, 2.3, 1.3, 0.25, 3)],
+    "serrated_cone": [serrated(0.5, 1, 0.7, 0.16, 20)],
     "zone": [revolved(lambda s: (np.sin(-0.3 + 1.4 * s), np.cos(-0.3 + 1.4 * s)))],
-    "cut_cylinder": [cut(0.6, 0, 1, 0.5)],
+    "cut_cylinder": [cut(0.6, 0.3, 1, 0.5)],
 }
+
+
+# Start, end and key of each dimension. In sections z runs to the right and x up; seen from the front, x to the right and y up.
+IN_SECTION = {
+    "disk": [((0.25, 0), (0.25, 0.3), "inner_radius"), ((0.12, 0), (0.12, 1), "outer_radius")],
+    "cap": [((0.6, 0), (0.6, 1), "outer_radius"), ((1 / 0.7, 0), (sag(0.7, 0, 0.75), -0.75), "1/curvature")],
+    "cylinder": [((1.8, 0), (1.8, 0.6), "radius"), ((0, -0.85), (0.6, -0.85), "from"), ((0, -1.25), (3, -1.25), "to")],
+    "cone": [((-0.15, 0), (-0.15, 0.5), "inner_radius"), ((0.9, 0), (0.9, 1), "outer_radius")],
+    "sphere": [((0, 0), (0.71, 0.71), "radius")],
+    "conic": [((1.05, 0), (1.05, 0.9), "decentre_x"), ((1.05, 0.9), (1.05, 1.4), "outer_radius")],
+    "box": [((-0.7, -0.7), (0.7, -0.7), "depth")],
+    "torus": [((0, 0), (0, 1), "major_radius"), ((0, 1), (0.3, 1), "minor_radius")],
+    "pierced_cylinder": [((2, 0), (2, 0.6), "radius"), ((0, -0.85), (0.3, -0.85), "from"), ((0, -1.2), (1.3, -1.2), "hole_height"),
+                         ((0, -1.55), (2.3, -1.55), "to"), ((1.3, 0.4), (1.55, 0.4), "hole_radius")],
+    "serrated_cone": [((-0.15, 0), (-0.15, 0.5), "inner_radius"), ((0.9, 0), (0.9, 1), "outer_radius")],
+    "zone": [((0, 0), (0.39, 0.92), "radius"), ((0, -1.1), (-0.296, -1.1), "from"), ((0, -1.3), (0.891, -1.3), "to")],
+    "cut_cylinder": [((0.5, 0), (0.5, 0.6), "radius"), ((0, -0.8), (0.3, -0.8), "from"), ((0, -1.1), (1, -1.1), "to")],
+}
+IN_FRONT = {
+    "rectangle": [((-1, -0.75), (1, -0.75), "width"), ((1.12, -0.6), (1.12, 0.6), "height"), ((-0.5, -0.12), (0.5, -0.12), "hole_width"),
+                  ((0.38, -0.3), (0.38, 0.3), "hole_height")],
+    "ellipse": [((0, -0.95), (1, -0.95), "semi_x"), ((1.12, 0), (1.12, 0.8), "semi_y"), ((0, 0), (0.7, 0), "hole_x"), ((0, 0), (0, 0.35), "hole_y")],
+    "polygon": [((0, 0), (-1, 0), "radius"), ((0, 0), (0.3, 0.52), "hole_radius")],
+    "box": [((-0.5, -0.5), (0.5, -0.5), "width"), ((0.65, -0.35), (0.65, 0.35), "height")],
+    "serrated_cone": [((0, 0), (0.5, 0), "inner_radius"), ((0, 0), (-0.707, -0.707), "outer_radius"), ((0, 0.5), (0, 0.66), "tooth_depth")],
+}
+ANGLES = {"cone": ((0, 0.5), 0, 35.5, "half_angle"), "serrated_cone": ((0, 0.5), 0, 35.5, "half_angle"), "cut_cylinder": ((1, 0), 63.4, 90, "tilt")}
+
+
+def outlines(name, patches):
+    """Lines of a shape seen against its axis."""
+    sizes = {"box": [(0.5, 0.35)], "rectangle": [(1, 0.6), (0.5, 0.3)]}.get(name)
+    if sizes:
+        return [([-x, x, x, -x, -x], [-y, -y, y, y, -y]) for x, y in sizes]
+    return [(patches[0][0][i], patches[0][1][i]) for i in (0, -1)]
+
+
+def draw_front(ax, name, patches):
+    for x, y in outlines(name, patches):
+        ax.plot(x, y, color=BLUE, lw=1.6)
+    ax.plot(0, 0, "o", color=RED, ms=4)
+    for given in IN_FRONT[name]:
+        dimension(ax, *given)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    ax.set_title("from the front, x to the right, y up", fontsize=10, loc="left")
+
+
+def dimension(ax, start, end, name):
+    """Arrow with both ends, and its key beside it."""
+    ax.annotate("", end, start, annotation_clip=False, arrowprops={"arrowstyle": "<|-|>", "color": GREEN, "lw": 1, "shrinkA": 0, "shrinkB": 0})
+    (a, b), (c, d) = start, end
+    steep = abs(d - b) > abs(c - a)
+    ax.text((a + c) / 2 + 0.03 * steep, (b + d) / 2 + 0.03 * (not steep), name, color=GREEN, fontsize=8.5, family="monospace", va="center" if steep else "bottom",
+            ha="left" if steep else "center", bbox={"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.4}, zorder=6)
+
+
+def angle(ax, corner, first, last, name):
+    for side in np.radians((first, last)):
+        ax.plot([corner[0], corner[0] + 0.75 * np.cos(side)], [corner[1], corner[1] + 0.75 * np.sin(side)], color=GREY, lw=0.8, ls="--")
+    ax.add_patch(Arc(corner, 0.9, 0.9, theta1=first, theta2=last, color=GREEN, lw=1))
+    middle = np.radians((first + last) / 2)
+    ax.text(corner[0] + 0.5 * np.cos(middle), corner[1] + 0.5 * np.sin(middle), name, color=GREEN, fontsize=8.5, family="monospace", va="center")
 
 
 def arc(c, radius, z, sign=1, n=60):
@@ -166,21 +234,39 @@ def draw_section(ax, lines, title):
     ax.set_title(title, fontsize=10, loc="left")
 
 
-def draw_shape(name, patches, folder):
-    fig = plt.figure(figsize=(8, 3.4), dpi=96)
-    draw_section(fig.add_subplot(1, 2, 1), [line for p in patches for line in section(p)], f"{name}: section y = 0")
-    ax = fig.add_subplot(1, 2, 2, projection="3d")
+def draw_sketch(ax, name, patches):
     for i, patch in enumerate(patches):
         thin = name == "conic" and i == 1                # the parent surface
-        ax.plot_surface(patch[2], patch[0], patch[1], color=GREY if thin else BLUE, alpha=0.12 if thin else 0.55,
-                        linewidth=0, antialiased=True, rcount=2 if name == "box" else 40,
-                        ccount=2 if name == "box" else 80)
+        colour = GREY if thin else ROUTE_COLOURS[i // 2 % 3] if name == "box" else BLUE
+        ax.plot_surface(patch[2], patch[0], patch[1], color=colour, alpha=0.12 if thin else 0.55, linewidth=0, antialiased=True,
+                        rcount=2 if name == "box" else 40, ccount=2 if name == "box" else 120)
     points = np.concatenate([np.stack([np.ravel(p[2]), np.ravel(p[0]), np.ravel(p[1])]) for p in patches], axis=1)
     ax.set_box_aspect(np.maximum(np.nanmax(points, 1) - np.nanmin(points, 1), 0.05))
     ax.view_init(22, -60)
     ax.set_axis_off()
+
+
+def draw_shape(name, patches, folder):
+    front, dimensioned = name in IN_FRONT, name in IN_SECTION
+    count = 1 + front + (dimensioned or not front)
+    fig = plt.figure(figsize=(4 * count if count == 2 else 10.5, 3.4), dpi=96)
+    place = 1
+    if dimensioned or not front:
+        ax = fig.add_subplot(1, count, place)
+        draw_section(ax, [line for p in patches for line in section(p)], f"{name}: section y = 0")
+        for given in IN_SECTION.get(name, ()):
+            dimension(ax, *given)
+        if name in ANGLES:
+            angle(ax, *ANGLES[name])
+        place += 1
+    if front:
+        draw_front(fig.add_subplot(1, count, place), name, patches)
+        place += 1
+    draw_sketch(fig.add_subplot(1, count, place, projection="3d"), name, patches)
     fig.tight_layout()
-    fig.savefig(folder / f"{name}.png", pil_kwargs={"optimize": True})
+    with tempfile.TemporaryDirectory() as whole:
+        fig.savefig(f"{whole}/shape.png")
+        small(f"{whole}/shape.png", folder / f"{name}.png", colours=64)
     plt.close(fig)
 
 

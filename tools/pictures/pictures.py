@@ -18,7 +18,12 @@ def with_palette(image, colours):
     found = image.quantize(colours - len(own)).getpalette()[:3 * (colours - len(own))]
     palette = Image.new("P", (1, 1))
     palette.putpalette([*found, *b"".join(own)])
-    return image.quantize(palette=palette, dither=Image.Dither.NONE)
+    mapped = image.quantize(palette=palette, dither=Image.Dither.NONE)
+    corner = mapped.getpixel((0, 0))
+    exact = mapped.getpalette()
+    exact[3 * corner:3 * corner + 3] = image.getpixel((0, 0))          # the background keeps its colour
+    mapped.putpalette(exact)
+    return mapped
 
 
 def small(picture, to, width=None, colours=256):
