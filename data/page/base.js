@@ -3,8 +3,13 @@
 "use strict";
 
 const data = JSON.parse(document.getElementById("data").textContent);
-// Okabe and Ito: distinguishable with every common kind of colour vision.
-const colours = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8A6D00", "#555555"];
+// Those of page.css, after Okabe and Ito: distinguishable with every common kind of colour vision.
+const colours = ["blue", "red", "green", "pink", "orange", "sky", "olive", "slate"].map(name => "var(--" + name + ")");
+// The value that a colour of page.css has now; it changes with the scheme, and on paper.
+function colourNow(colour) {
+  const named = /^var\((--[\w-]+)\)$/.exec(colour);
+  return named ? getComputedStyle(document.body).getPropertyValue(named[1]).trim() : colour;
+}
 
 // Elements whose text runs over several lines. Browsers break lines behind a minus sign, which cuts exponents:
 // -1.2(3)e-24 stays on one line.
@@ -98,10 +103,7 @@ function listedTable(table) {
 // Headings that are jumped to appear below the bar at the top, however many lines it has.
 function clearBar() {
   const bar = document.querySelector("nav");
-  if (!bar) return;
-  const measure = () => document.documentElement.style.setProperty("--bar", Math.ceil(bar.offsetHeight) + 8 + "px");
-  measure();
-  window.addEventListener("resize", measure);
+  if (bar) document.documentElement.style.setProperty("--bar", Math.ceil(bar.offsetHeight) + 8 + "px");
 }
 
 // On paper everything is drawn anew as wide as a sheet, and what is still wider gets smaller letters: nothing is cut.
@@ -126,11 +128,27 @@ function leavePaper() {
   window.dispatchEvent(new Event("resize"));
 }
 
-// What every page does when it is made.
-function finish() {
+// Runs the scripts that the page holds packed.
+async function unpackScripts() {
+  for (const packed of document.querySelectorAll("script[type='application/gzip']")) {
+    const bytes = new Blob([typedArray(Uint8Array, packed.textContent)]);
+    const text = await new Response(bytes.stream().pipeThrough(new DecompressionStream("gzip"))).text();
+    packed.replaceWith(el("script", {}, text));
+  }
+}
+
+// What every page does when it is made. `later`: what needs the packed scripts, drawn when the rest can be used.
+async function finish(later = () => {}) {
   clearBar();
+  window.addEventListener("resize", clearBar);
   window.addEventListener("beforeprint", fitPaper);
   window.addEventListener("afterprint", leavePaper);
+  document.body.dataset.usable = "yes";
+  performance.mark("usable");
+  await new Promise(painted => requestAnimationFrame(() => setTimeout(painted)));
+  if (typeof DecompressionStream === "function") await unpackScripts();
+  later();
+  clearBar();
   document.body.dataset.ready = "yes";
 }
 

@@ -143,7 +143,7 @@ function drawHeat(svg, room, map, box) {
   sx.range([left, left + side]);
   sy.range([top + tall, top]);
   sv.range([top + tall, top]);
-  svg.append("rect").attr("x", left).attr("y", top).attr("width", side).attr("height", tall).attr("fill", "#f0f0f0");
+  svg.append("rect").attr("x", left).attr("y", top).attr("width", side).attr("height", tall).attr("fill", "var(--nothing)");
   svg.append("image").attr("x", left).attr("y", top).attr("width", side).attr("height", tall)
       .attr("preserveAspectRatio", "none").attr("href", cellPicture(map, box, 2 * Math.round(side), 2 * Math.round(tall), colour))
       .on("mousemove", function () {

@@ -2,7 +2,8 @@
 // Light on the stage: main beams and lit spots, ghosts, sample rays, and paths traced again.
 "use strict";
 
-const lightColours = {beam: "#c00000", ghost: ["#E69F00", "#CC79A7", "#8A6D00", "#777777"], escaped: "#56B4E9", met: "#009E73"};
+const lightColours = {beam: "var(--beam)", ghost: ["var(--orange)", "var(--pink)", "var(--olive)", "var(--slate)"],
+                      escaped: "var(--sky)", met: "var(--green)"};
 
 class Light {
   constructor(stage) {
@@ -30,7 +31,7 @@ class Light {
   segments(group, points, colour, opacity = 1, order = 0) {
     if (points.length === 0) return;
     const geometry = new THREE.BufferGeometry().setFromPoints(points.map(p => this.stage.at(p)));
-    const material = new THREE.LineBasicMaterial({color: colour, transparent: opacity < 1 || order > 0, opacity, depthWrite: false});
+    const material = this.stage.inked(new THREE.LineBasicMaterial({transparent: opacity < 1 || order > 0, opacity, depthWrite: false}), colour);
     const lines = new THREE.LineSegments(geometry, material);
     lines.renderOrder = order;
     group.add(lines);
@@ -38,7 +39,7 @@ class Light {
   dots(group, points, colour, size = 6) {
     if (points.length === 0) return;
     const geometry = new THREE.BufferGeometry().setFromPoints(points.map(p => this.stage.at(p)));
-    group.add(new THREE.Points(geometry, new THREE.PointsMaterial({color: colour, size, sizeAttenuation: false})));
+    group.add(new THREE.Points(geometry, this.stage.inked(new THREE.PointsMaterial({size, sizeAttenuation: false}), colour)));
   }
   // Rings of the 1/e^2 radius where beams light surfaces, and the modes between the mirrors of cavities.
   addBeams() {

@@ -107,11 +107,11 @@ function addEnergyBalance(balance) {
 
 function addConvergence(convergence) {
   const part = section("Convergence", "convergence");
-  const all = [{...convergence.total, colour: "#000", width: 2.4}, ...convergence.routes.map((c, i) => ({...c, colour: colours[i % colours.length]}))];
+  const all = [{...convergence.total, colour: "var(--ink)", width: 2.4}, ...convergence.routes.map((c, i) => ({...c, colour: colours[i % colours.length]}))];
   const series = all.filter(c => c.error.length > 1).map(c => ({...c, x: c.histories, y: c.error.map(e => 100 * e)}));
   if (series.length === 0) return part.append(el("p", {class: "note"}, "Too few blocks for a spread between replicas."));
   const first = series[0], n0 = first.x[first.x.length - 1], e0 = first.y[first.y.length - 1];
-  series.push({name: "1/√N", colour: "#999", dash: "4 4", x: first.x, y: first.x.map(n => e0 * Math.sqrt(n0 / n))});
+  series.push({name: "1/√N", colour: "var(--faint)", dash: "4 4", x: first.x, y: first.x.map(n => e0 * Math.sqrt(n0 / n))});
   const box = el("div");
   part.append(el("p", {class: "note"}, "Relative standard error from the spread of the first 4 to 32 replicas (blocks dealt in turn)."), box);
   new Plot(box, {height: 380, series, x: {label: "histories", log: true}, y: {label: "relative standard error [%]", log: true}});

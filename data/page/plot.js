@@ -81,7 +81,7 @@ class Plot {
     this.inside = this.svg.append("clipPath").attr("id", this.clip).append("rect");
     for (const name of ["grid", "marks", "axis"]) this[name + "Group"] = this.svg.append("g").attr("class", name);
     this.marksGroup.attr("clip-path", "url(#" + this.clip + ")");
-    this.cursor = this.svg.append("line").attr("stroke", "#999").style("display", "none");
+    this.cursor = this.svg.append("line").attr("stroke", "var(--faint)").style("display", "none");
     this.brush = d3.brush().on("end", () => this.zoom());
     this.brushGroup = this.svg.append("g");
     this.brushGroup.on("mousemove", () => this.read(d3.mouse(this.svg.node())[0])).on("mouseleave", () => this.read(null))
@@ -182,7 +182,7 @@ class Plot {
     for (const s of this.shades) {
       const [a, b] = [x(Math.max(s.from, x.domain()[0])), x(Math.min(s.to, x.domain()[1]))];
       if (b > a) g.append("rect").attr("x", a).attr("width", b - a).attr("y", 0).attr("height", this.size.height)
-          .attr("fill", "#e2e2e2").append("title").text(s.name);
+          .attr("fill", "var(--unknown)").append("title").text(s.name);
     }
     for (const s of this.series) {
       if (this.off.has(s.name) || this.gone(s)) continue;
@@ -231,7 +231,7 @@ class Plot {
       if (!this.good(s.y[i], "y") || !this.good(s.x[i], "x")) continue;
       if (s.error) this.drawError(g, s, i);
       g.append("circle").attr("cx", this.scale.x(s.x[i])).attr("cy", this.scale.y(s.y[i])).attr("r", s.width || 3.4)
-          .attr("fill", s.hollow ? "#fff" : s.colour).attr("stroke", s.colour);
+          .attr("fill", s.hollow ? "var(--paper)" : s.colour).attr("stroke", s.colour);
     }
   }
   drawError(g, s, i) {

@@ -6,21 +6,21 @@ function budgetSeries(b) {
   const x = b.frequency, line = (name, y, more) => ({name, x, y, ...more});
   const series = [];
   if (b.speckle_05.length > 0)
-    series.push({name: "speckle, 5 to 95 %", kind: "band", colour: "#56B4E9", opacity: 0.35, x, low: b.speckle_05, high: b.speckle_95});
+    series.push({name: "speckle, 5 to 95 %", kind: "band", colour: "var(--sky)", opacity: 0.35, x, low: b.speckle_05, high: b.speckle_95});
   if (b.input_low.length > 0)
-    series.push({name: data.inputs.sources.rows.length > 0 ? "inputs" : "inputs: nothing stated", kind: "band", colour: "#E69F00", opacity: 0.4, x, low: b.input_low, high: b.input_high});
-  series.push({name: "Monte Carlo, ± 1σ", kind: "band", colour: "#000", opacity: 0.35, x,
+    series.push({name: data.inputs.sources.rows.length > 0 ? "inputs" : "inputs: nothing stated", kind: "band", colour: "var(--orange)", opacity: 0.4, x, low: b.input_low, high: b.input_high});
+  series.push({name: "Monte Carlo, ± 1σ", kind: "band", colour: "var(--ink)", opacity: 0.35, x,
                low: b.total.asd.map((v, i) => v === null ? null : Math.max(v - b.total.sigma[i], 0)),
                high: b.total.asd.map((v, i) => v === null ? null : v + b.total.sigma[i])});
   b.routes.forEach((r, i) => series.push(line(r.name, r.asd, {id: r.id, colour: colours[i % colours.length], width: 1.2, aside: true})));
   const dashes = [null, "9 4", "3 3"];
   b.design.forEach((d, i) => {
-    series.push(line(d.name, d.asd, {colour: "#6b6b6b", width: 2.2, dash: dashes[i % 3]}));
+    series.push(line(d.name, d.asd, {colour: "var(--grey)", width: 2.2, dash: dashes[i % 3]}));
     series.push(line("margin: " + digits(b.margin) + " × " + d.name, d.asd.map(v => v === null ? null : v * b.margin),
-                     {colour: "#6b6b6b", width: 1.4, dash: "2 3"}));
+                     {colour: "var(--grey)", width: 1.4, dash: "2 3"}));
   });
-  if (b.coherent.length > 0) series.push(line("all routes in phase: upper bound", b.coherent, {colour: "#999", width: 1, dash: "1 3", off: true, aside: true}));
-  series.push(line("stray light, total" + boundText(b), b.total.asd, {colour: "#000", width: 2.6}));
+  if (b.coherent.length > 0) series.push(line("all routes in phase: upper bound", b.coherent, {colour: "var(--faint)", width: 1, dash: "1 3", off: true, aside: true}));
+  series.push(line("stray light, total" + boundText(b), b.total.asd, {colour: "var(--ink)", width: 2.6}));
   return series;
 }
 
@@ -44,8 +44,8 @@ function budgetWithout(b, shares, off) {
   const name = "stray light without " + (off.size === 1 ? "the row" : "the " + off.size + " rows") + " switched off";
   const inside = restOff > 0 && withRest ? restOff + " of the rows switched off are too faint for a curve of their own and stay in it; all that " +
       "are that faint hold at most " + digits(100 * Math.max(...shares.rest), 2) + " % of the noise power at any frequency." : "";
-  return {inside, series: [{name: name + ": error at most", kind: "band", colour: "#b00020", opacity: 0.25, x: b.frequency, low, high},
-                           {name, colour: "#b00020", width: 2.2, x: b.frequency, y: h}]};
+  return {inside, series: [{name: name + ": error at most", kind: "band", colour: "var(--bad)", opacity: 0.25, x: b.frequency, low, high},
+                           {name, colour: "var(--bad)", width: 2.2, x: b.frequency, y: h}]};
 }
 
 // Returns what redraws the curves when rows of the table are switched off or on.
@@ -97,6 +97,23 @@ function addRoutes(switched) {
   return {table, attach: made => { light = made; }};
 }
 
+// Returns what draws it.
+function addScene(routes) {
+  const part = section("Scene", "scene");
+  part.append(el("p", {class: "note"}, "Turn with the left button, move with the right one, zoom with the wheel. Click a part for its name, " +
+      "material and body. Light is drawn to where it truly ends."));
+  return () => {
+    const stage = new Stage(part, data.scene);
+    window.stage = stage;
+    const light = new Light(stage);
+    if (!routes) return;
+    routes.attach(light);
+    const first = routes.table.columns.get("id")[0];
+    if (routes.table.chosen.size > 0) routes.table.tell([...routes.table.chosen]);
+    else if (data.scene.paths.some(p => p.id === first)) routes.table.choose(first);
+  };
+}
+
 function build() {
   if (data.warnings.length > 0) {
     const note = el("p", {class: "headline"}, el("a", {href: "#warnings"}, data.warnings.length + (data.warnings.length > 1 ? " warnings" : " warning")));
@@ -104,19 +121,7 @@ function build() {
   }
   const switched = data.budget ? addBudget(data.budget) : () => {};
   const routes = data.table.rows > 0 ? addRoutes(switched) : null;
-  if (data.scene) {
-    const part = section("Scene", "scene");
-    part.append(el("p", {class: "note"}, "Turn with the left button, move with the right one, zoom with the wheel. Click a part for its name, " +
-        "material and body. Light is drawn to where it truly ends."));
-    const stage = new Stage(part, data.scene);
-    window.stage = stage;
-    const light = new Light(stage);
-    if (routes) {
-      routes.attach(light);
-      const first = routes.table.columns.get("id")[0];
-      if (data.scene.paths.some(p => p.id === first)) routes.table.choose(first);
-    }
-  }
+  const later = data.scene ? addScene(routes) : () => {};
   if (data.maps && data.maps.length > 0) addMaps(data.maps);
   if (data.wave) addWave(data.wave);
   if (data.receivers.list.length > 0) addReceivers(data.receivers);
@@ -129,7 +134,7 @@ function build() {
   const warnings = section("Warnings", "warnings");
   warnings.append(data.warnings.length === 0 ? el("p", {}, "none") : el("ul", {}, data.warnings.map(w => el("li", {}, w))));
   addProvenance(data.provenance, data.libraries);
-  finish();
+  finish(later);
 }
 
 build();

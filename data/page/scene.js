@@ -18,6 +18,7 @@ class Stage {
     this.look();
     this.resize();
     window.addEventListener("resize", () => this.resize());
+    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.resize());
   }
   // The box, the long axis, and how much the sides are stretched against it.
   measure() {
@@ -57,13 +58,17 @@ class Stage {
     this.view.append(this.said, this.scaleNote);
   }
   start() {
+    if (typeof THREE === "undefined") {
+      this.say("This browser cannot unpack the scripts of the scene (DecompressionStream, in browsers from 2023). For a fixed " +
+               "picture: straytrace render");
+      return false;
+    }
     try {
       this.renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
     } catch (error) {
       this.said.textContent = "This browser has no WebGL, so the scene cannot be drawn. For a fixed picture: straytrace render";
       return false;
     }
-    this.renderer.setClearColor(0xfbfbfa);
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     this.view.prepend(this.renderer.domElement);
     this.three = new THREE.Scene();
@@ -111,7 +116,7 @@ class Stage {
       side: THREE.DoubleSide, shininess: 0, specular: 0, flatShading: true,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
     const entry = {part, faces, material, group: new THREE.Group(), state: this.isGlass(faces, geometries) ? "glass" : "solid",
-                   ink: new THREE.LineBasicMaterial({color: 0x555555, transparent: true, opacity: 0.5}),
+                   ink: this.inked(new THREE.LineBasicMaterial({transparent: true, opacity: 0.5}), "var(--edge)"),
                    radius: Math.max(...faces.map(face => geometries[face.mesh].boundingSphere.radius))};
     for (const face of faces) this.addFace(entry, face, geometries[face.mesh], edges);
     this.world.add(entry.group);

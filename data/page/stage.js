@@ -69,8 +69,21 @@ Object.assign(Stage.prototype, {
     this.say("cut at " + axis + " = " + digits(this.centre[i] + (where - 0.5) * this.size[i] * 1.02, 4) + " m");
     this.draw();
   },
+  // A material of a colour of page.css, which follows the scheme.
+  inked(material, colour) {
+    material.userData.colour = colour;
+    material.color.set(colourNow(colour));
+    return material;
+  },
+  recolour() {
+    this.renderer.setClearColor(colourNow("var(--ground)"));
+    this.three.traverse(({material}) => {
+      if (material && material.userData.colour) material.color.set(colourNow(material.userData.colour));
+    });
+  },
   resize() {
     if (!this.renderer) return;
+    this.recolour();
     const width = this.view.clientWidth, height = this.view.clientHeight;
     if (width === 0 || height === 0) return;
     this.renderer.setSize(width, height);
@@ -103,7 +116,7 @@ Object.assign(Stage.prototype, {
       this.label("xyz"[i], middle, "name axis");
     }
     const geometry = new THREE.BufferGeometry().setFromPoints(points);
-    this.world.add(new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({color: 0x888888})));
+    this.world.add(new THREE.LineSegments(geometry, this.inked(new THREE.LineBasicMaterial(), "var(--faint)")));
     this.nameLabels();
   },
   label(text, place, kind = "") {

@@ -45,9 +45,9 @@ function drawPlane(parent, w, p, unit) {
                 tell: i => say(reading, i === null ? "" : " " + digits(values[i]) + " " + unit)});
   map.append(el("figcaption", {}, "Light that arrives at " + p.name + ", before its opening. Ring: " +
                 (p.mirror ? "clear aperture." : "inner edge."), reading));
-  const series = [{name: "field, mean over the azimuth", colour: "#000", width: 2, x: p.radius, y: p.profile}];
+  const series = [{name: "field, mean over the azimuth", colour: "var(--ink)", width: 2, x: p.radius, y: p.profile}];
   if (p.scattered.some(v => v !== null))
-    series.push({name: "mean over random mirrors, eq. W.17", colour: "#D55E00", dash: "6 4", width: 2, x: p.scattered_radius, y: p.scattered});
+    series.push({name: "mean over random mirrors, eq. W.17", colour: "var(--red)", dash: "6 4", width: 2, x: p.scattered_radius, y: p.scattered});
   new Plot(curve, {height: 430, series, shades: edgeShades(p), x: {label: "distance from the axis [m]", range: [0, p.radius[p.radius.length - 1]]},
                    y: {label: "irradiance [" + unit + "]", log: true, decades: 14}});
   curve.append(el("figcaption", {}, "Grey line: " + (p.mirror ? "clear aperture" : "inner edge") + " at " + digits(p.rim, 4) + " m. Eq. W.17 has the " +
@@ -100,7 +100,7 @@ function addBafflePower(part, w, watts) {
   part.append(el("h3", {}, "Light on baffles"), box);
   const [one, two] = w.mirrors;
   new Plot(box, {height: 360, x: {label: "distance from " + one + " [m]"}, y: {label: watts ? "power [W]" : "share of the power of the mode", log: true, decades: 12},
-                 series: [points("light towards " + two, w.edges.towards2, "#0072B2"), points("light towards " + one, w.edges.towards1, "#D55E00")]});
+                 series: [points("light towards " + two, w.edges.towards2, "var(--blue)"), points("light towards " + one, w.edges.towards1, "var(--red)")]});
 }
 
 // The speckle of one draw against mean and spread over mirrors; curves end where a set of photodiodes does.
@@ -114,9 +114,9 @@ function addPhotodiodes(part, w, watts) {
   const all = name => rows.map(d => d[name]), off = sign => rows.map(d => d.mean === null ? null : Math.max(d.mean + sign * d.spread, 0)), drawn = all("power");
   part.append(el("h3", {}, "Light on photodiodes"), box);
   new Plot(box, {height: 360, x: {label: "number of the photodiode"}, y: {label: "power [" + unit + "]", log: true, decades: 6},
-                 series: [{name: "mean over mirrors, less and plus one standard deviation", kind: "band", colour: "#56B4E9", opacity: 0.5, x: all("number"), low: off(-1), high: off(1)},
-                          {name: "mean over mirrors (eq. W.41)", colour: "#0072B2", x: all("number"), y: all("mean")},
-                          ...(drawn.some(v => v !== null) ? [{name: "heights as first drawn", kind: "points", colour: "#D55E00", x: all("number"), y: drawn}] : [])]});
+                 series: [{name: "mean over mirrors, less and plus one standard deviation", kind: "band", colour: "var(--sky)", opacity: 0.5, x: all("number"), low: off(-1), high: off(1)},
+                          {name: "mean over mirrors (eq. W.41)", colour: "var(--blue)", x: all("number"), y: all("mean")},
+                          ...(drawn.some(v => v !== null) ? [{name: "heights as first drawn", kind: "points", colour: "var(--red)", x: all("number"), y: drawn}] : [])]});
   part.append(simpleTable(["photodiode", "x [mm]", "y [mm]", (watts ? "power [W]" : "share") + " as drawn", "mean", "standard deviation"],
                           w.photodiodes.map(d => [d.name, mm(d.x), mm(d.y), digits(d.power, 4), digits(d.mean, 4), digits(d.spread, 2)]), [0]),
               el("p", {class: "note"}, "Mean and standard deviation over all heights of the mirrors that no map states (eq. W.41, W.43). A dash: the grid does not hold the light that meets it."));
@@ -125,13 +125,13 @@ function addPhotodiodes(part, w, watts) {
 function addLevers(part, w) {
   const {z, across, low, high, along, speckle, speckle_along} = w.edges, box = el("div");
   const points = (name, y, colour, more) => ({name, kind: "points", x: z, y, colour, ...more}), some = list => list.some(v => v !== null);
-  const bands = some(low) ? [{name: "across, 5 to 95 % of the draws", kind: "band", colour: "#56B4E9", opacity: 0.5, x: z, low, high}] : [];
+  const bands = some(low) ? [{name: "across, 5 to 95 % of the draws", kind: "band", colour: "var(--sky)", opacity: 0.5, x: z, low, high}] : [];
   part.append(el("h3", {}, "Edges that move"), box);
   new Plot(box, {height: 430, x: {label: "distance from " + w.mirrors[0] + " [m]"}, y: {label: "|stray field over main field| per displacement [1/m]", log: true, decades: 9},
-                 series: [...bands, ...(some(across) ? [points("across the beam, in the field (eq. W.14)", across, "#0072B2"),
-                                                        points("along the beam, in the field", along, "#009E73", {off: true})] : []),
-                          {name: "across, expected over random mirrors (eq. W.29)", colour: "#D55E00", dash: "6 4", x: z, y: speckle},
-                          {name: "along, expected over random mirrors", colour: "#CC79A7", dash: "6 4", x: z, y: speckle_along, off: true}]});
+                 series: [...bands, ...(some(across) ? [points("across the beam, in the field (eq. W.14)", across, "var(--blue)"),
+                                                        points("along the beam, in the field", along, "var(--green)", {off: true})] : []),
+                          {name: "across, expected over random mirrors (eq. W.29)", colour: "var(--red)", dash: "6 4", x: z, y: speckle},
+                          {name: "along, expected over random mirrors", colour: "var(--pink)", dash: "6 4", x: z, y: speckle_along, off: true}]});
   part.append(el("p", {class: "note"}, w.edges.solved + " of " + z.length + " edges are in the field: both mirrors see them within the crossover angle. For the " +
       "others the expectation stands. Rms over x and y, and over the draws where there are any."));
 }

@@ -54,13 +54,6 @@ Side read_side(std::string const& file, std::vector<std::string> const& override
   return side;
 }
 
-// Two runs of the same texts have the same model: it is not built.
-bool same_texts(Side const& before, Side const& after) {
-  if (!before.run || !after.run) return false;
-  RunContent const &b = before.run->about, &a = after.run->about;
-  return b.main_file == a.main_file && b.overrides == a.overrides && b.files == a.files;
-}
-
 void read_scene_of(Side& side) {
   if (!side.run) return;
   RunContent const& about = side.run->about;
@@ -101,20 +94,18 @@ int diff(DiffOptions const& options) {
   std::vector<std::string> const& files = options.files;
   auto [before, after] = read_sides(options);
   std::vector<Difference> models;
-  if (!same_texts(before, after)) {
+  bool const runs = before.run && after.run;
+  if (!runs || !same_texts(before.run->about, after.run->about)) {
     read_scene_of(before);
     read_scene_of(after);
     models = differences(before.scene, after.scene);
   }
-  bool const runs = before.run && after.run;
   std::vector<Difference> const parameters = models.empty() ? models : parameter_differences(before.scene, after.scene);
   nlohmann::ordered_json out{{"parameters", as_json(parameters)}, {"models", as_json(models)}};
-  std::string text = difference_text(parameters, models);
+  std::string text = difference_text(difference_lines(parameters, models));
   if (runs) {
-    if (before.run->about.motion_file != after.run->about.motion_file)
-      text += fmt::format("noise with the motion of {} -> {}\n",
-                          before.run->about.motion_file.empty() ? "the scene" : before.run->about.motion_file,
-                          after.run->about.motion_file.empty() ? "the scene" : after.run->about.motion_file);
+    if (std::string const motion = motion_difference(before.run->about, after.run->about); !motion.empty())
+      text += motion + "\n";
     bool const same = data_hash(files[0]) == data_hash(files[1]);
     out["same_data"] = same;
     if (same) text += "the results are identical to the last bit (except run times)\n";

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace report: a run as one HTML file. straytrace view: a scene, or a run, in three dimensions.
+// straytrace report: a run as one HTML file, or several side by side. straytrace view: a scene, or a run, in three
+// dimensions.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <iostream>
@@ -14,6 +16,7 @@
 #include "report/scene_drawing.hpp"
 #include "results/curves/curve_file.hpp"
 #include "results/text/picture.hpp"
+#include "session/compare/comparison_page.hpp"
 #include "session/diagnostics.hpp"
 #include "session/light/cavity_waves.hpp"
 #include "session/open_run.hpp"
@@ -83,27 +86,43 @@ bool is_picture(std::string const& file) {
 
 struct ReportOptions : PrintOptions {
   ReportWanted wanted;
-  std::string input, out, csv;
+  std::vector<std::string> inputs;
+  std::string out, csv;
+  CLI::App const* command = nullptr;
 };
 
+int report_several(ReportOptions const& options) {
+  std::vector<std::string> of_one{"--paths", "--show", "--pictures", "--csv"};
+  std::erase_if(of_one, [&](std::string const& name) { return options.command->count(name) == 0; });
+  if (!of_one.empty())
+    throw InputError(fmt::format("the report of several runs does not have {}", fmt::join(of_one, ", ")),
+                     fmt::format("remove {}, or give one run", of_one.size() > 1 ? "them" : "it"));
+  if (!options.out.empty()) check_ending(options.out, {".html"}, "-o");
+  std::string const out = options.out.empty() ? beside(options.inputs.front(), "comparison.html") : options.out;
+  write_file(out, comparison_page(read_compared(options.inputs), run_labels(options.inputs), options.wanted.title));
+  if (!options.quiet) std::cerr << fmt::format("report: {}\n", out);
+  return done;
+}
+
 int report(ReportOptions const& options) {
+  if (options.inputs.size() > 1) return report_several(options);
   ReportWanted wanted = options.wanted;
-  refuse_scene(options.input);
+  std::string const& input = options.inputs.front();
+  refuse_scene(input);
   if (!options.out.empty()) check_ending(options.out, {".html", ".pdf", ".png", ".svg"}, "-o");
   std::string message;
   if (is_picture(options.out)) {
-    if (!draw_picture(options.input, options.out, message))
-      throw InputError(message, "or write a page: -o report.html");
+    if (!draw_picture(input, options.out, message)) throw InputError(message, "or write a page: -o report.html");
     if (!options.quiet) std::cerr << fmt::format("picture: {}\n", options.out);
     return done;
   }
-  Opened run(options.input, options);
+  Opened run(input, options);
   if (wanted.pictures.empty()) wanted.pictures = read_pictures(run.model.scene.table("report"));
   if (!options.csv.empty()) write_curves(options.csv, run.content, run.table);
-  Picture const svg = wanted.has("budget") ? budget_svg(options.input, message) : Picture{};
+  Picture const svg = wanted.has("budget") ? budget_svg(input, message) : Picture{};
   if (!message.empty() && !options.quiet)
     std::cerr << "warning: without scripts the report has no picture: " << message << '\n';
-  std::string const out = options.out.empty() ? beside(options.input, "report.html") : options.out;
+  std::string const out = options.out.empty() ? beside(input, "report.html") : options.out;
   write_file(out, report_page(run.content, run.table, run.model, run.steered.traced(), wanted, svg));
   if (!options.quiet) std::cerr << fmt::format("report: {}\n", out);
   return done;
@@ -175,12 +194,15 @@ void add_report(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<ReportOptions>();
   ReportOptions& o = *options;
   auto* const command =
-      app.add_subcommand("report", "Write an HTML report of a run in one file, for a logbook; it works offline.");
-  command->add_option("run", o.input, "run file (HDF5)")->required();
-  mark_output(*command,
-              *command->add_option(
-                  "-o,--out", o.out,
-                  "HTML file; default: report.html next to the run; .pdf, .png, .svg: only the picture of the run"));
+      app.add_subcommand("report", "Write an HTML report of a run, or of several side by side; it works offline.");
+  o.command = command;
+  command->add_option("run", o.inputs, "run file (HDF5); of several, each is compared with the first")->required();
+  mark_output(
+      *command,
+      *command->add_option(
+          "-o,--out", o.out,
+          "HTML file; default: report.html next to the run, of several comparison.html next to the first; .pdf, "
+          ".png, .svg: only the picture of the run"));
   command->add_option("--paths", o.wanted.rows, "number of rows of the path table whose paths are drawn; default 50")
       ->check(whole_between(0, 1e5, "20"));
   command->add_option("--show", o.wanted.paths, "number of paths drawn per row; default 12")
@@ -198,7 +220,8 @@ void add_report(CLI::App& app, int& exit_code) {
       "Examples:\n"
       "  straytrace report out/run.h5\n"
       "  straytrace report out/run.h5 -o arm.html --title \"Arm, first look\" --pictures budget,scene\n"
-      "  straytrace report out/run.h5 -o arm.pdf");
+      "  straytrace report out/run.h5 -o arm.pdf\n"
+      "  straytrace report before/run.h5 after/run.h5 -o compared.html");
   command->callback([options, &exit_code] { exit_code = report(*options); });
 }
 

@@ -101,7 +101,8 @@ std::string html_text(HtmlPage const& page) {
   };
   if (page.plots) add(d3_script().text);
   if (page.scene)
-    for (PageScript const& script : three_scripts()) add(script.text);
+    for (PageScript const& script : three_scripts())
+      text += fmt::format("<script type=\"application/gzip\">{}</script>\n", script.text);
   for (std::string const& name : page.scripts) add(own(name));
   return text + "</body>\n</html>\n";
 }

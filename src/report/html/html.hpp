@@ -38,7 +38,8 @@ std::string static_body(StaticReport const&, PathTable const&);
 struct PageScript {
   std::string_view name, licence, text;
 };
-PageScript const& d3_script();                // https://d3js.org, BSD-3-Clause
-std::span<PageScript const> three_scripts();  // https://threejs.org, MIT: the library, then its orbit controls
+PageScript const& d3_script();  // https://d3js.org, BSD-3-Clause
+// https://threejs.org, MIT: the library, then its orbit controls; `text`: gzip as base64.
+std::span<PageScript const> three_scripts();
 
 }  // namespace straytrace::report

@@ -295,27 +295,47 @@ std::string many(std::vector<Difference>::const_iterator first, std::vector<Diff
 
 }  // namespace
 
-std::string difference_text(std::vector<Difference> const& parameters, std::vector<Difference> const& all) {
-  if (all.empty()) return "no physical difference between the models\n";
-  std::string text = parameters.empty() ? "" : "parameters\n", section;
-  for (Difference const& p : parameters) text += fmt::format("  {}: {}\n", p.key, in_words(p));
+std::vector<DifferenceLine> difference_lines(std::vector<Difference> const& parameters,
+                                             std::vector<Difference> const& all) {
+  std::vector<DifferenceLine> lines;
+  if (all.empty()) return lines;
+  for (Difference const& p : parameters) lines.push_back({"parameters", p.key, in_words(p)});
   std::vector<Difference> sorted = all;  // lines of one key together, where its first stood
   for (auto d = sorted.begin(); d != sorted.end(); ++d)
     d = std::prev(std::stable_partition(d, sorted.end(), [key = *d](Difference const& o) { return same_key(o, key); }));
   for (auto d = sorted.cbegin(); d != sorted.cend();) {
-    if (d->section != section) text += (section = d->section) + "\n";
     std::string const named = d->name + (d->name.empty() || d->key.empty() ? "" : " ") + d->key;
-    std::string const what = named.empty() ? section : named;
+    std::string const what = named.empty() ? d->section : named;
     auto const last = std::find_if(d, sorted.cend(), [&](Difference const& o) { return !same_key(o, *d); });
     if (std::size_t(last - d) > most_lines) {
-      text += fmt::format("  {}: {}\n", what, many(d, last));
+      lines.push_back({d->section, what, many(d, last)});
       d = last;
     }
     for (; d != last; ++d)
-      text += fmt::format("  {}: {}{}\n", what, in_words(*d),
-                          d->instances > 1 ? fmt::format(" ({} instances)", d->instances) : "");
+      lines.push_back(
+          {d->section, what, in_words(*d) + (d->instances > 1 ? fmt::format(" ({} instances)", d->instances) : "")});
+  }
+  return lines;
+}
+
+std::string difference_text(std::vector<DifferenceLine> const& lines) {
+  if (lines.empty()) return "no physical difference between the models\n";
+  std::string text, section;
+  for (DifferenceLine const& l : lines) {
+    if (l.section != section) text += (section = l.section) + "\n";
+    text += fmt::format("  {}: {}\n", l.what, l.change);
   }
   return text;
+}
+
+bool same_texts(RunContent const& b, RunContent const& a) {
+  return b.main_file == a.main_file && b.overrides == a.overrides && b.files == a.files;
+}
+
+std::string motion_difference(RunContent const& before, RunContent const& after) {
+  if (before.motion_file == after.motion_file) return {};
+  auto const named = [](RunContent const& r) { return r.motion_file.empty() ? "the scene" : r.motion_file; };
+  return fmt::format("noise with the motion of {} -> {}", named(before), named(after));
 }
 
 namespace {

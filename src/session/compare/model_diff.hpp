@@ -25,8 +25,17 @@ struct Difference {
 std::vector<Difference> differences(Scene const& before, Scene const& after);
 // Parameters with different values, those of only one model last; section "params".
 std::vector<Difference> parameter_differences(Scene const& before, Scene const& after);
-// As text: parameters first, then differences; changes of one key by many instances in one line.
-std::string difference_text(std::vector<Difference> const& parameters, std::vector<Difference> const&);
+// In words: parameters first, then differences; changes of one key by many instances in one line. None without a
+// difference of the models.
+struct DifferenceLine {
+  std::string section, what, change;  // "scene", "baffles/cone shape.cone.inner_radius", "49.5 cm -> 48 cm"
+};
+std::vector<DifferenceLine> difference_lines(std::vector<Difference> const& parameters, std::vector<Difference> const&);
+std::string difference_text(std::vector<DifferenceLine> const&);
+// Two runs of the same texts have the same model: it need not be built.
+bool same_texts(RunContent const&, RunContent const&);
+// "noise with the motion of the scene -> storm.yaml"; empty: of the same.
+std::string motion_difference(RunContent const& before, RunContent const& after);
 
 // A design curve holds for one detector: what makes its stray light is compared with the interferometer of a scene.
 

@@ -75,6 +75,11 @@ class Browser:
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                     {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
 
+    def set_scheme(self, scheme, media=""):
+        """light or dark, as the system of the reader has it; media: print for a sheet."""
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia",
+                                    {"media": media, "features": [{"name": "prefers-color-scheme", "value": scheme}]})
+
     def resize(self, width, height=900):
         """Sets the inside of the window, and waits until the page has drawn itself anew."""
         self.set_width(width, height)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pages fit their window and cut no number, in two fonts and three widths. Usage: test_report_fonts.py PROGRAM"""
+"""Pages fit their window and cut no number, in two fonts and four widths. Usage: test_report_fonts.py PROGRAM"""
 import json
 import pathlib
 import sys
@@ -17,6 +17,7 @@ LONGEST = 4321  # the row with the longest number
 HARM = (("body::after { content: ''; display: block; width: 2000px; height: 1px }", 1300, "wider than its window"),
         (".routes .grid span { max-width: 60px; overflow: hidden }", 1300, ")e-"),
         (".routes .grid span { max-width: 20px; overflow: hidden }", 1300, "cut: 'rank"),
+        (".routes span.text { max-width: 5em; overflow: hidden; text-overflow: ellipsis }", 360, "·S > "),
         ("th, td { max-width: 1rem }", 600, "cut: "),
         ("td { max-width: 2rem; min-width: 0 }", 600, "cut: "),
         (".keep, td { white-space: normal } td { overflow-wrap: anywhere; max-width: 2rem; min-width: 0 }", 600, "broken: "),
