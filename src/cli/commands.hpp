@@ -38,6 +38,7 @@ void add_noise(CLI::App&, int& exit_code);
 void add_budget(CLI::App&, int& exit_code);
 void add_scan(CLI::App&, int& exit_code);
 void add_sensitivity(CLI::App&, int& exit_code);
+void add_optimise(CLI::App&, int& exit_code);
 void add_project(CLI::App&, int& exit_code);
 void add_fringes(CLI::App&, int& exit_code);
 void add_sensors(CLI::App&, int& exit_code);

@@ -94,9 +94,8 @@ int answer(int argc, char** argv) {
       "  straytrace check examples/virgo_arm.yaml\n"
       "  straytrace run examples/virgo_arm.yaml -o out/\n"
       "Every command explains itself: straytrace run --help\n"
-      "Exit codes: 0 done; 2 input error, nothing was run or written; 3 numerical failure; 85 stopped on request, "
-      "with\n"
-      "a valid file that can be continued.");
+      "Exit codes: 0 done; 2 input error, nothing was run or written; 3 numerical failure; 4 no candidate meets the\n"
+      "limits (optimise); 85 stopped on request, with a valid file that can be continued.");
   add_program_options(app);
   bool const json = asks_for_json(argc, argv);
   int exit_code = done;

@@ -136,6 +136,10 @@ struct NoiseBudget {
   std::vector<std::string> warnings;
 };
 
+// Change of the ASD of the total by each replica, 1/sqrt(Hz), [replica][bin]. Their squares sum to that of its error
+// from the paths found, and their products give the correlation of its bins (docs/theory/errors.md). Empty: no error.
+std::vector<std::vector<double>> deviations(NoiseTrace const& total);
+
 NoiseSettings read_noise_settings(Node const& table);  // table `noise`; absent keys have defaults
 // Lowest and highest curve over the positions, per bin; empty without positions.
 struct PositionBand {

@@ -401,9 +401,29 @@ class Parser {
            begin + id.size());
   }
 
+  // count(baffles/*): what the brackets hold is a name, not an expression.
+  Operand call_of_name(std::string const& id, std::size_t begin) {
+    take('(');
+    skip_spaces();
+    std::size_t const start = at_, close = std::min(text_.find(')', at_), text_.size());
+    if (close == text_.size()) refuse("a bracket is not closed", "add ')'", begin, at_);
+    std::string_view name = text_.substr(start, close - start);
+    while (!name.empty() && name.back() == ' ') name.remove_suffix(1);
+    at_ = close + 1;
+    try {
+      return {lookup_.called(id, name), begin, at_, false};
+    } catch (ExpressionProblem& p) {
+      p.begin = start;
+      p.end = start + name.size();
+      throw;
+    }
+  }
+
   Operand function(std::string const& id, std::size_t begin) {
+    if (std::ranges::find(lookup_.calls, id) != lookup_.calls.end()) return call_of_name(id, begin);
     if (!is_function(id)) {
-      std::vector<std::string> const names(function_names.begin(), function_names.end());
+      std::vector<std::string> names(function_names.begin(), function_names.end());
+      names.insert(names.end(), lookup_.calls.begin(), lookup_.calls.end());
       refuse(fmt::format("'{}' is not a function", shortened(id)),
              did_you_mean(id, names, "known functions: " + fmt::format("{}", fmt::join(names, ", "))), begin,
              begin + id.size());

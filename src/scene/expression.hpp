@@ -20,6 +20,10 @@ struct ParameterLookup {
   };
   std::function<Found(std::string_view)> find;
   std::function<std::vector<std::string>()> names;  // for suggestions
+  // Further functions, of one name each, as count(baffles): `called` throws ExpressionProblem; its bytes become those
+  // of the name.
+  std::vector<std::string> calls = {};
+  std::function<Value(std::string_view call, std::string_view name)> called = {};
 };
 
 // Thrown inside an expression: what is wrong with bytes [begin, end) of the text.

@@ -42,6 +42,7 @@ constexpr std::array top_keys{
     TopKey{"trace", "", Section::single},
     TopKey{"noise", "", Section::single},
     TopKey{"scan", "", Section::single},
+    TopKey{"optimise", "", Section::single},
     TopKey{"report", "", Section::single},
 };
 

@@ -27,6 +27,7 @@
 #include "session/light/ghost_search.hpp"
 #include "session/light/network_beams.hpp"
 #include "session/light/rim_light.hpp"
+#include "session/optimise/order.hpp"
 #include "session/records/sensors.hpp"
 #include "session/report_page.hpp"
 #include "wave/arm/arm_cavity.hpp"
@@ -281,6 +282,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   read_sensors(model.scene, names_in(model.scene.table("ports")), names_in(model.scene.table("receivers")));
   read_ghosts(model.scene);
   counts_rims(model.scene);
+  read_order(model.scene);
   warn_of_ghosts_left_out(model.scene, model.world);
   if (Node const table = model.scene.root()["scan"])
     table.problem("a model does not take a table 'scan'",

@@ -12,7 +12,7 @@
 
 namespace straytrace::session {
 
-enum ExitCode { done = 0, input_error = 2, numerical_failure = 3, checkpointed = 85 };
+enum ExitCode { done = 0, input_error = 2, numerical_failure = 3, unmet = 4, checkpointed = 85 };
 
 struct PrintOptions {
   std::string format = "text";

@@ -427,6 +427,20 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   return project(all.table, all.motion, all.of);
 }
 
+// Jackknife: scaled so that the sum of the squares is the variance.
+std::vector<std::vector<double>> deviations(NoiseTrace const& total) {
+  std::vector<std::vector<double>> out = total.without;
+  auto const n = static_cast<double>(out.size());
+  if (n < 2) return {};
+  for (std::size_t i = 0; i < total.asd.size(); ++i) {
+    double mean = 0;
+    for (Bins const& own : out) mean += own[i] / n;
+    double const factor = total.asd[i] > 0 ? std::sqrt((n - 1) / n) / (2 * total.asd[i]) : 0;
+    for (Bins& own : out) own[i] = factor * (mean - own[i]);
+  }
+  return out;
+}
+
 PositionBand position_band(NoiseBudget const& b) {
   PositionBand band;
   for (std::size_t i = 0; !b.positions.empty() && i < b.grid.size(); ++i) {

@@ -176,7 +176,7 @@ void Scanner::check(ScanList const& list) const {
   throw_all(errors);
 }
 
-ScanPoint Scanner::at(std::vector<std::string> const& settings) {
+ScanPoint Scanner::at(std::vector<std::string> const& settings, Look const& look) {
   ScanPoint point;
   point.settings = settings;
   Model model = model_at(settings);
@@ -191,6 +191,7 @@ ScanPoint Scanner::at(std::vector<std::string> const& settings) {
   for (double const hz : frequencies) point.strain.push_back(strain_at(budget.total, budget.grid, hz));
   judge(point, budget, line_of(model));
   line_ = name_of_line(model);
+  if (look) look(model, *coupling, budget);
   return point;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -54,7 +55,9 @@ class Scanner {
   void check(ScanList const&) const;
   // Throws InputError for a model that cannot be read or has no noise, with the settings of the point at the end.
   Model model_at(std::vector<std::string> const& settings) const;
-  ScanPoint at(std::vector<std::string> const& settings);
+  // `look`: gets what the point is judged by.
+  using Look = std::function<void(Model const&, CouplingTable const&, NoiseBudget const&)>;
+  ScanPoint at(std::vector<std::string> const& settings, Look const& look = {});
   // Runs that this scan has made already, by name: they count as traced, not as stored.
   void made(std::set<std::string> runs) { made_ = std::move(runs); }
   std::string const& line() const { return line_; }  // as the last point named it

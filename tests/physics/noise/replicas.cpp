@@ -59,6 +59,25 @@ TEST(Replicas, StatedErrorIsTheScatter) {
   EXPECT_LT(deviation(coupling.stated, std::sqrt(std::expm1(0.25) / 960) / 2), 0.1);
 }
 
+// Deviations of the replicas: their squares sum to that of the error, and bins that one spectrum moves have equal ones,
+// relative to the bin.
+TEST(Replicas, DeviationsMakeTheError) {
+  CouplingTable const table = random_table(1, 0.5, 0.3);
+  NoiseBudget const b =
+      project_noise(table, moving({power_law_asd(1e-13, 10, -2, 1, 100)}), UnitDetector(), on({10, 10.4, 11}));
+  ASSERT_EQ(deviations(b.total).size(), std::size_t(replica_count));
+  for (std::size_t i = 0; i < 2; ++i) {
+    double square = 0, single = 0;
+    for (auto const& of_replica : deviations(b.total)) {
+      square += of_replica[i] * of_replica[i];
+      single = std::max(single, std::fabs(of_replica[i]));
+      EXPECT_NEAR(of_replica[i] / b.total.asd[i], of_replica[0] / b.total.asd[0], 1e-6);
+    }
+    EXPECT_LT(deviation(std::sqrt(square), b.total.sigma[i]), 1e-9);
+    EXPECT_GT(deviation(single, b.total.sigma[i]), 0.2) << "control: no replica alone makes it";
+  }
+}
+
 // From 2048 blocks on a route keeps no more paths: where their phase sensitivities make the error, a line says that it
 // stays. Controls: half as many blocks; an error of the power, which falls.
 TEST(Replicas, SayWhereMoreHistoriesDoNotHelp) {

@@ -18,6 +18,7 @@ import pictures  # noqa: E402
 from straytrace.plots import budget as plot_budget  # noqa: E402
 from straytrace.plots import curves as plot_curves  # noqa: E402
 from straytrace.plots import ghosts as plot_ghosts  # noqa: E402
+from straytrace.plots import optimise as plot_optimise  # noqa: E402
 from straytrace.plots import style  # noqa: E402
 
 plt = plot_budget.plt
@@ -242,6 +243,25 @@ def check_same_lines():
     plt.close("all")
 
 
+def candidate(cost, ratio, met, front):
+    limit = {"ratio": {"value": ratio, "sigma": 0.01}, "upper": ratio + 0.02, "standard_errors": 2, "frequency_Hz": 10}
+    return {"settings": {}, "objective": cost, "met": met, "front": front, "traced": True, "limits": [limit]}
+
+
+def check_search():
+    """Filled points meet the limits; the front is a line of steps; a candidate that was not traced has no point."""
+    found = [candidate(1, 1.5, False, True), candidate(2, 0.9, True, True), candidate(3, 0.95, True, False),
+             candidate(4, 0.1, True, False) | {"traced": False}]
+    axes = plot_optimise.draw({"model": "made up", "minimise": "cost", "complete": True, "limits": ["h_total < line"],
+                               "candidates": found, "finalists": [candidate(2, 0.92, True, False)], "best": 0}).axes[0]
+    lines = {line.get_label(): line for line in axes.lines}
+    np.testing.assert_allclose(lines["front"].get_xydata(), [[1, 1.5], [2, 0.9]])
+    points = {box.get_label(): box.lines[0] for box in axes.containers}
+    assert list(points["meets the limits"].get_xdata()) == [2, 3] and list(points["does not"].get_xdata()) == [1]
+    assert points["does not"].get_markerfacecolor() == "white" and "best, fresh seed" in points
+    plt.close("all")
+
+
 with tempfile.TemporaryDirectory() as name:
     check_budget(pathlib.Path(name))
     check_documents(pathlib.Path(name))
@@ -251,4 +271,5 @@ check_curves()
 check_significance()
 check_limits()
 check_same_lines()
+check_search()
 print("ok")

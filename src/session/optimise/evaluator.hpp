@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Candidates of a scene: what is known of one without a trace, then its noise, traced once per model.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "session/optimise/confidence.hpp"
+#include "session/optimise/order.hpp"
+#include "session/optimise/search.hpp"
+#include "session/scan/scan_points.hpp"
+
+namespace straytrace::session {
+
+// A candidate as the table of results lists it.
+struct Outcome {
+  std::vector<std::string> settings;  // "rim=0.3495 m"
+  double objective = not_a_number;    // the cost; of the least noise the largest ratio to the line
+  std::vector<double> excess;         // of the relations, then of the noise limits
+  std::vector<LineVerdict> limits;    // of the noise limits; of the least noise the line is the last
+  ScanPoint point;                    // as traced; without histories where it was not
+  bool traced = false;
+
+  double worst() const;                 // largest excess
+  LineVerdict const* deciding() const;  // of the limits, or the line where there is none
+  bool met() const { return worst() <= 0; }
+};
+
+class Evaluator {
+ public:
+  Evaluator(ScanOptions options, OptimiseOrder const& order);
+
+  // Of the values of the varied parameters, in SI; of a list the number of the value.
+  std::vector<std::string> settings_of(std::vector<double> const& values) const;
+  // Before any trace, all that makes the search impossible: throws InputError.
+  void check(std::vector<double> const& start) const;
+  std::vector<double> own_values() const;                 // of the scene, inside the ranges
+  double price(std::vector<double> const& values) const;  // NaN where the scene is impossible
+  // None when stopped. Each set of settings is evaluated once.
+  std::optional<std::size_t> evaluate(std::vector<double> const& values);
+  Outcome const& outcome(std::size_t number) const { return outcomes_.at(number); }
+  std::vector<Outcome> const& outcomes() const { return outcomes_; }
+  // The same settings with another seed and number of histories; incomplete when stopped.
+  Outcome traced_anew(Outcome const&, std::uint64_t seed, std::uint64_t histories) const;
+  std::string const& line() const { return line_; }
+
+ private:
+  struct Known {
+    double price = not_a_number;
+    std::vector<double> excess;
+  };
+  Known known(std::vector<std::string> const& settings) const;
+  void judge(Outcome&, Model const&, NoiseBudget const&) const;
+  void measure(Outcome&, Scanner&) const;
+
+  ScanOptions options_;
+  OptimiseOrder const& order_;
+  Scanner scanner_;
+  std::string line_;
+  std::vector<Outcome> outcomes_;
+  std::map<std::vector<std::string>, std::size_t> numbers_;
+  mutable std::map<std::vector<std::string>, Known> known_;
+};
+
+}  // namespace straytrace::session

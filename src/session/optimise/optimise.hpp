@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The command `optimise`: the search over the candidates of a scene, the best ones traced anew, and what is told of
+// them (docs/theory/optimisation.md).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "session/optimise/evaluator.hpp"
+
+namespace straytrace::session {
+
+struct OptimiseOptions : ScanOptions {
+  OrderWords words;
+  bool pareto = false;
+  double tolerance = 0.01;  // of the ranges
+  std::size_t most = 60;    // candidates of one search
+};
+
+// A candidate traced with a seed that the search has not seen.
+struct Finalist {
+  std::size_t number = 0;  // among the outcomes
+  Outcome fresh;
+  enum class Verdict { met, missed, undecided } verdict = Verdict::undecided;
+};
+
+struct OptimiseReport {
+  std::string model, line;
+  OptimiseOrder order;
+  std::uint64_t seed = 0;
+  std::vector<Outcome> outcomes;   // the first: the values of the scene, as near as the ranges allow
+  std::vector<std::string> ended;  // how each search ended
+  std::vector<Finalist> finalists;
+  std::optional<std::size_t> chosen;  // among the finalists
+  std::size_t closest = 0;            // outcome, where no finalist is chosen
+  bool complete = true;
+
+  // Whether no other outcome is both cheaper and quieter.
+  bool on_front(std::size_t outcome) const;
+};
+
+std::string optimise_text(OptimiseReport const&);
+std::string optimise_json(OptimiseReport const&);
+std::string optimise_csv(OptimiseReport const&);  // the candidates, all digits
+
+// Exit code: done, unmet or checkpointed.
+int optimise(OptimiseOptions const&);
+
+}  // namespace straytrace::session

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text/words.hpp"
+#include "results/text/columns.hpp"
+#include "results/text/table.hpp"
+#include "session/optimise/optimise.hpp"
+
+namespace straytrace::session {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+char const* word_of(Finalist::Verdict v) {
+  constexpr char const* words[] = {"met", "not met", "not decided"};
+  return words[std::size_t(v)];
+}
+
+std::string value_in(std::string const& setting) { return setting.substr(setting.find('=') + 1); }
+
+std::string ratio_text(Outcome const& o) {
+  LineVerdict const* const v = o.deciding();
+  if (!v || std::isnan(v->ratio.value)) return "-";
+  return (o.point.unresolved.empty() ? "" : "> ") + with_brackets(v->ratio);
+}
+
+std::string upper_text(Outcome const& o) {
+  LineVerdict const* const v = o.deciding();
+  return v && std::isfinite(v->excess) ? fmt::format("{:.4g}", std::exp(v->excess)) : "-";
+}
+
+std::vector<std::string> columns_of(Outcome const& o) {
+  LineVerdict const* const v = o.deciding();
+  std::vector<std::string> row;
+  for (std::string const& s : o.settings) row.push_back(value_in(s));
+  row.push_back(std::isnan(o.objective) ? "-" : fmt::format("{:.6g}", o.objective));
+  row.push_back(ratio_text(o));
+  row.push_back(upper_text(o));
+  row.push_back(v && std::isfinite(v->hz) ? fmt::format("{:.3g}", v->hz) : "-");
+  row.push_back(o.traced ? fmt::format("{:.3g}", double(o.point.histories)) : "not traced");
+  return row;
+}
+
+std::vector<std::string> titles_of(OptimiseReport const& r) {
+  std::vector<std::string> titles;
+  for (VariedParameter const& p : r.order.vary) titles.push_back(p.name);
+  titles.push_back(r.order.least_noise() ? "h/line" : "cost");
+  titles.insert(titles.end(), {"h/limit", "upper", "at/Hz", "histories"});
+  return titles;
+}
+
+std::string finalists_text(OptimiseReport const& r) {
+  Columns c;
+  c.titles = titles_of(r);
+  c.titles.insert(c.titles.begin(), {"", "seed"});
+  c.titles.push_back("limits");
+  for (std::size_t i = 0; i < r.finalists.size(); ++i) {
+    Finalist const& f = r.finalists[i];
+    auto const add = [&](char const* what, std::uint64_t seed, Outcome const& o, char const* verdict) {
+      std::vector<std::string> row = columns_of(o);
+      row.insert(row.begin(), {what, std::to_string(seed)});
+      row.emplace_back(verdict);
+      c.rows.push_back(std::move(row));
+    };
+    add("search", r.seed, r.outcomes[f.number], "met");
+    add("fresh", r.seed + 1 + i, f.fresh, word_of(f.verdict));
+  }
+  return aligned(c);
+}
+
+// "rim is at the lower end of its range"
+std::string ends_text(OptimiseReport const& r, Outcome const& best) {
+  constexpr double near = 1e-3;  // of a range
+  std::string text;
+  for (std::size_t i = 0; i < best.settings.size(); ++i) {
+    VariedParameter const& p = r.order.vary[i];
+    if (p.listed()) continue;
+    double const value = std::strtod(value_in(best.settings[i]).c_str(), nullptr);
+    char const* const end = value - p.low < near * (p.high - p.low)    ? "lower"
+                            : p.high - value < near * (p.high - p.low) ? "upper"
+                                                                       : nullptr;
+    if (end) text += fmt::format("'{}' is at the {} end of its range: a wider one may give more.\n", p.name, end);
+  }
+  return text;
+}
+
+// The cheapest candidate that misses a limit, among those below the best one: what a lower cost runs into.
+Outcome const* next_cheaper(OptimiseReport const& r, Outcome const& best) {
+  Outcome const* found = nullptr;
+  for (Outcome const& o : r.outcomes)
+    if (o.traced && !o.met() && o.objective < best.objective &&
+        (!found || o.objective > found->objective || (o.objective == found->objective && o.worst() < found->worst())))
+      found = &o;
+  return found;
+}
+
+std::string binding_text(OptimiseReport const& r, Outcome const& best) {
+  constexpr double near = 0.1;  // relative
+  std::string text;
+  std::size_t const relations = r.order.relations.size();
+  for (std::size_t k = 0; k < best.excess.size(); ++k) {
+    std::string const& name = k < relations ? r.order.relations[k].text : r.order.limits[k - relations].text;
+    double const room = k < relations ? -best.excess[k] : 1 - std::exp(best.excess[k]);
+    text += fmt::format("{}: {}, {:.2g} % of room\n", name, room < near ? "binds" : "does not bind", 100 * room);
+  }
+  if (Outcome const* const next = r.order.least_noise() ? nullptr : next_cheaper(r, best))
+    text += fmt::format("next lower cost that was traced: {:.6g} with {}, h/limit {}, upper limit {}: not met\n",
+                        next->objective, fmt::join(next->settings, ", "), ratio_text(*next), upper_text(*next));
+  return text + ends_text(r, best);
+}
+
+std::string verdict_text(OptimiseReport const& r) {
+  if (!r.complete) return "Stopped: the search is not finished.\n";
+  if (r.chosen) {
+    Outcome const& best = r.finalists[*r.chosen].fresh;
+    Outcome const& first = r.outcomes.front();
+    std::string text = fmt::format("Best: {}.\n", fmt::join(best.settings, ", "));
+    if (first.traced)
+      text += fmt::format("{} {:.6g} in place of {:.6g} at the start ({}, h/limit {}{}).\n",
+                          r.order.least_noise() ? "h/line" : "Cost", best.objective, first.objective,
+                          fmt::join(first.settings, ", "), ratio_text(first), first.met() ? "" : ", not met");
+    return text + binding_text(r, best);
+  }
+  if (!r.finalists.empty())
+    return "None of the best candidates meets the limits with a fresh seed: give more histories.\n";
+  if (r.outcomes.empty() || !r.outcomes[r.closest].traced) return "No candidate could be traced.\n";
+  Outcome const& near = r.outcomes[r.closest];
+  return fmt::format("None of {} meets the limits. The closest: {}, h/limit {}, upper limit {}.\n",
+                     counted(r.outcomes.size(), "candidate"), fmt::join(near.settings, ", "), ratio_text(near),
+                     upper_text(near)) +
+         ends_text(r, near);
+}
+
+Json json_of(OptimiseReport const& r, Outcome const& o) {
+  Json settings = Json::object();
+  for (std::string const& s : o.settings) settings[s.substr(0, s.find('='))] = value_in(s);
+  Json j{{"settings", settings}, {"objective", o.objective}, {"met", o.met()}, {"traced", o.traced}};
+  j["limits"] = Json::array();
+  for (LineVerdict const& v : o.limits)
+    j["limits"].push_back({{"ratio", error_json(v.ratio)},
+                           {"upper", std::exp(v.excess)},
+                           {"standard_errors", v.factor},
+                           {"frequency_Hz", v.hz}});
+  for (std::size_t k = 0; k < r.order.relations.size(); ++k)
+    j["relations"].push_back({{"relation", r.order.relations[k].text}, {"excess", o.excess.at(k)}});
+  j["unresolved"] = o.point.unresolved;
+  j["histories"] = o.point.histories;
+  j["model_hash"] = o.point.model_hash;
+  return j;
+}
+
+}  // namespace
+
+std::string optimise_text(OptimiseReport const& r) {
+  std::string text = fmt::format("{}: least {}", r.model, r.order.minimise);
+  for (VariedParameter const& p : r.order.vary)
+    text += p.listed()
+                ? fmt::format("; {}: {}", p.name, fmt::join(p.values, ", "))
+                : fmt::format("; {} {:g} to {:g} {}{}", p.name, p.low, p.high,
+                              p.dimension == dim::plain ? "" : example_unit(p.dimension), p.whole ? "(whole)" : "");
+  text += "\n";
+  for (Relation const& relation : r.order.relations) text += fmt::format("limit: {}\n", relation.text);
+  for (NoiseLimit const& limit : r.order.limits) text += fmt::format("limit: {}\n", limit.text);
+  text += fmt::format("{}; search: {}.\n\n", counted(r.outcomes.size(), "candidate"), fmt::join(r.ended, "; "));
+  Columns c;
+  c.titles = titles_of(r);
+  for (Outcome const& o : r.outcomes) c.rows.push_back(columns_of(o));
+  text += aligned(c) + "\n";
+  if (!r.finalists.empty()) text += finalists_text(r) + "\n";
+  text += verdict_text(r);
+  text +=
+      "h/limit: largest ratio of the total to its limit, (n): one standard error, last digits; '>': routes are "
+      "unresolved.\n"
+      "upper: the same with the stated confidence in all bins at once, unresolved routes tenfold: met at 1 or below "
+      "(eq. "
+      "O.2).\n";
+  return text;
+}
+
+std::string optimise_csv(OptimiseReport const& r) {
+  std::string text = fmt::format("# straytrace optimise {}: least {}, seed {}\n", r.model, r.order.minimise, r.seed);
+  for (VariedParameter const& p : r.order.vary) text += csv_text(p.name) + ",";
+  text += "objective,ratio,ratio_sigma,upper,frequency_Hz,met,front,unresolved,histories,model_hash\n";
+  for (std::size_t i = 0; i < r.outcomes.size(); ++i) {
+    Outcome const& o = r.outcomes[i];
+    LineVerdict const* const found = o.deciding();
+    LineVerdict const v = found ? *found : LineVerdict{};
+    for (std::string const& s : o.settings) text += csv_text(value_in(s)) + ",";
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{}\n", csv_number(true, o.objective), csv_number(true, v.ratio.value),
+                    csv_number(true, v.ratio.sigma), csv_number(true, std::exp(v.excess)), csv_number(true, v.hz),
+                    int(o.met()), int(r.on_front(i)), o.point.unresolved.size(), o.point.histories, o.point.model_hash);
+  }
+  return text;
+}
+
+std::string optimise_json(OptimiseReport const& r) {
+  Json j{{"model", r.model}, {"minimise", r.order.minimise}, {"seed", r.seed}, {"complete", r.complete}};
+  for (VariedParameter const& p : r.order.vary) j["vary"].push_back(p.name);
+  j["limits"] = Json::array();
+  for (NoiseLimit const& limit : r.order.limits) j["limits"].push_back(limit.text);
+  j["ended"] = r.ended;
+  j["candidates"] = Json::array();
+  for (std::size_t i = 0; i < r.outcomes.size(); ++i) {
+    j["candidates"].push_back(json_of(r, r.outcomes[i]));
+    j["candidates"].back()["front"] = r.on_front(i);
+  }
+  j["finalists"] = Json::array();
+  for (std::size_t i = 0; i < r.finalists.size(); ++i) {
+    Finalist const& f = r.finalists[i];
+    Json fresh = json_of(r, f.fresh);
+    fresh["candidate"] = f.number;
+    fresh["seed"] = r.seed + 1 + i;
+    fresh["verdict"] = word_of(f.verdict);
+    j["finalists"].push_back(fresh);
+  }
+  j["best"] = r.chosen ? Json(*r.chosen) : Json(nullptr);
+  if (!r.chosen && !r.outcomes.empty()) j["closest"] = r.closest;
+  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace straytrace::session

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The least of an objective under limits that are measured at a cost: trust region and steps of counts
+// (docs/theory/optimisation.md).
+#pragma once
+
+#include <Eigen/Dense>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/math/constants.hpp"
+#include "base/namespaces.hpp"
+
+namespace straytrace::session {
+
+struct SearchRange {
+  double low = 0, high = 1;
+  bool whole = false;  // only whole numbers
+};
+
+// What was found at a point.
+struct Candidate {
+  std::vector<double> at;
+  double objective = not_a_number;
+  std::vector<double>
+      excess;              // of every limit, in logarithms or relative: at most 0 where it is met; NaN: not measured
+  double sigma = 0;        // standard error of the largest, Monte Carlo
+  std::size_t number = 0;  // of the evaluation; a caller keeps more under it
+
+  double worst() const;  // largest excess; infinite where one was not measured
+  bool met() const { return worst() <= 0; }
+};
+// The better one: limits met, then the lower objective, then more room below the limits.
+bool better(Candidate const&, Candidate const&);
+
+struct SearchProblem {
+  std::vector<SearchRange> ranges;
+  std::vector<double> start;
+  std::function<std::optional<Candidate>(std::vector<double> const&)> evaluate;  // none: stopped
+  // The objective where no measurement is needed for it, otherwise empty: its steps are then searched.
+  std::function<double(std::vector<double> const&)> price;
+  double tolerance = 0.01;  // of the ranges
+  std::size_t most = 60;    // evaluations
+};
+
+struct SearchResult {
+  std::vector<Candidate> all;  // in the order of evaluation, each point once
+  std::string ended;           // why: "the region is below the tolerance"
+  bool stopped = false;
+  Candidate const* best() const;  // none where no limit is met
+  Candidate const* closest() const;
+};
+
+SearchResult search(SearchProblem const&);
+
+}  // namespace straytrace::session

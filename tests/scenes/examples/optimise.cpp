@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace optimise: least cost under a limit of the noise, against a scan of the same scene; what it writes.
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+#include "scenes/program.hpp"
+
+namespace straytrace::testing::app_optimise {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+// Rings that scatter once: h ~ sqrt(brdf), and a line. The cost is that of blackness.
+class Optimise : public ::testing::Test {
+ protected:
+  Optimise() {
+    std::string text = edited(text_of(et_hf), "  rings: 1500", "  rings: 20\n  black: 1e-4 /sr\n  gap: 3 cm");
+    text = edited(text, "brdf: 1e-4 /sr}", "brdf: black}");
+    text = edited(text, "points_per_decade: 400}", "points_per_decade: 10}");
+    text = edited(text, "band: [2.5 Hz", "compare: [line.txt], margin: 1, band: [2.5 Hz");
+    text +=
+        "optimise:\n  minimise: 1e-3 /sr / black + 0 * count(rings)\n  vary: {black: [1e-5 /sr, 1e-3 /sr]}\n"
+        "  subject_to: [h_total < 1 x line.txt with 95 %]\n";
+    write_text(scene, text);
+    write_line(1);
+  }
+  // At a factor of 1 about twice the h of the scene.
+  void write_line(double factor) const {
+    std::string text = "# frequency_Hz asd\n";
+    for (double const hz : {1.0, 10.0, 100.0, 1000.0})
+      text += std::to_string(hz) + " " + Json(factor * 2.5e-31 * std::pow(hz / 10, -0.5)).dump() + "\n";
+    write_text(folder / "line.txt", text);
+  }
+  Finished run(Words words, std::string const& out) const {
+    words.insert(words.begin(), {"optimise", scene, "-o", folder / out});
+    words.insert(words.end(), {"--histories", "131072", "--quiet"});
+    return straytrace(words);
+  }
+  Json json(std::string const& out) const {
+    return Json::parse(text_of(folder / out + "/optimise.json"), nullptr, false);
+  }
+
+  Folder const folder;
+  std::string const scene = folder / "arm.yaml";
+};
+
+double number(std::string const& setting) { return std::stod(setting); }
+
+TEST_F(Optimise, AgreesWithAScan) {
+  Finished const r = run({}, "out");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  Json const j = json("out");
+  std::size_t const best = j["best"];
+  Json const& searched = j["candidates"][j["finalists"][best]["candidate"].get<std::size_t>()];
+  double const black = number(searched["settings"]["black"]), upper = searched["limits"][0]["upper"];
+  EXPECT_LE(upper, 1);
+  EXPECT_GT(upper, 0.98);  // it binds
+  // Brute force, with the same seed: h^2 ~ black, so the largest that meets the line follows from any point of a scan.
+  Json const scan = Json::parse(straytrace({"scan", scene, "black=1e-5/sr..1e-3/sr:9:log", "--histories", "131072",
+                                            "--quiet", "--format", "json"})
+                                    .out);
+  Json const& limit = searched["limits"][0];
+  double const q = limit["standard_errors"];
+  for (Json const& point : scan["points"]) {
+    double const ratio = point["worst_ratio"]["value"], sigma = point["worst_ratio"]["sigma"];
+    double const own = number(point["settings"]["black"]);
+    double const allowed = own * std::pow(ratio + q * sigma, -2);
+    EXPECT_NEAR(black / allowed, 1, 0.05);
+    bool const meets = ratio + q * sigma <= 1;
+    EXPECT_LE(meets ? own : 0, black * 1.001);  // none that meets the line is cheaper
+  }
+  EXPECT_EQ(j["finalists"][best]["verdict"], "met");
+  EXPECT_EQ(j["finalists"][best]["seed"], 2 + best);
+  EXPECT_EQ(j["finalists"][best]["histories"].get<double>() / searched["histories"].get<double>(), 4);
+  for (char const* file : {"best.yaml", "best/run.h5", "optimise.txt", "optimise.json", "candidates.csv"})
+    EXPECT_TRUE(fs::exists(folder / "out/" + file)) << file;
+  EXPECT_EQ(straytrace({"check", folder / "out/best.yaml"}).code, 0);
+  EXPECT_EQ(straytrace({"noise", folder / "out/best/run.h5"}).code, 0);
+}
+
+// Negative control of the limit: a line ten times as high leaves the cheapest end of the range.
+TEST_F(Optimise, AHighLineLeavesTheEndOfTheRange) {
+  write_line(30);
+  Finished const r = run({}, "high");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  EXPECT_THAT(r.out, HasSubstr("'black' is at the upper end of its range"));
+}
+
+TEST_F(Optimise, NoneMeetsTheLine) {
+  write_line(1e-3);
+  Finished const r = run({}, "low");
+  EXPECT_EQ(r.code, 4) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("meets the limits. The closest: black=1e-05"));
+  EXPECT_TRUE(json("low")["best"].is_null());
+  EXPECT_FALSE(fs::exists(folder / "low/best.yaml"));
+}
+
+TEST_F(Optimise, SameBitsForThreadsAndAfterAStop) {
+  ASSERT_EQ(run({"--threads", "1"}, "one").code, 0);
+  ASSERT_EQ(run({"--threads", "2"}, "two").code, 0);
+  EXPECT_EQ(run({"--max-time", "0.001s"}, "cut").code, 85);
+  EXPECT_EQ(run({"--max-time", "0.001s"}, "cut").code, 85);
+  ASSERT_EQ(run({}, "cut").code, 0);
+  for (char const* file : {"candidates.csv", "optimise.json"}) {
+    EXPECT_EQ(text_of(folder / "one/" + file), text_of(folder / "two/" + file));
+    EXPECT_EQ(text_of(folder / "one/" + file), text_of(folder / "cut/" + file));
+  }
+  ASSERT_EQ(run({"--seed", "5"}, "other").code, 0);  // control: another seed, other numbers
+  EXPECT_NE(text_of(folder / "one/candidates.csv"), text_of(folder / "other/candidates.csv"));
+}
+
+TEST_F(Optimise, ListsWithPrices) {
+  std::string const text = text_of(scene);
+  write_text(scene, edited(edited(text, "1e-3 /sr / black + 0 * count(rings)", "price(black)"), "[1e-5 /sr, 1e-3 /sr]",
+                           "{values: [1e-3 /sr, 1e-5 /sr, 3e-6 /sr], price: [1, 4, 9]}"));
+  ASSERT_EQ(run({}, "list").code, 0);
+  Json const j = json("list");
+  EXPECT_EQ(j["finalists"][j["best"].get<std::size_t>()]["settings"]["black"], "1e-5 /sr");
+  EXPECT_EQ(j["candidates"].size(), 3u);
+}
+
+// A relation that fails is not traced. Control: without it the point is.
+TEST_F(Optimise, RelationsBeforeTraces) {
+  Words const range{"--vary", "black=1e-5/sr..1e-3/sr", "--minimise", "h_total"};
+  Words bound = range;
+  bound.insert(bound.end(), {"--subject", "black > 2e-5 /sr", "--subject", "gap > 1 cm"});
+  ASSERT_EQ(run(bound, "bound").code, 0);
+  Json const j = json("bound");
+  double lowest = 1;
+  for (Json const& c : j["candidates"])
+    if (c["traced"]) lowest = std::min(lowest, number(c["settings"]["black"]));
+  EXPECT_GE(lowest, 2e-5);
+  EXPECT_LT(lowest, 2.2e-5);
+  Words none = range;
+  none.insert(none.end(), {"--subject", "gap > 1 cm"});
+  ASSERT_EQ(run(none, "none").code, 0);
+  EXPECT_THAT(text_of(folder / "none/candidates.csv"), HasSubstr("1e-05 /sr"));
+}
+
+TEST_F(Optimise, WrongWords) {
+  struct {
+    Words words;
+    std::string says;
+  } const wrong[] = {{{"--vary", "blck=1/sr..2/sr"}, "did you mean 'black'?"},
+                     {{"--vary", "black=2e-5/sr..1e-5/sr"}, "does not go from a lower to a higher value"},
+                     {{"--vary", "black=1e-5/sr..1 m"}, "is a BRDF (1/sr), not a length"},
+                     {{"--vary", "rings=1.5..3:integer"}, "does not end at whole numbers"},
+                     {{"--vary", "=3..4"}, "does not name a parameter"},
+                     {{"--minimise", "count(ring)"}, "did you mean 'rings'?"},
+                     {{"--minimise", "cuont(rings)"}, "did you mean 'count'?"},
+                     {{"--minimise", "price(gap)"}, "no varied parameter 'gap' has prices"},
+                     {{"--subject", "h_total < 0.1"}, "'0.1' is not a curve"},
+                     {{"--subject", "h_total < 0.1 x lin.txt"}, "did you mean 'line.txt'?"},
+                     {{"--subject", "h_total < line between 1 m and 2 m"}, "not a frequency"},
+                     {{"--subject", "h_total < line with 120 %"}, "between 50 % and 99.9 %"},
+                     {{"--subject", "gap > 3 s"}, "compares"},
+                     {{"--subject", "gap"}, "is not a limit"},
+                     {{"--pareto", "--minimise", "h_total"}, "--pareto needs a cost"}};
+  for (auto const& w : wrong) {
+    Finished const r = run(w.words, "wrong");
+    EXPECT_EQ(r.code, 2) << w.says << r.out;
+    EXPECT_THAT(r.err, HasSubstr(w.says));
+    EXPECT_FALSE(fs::exists(folder / "wrong"));
+  }
+  // All at once, of table and options, with their places.
+  std::string const text = text_of(scene);
+  write_text(scene, edited(edited(text, "count(rings)", "count(rngs)"), "with 95 %", "wth 95 %"));
+  Finished const r = run({"--vary", "blck=1/sr..2/sr"}, "wrong");
+  EXPECT_EQ(r.code, 2);
+  for (char const* says : {"arm.yaml:", "did you mean 'rings'?", "is not a limit", "did you mean 'black'?"})
+    EXPECT_THAT(r.err, HasSubstr(says));
+  EXPECT_EQ(straytrace({"check", scene}).code, 2);
+}
+
+}  // namespace
+}  // namespace straytrace::testing::app_optimise

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The search of `straytrace optimise` on objectives whose optimum is known (docs/theory/optimisation.md, eq. O.7, O.8).
+#include "session/optimise/search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/math/rng.hpp"
+
+namespace straytrace::session {
+namespace {
+
+using Point = std::vector<double>;
+using Function = std::function<double(Point const&)>;
+
+// `limits` are logarithms, met at 0 or below.
+SearchProblem problem_of(std::vector<SearchRange> ranges, Point start, Function const& cost,
+                         std::vector<Function> const& limits) {
+  SearchProblem p;
+  p.ranges = std::move(ranges);
+  p.start = std::move(start);
+  p.price = cost;
+  p.tolerance = 1e-7;
+  p.most = 400;
+  p.evaluate = [cost, limits](Point const& x) {
+    Candidate c{x, cost(x), {}, 0, 0};
+    for (Function const& limit : limits) c.excess.push_back(limit(x));
+    return std::optional(c);
+  };
+  return p;
+}
+
+double gap_cost(Point const& x) { return 2 * x[0] * x[0] + 1e4 * std::exp(-2 * x[0] * x[0] / (0.06 * 0.06)); }
+
+TEST(Search, ApertureAgainstClipping) {  // eq. O.7: a, J
+  SearchResult const r = search(problem_of({{0.05, 0.4}}, {0.2}, gap_cost, {}));
+  ASSERT_TRUE(r.best());
+  EXPECT_NEAR(r.best()->at[0] / 0.16342243, 1, 1e-5);
+  EXPECT_NEAR(r.best()->objective / 0.05701378, 1, 1e-6);
+  EXPECT_LT(r.all.size(), 80u);
+}
+
+TEST(Search, LengthAgainstDistance) {
+  auto const cost = [](Point const& x) { return 50 * x[0] + 3e6 * std::pow(x[0], -4); };
+  SearchResult const r = search(problem_of({{2, 100}}, {60}, cost, {}));
+  ASSERT_TRUE(r.best());
+  EXPECT_NEAR(r.best()->at[0] / 11.913579, 1, 1e-5);
+  EXPECT_NEAR(r.best()->objective / 744.59869, 1, 1e-6);
+}
+
+// Cost sum c/beta^q of blacker surfaces under sum a beta^n <= S (eq. O.8).
+struct Blackness {
+  double a[2], c[2], n[2], q[2];
+  double cost(Point const& x) const { return c[0] * std::pow(x[0], -q[0]) + c[1] * std::pow(x[1], -q[1]); }
+  double light(Point const& x) const {
+    return std::log((a[0] * std::pow(x[0], n[0]) + a[1] * std::pow(x[1], n[1])) / 1e-11);
+  }
+  SearchResult found(double sign) const {
+    return search(problem_of({{1e-4, 0.1}, {1e-4, 0.1}}, {0.02, 0.02}, [this](Point const& x) { return cost(x); },
+                             {[=, this](Point const& x) { return sign * light(x); }}));
+  }
+};
+
+TEST(Search, PriceOfBlackness) {
+  Blackness const linear{{3e-9, 5e-10}, {2, 0.3}, {1, 1}, {1, 1}};
+  SearchResult const r = linear.found(1);
+  ASSERT_TRUE(r.best());
+  EXPECT_NEAR(r.best()->objective / 804.73666, 1, 1e-5);
+  EXPECT_NEAR(r.best()->at[0] / 2.87824e-3, 1, 2e-3);
+  EXPECT_NEAR(r.best()->at[1] / 2.73054e-3, 1, 2e-3);
+  // Negative control: a limit of the wrong sign leaves the cheapest corner.
+  SearchResult const wrong = linear.found(-1);
+  ASSERT_TRUE(wrong.best());
+  EXPECT_LT(wrong.best()->objective, 100);
+}
+
+TEST(Search, PriceOfBlacknessWithPowers) {
+  Blackness const powers{{3e-9, 8e-7}, {2, 0.3}, {1, 2}, {1, 0.5}};
+  SearchResult const r = powers.found(1);
+  ASSERT_TRUE(r.best());
+  EXPECT_NEAR(r.best()->objective / 621.67159, 1, 1e-5);
+  EXPECT_NEAR(r.best()->at[0] / 3.30956e-3, 1, 2e-3);
+  EXPECT_NEAR(r.best()->at[1] / 2.98570e-4, 1, 2e-3);
+}
+
+// Noise of 5 % that all points share does not move the optimum; of its own for each point it does (negative control).
+TEST(Search, CommonNoiseLeavesTheOptimum) {
+  int far = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    auto const noise = [seed](std::uint64_t point) {
+      return 1 + 0.05 * std::sqrt(12.0) * (Rng(seed, point, 0, Stream::source).uniform() - 0.5);
+    };
+    auto const common = [&](Point const& x) { return noise(0) * gap_cost(x); };
+    auto const own = [&](Point const& x) { return noise(std::uint64_t(1e12 * x[0])) * gap_cost(x); };
+    SearchResult const together = search(problem_of({{0.05, 0.4}}, {0.2}, common, {}));
+    EXPECT_NEAR(together.best()->at[0] / 0.16342243, 1, 1e-3);
+    far += std::fabs(search(problem_of({{0.05, 0.4}}, {0.2}, own, {})).best()->at[0] / 0.16342243 - 1) > 1e-3;
+  }
+  EXPECT_GE(far, 6);
+}
+
+// Baffles by the shadow rule, a count with steps (eq. 8.16); the noise falls with the rim. Compared with a scan of the
+// range in steps of 2 um.
+TEST(Search, StepsOfACount) {
+  auto const count = [](Point const& x) {
+    double const ratio = (0.5 + 0.31) / (x[0] + 0.31), reach = 10e3 * ratio / (1 + ratio);
+    return 2 * std::ceil(std::log(reach / 32.35) / std::log(ratio));
+  };
+  for (double const line : {0.05, 0.04, 0.033}) {
+    auto const noise = [=](Point const& x) { return std::log(0.0492 * std::pow(x[0] / 0.3495, -1.96) / line); };
+    double cheapest = infinity, rim = 0;
+    for (double a = 0.30; a <= 0.49; a += 2e-6)
+      if (noise({a}) <= 0 && count({a}) <= cheapest) {
+        cheapest = count({a});
+        rim = a;
+      }
+    SearchProblem p = problem_of({{0.30, 0.49}}, {0.42}, count, {noise});
+    p.tolerance = 0.01;
+    SearchResult const r = search(p);
+    ASSERT_TRUE(r.best()) << line;
+    EXPECT_EQ(r.best()->objective, cheapest) << line;
+    EXPECT_NEAR(r.best()->at[0], rim, 2e-5) << line;  // the quietest of this count
+    EXPECT_LT(r.all.size(), 40u) << line;
+  }
+}
+
+TEST(Search, WholeNumbers) {
+  auto const cost = [](Point const& x) { return 800 * x[0] + 20 / x[1]; };
+  auto const noise = [](Point const& x) { return std::log(3 / x[0] + 2 * x[1]); };
+  double cheapest = infinity;
+  for (double n = 1; n <= 60; ++n)
+    for (double b = 0.01; b <= 1; b *= 1.00001)
+      if (noise({n, b}) <= 0) cheapest = std::min(cheapest, cost({n, b}));
+  SearchResult const r = search(problem_of({{1, 60, true}, {0.01, 1}}, {30, 0.1}, cost, {noise}));
+  ASSERT_TRUE(r.best());
+  EXPECT_NEAR(r.best()->objective / cheapest, 1, 1e-4);
+  EXPECT_EQ(r.best()->at[0], std::round(r.best()->at[0]));
+}
+
+TEST(Search, NothingMeetsTheLimit) {
+  auto const cost = [](Point const& x) { return x[0]; };
+  auto const noise = [](Point const& x) { return std::log(2 / x[0]); };
+  SearchResult const r = search(problem_of({{0.1, 1}}, {0.5}, cost, {noise}));
+  EXPECT_FALSE(r.best());
+  ASSERT_TRUE(r.closest());
+  EXPECT_NEAR(r.closest()->at[0], 1, 1e-6);  // the end of the range
+}
+
+TEST(Search, StopsBetweenEvaluations) {
+  SearchProblem p = problem_of({{0.05, 0.4}}, {0.2}, gap_cost, {});
+  auto const whole = p.evaluate;
+  int left = 4;
+  p.evaluate = [&](Point const& x) { return left-- > 0 ? whole(x) : std::nullopt; };
+  SearchResult const r = search(p);
+  EXPECT_TRUE(r.stopped);
+  EXPECT_EQ(r.all.size(), 4u);
+}
+
+}  // namespace
+}  // namespace straytrace::session
