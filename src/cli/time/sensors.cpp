@@ -19,6 +19,7 @@
 #include "noise/project/static_phase.hpp"
 #include "results/results.hpp"
 #include "results/text/sheets.hpp"
+#include "session/diagnostics.hpp"
 #include "spectra/files/series_file.hpp"
 
 namespace straytrace::cli {
