@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command `optimise`: the search over the candidates of a scene, the best ones traced anew, and what is told of
+// The command `optimise`: the search over the candidates of a scene, the best ones traced anew, and their report
 // them (docs/theory/optimisation.md).
 #pragma once
 

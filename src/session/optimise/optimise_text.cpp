@@ -106,7 +106,8 @@ std::string binding_text(OptimiseReport const& r, Outcome const& best) {
   for (std::size_t k = 0; k < best.excess.size(); ++k) {
     std::string const& name = k < relations ? r.order.relations[k].text : r.order.limits[k - relations].text;
     double const room = k < relations ? -best.excess[k] : 1 - std::exp(best.excess[k]);
-    text += fmt::format("{}: {}, {:.2g} % of room\n", name, room < near ? "binds" : "does not bind", 100 * room);
+    text += fmt::format("{}: {}, {:.2g} % of room\n", name, room < near ? "binds" : "does not bind",
+                        100 * std::max(0.0, room));
   }
   if (Outcome const* const next = r.order.least_noise() ? nullptr : next_cheaper(r, best))
     text += fmt::format("next lower cost that was traced: {:.6g} with {}, h/limit {}, upper limit {}: not met\n",

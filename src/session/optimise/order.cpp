@@ -44,6 +44,8 @@ Complain of_option(std::string option, std::vector<InputError>& errors) {
 char const* const limit_example =
     "write 'h_total < 0.1 x et-d-points between 3 Hz and 1 kHz with 95 %', or a relation such as 'rim > 34 cm'";
 
+constexpr double least_excess = 1e-12;  // of equal values where one must be smaller
+
 std::string trimmed(std::string text) {
   text.erase(0, std::min(text.find_first_not_of(' '), text.size()));
   text.erase(text.find_last_not_of(' ') + 1);
@@ -79,7 +81,7 @@ class OrderReader {
                                   described(b->quantity.dimension)),
                       "give both sides the same dimension", 0, 0);
     bool const less = text[sign] == '<';
-    order_.relations.push_back({text, less ? before : after, less ? after : before});
+    order_.relations.push_back({text, less ? before : after, less ? after : before, right > sign + 1});
   }
 
   // A parameter with its ends or its values.
@@ -318,7 +320,7 @@ double SceneValues::excess(Relation const& r) const {
   auto const a = value(r.smaller), b = value(r.larger);
   if (!a || !b) return not_a_number;
   double const x = a->quantity.si, y = b->quantity.si, scale = std::max(std::fabs(x), std::fabs(y));
-  return scale > 0 ? (x - y) / scale : 0;
+  return x != y ? (x - y) / scale : r.or_equal ? 0 : least_excess;
 }
 
 }  // namespace straytrace::session

@@ -32,6 +32,7 @@ struct NoiseLimit {
 // "rim > 6 * beam_radius": known without a trace.
 struct Relation {
   std::string text, smaller, larger;
+  bool or_equal = false;
 };
 
 struct OptimiseOrder {

@@ -37,7 +37,8 @@ using Vector = Eigen::VectorXd;
 constexpr double first_radius = 0.25, largest_radius = 0.5, penalty = 10;
 constexpr double accepted = 0.1, trusted = 0.75;  // of the predicted gain (eq. O.6)
 constexpr double margin = 1e-6;                   // below a limit that is aimed at
-constexpr double finest = 1e-5;                   // of a range: where a step of the price is said to lie
+constexpr double finest = 1e-5;                   // of a range: accuracy of the edges of the steps of a price
+constexpr double unmeasured = 1e3;                // above the merit of what is measured
 constexpr int most_steps = 40;                    // of the price that are walked along an axis
 
 // Coordinates in which ranges are 0 to 1: logarithms where a range is above zero.
@@ -120,7 +121,13 @@ class RegionSearch {
     if (!problem_.price) return objective;  // a logarithm itself
     return logarithmic() ? std::log(objective) : objective / std::max(std::fabs(first), 1e-300);
   }
-  double merit(Candidate const& c) const { return scaled(c.objective) + penalty * std::max(0.0, c.worst()); }
+  // A candidate that breaks a relation is not measured: it ranks behind all others, by what is known of it.
+  double merit(Candidate const& c) const {
+    if (std::isfinite(c.worst()) || c.excess.empty()) return scaled(c.objective) + penalty * std::max(0.0, c.worst());
+    double known = 0;
+    for (double const e : c.excess) known = std::isnan(e) ? known : std::max(known, e);
+    return known > 0 ? unmeasured + penalty * known : infinity;
+  }
   bool in_slice(Candidate const& c) const { return !fixed_ || c.at[std::size_t(fixed_->axis)] == fixed_->value; }
   bool is_fixed(Eigen::Index axis) const { return fixed_ && fixed_->axis == axis; }
   std::size_t centre() const {

@@ -133,6 +133,11 @@ TEST_F(Optimise, RelationsBeforeTraces) {
     if (c["traced"]) lowest = std::min(lowest, number(c["settings"]["black"]));
   EXPECT_GE(lowest, 2e-5);
   EXPECT_LT(lowest, 2.2e-5);
+  Words counted = range;  // 20 rings are not fewer than 20
+  counted.insert(counted.end(), {"--subject", "count(rings) < 20"});
+  EXPECT_EQ(run(counted, "counted").code, 4);
+  counted.back() = "count(rings) <= 20";
+  EXPECT_EQ(run(counted, "equal").code, 0);
   Words none = range;
   none.insert(none.end(), {"--subject", "gap > 1 cm"});
   ASSERT_EQ(run(none, "none").code, 0);

@@ -138,6 +138,26 @@ TEST(Search, WholeNumbers) {
   EXPECT_EQ(r.best()->at[0], std::round(r.best()->at[0]));
 }
 
+// From a start that breaks a relation, where nothing is measured. Control: without the relation the start is measured.
+TEST(Search, StartsWhereNothingIsMeasured) {
+  for (bool const related : {true, false}) {
+    SearchProblem p = problem_of({{0.1, 10}, {0.1, 10}}, {9, 9}, {}, {});
+    p.evaluate = [=](Point const& x) {
+      double const relation = (x[0] - 2) / std::max(x[0], 2.0);
+      bool const measured = !related || relation <= 0;
+      Candidate c{x, measured ? std::log(x[1] / x[0] + x[0] / 8) : not_a_number, {relation}, 0, 0};
+      if (!related) c.excess = {-1};
+      return std::optional(c);
+    };
+    p.price = {};
+    SearchResult const r = search(p);
+    ASSERT_TRUE(r.best());
+    EXPECT_NEAR(r.best()->at[0], std::sqrt(0.8), 0.01);
+    EXPECT_NEAR(r.best()->at[1], 0.1, 1e-4);
+    EXPECT_EQ(std::isnan(r.all.front().objective), related);
+  }
+}
+
 TEST(Search, NothingMeetsTheLimit) {
   auto const cost = [](Point const& x) { return x[0]; };
   auto const noise = [](Point const& x) { return std::log(2 / x[0]); };
