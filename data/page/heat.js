@@ -92,31 +92,33 @@ function outline(place, [a, b, c, d]) {
 
 // Cells as a picture of some px a side, of what lies within a box.
 function cellPicture({place, values, errors}, [x0, x1, y0, y1], wide, tall, colour) {
-  const canvas = el("canvas", {width: wide, height: tall}), g = canvas.getContext("2d");
+  const canvas = el("canvas", {width: wide, height: tall}), g = canvas.getContext("2d", {willReadFrequently: true});
+  const across = x => (x - x0) / (x1 - x0) * wide, down = y => (y1 - y) / (y1 - y0) * tall;
   for (let i = 0; i < place.n; ++i) {
     if (!(values[i] > 0)) continue;
     const corners = place.corners(i), [a, b, c, d] = cellBox(place, corners);
     if (b < x0 || a > x1 || d < y0 || c > y1) continue;
     g.beginPath();
     const whole = place.polar ? v => v : Math.round;  // no seams between rectangles
-    for (const [x, y] of outline(place, corners)) g.lineTo(whole((x - x0) / (x1 - x0) * wide), whole((y1 - y) / (y1 - y0) * tall));
+    for (const [x, y] of outline(place, corners)) g.lineTo(whole(across(x)), whole(down(y)));
     g.closePath();
     g.fillStyle = colour(values[i]);
     g.fill();
-    if (!(errors[i] < uncertain * values[i])) hatch(g, wide, tall);
+    if (!(errors[i] < uncertain * values[i]))
+      hatch(g, Math.max(0, across(a)), Math.min(wide, across(b)), Math.max(0, down(d)), Math.min(tall, down(c)));
   }
   return canvas.toDataURL();
 }
 
-// Slanted white lines within the path that was drawn last, in step from cell to cell.
-function hatch(g, wide, tall) {
+// Slanted white lines within the path that was drawn last, which lies in this box; in step from cell to cell.
+function hatch(g, left, right, top, bottom) {
   const step = 9;
   g.save();
   g.clip();
   g.beginPath();
-  for (let k = 0; k < wide + tall; k += step) {
-    g.moveTo(k, 0);
-    g.lineTo(k - tall, tall);
+  for (let k = Math.floor((left + top) / step) * step; k < right + bottom + step; k += step) {
+    g.moveTo(k - top, top);
+    g.lineTo(k - bottom, bottom);
   }
   g.strokeStyle = "#fff";
   g.lineWidth = 2;

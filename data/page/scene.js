@@ -13,9 +13,11 @@ class Stage {
     this.measure();
     this.build(parent);
     if (!this.start()) return;
+    this.unfinished = true;  // drawn once, when all is there
     this.addParts();
     this.addAxes();
     this.look();
+    this.unfinished = false;
     this.resize();
     window.addEventListener("resize", () => this.resize());
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.resize());
@@ -220,7 +222,7 @@ class Stage {
     else if (this.chosen) this.choose(this.chosen);
   }
   draw() {
-    if (!this.renderer) return;
+    if (!this.renderer || this.unfinished) return;
     this.renderer.render(this.three, this.camera);
     this.placeLabels();
   }
