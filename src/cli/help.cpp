@@ -19,7 +19,8 @@ std::vector<Task> const& tasks() {
   static std::vector<Task> const all = {
       {"Model", {add_check, add_print, add_inspect, add_render, add_view}},
       {"Light", {add_run, add_trace, add_importance, add_apertures, add_wave, add_ghosts, add_ifo}},
-      {"Noise", {add_noise, add_budget, add_scan, add_sensitivity, add_optimise, add_project, add_fringes, add_sensors}},
+      {"Noise",
+       {add_noise, add_budget, add_scan, add_sensitivity, add_optimise, add_project, add_fringes, add_sensors}},
       {"Data", {add_signal, add_couple, add_fit}},
       {"Results", {add_paths, add_maps, add_report, add_diff}},
       {"Cluster", {add_submit, add_merge}},

@@ -28,16 +28,17 @@ NoiseBudget measured(std::uint64_t seed, std::size_t bins, double common) {
     for (std::size_t i = 0; i < bins; ++i)
       sums[std::size_t(r)][i] = 0.1 * (std::sqrt(common) * gaussian(seed, std::uint64_t(r)) +
                                        std::sqrt(1 - common) * gaussian(seed, 100 + std::uint64_t(r) * bins + i));
-  b.deviations.assign(replicas, std::vector<double>(bins));
+  b.total.without.assign(replicas, std::vector<double>(bins));
   for (std::size_t i = 0; i < bins; ++i) {
     double mean = 0, square = 0;
     for (auto const& own : sums) mean += own[i] / replicas;
+    b.total.asd.push_back(1 + mean);
     for (int r = 0; r < replicas; ++r) {
       double const d = (sums[std::size_t(r)][i] - mean) / std::sqrt(double(replicas) * (replicas - 1));
-      b.deviations[std::size_t(r)][i] = d;
+      // The PSD without this replica, so that it changes the ASD by d.
+      b.total.without[std::size_t(r)][i] = -2 * b.total.asd[i] * d * std::sqrt(replicas / (replicas - 1.0));
       square += d * d;
     }
-    b.total.asd.push_back(1 + mean);
     b.total.sigma.push_back(std::sqrt(square));
   }
   return b;
@@ -47,20 +48,20 @@ NoiseBudget measured(std::uint64_t seed, std::size_t bins, double common) {
 double student(double probability) { return boost::math::quantile(boost::math::students_t(replicas - 1), probability); }
 
 TEST(Confidence, FactorOfOneBin) {
-  EXPECT_NEAR(factor_of_all(measured(1, 1, 0).deviations, 0.95), student(0.95), 1e-9);
+  EXPECT_NEAR(factor_of_all(deviations(measured(1, 1, 0).total), 0.95), student(0.95), 1e-9);
   EXPECT_NEAR(student(0.95), 1.696, 1e-3);
 }
 
 TEST(Confidence, FactorOfEqualBinsIsThatOfOne) {
-  EXPECT_NEAR(factor_of_all(measured(1, 20, 1).deviations, 0.95), student(0.95), 0.05);
+  EXPECT_NEAR(factor_of_all(deviations(measured(1, 20, 1).total), 0.95), student(0.95), 0.05);
 }
 
 // Replicas that act on one bin each: independent errors, whose largest exceeds z with 1 - Phi(z)^2.
 TEST(Confidence, FactorOfIndependentBins) {
-  std::vector<std::vector<double>> deviations(replicas, std::vector<double>(2));
-  for (int r = 0; r < replicas; ++r) deviations[std::size_t(r)][std::size_t(r % 2)] = gaussian(3, std::uint64_t(r));
+  std::vector<std::vector<double>> single(replicas, std::vector<double>(2));
+  for (int r = 0; r < replicas; ++r) single[std::size_t(r)][std::size_t(r % 2)] = gaussian(3, std::uint64_t(r));
   double const expected = student(std::sqrt(0.95));
-  EXPECT_NEAR(factor_of_all(deviations, 0.95), expected, 0.07);
+  EXPECT_NEAR(factor_of_all(single, 0.95), expected, 0.07);
   EXPECT_GT(expected - student(0.95), 0.25);  // negative control: the factor of one bin
 }
 
