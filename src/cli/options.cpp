@@ -149,7 +149,8 @@ void add_overrides(CLI::App& command, std::vector<std::string>& overrides, std::
 }
 
 void add_param_option(CLI::App& command, SceneOptions& options) {
-  add_overrides(command, options.overrides, "set a parameter, for example -p rim=48cm");
+  add_overrides(command, options.overrides,
+                "set a parameter, for example -p rim=48cm, or any value by its place in the scene");
 }
 
 void add_scene_options(CLI::App& command, SceneOptions& options, char const* input) {

@@ -265,7 +265,8 @@ void add_inspect(CLI::App& app, int& exit_code) {
           "scene, or motion file")
       ->required();
   command->add_option("scene", o.scene, "scene that contains the material");
-  add_overrides(*command, o.overrides, "set a parameter, for example -p rim=48cm");
+  add_overrides(*command, o.overrides,
+                "set a parameter, for example -p rim=48cm, or any value by its place in the scene");
   mark_output(*command, *command->add_option("--plot", o.plot,
                                              "draw the parts, BSDF against |beta - beta0| and TIS against angle, "
                                              "measured scatter with fits and residuals, or "
