@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double worth_naming = 0.03;  // narrowing of the band
 
-std::string hertz(double hz) { return fmt::format("{:.3g} Hz", hz); }
+std::string hertz(double hz) { return hz < 1000 ? fmt::format("{:.3g} Hz", hz) : fmt::format("{:.0f} Hz", hz); }
 
 std::string elasticity_text(BinValues const& e, std::size_t bin) {
   if (bin >= e.value.size()) return "outside the band";
