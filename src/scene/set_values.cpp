@@ -8,19 +8,6 @@
 namespace straytrace::scene {
 namespace {
 
-// "materials.steel.scatter[1].brdf" as materials, steel, scatter, 1, brdf.
-std::vector<std::string> keys_of(std::string_view place) {
-  std::vector<std::string> keys;
-  for (std::size_t from = 0; from <= place.size();) {
-    std::size_t const to = std::min(place.find_first_of(".[", from), place.size());
-    std::string_view key = place.substr(from, to - from);
-    if (key.ends_with(']')) key.remove_suffix(1);
-    keys.emplace_back(key);
-    from = to + 1;
-  }
-  return keys;
-}
-
 std::string name_of(NodeData const& element) {
   NodeData::Entry const* name = element.kind == Node::Kind::table ? element.find("name") : nullptr;
   return name ? name->value->text : "";
@@ -55,7 +42,7 @@ class Setter {
         at_{document.command_line(), line, 4} {}  // behind "-p "
 
   void set(NodeData& model) const {
-    std::vector<std::string> const keys = keys_of(place_);
+    std::vector<std::string> const keys = keys_of_place(place_);
     NodeData* data = &model;
     for (std::size_t i = 0; i < keys.size(); ++i) {
       bool const last = i + 1 == keys.size();
@@ -114,6 +101,18 @@ class Setter {
 };
 
 }  // namespace
+
+std::vector<std::string> keys_of_place(std::string_view place) {
+  std::vector<std::string> keys;
+  for (std::size_t from = 0; from <= place.size();) {
+    std::size_t const to = std::min(place.find_first_of(".[", from), place.size());
+    std::string_view key = place.substr(from, to - from);
+    if (key.ends_with(']')) key.remove_suffix(1);
+    keys.emplace_back(key);
+    from = to + 1;
+  }
+  return keys;
+}
 
 bool names_place(std::string const& text) {
   std::size_t const equals = text.find('='), point = text.find_first_of(".[");

@@ -9,9 +9,10 @@
 
 namespace straytrace::scene {
 
-// A place has at least two keys with a point between them, which no parameter has. "scene.ring.at[2]": elements of a
-// list by their `name` or their number, counted from 0.
+// A place is two or more keys separated by dots; the name of a parameter contains no dot. An element of a list is
+// addressed by its `name` or its number, counted from 0: "scene.ring.at[2]".
 bool names_place(std::string const& override_text);
+std::vector<std::string> keys_of_place(std::string_view place);  // "scene.ring.at[2]": scene, ring, at, 2
 
 // Replaces the scalars of the merged model that these overrides name, or adds their last key; records problems at the
 // command line. Overrides of parameters are left out.

@@ -50,7 +50,7 @@ void refuse_files_of_what_if(NoiseOptions const& options) {
 // The noise as it would be with other inputs.
 int noise_if(NoiseOptions const& options, OpenRun& run) {
   WhatIf const changed = what_if(run, options.set);
-  CouplingTable const& light = changed.light.table;
+  CouplingTable const& light = changed.light;
   print_warnings(changed.model, options);
   NoiseBudget const budget = changed.model.project_with_bands(light);
   print_warnings(budget, options);
@@ -62,6 +62,10 @@ int noise_if(NoiseOptions const& options, OpenRun& run) {
   content.noise = &budget;
   content.interferometer = changed.model.detector->description();
   for (std::string const& statement : changed.statements) content.warnings.push_back("what if " + statement);
+  if (!changed.warning.empty()) {
+    content.warnings.push_back(changed.warning);
+    print_warning(changed.warning, options);
+  }
   if (options.json()) {
     std::cout << summary_json(content, paths) << '\n';
     return done;

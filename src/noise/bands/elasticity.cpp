@@ -27,10 +27,9 @@ double hint(NoiseTrace const& t, std::size_t i) {
   return t.hint_sigma.empty() || !(t.asd[i] > 0) ? 0 : t.hint_sigma[i] / t.asd[i];
 }
 
-// A function of two PSDs in each bin, with its jackknife where both have the same replicas; `unresolved`: its change
-// with the relative change of the ASD of either by routes that no replica tells of.
+// A function of two PSDs in each bin, with its jackknife where both have the same replicas.
 template <class Function>
-BinValues of_pair(NoiseTrace const& a, NoiseTrace const& b, double unresolved, Function const& f) {
+BinValues of_pair(NoiseTrace const& a, NoiseTrace const& b, Function const& f) {
   BinValues out;
   std::vector<Doubles> const ra = replicas_of(a), rb = replicas_of(b);
   std::size_t const both = std::max(ra.size(), rb.size());
@@ -39,8 +38,7 @@ BinValues of_pair(NoiseTrace const& a, NoiseTrace const& b, double unresolved, F
     for (std::size_t r = 0; r < both; ++r)
       values.push_back(f(ra.empty() ? a.psd(i) : ra[r][i], rb.empty() ? b.psd(i) : rb[r][i]));
     out.value.push_back(f(a.psd(i), b.psd(i)));
-    double const sampled = values.empty() ? 0 : std::sqrt(jackknife_variance(values));
-    out.sigma.push_back(std::hypot(sampled, unresolved * std::max(hint(a, i), hint(b, i))));
+    out.sigma.push_back(values.empty() ? 0 : std::sqrt(jackknife_variance(values)));
   }
   return out;
 }
@@ -82,15 +80,18 @@ RowFactor of_named(CouplingClass const& c, RouteFactor const& factor) {
 RowFactor scale_members(CouplingClass& c, RouteFactor const& factor, RowFactor const& named) {
   Doubles of_member;
   for (MemberRoute const& m : c.members) of_member.push_back(m.steps.empty() ? not_a_number : factor(m.steps));
-  double before = 0, after = 0, unknown = 0;
+  double before = 0, after = 0, unknown = 0, least = infinity, most = 0;
   for (PathRecord& r : c.records) {
     double const own = r.member < of_member.size() ? of_member[r.member] : not_a_number;
+    double const factor_of_path = std::isnan(own) ? named.mean : own;
     before += r.weight;
     if (std::isnan(own)) unknown += r.weight;
-    scale(r, std::isnan(own) ? named.mean : own);
+    scale(r, factor_of_path);
     after += r.weight;
+    least = std::min(least, factor_of_path);
+    most = std::max(most, factor_of_path);
   }
-  c.phase_sensitivities.clear();  // moments of another mixture
+  if (least < most) c.phase_sensitivities.clear();  // moments of another mixture
   return before > 0 ? RowFactor{after / before, unknown / before} : named;
 }
 
@@ -112,8 +113,13 @@ void scale_sums(CouplingClass& c, double factor) {
 }  // namespace
 
 BinValues log_ratio(NoiseTrace const& a, NoiseTrace const& b, bool paired, double unresolved) {
-  if (paired && a.without.size() == b.without.size()) return of_pair(a, b, unresolved, half_log);
   BinValues out;
+  if (paired && a.without.size() == b.without.size()) {
+    out = of_pair(a, b, half_log);
+    for (std::size_t i = 0; i < out.sigma.size(); ++i)
+      out.sigma[i] = std::hypot(out.sigma[i], unresolved * std::max(hint(a, i), hint(b, i)));
+    return out;
+  }
   for (std::size_t i = 0; i < a.asd.size(); ++i) {
     out.value.push_back(half_log(a.psd(i), b.psd(i)));
     out.sigma.push_back(std::hypot(ratio(a.sigma[i], a.asd[i]), ratio(b.sigma[i], b.asd[i])));
@@ -122,7 +128,12 @@ BinValues log_ratio(NoiseTrace const& a, NoiseTrace const& b, bool paired, doubl
 }
 
 BinValues elasticity(NoiseTrace const& derivative, NoiseTrace const& total) {
-  return of_pair(derivative, total, 1, [](double d, double s) { return 0.5 * ratio(d, s); });
+  BinValues out = of_pair(derivative, total, [](double d, double s) { return 0.5 * ratio(d, s); });
+  for (std::size_t i = 0; i < out.sigma.size(); ++i) {
+    double const unresolved = 2 * out.value[i] * std::hypot(hint(derivative, i), hint(total, i));
+    if (unresolved > 0) out.sigma[i] = std::hypot(out.sigma[i], unresolved);
+  }
+  return out;
 }
 
 BinValues central_elasticity(std::function<NoiseTrace(double factor)> const& total) {

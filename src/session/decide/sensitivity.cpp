@@ -236,7 +236,7 @@ void share_out(Sensitivity& s) {
     for (std::size_t i = 0; in.factor > 1 && i < s.band.size(); ++i) s.band[i] += part(in, i);
   for (SensitiveInput& in : s.inputs)
     for (std::size_t i = 0; in.factor > 1 && i < s.band.size(); ++i)
-      in.share.push_back(s.band[i] > 0 ? part(in, i) / s.band[i] : 0);
+      in.share.push_back(s.band[i] == 0 ? 0 : part(in, i) / s.band[i]);
   for (double& b : s.band) b = std::sqrt(b);
 }
 

@@ -112,6 +112,10 @@ std::string next_measurement(Sensitivity const& s) {
         "No input states a standard deviation ('uncertainty'). State first those that h follows most: {}.\n",
         fmt::join(names, ", "));
   }
+  if (std::isnan(s.band[s.decides]))
+    return fmt::format(
+        "The band of h {} is not known, because an elasticity of an input with a stated uncertainty is not.{}\n", where,
+        other_leaders(s, nullptr));
   SensitiveInput const* const best = leader_at(s, s.decides);
   if (!best)
     return fmt::format(
@@ -135,7 +139,8 @@ std::string sensitivity_text(Sensitivity const& s) {
     std::vector<std::string> row{in.name, name_of(in.kind), in.value};
     for (double const hz : s.frequencies) row.push_back(elasticity_text(in.elasticity, s.grid.bin_of(hz)));
     row.push_back(stated_text(in));
-    row.push_back(in.share.empty() ? "-" : fmt::format("{:.3g} %", 100 * in.share[s.decides]));
+    bool const known = !in.share.empty() && std::isfinite(in.share[s.decides]);
+    row.push_back(in.share.empty() ? "-" : known ? fmt::format("{:.3g} %", 100 * in.share[s.decides]) : "not known");
     c.rows.push_back(std::move(row));
   }
   std::string text =

@@ -15,6 +15,7 @@
 #include "base/text/words.hpp"
 #include "noise/bands/inversion.hpp"
 #include "scene/model_tree.hpp"
+#include "scene/set_values.hpp"
 #include "session/decide/reweighted.hpp"
 #include "world/model/material.hpp"
 
@@ -44,19 +45,9 @@ Setting parsed(std::string const& text) {
   return s;
 }
 
-std::vector<std::string> keys_of(std::string const& place) {
-  std::vector<std::string> keys(1);
-  for (char const c : place)
-    if (c == '.')
-      keys.emplace_back();
-    else
-      keys.back() += c;
-  return keys;
-}
-
 // The keys of `name` occur in `place` in this order, and its last key is the last.
 bool leads_to(std::string const& name, std::string const& place) {
-  std::vector<std::string> const wanted = keys_of(name), keys = keys_of(place);
+  std::vector<std::string> const wanted = scene::keys_of_place(name), keys = scene::keys_of_place(place);
   if (wanted.back() != keys.back()) return false;
   auto at = keys.begin();
   for (std::string const& key : wanted) {
@@ -92,7 +83,7 @@ SceneValue value_named(std::string const& name, std::vector<SceneValue> const& a
   std::vector<std::string> several;
   for (SceneValue const& v : found) several.push_back(v.place);
   if (!found.empty())
-    throw InputError(fmt::format("--set: '{}' can be {} values of the scene", name, found.size()),
+    throw InputError(fmt::format("--set: '{}' names {} values of the scene", name, found.size()),
                      fmt::format("write one of {}", fmt::join(several, ", ")));
   throw InputError(fmt::format("--set: the scene has no value '{}'", name), did_you_mean(name, places, forms));
 }
@@ -120,21 +111,51 @@ class Changes {
   WhatIf result() {
     WhatIf out;
     if (!of_materials_.empty()) change_laws();
+    scale_light(out);
     ProjectionModel model = of_projection_.empty() ? std::move(run_.model) : projection_of(run_.file, of_projection_);
     for (auto const& [moved, factor] : moved_) model.motion = with_scaled_body(model.motion, moved, factor);
     out.model = std::move(model);
-    CouplingTable const& light = reweighted_ ? reweighted_->table : run_.file.trace.coupling;
-    out.light = scaled_couplings(light, [&](std::vector<PathStep> const& steps) {
-      double product = 1;
-      for (std::size_t m = 0; m < factor_.size(); ++m)
-        if (factor_[m] != 1) product *= std::pow(factor_[m], scatters_on(materials_[m], steps));
-      return product;
-    });
     out.statements = std::move(statements_);
     return out;
   }
 
  private:
+  void scale_light(WhatIf& out) {
+    CouplingTable const& light = reweighted_ ? reweighted_->table : run_.file.trace.coupling;
+    if (std::ranges::all_of(factor_, [](double f) { return f == 1; })) {
+      out.light = light;
+      return;
+    }
+    ScaledCouplings scaled = scaled_couplings(light, [&](std::vector<PathStep> const& steps) {
+      double product = 1;
+      for (std::size_t m = 0; m < factor_.size(); ++m)
+        if (factor_[m] != 1) product *= std::pow(factor_[m], scatters_on(materials_[m], steps));
+      return product;
+    });
+    out.light = std::move(scaled.table);
+    if (run_.model.detector) out.warning = about_unnamed(light, scaled.unknown);
+  }
+  // Rows whose routes are not all named follow those that are.
+  std::string about_unnamed(CouplingTable const& light, std::vector<double> const& unknown) const {
+    if (std::ranges::all_of(unknown, [](double u) { return u == 0; })) return {};
+    NoiseBudget const budget = run_.model.project(light);
+    double most = 1e-3;
+    std::size_t bin = budget.grid.size();
+    for (std::size_t i = 0; i < budget.grid.size(); ++i) {
+      double sum = 0;
+      for (std::size_t r = 0; r < budget.routes.size(); ++r) sum += unknown[r] * budget.routes[r].psd(i);
+      if (double const share = sum / budget.total.psd(i); share > most) {
+        most = share;
+        bin = i;
+      }
+    }
+    if (bin == budget.grid.size()) return {};
+    return fmt::format(
+        "--set: routes without a name carry up to {:.2g} % of the noise power as traced, at {:.3g} Hz: how often their "
+        "light scatters is not known, and they follow the named routes of their row",
+        100 * most, budget.grid.centre(bin));
+  }
+
   std::optional<std::size_t> material(std::string const& name) const {
     for (std::size_t m = 0; m < materials_.size(); ++m)
       if (materials_[m].name == name) return m;
@@ -180,11 +201,7 @@ class Changes {
     return share * scale / now;
   }
   void scale(std::size_t m, double factor, std::string const& text) {
-    double const now = scattered_[m];
-    if (factor * now > 1)
-      throw InputError(
-          fmt::format("--set {}: '{}' would scatter {:.3g} of the light", text, materials_[m].name, factor * now),
-          fmt::format("at most x{:.3g}", 1 / now));
+    if (factor > 1) refuse_gain(m, factor, text);
     if (materials_[m].of_reflection)
       throw InputError(
           fmt::format("--set {}: what is stated of '{}' is its reflectance, which decides where light goes", text,
@@ -192,6 +209,23 @@ class Changes {
           "change the scene, and trace it");
     factor_[m] *= factor;
     statements_.push_back(fmt::format("{}: BRDF of {} times {:.4g}", text, materials_[m].name, factor));
+  }
+  // Scattered, reflected and transmitted light together are at most all of it, at any incidence.
+  void refuse_gain(std::size_t m, double factor, std::string const& text) {
+    if (!traced_) traced_.emplace(model_of(run_.file));
+    WorldView const view = traced_->world.view();
+    for (MaterialInfo const& info : traced_->world.materials)
+      for (double degrees = 0; info.name == materials_[m].name && degrees < 90; degrees += 5) {
+        MaterialShares const now = shares_at(view, view.optics[info.optic], degrees);
+        double const others = now.reflect + now.transmit, most = (1 - others) / now.scattered;
+        if (factor > most * (1 + 1e-9))
+          throw InputError(
+              fmt::format(
+                  "--set {}: '{}' would scatter {:.3g} of the light at {:.0f} degrees of incidence, besides the "
+                  "{:.3g} that it reflects and transmits",
+                  text, info.name, factor * now.scattered, degrees, others),
+              fmt::format("at most x{:.3g}", most));
+      }
   }
   void move(Setting const& s, BodyId moved) {
     if (!s.factor)
@@ -294,6 +328,7 @@ class Changes {
   std::vector<std::string> of_projection_, of_materials_, statements_;
   std::vector<SceneValue> values_;
   std::optional<ScaledCouplings> reweighted_;
+  std::optional<Model> traced_;  // with surfaces and materials; where they are needed
 };
 
 }  // namespace
@@ -306,7 +341,7 @@ std::vector<SceneValue> scene_values(Scene const& scene) {
 }
 
 bool of_projection(std::string const& place) {
-  std::string const top = keys_of(place).front();
+  std::string const top = scene::keys_of_place(place).front();
   return top == "bodies" || top == "interferometer" || top == "noise";
 }
 

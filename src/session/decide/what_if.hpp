@@ -13,8 +13,9 @@ namespace straytrace::session {
 
 struct WhatIf {
   ProjectionModel model;                // with the changes of motion and interferometer
-  ScaledCouplings light;                // with those of the scatter
+  CouplingTable light;                  // with those of the scatter
   std::vector<std::string> statements;  // each change in words
+  std::string warning;                  // of light whose scatters are not counted; empty: it is below 1e-3 of the noise
 };
 
 // `settings`, any number together:

@@ -82,7 +82,7 @@ TEST_F(WhatIf, WrongSettingsAreAllNamed) {
     EXPECT_THAT(done.err, HasSubstr(message));
   Finished const several = noise({"materials.exponent=3"});
   EXPECT_EQ(several.code, 2);
-  EXPECT_THAT(several.err, HasSubstr("can be 2 values of the scene"));
+  EXPECT_THAT(several.err, HasSubstr("names 2 values of the scene"));
   Finished const place = noise({"params.rim=48cm"});
   EXPECT_EQ(place.code, 2);
   EXPECT_THAT(place.err, HasSubstr("'params.rim' changes where light goes"));
