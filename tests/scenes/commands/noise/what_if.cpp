@@ -83,6 +83,10 @@ TEST_F(WhatIf, WrongSettingsAreAllNamed) {
   Finished const several = noise({"materials.exponent=3"});
   EXPECT_EQ(several.code, 2);
   EXPECT_THAT(several.err, HasSubstr("names 2 values of the scene"));
+  Finished const bright = noise({"test_mass=x100"});  // 9e-4 of the light, of which the mirror leaves 75 ppm
+  EXPECT_EQ(bright.code, 2);
+  EXPECT_THAT(bright.err, HasSubstr("that it reflects and transmits"));
+  EXPECT_EQ(noise({"test_mass=x8"}).code, 0) << "control";
   Finished const place = noise({"params.rim=48cm"});
   EXPECT_EQ(place.code, 2);
   EXPECT_THAT(place.err, HasSubstr("'params.rim' changes where light goes"));
