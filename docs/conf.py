@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How scripts/docs makes the pages (Sphinx, MyST). The pages themselves stay plain Markdown that any reader shows."""
+import os
 import pathlib
 import re
 
@@ -9,7 +10,9 @@ KATEX = pathlib.Path("/usr/share/javascript/katex")     # Debian's libjs-katex: 
 project = "straytrace"
 copyright = "the straytrace authors, BSD-3-Clause"
 release = re.search(r"straytrace VERSION ([\d.]+)", (HERE.parent / "CMakeLists.txt").read_text()).group(1)
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "breathe"]
+breathe_projects = {"straytrace": os.environ["STRAYTRACE_DOXYGEN"]}    # of the C++ library
+breathe_default_project = "straytrace"
 myst_enable_extensions = ["dollarmath"]
 myst_dmath_double_inline = True
 myst_heading_anchors = 5

@@ -114,5 +114,12 @@ using namespace results;
 using namespace report;
 using namespace session;
 }  // namespace cli
+namespace api {
+using namespace scene;
+using namespace trace;
+using namespace noise;
+using namespace results;
+using namespace session;
+}  // namespace api
 
 }  // namespace straytrace

@@ -57,7 +57,7 @@ int trace_only(TraceCommandOptions options, Transport* transport) {
     return done;
   }
   print_warnings(model, options);
-  TraceResult const traced = trace_model(model, options, options.out, transport).result;
+  TraceResult const traced = trace_model(model, options, options.out, {.transport = transport}).result;
   RunContent const content = earlier.completed(content_of(model, traced, nullptr));
   write_run(options.out, content);
   print_traced(content, model, options.out, options);

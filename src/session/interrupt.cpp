@@ -5,12 +5,17 @@ namespace straytrace::session {
 namespace {
 
 std::atomic<bool> stop_requested{false};
+std::atomic<bool> const* flag_in_use = &stop_requested;
 int guards = 0;
 
 }  // namespace
 
-InterruptGuard::InterruptGuard() {
+InterruptGuard::InterruptGuard(std::atomic<bool> const* flag) {
   if (guards++ > 0) return;
+  if (flag) {
+    flag_in_use = flag;
+    return;
+  }
   stop_requested = false;
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested = true; };
@@ -24,9 +29,13 @@ InterruptGuard::InterruptGuard() {
 
 InterruptGuard::~InterruptGuard() {
   if (--guards > 0) return;
+  if (flag_in_use != &stop_requested) {
+    flag_in_use = &stop_requested;
+    return;
+  }
   for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before_[i], nullptr);
 }
 
-std::atomic<bool> const& InterruptGuard::stop() const { return stop_requested; }
+std::atomic<bool> const& InterruptGuard::stop() const { return *flag_in_use; }
 
 }  // namespace straytrace::session

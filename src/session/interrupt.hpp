@@ -19,7 +19,9 @@ namespace straytrace::session {
 // a stop; a second Ctrl-C or SIGTERM ends the program at once. One thread makes them.
 class InterruptGuard {
  public:
-  InterruptGuard();
+  InterruptGuard() : InterruptGuard(nullptr) {}
+  // As the outermost object, with a flag: only this flag requests a stop, and signals are left alone.
+  explicit InterruptGuard(std::atomic<bool> const* flag);
   ~InterruptGuard();
   InterruptGuard(InterruptGuard const&) = delete;
   InterruptGuard& operator=(InterruptGuard const&) = delete;

@@ -82,15 +82,15 @@ RunFile read_run_file(std::string const& path) {
   return read_run(path);
 }
 
-OpenRun::OpenRun(std::string const& path)
-    : file(read_run_file(path)),
+OpenRun::OpenRun(RunFile run)
+    : file(std::move(run)),
       model(with_motion_of(file, traced_projection(file))),
       projected_with(file.about.motion_file) {}
 
 // A new motion file acts before the responses that stay, which its band must not undo; one that defines the
 // interferometer acts after them.
-OpenRun::OpenRun(std::string const& path, std::string const& motion, FileTexts* files)
-    : file(read_run_file(path)),
+OpenRun::OpenRun(RunFile run, std::string const& motion, FileTexts* files)
+    : file(std::move(run)),
       model(motion.empty() ? with_motion_of(file, traced_projection(file)) : traced_projection(file)),
       projected_with(file.about.motion_file) {
   if (files) *files = file.about.files;

@@ -29,11 +29,14 @@ RunFile read_run_file(std::string const& path);
 
 // A run and the model that projects it: no surface is built.
 struct OpenRun {
-  explicit OpenRun(std::string const& path);
+  explicit OpenRun(std::string const& path) : OpenRun(read_run_file(path)) {}
+  explicit OpenRun(RunFile);
   // With the motion in the file `motion` on disk instead of that which the run was projected with, unless it is empty.
   // Responses of ports that the run was projected with stay, except those that `motion` gives itself. `files`: gets the
   // texts of the run and of that file; throws where two of one name differ.
-  OpenRun(std::string const& path, std::string const& motion, FileTexts* files = nullptr);
+  OpenRun(std::string const& path, std::string const& motion, FileTexts* files = nullptr)
+      : OpenRun(read_run_file(path), motion, files) {}
+  OpenRun(RunFile, std::string const& motion, FileTexts* files = nullptr);
   OpenRun(OpenRun const&) = delete;  // the model refers to the texts in the file
   OpenRun& operator=(OpenRun const&) = delete;
 

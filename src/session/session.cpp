@@ -246,8 +246,8 @@ void require_this_program(Provenance const& about, std::string const& file, std:
                    remedy);
 }
 
-TracedModel trace_model(Model& model, TraceOptions const& options, std::string const& run_file, Transport* transport) {
-  InterruptGuard const guard;
+TracedModel trace_model(Model& model, TraceOptions const& options, std::string const& run_file, TraceControl const& control) {
+  InterruptGuard const guard(control.stop);
   if (model.histories < fewest_histories)
     print_warning(
         fmt::format("{} histories are too few for an error\n  ask for {} or more", model.histories, fewest_histories),
@@ -258,7 +258,7 @@ TracedModel trace_model(Model& model, TraceOptions const& options, std::string c
   settings.slice = {options.slice, options.slices};
   resume_earlier(model, options, run_file, settings);
   settings.seed = model.seed;
-  auto const backend = make_backend(transport ? "cpu" : options.backend);
+  auto const backend = make_backend(control.transport ? "cpu" : options.backend);
   settings.threads = options.threads > 0 ? options.threads : backend->callers();
   settings.max_seconds = model.until.max_seconds;
   if (model.until.by_error()) {
@@ -270,6 +270,7 @@ TracedModel trace_model(Model& model, TraceOptions const& options, std::string c
   SteeredWorld world = steer(model.world, options.threads);
   ProgressLine progress(options.quiet);
   settings.progress = [&](TraceProgress const& p) {
+    if (control.progress) return control.progress(p);
     if (events_on()) return print_progress(p, progress_line(p, model.until));
     progress.at(p.seconds, [&] { return progress_line(p, model.until); });
   };
@@ -280,8 +281,8 @@ TracedModel trace_model(Model& model, TraceOptions const& options, std::string c
     save(run_file, content_of(model, result, nullptr), options);
   };
   std::optional<Ranks> ranks;
-  if (transport) {
-    ranks.emplace(ranks_of(*transport, model));
+  if (control.transport) {
+    ranks.emplace(ranks_of(*control.transport, model));
     if (starts_in_field(model)) ranks->data = wave_image(*model.waves);
   }
   settings.ranks = ranks ? &*ranks : nullptr;

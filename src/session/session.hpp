@@ -2,8 +2,10 @@
 // Common parts of the commands: tracing with progress and interruption, and the files of a result.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "session/model.hpp"
 #include "session/options.hpp"
 #include "trace/result.hpp"
+#include "trace/run/trace.hpp"
 #include "trace/steered_world.hpp"
 
 namespace straytrace::trace {
@@ -23,6 +26,13 @@ namespace straytrace::session {
 // Lets the command line overrule the scene: seed, histories, stop rule.
 void apply(TraceOptions const&, Model&);
 
+// How the caller follows a trace, where not by stderr and Ctrl-C.
+struct TraceControl {
+  Transport* transport = nullptr;                           // this process is rank 0 of several
+  std::atomic<bool> const* stop = nullptr;                  // ends the trace with a valid result, in place of signals
+  std::function<void(TraceProgress const&)> progress = {};  // in place of the line on stderr
+};
+
 // The world of a model as it was traced, and the result. Refers to the model.
 struct TracedModel {
   SteeredWorld world;
@@ -30,9 +40,8 @@ struct TracedModel {
 };
 // Traces, or resumes the run file at `run_file` if it has the same model and seed. Progress goes to stderr; Ctrl-C
 // finishes the blocks in progress. From time to time the blocks done so far are written to `run_file`, unless it is
-// empty. Throws InputError if that would overwrite the run of another model without --force. `transport`: rank 0 of
-// several.
-TracedModel trace_model(Model&, TraceOptions const&, std::string const& run_file, Transport* transport = nullptr);
+// empty. Throws InputError if that would overwrite the run of another model without --force.
+TracedModel trace_model(Model&, TraceOptions const&, std::string const& run_file, TraceControl const& = {});
 
 // The result of these sums; traces nothing.
 TraceResult result_of(Model&, SumTree, PrintOptions const&);

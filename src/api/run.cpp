@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <limits>
+
+#include "api/errors.hpp"
+#include "api/source.hpp"
+#include "session/decide/what_if.hpp"
+#include "session/session.hpp"
+
+namespace straytrace::api {
+
+// What a table of paths needs besides the curves.
+struct Noise::Budget {
+  OpenRun run;
+  std::optional<WhatIf> changed;  // with other inputs than those of the run
+  NoiseBudget noise;
+
+  Budget(RunFile const& file, NoiseSettings const& settings) : run(file, settings.motion) {
+    if (!run.model.detector)
+      throw straytrace::InputError("this run has light on receivers but no port into an interferometer: no noise",
+                                   "give the scene a port, and trace it again");
+    if (!settings.set.empty()) changed.emplace(what_if(run, settings.set));
+    noise = model().project_with_bands(light());
+  }
+  ProjectionModel const& model() const { return changed ? changed->model : run.model; }
+  CouplingTable const& light() const { return changed ? changed->light : run.file.trace.coupling; }
+};
+
+namespace {
+
+constexpr std::size_t rows_printed = std::numeric_limits<std::size_t>::max();
+
+Value as_public(WithError const& x) { return {x.value, x.sigma}; }
+
+Path as_public(PathRow const& row) {
+  Path path;
+  path.rank = row.rank;
+  path.port = row.port;
+  path.sequence = row.sequence;
+  path.coupling = {row.coupling.mean, row.coupling.std_error};
+  path.upper_bound = row.upper_bound();
+  path.resolved = row.resolved;
+  path.why_not = row.why_not;
+  path.share = as_public(row.share);
+  for (WithError const& h : row.strain) path.strain.push_back(as_public(h));
+  path.body = row.body;
+  path.phase_sensitivity = row.sensitivity();
+  path.mean_length = row.length_mean;
+  return path;
+}
+
+PathTable as_public(results::PathTable const& table) {
+  PathTable all;
+  all.frequencies = table.frequencies;
+  for (PathRow const& row : table.rows) all.rows.push_back(as_public(row));
+  all.text = path_text(table, rows_printed);
+  return all;
+}
+
+Noise as_public(NoiseBudget const& budget) {
+  Noise noise;
+  noise.edges = budget.grid.edges;
+  for (std::size_t i = 0; i < budget.grid.size(); ++i) noise.frequency.push_back(budget.grid.centre(i));
+  noise.asd = budget.total.asd;
+  noise.sigma = budget.total.sigma;
+  noise.input_low = budget.bands.input_low;
+  noise.input_high = budget.bands.input_high;
+  for (noise::DesignCurve const& d : budget.design) noise.design.push_back({d.name, d.asd});
+  noise.unresolved = budget.unresolved;
+  noise.warnings = budget.warnings;
+  return noise;
+}
+
+}  // namespace
+
+Run::Run(std::shared_ptr<Source const> source) : source_(std::move(source)) {}
+
+Run Run::open(std::string const& file) {
+  return with_public_errors([&] { return Run(std::make_shared<Source const>(read_run_file(file))); });
+}
+
+void Run::save(std::string const& file) const {
+  with_public_errors([&] {
+    OpenRun const run(source_->file);
+    RunContent content = run.file.content();
+    std::optional<NoiseBudget> noise;
+    if (!content.noise && run.model.detector) {
+      noise = run.model.project_with_bands(run.file.trace.coupling);
+      content.noise = &*noise;
+    }
+    write_run(file, content);
+  });
+}
+
+std::string Run::title() const { return source_->file.about.title; }
+std::uint64_t Run::seed() const { return source_->file.trace.coupling.seed; }
+std::uint64_t Run::histories() const { return source_->file.trace.total.histories; }
+bool Run::complete() const { return source_->file.complete; }
+std::vector<std::string> Run::warnings() const { return source_->file.content().all_warnings(); }
+
+Noise Run::noise(NoiseSettings const& settings) const {
+  return with_public_errors([&] {
+    auto const budget = std::make_shared<Noise::Budget const>(source_->file, settings);
+    Noise noise = as_public(budget->noise);
+    for (std::string const& warning : {budget->run.model.warnings, budget->changed ? budget->changed->warning : ""})
+      if (!warning.empty()) noise.warnings.push_back(warning);
+    noise.headline = headline(budget->noise, table_for(budget->light(), &budget->noise, budget->model()));
+    noise.budget_ = budget;
+    return noise;
+  });
+}
+
+PathTable Run::paths() const {
+  return with_public_errors([&] { return as_public(path_table(source_->file.trace.coupling, nullptr, nullptr, {})); });
+}
+
+PathTable Noise::paths(PathSettings const& settings) const {
+  return with_public_errors([&] {
+    if (!budget_) throw straytrace::InputError("this noise is of no run", "take that of Run::noise()");
+    TableSettings const table{settings.frequencies, settings.low, settings.high};
+    return as_public(path_table(budget_->light(), &budget_->noise, &budget_->model().motion, table));
+  });
+}
+
+}  // namespace straytrace::api
