@@ -20,23 +20,24 @@ void add_optimise(CLI::App& app, int& exit_code) {
   add_trace_options(*command, o);
   command
       ->add_option("-o,--out", o.out,
-                   "folder for best.yaml, best/run.h5, optimise.txt, optimise.json, optimise.png, "
+                   "folder for best.yaml, best/run.h5, optimise.html, optimise.txt, optimise.json, optimise.png, "
                    "candidates.csv and the runs")
       ->required();
   command
       ->add_option("--minimise", o.words.minimise,
-                   "expression of parameters with count(ENTRY) and price(PARAMETER), or h_total; default: of the table "
-                   "'optimise'")
+                   "expression of parameters with count(ENTRY), area(ENTRY) in m^2 and price(PARAMETER), or h_total; "
+                   "default: of the table 'optimise'")
       ->group("Model");
   command
       ->add_option("--vary", o.words.vary,
-                   "NAME=lo..hi, NAME=lo..hi:integer or NAME=a,b,c, instead of the table; may be repeated")
+                   "NAME=lo..hi, NAME=lo..hi:integer or NAME=a,b,c, of a parameter or a place such as "
+                   "scene.baffle.material, instead of the table; may be repeated")
       ->allow_extra_args(false)
       ->group("Model");
   command
       ->add_option("--subject", o.words.subject,
-                   "limit, instead of the table: \"h_total < 0.1 x et-d-points with 95 %\", \"rim > 34 cm\"; may be "
-                   "repeated")
+                   "limit, instead of the table: \"h_total < 0.1 x et-d-points with 95 %\", \"power(baffles) < 1 W\", "
+                   "\"rim > 34 cm\"; may be repeated")
       ->allow_extra_args(false)
       ->group("Model");
   command

@@ -10,6 +10,7 @@
 #include "base/input/document.hpp"
 #include "scene/diagnostics.hpp"
 #include "scene/library.hpp"
+#include "scene/set_values.hpp"
 
 namespace straytrace::scene {
 namespace {
@@ -25,6 +26,7 @@ constexpr std::array top_keys{
     TopKey{"title", "title", Section::text},
     TopKey{"notes", "notes", Section::text},
     TopKey{"params", "parameter", Section::named},
+    TopKey{"set", "value", Section::named},
     TopKey{"materials", "material", Section::named},
     TopKey{"media", "medium", Section::named},
     TopKey{"bodies", "body", Section::named},
@@ -99,7 +101,8 @@ void take_over_materials(SceneDocument& document, NodeData& model) {
 
 class Merger {
  public:
-  explicit Merger(SceneDocument& document) : document_(document), model_(std::make_shared<NodeData>()) {
+  Merger(SceneDocument& document, std::vector<std::string> const& overrides)
+      : document_(document), overrides_(overrides), model_(std::make_shared<NodeData>()) {
     model_->kind = Node::Kind::table;
   }
 
@@ -113,6 +116,7 @@ class Merger {
     read(main, 0);
     if (unreadable_) throw_errors(document_);
     take_over_materials(document_, *model_);
+    set_values(document_, *model_, overrides_);
     drop_unused(document_, *model_);
     return model_;
   }
@@ -299,6 +303,7 @@ class Merger {
   }
 
   SceneDocument& document_;
+  std::vector<std::string> const& overrides_;
   std::shared_ptr<NodeData> model_;
   std::vector<std::uint32_t> visiting_, done_;
   bool unreadable_ = false;
@@ -306,8 +311,9 @@ class Merger {
 
 }  // namespace
 
-std::shared_ptr<NodeData> read_model(SceneDocument& document, std::string const& main_file) {
-  return Merger(document).run(main_file);
+std::shared_ptr<NodeData> read_model(SceneDocument& document, std::string const& main_file,
+                                     std::vector<std::string> const& overrides) {
+  return Merger(document, overrides).run(main_file);
 }
 
 }  // namespace straytrace::scene

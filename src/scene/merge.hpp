@@ -14,7 +14,8 @@ namespace straytrace::scene {
 
 // The table of the whole model without `straytrace` and `include`. Throws InputError when a file cannot be read as
 // YAML, because problems of the rest would be noise.
-std::shared_ptr<NodeData> read_model(SceneDocument&, std::string const& main_file);
+std::shared_ptr<NodeData> read_model(SceneDocument&, std::string const& main_file,
+                                     std::vector<std::string> const& overrides);
 
 constexpr int format_version = 1;
 // The source that holds them, in a document whose main file is `main`.

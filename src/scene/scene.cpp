@@ -8,7 +8,6 @@
 #include "scene/model_tree.hpp"
 #include "scene/scene_document.hpp"
 #include "scene/scope.hpp"
-#include "scene/set_values.hpp"
 
 namespace straytrace::scene {
 
@@ -44,8 +43,7 @@ Scene read_scene(std::string const& file, std::vector<std::string> const& overri
   scene.impl_.reset(
       new Scene::Impl{path.filename().string(), overrides, SceneDocument(path.parent_path(), texts, overrides)});
   Scene::Impl& impl = *scene.impl_;
-  std::shared_ptr<NodeData> const model = read_model(impl.document, impl.main_file);
-  set_values(impl.document, *model, overrides);
+  std::shared_ptr<NodeData> const model = read_model(impl.document, impl.main_file, overrides);
   NodeData::Entry const* params = model->find("params");
   bool const table = params && params->value->kind == Node::Kind::table;
   auto const scope = make_model_scope(impl.document, table ? params->value.get() : nullptr, overrides);

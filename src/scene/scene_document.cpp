@@ -327,6 +327,8 @@ void set_unsaved(std::filesystem::path const& file, std::string text) {
   texts[key(file)] = {file.string(), std::move(text)};
 }
 
+void forget_unsaved(std::filesystem::path const& file) { texts.erase(key(file)); }
+
 std::optional<std::string> unsaved_text(std::filesystem::path const& file) {
   if (texts.empty()) return {};
   auto const hit = texts.find(key(file));

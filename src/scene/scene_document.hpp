@@ -94,6 +94,7 @@ constexpr std::size_t data_file_limit = std::size_t{256} << 20;
 
 // From now on a model that names `file` reads `text`; the file need not exist. To be called before anything is read.
 void set_unsaved(std::filesystem::path const& file, std::string text);
+void forget_unsaved(std::filesystem::path const& file);
 std::optional<std::string> unsaved_text(std::filesystem::path const& file);
 std::vector<std::string> unread_unsaved();  // names that no model has read so far
 

@@ -32,14 +32,21 @@ std::vector<std::string> names_in(NodeData const& data) {
   return names;
 }
 
+std::shared_ptr<NodeData> scalar_of(std::string const& text, Place at) {
+  auto out = std::make_shared<NodeData>();
+  out->kind = Node::Kind::scalar;
+  out->place = at;
+  out->text = text;
+  out->width = code_points(text);
+  out->inset = 0;
+  return out;
+}
+
 class Setter {
  public:
-  Setter(SceneDocument& document, std::uint32_t line, std::string const& text)
-      : document_(document),
-        equals_(text.find('=')),
-        place_(text.substr(0, equals_)),
-        value_(text.substr(equals_ + 1)),
-        at_{document.command_line(), line, 4} {}  // behind "-p "
+  // `at`: of the text `place`.
+  Setter(SceneDocument& document, std::string place, Place at, std::shared_ptr<NodeData> value)
+      : document_(document), place_(std::move(place)), at_(at), value_(std::move(value)) {}
 
   void set(NodeData& model) const {
     std::vector<std::string> const keys = keys_of_place(place_);
@@ -48,7 +55,7 @@ class Setter {
       bool const last = i + 1 == keys.size();
       std::shared_ptr<NodeData>* const value = child(*data, keys[i]);
       if (!value && last && data->kind == Node::Kind::table && data != &model) {
-        data->add({keys[i], at_, code_points(place_), scalar(keys[i])});
+        data->add({keys[i], at_, code_points(place_), labelled(keys[i])});
         return;
       }
       if (!value) return refuse(keys, i, *data);
@@ -69,17 +76,11 @@ class Setter {
                                  value->kind == Node::Kind::table ? "table" : "list"),
                      fmt::format("set one of its values, for example {}.{}", shortened(place_),
                                  names_in(*value).empty() ? "KEY" : names_in(*value).front()));
-    value = scalar(key);
+    value = labelled(key);
   }
-  std::shared_ptr<NodeData> scalar(std::string const& key) const {
-    auto out = std::make_shared<NodeData>();
-    out->kind = Node::Kind::scalar;
-    out->place = at_;
-    out->place.column += code_points(place_) + 1;
-    out->text = value_;
-    out->width = code_points(value_);
+  std::shared_ptr<NodeData> labelled(std::string const& key) const {
+    auto out = std::make_shared<NodeData>(*value_);
     out->label = key;
-    out->inset = 0;
     return out;
   }
   void refuse(std::vector<std::string> const& keys, std::size_t i, NodeData const& data) const {
@@ -95,10 +96,27 @@ class Setter {
   }
 
   SceneDocument& document_;
-  std::size_t equals_;
-  std::string place_, value_;
+  std::string place_;
   Place at_;
+  std::shared_ptr<NodeData> value_;
 };
+
+void set_by_table(SceneDocument& document, NodeData& model) {
+  NodeData::Entry const* const table = model.find("set");
+  if (!table) return;
+  for (NodeData::Entry const& e : table->value->entries) {
+    if (e.value->kind != Node::Kind::scalar)
+      document.add({e.place, fmt::format("'{}' is not set to a single value", shortened(e.key)),
+                    "write 'set: {materials.steel.scatter.brdf: 5e-3 /sr}'", Severity::error, e.width});
+    else if (keys_of_place(e.key).size() < 2)
+      document.add({e.place, fmt::format("'{}' is not the place of a value", shortened(e.key)),
+                    "write its keys with dots, 'materials.steel.scatter.brdf'; parameters are set under 'params' with "
+                    "'override: true'",
+                    Severity::error, e.width});
+    else
+      Setter(document, e.key, e.place, e.value).set(model);
+  }
+}
 
 }  // namespace
 
@@ -120,8 +138,15 @@ bool names_place(std::string const& text) {
 }
 
 void set_values(SceneDocument& document, NodeData& model, std::vector<std::string> const& overrides) {
-  for (std::uint32_t i = 0; i < overrides.size(); ++i)
-    if (names_place(overrides[i])) Setter(document, i + 1, overrides[i]).set(model);
+  set_by_table(document, model);
+  for (std::uint32_t i = 0; i < overrides.size(); ++i) {
+    if (!names_place(overrides[i])) continue;
+    std::size_t const equals = overrides[i].find('=');
+    std::string const place = overrides[i].substr(0, equals);
+    Place const at{document.command_line(), i + 1, 4};  // behind "-p "
+    Place const behind{at.file, at.line, at.column + code_points(place) + 1};
+    Setter(document, place, at, scalar_of(overrides[i].substr(equals + 1), behind)).set(model);
+  }
 }
 
 }  // namespace straytrace::scene

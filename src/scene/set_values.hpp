@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Values that the command line sets by their place in the model: "-p materials.steel.scatter.brdf=5e-3/sr".
+// Values set by their place in the model, in the table `set` or on the command line:
+// "-p materials.steel.scatter.brdf=5e-3/sr".
 #pragma once
 
 #include <string>
@@ -14,8 +15,8 @@ namespace straytrace::scene {
 bool names_place(std::string const& override_text);
 std::vector<std::string> keys_of_place(std::string_view place);  // "scene.ring.at[2]": scene, ring, at, 2
 
-// Replaces the scalars of the merged model that these overrides name, or adds their last key; records problems at the
-// command line. Overrides of parameters are left out.
+// Replaces the scalars of the merged model that the table `set` names, then those that these overrides name, or adds
+// their last key; records problems at their places. Overrides of parameters are left out.
 void set_values(SceneDocument&, NodeData& model, std::vector<std::string> const& overrides);
 
 }  // namespace straytrace::scene

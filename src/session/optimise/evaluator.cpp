@@ -10,9 +10,12 @@
 #include <iostream>
 
 #include "base/errors.hpp"
+#include "base/text/words.hpp"
 #include "noise/fundamental/design.hpp"
 #include "scene/model_tree.hpp"
 #include "scene/scope.hpp"
+#include "session/decide/what_if.hpp"
+#include "world/model/map_areas.hpp"
 
 namespace straytrace::session {
 namespace {
@@ -45,6 +48,33 @@ std::vector<double> limit_line(NoiseLimit const& limit, ProjectionModel const& m
   return line;
 }
 
+std::map<std::string, double> areas_of(Model const& model) {
+  World const& world = model.world;
+  std::vector<double> const areas = group_areas(world.view(), world.groups().size());
+  std::map<std::string, double> all;
+  for (std::size_t i = 0; i < areas.size(); ++i) all[entry_of(world.groups()[i])] += areas[i];
+  return all;
+}
+
+// Errors of the groups are added linearly: the same histories make them. Nothing seen is no limit met.
+LineVerdict compared(std::vector<ObjectRow> const& objects, PowerLimit const& limit, double beam_power) {
+  WithError watts;
+  bool seen = false;
+  for (ObjectRow const& row : objects) {
+    if (!matches(limit.entry, entry_of(row.name)) || !row.arriving) continue;
+    seen = seen || row.arriving->scored > 0;
+    watts.value += beam_power * row.arriving->mean;
+    watts.sigma += beam_power * row.arriving->std_error;
+  }
+  LineVerdict out;
+  if (!seen) return out;
+  std::vector<std::vector<double>> const one_bin(replica_count, {1 / std::sqrt(double(replica_count))});
+  out.factor = factor_of_all(one_bin, limit.confidence);
+  out.ratio = watts.over(limit.watts);
+  out.excess = std::log((watts.value + out.factor * watts.sigma) / limit.watts);
+  return out;
+}
+
 }  // namespace
 
 double Outcome::worst() const {
@@ -68,13 +98,17 @@ std::vector<std::string> Evaluator::settings_of(std::vector<double> const& value
 }
 
 std::vector<double> Evaluator::own_values() const {
-  Scene const scene = read_scene(options_.input, options_.overrides);
-  scene::Scope const* const scope = scene.root().scope().get();
+  Model const model = scanner_.model_at({});
+  scene::Scope const* const scope = model.scene.root().scope().get();
+  std::vector<SceneValue> const values = scene_values(model.scene);
   std::vector<double> out;
   for (VariedParameter const& p : order_.vary) {
-    auto const own = scene::find_parameter(scope, p.name).value;
-    bool const usable = !p.listed() && own && (own->quantity.dimension == p.dimension || own->bare_zero);
-    double const value = usable ? std::clamp(own->quantity.si, p.low, p.high) : p.listed() ? 0 : 0.5 * (p.low + p.high);
+    auto const parameter = scene::find_parameter(scope, p.name).value;
+    std::optional<Quantity> own = parameter ? std::optional(parameter->quantity) : std::nullopt;
+    for (SceneValue const& value : values)
+      if (value.place == p.name) own = value.quantity;
+    bool const usable = !p.listed() && own && (own->dimension == p.dimension || own->si == 0);
+    double const value = usable ? std::clamp(own->si, p.low, p.high) : p.listed() ? 0 : 0.5 * (p.low + p.high);
     out.push_back(p.whole ? std::round(value) : value);
   }
   return out;
@@ -90,6 +124,9 @@ void Evaluator::check(std::vector<double> const& start) const {
     if (nowhere(limit_line(limit, model)))
       errors.emplace_back(fmt::format("'{}': the curve has no value in this band", limit.text),
                           "name a curve under 'compare' in 'noise', and a band inside that of the noise");
+  if (!order_.powers.empty() && !(model.world.beam_power > 0))
+    errors.emplace_back(fmt::format("'{}': no beam of the scene states its power", order_.powers.front().text),
+                        "give the beam a power, as in 'beams: {arm: {..., power: 300 kW}}'");
   if (order_.least_noise() && nowhere(line_of(model)))
     errors.emplace_back("h_total is minimised relative to a line, but there is none",
                         "name a curve under 'compare' in 'noise'");
@@ -108,7 +145,7 @@ Evaluator::Known Evaluator::known(std::vector<std::string> const& settings) cons
   }
   try {
     Scene const scene = read_scene(options_.input, with(options_.overrides, settings));
-    SceneValues const values(scene, prices);
+    SceneValues const values(scene, prices, [&] { return areas_of(scanner_.model_at(settings)); });
     for (Relation const& r : order_.relations) out.excess.push_back(values.excess(r));
     if (!order_.least_noise())
       if (auto const price = values.value(order_.minimise)) out.price = price->quantity.si;
@@ -123,9 +160,13 @@ Evaluator::Known Evaluator::known(std::vector<std::string> const& settings) cons
 
 double Evaluator::price(std::vector<double> const& values) const { return known(settings_of(values)).price; }
 
-void Evaluator::judge(Outcome& out, Model const& model, NoiseBudget const& budget) const {
+void Evaluator::judge(Outcome& out, Model const& model, TracedLight const& light, NoiseBudget const& budget) const {
   for (NoiseLimit const& limit : order_.limits) {
     out.limits.push_back(compared(budget, limit_line(limit, model), limit.confidence));
+    out.excess.push_back(out.limits.back().excess);
+  }
+  for (PowerLimit const& limit : order_.powers) {
+    out.limits.push_back(compared(light.objects, limit, model.world.beam_power));
     out.excess.push_back(out.limits.back().excess);
   }
   if (!order_.least_noise()) return;
@@ -134,8 +175,8 @@ void Evaluator::judge(Outcome& out, Model const& model, NoiseBudget const& budge
 }
 
 void Evaluator::measure(Outcome& out, Scanner& scanner) const {
-  out.point = scanner.at(out.settings, [&](Model const& model, CouplingTable const&, NoiseBudget const& budget) {
-    judge(out, model, budget);
+  out.point = scanner.at(out.settings, [&](Model const& model, TracedLight const& light, NoiseBudget const& budget) {
+    judge(out, model, light, budget);
   });
   out.traced = true;
 }
@@ -161,7 +202,7 @@ std::optional<std::size_t> Evaluator::evaluate(std::vector<double> const& values
     if (out.traced && !out.point.complete) return {};
     line_ = scanner_.line();
   }
-  out.excess.resize(order_.relations.size() + order_.limits.size(), not_a_number);
+  out.excess.resize(order_.relations.size() + order_.limit_texts().size(), not_a_number);
   outcomes_.push_back(std::move(out));
   return numbers_.emplace(settings, outcomes_.size() - 1).first->second;
 }

@@ -53,7 +53,7 @@ class Evaluator {
     std::vector<double> excess;
   };
   Known known(std::vector<std::string> const& settings) const;
-  void judge(Outcome&, Model const&, NoiseBudget const&) const;
+  void judge(Outcome&, Model const&, TracedLight const&, NoiseBudget const&) const;
   void measure(Outcome&, Scanner&) const;
 
   ScanOptions options_;

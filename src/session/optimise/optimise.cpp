@@ -13,6 +13,7 @@
 #include "base/files/read_write.hpp"
 #include "results/text/picture.hpp"
 #include "scene/model_tree.hpp"
+#include "scene/set_values.hpp"
 #include "session/interrupt.hpp"
 
 namespace straytrace::session {
@@ -161,14 +162,17 @@ class Optimisation {
 // The scene with the settings on the command line and those of a candidate.
 std::string scene_of_best(OptimiseOptions const& options, Outcome const& best) {
   std::string const scene = std::filesystem::relative(options.input, options.out).generic_string();
-  std::string text = fmt::format("straytrace: 1\ninclude: [{}]\nparams:\n  override: true\n", yaml_text(scene));
+  std::string const text = fmt::format("straytrace: 1\ninclude: [{}]\n", yaml_text(scene));
+  std::string params, places;
   std::vector<std::string> settings = options.overrides;
   settings.insert(settings.end(), best.settings.begin(), best.settings.end());
   for (std::string const& s : settings) {
     std::size_t const equal = s.find('=');
-    text += fmt::format("  {}: {}\n", s.substr(0, equal), yaml_text(s.substr(equal + 1)));
+    (scene::names_place(s) ? places : params) +=
+        fmt::format("  {}: {}\n", yaml_text(s.substr(0, equal)), yaml_text(s.substr(equal + 1)));
   }
-  return text;
+  return text + (params.empty() ? "" : "params:\n  override: true\n" + params) +
+         (places.empty() ? "" : "set:\n" + places);
 }
 
 void save(OptimiseOptions const& options, OptimiseReport const& report) {
@@ -186,8 +190,10 @@ void save(OptimiseOptions const& options, OptimiseReport const& report) {
   }
   write_files(files);
   std::string message;
-  if (!draw_from_json("optimise", json, options.out + "/optimise.png", message) && !options.quiet)
-    std::cerr << "warning: optimise.png was not drawn: " << message << '\n';
+  bool const drawn = draw_from_json("optimise", json, options.out + "/optimise.png", message);
+  if (!drawn && !options.quiet) std::cerr << "warning: optimise.png was not drawn: " << message << '\n';
+  Picture const picture{"png", drawn ? read_file(options.out + "/optimise.png") : ""};
+  write_file(options.out + "/optimise.html", optimise_page(report, picture));
 }
 
 }  // namespace

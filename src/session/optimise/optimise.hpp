@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "report/html/html.hpp"
+#include "results/text/columns.hpp"
 #include "session/optimise/evaluator.hpp"
 
 namespace straytrace::session {
@@ -40,7 +42,16 @@ struct OptimiseReport {
   bool on_front(std::size_t outcome) const;
 };
 
+// Parts of the text and the page: what was varied and spent; what was gained and what binds, a line each; the
+// candidates, and those traced anew.
+std::string range_text(VariedParameter const&);
+std::string spent_text(OptimiseReport const&);
+std::string optimise_verdict(OptimiseReport const&);
+Columns candidates_table(OptimiseReport const&);
+Columns finalists_table(OptimiseReport const&);
+
 std::string optimise_text(OptimiseReport const&);
+std::string optimise_page(OptimiseReport const&, Picture const&);  // HTML; it loads nothing
 std::string optimise_json(OptimiseReport const&);
 std::string optimise_csv(OptimiseReport const&);  // the candidates, all digits
 

@@ -54,7 +54,9 @@ std::vector<std::string> titles_of(OptimiseReport const& r) {
   return titles;
 }
 
-std::string finalists_text(OptimiseReport const& r) {
+}  // namespace
+
+Columns finalists_table(OptimiseReport const& r) {
   Columns c;
   c.titles = titles_of(r);
   c.titles.insert(c.titles.begin(), {"", "seed"});
@@ -70,8 +72,17 @@ std::string finalists_text(OptimiseReport const& r) {
     add("search", r.seed, r.outcomes[f.number], "met");
     add("fresh", r.seed + 1 + i, f.fresh, word_of(f.verdict));
   }
-  return aligned(c);
+  return c;
 }
+
+Columns candidates_table(OptimiseReport const& r) {
+  Columns c;
+  c.titles = titles_of(r);
+  for (Outcome const& o : r.outcomes) c.rows.push_back(columns_of(o));
+  return c;
+}
+
+namespace {
 
 // "rim is at the lower end of its range"
 std::string ends_text(OptimiseReport const& r, Outcome const& best) {
@@ -103,8 +114,9 @@ std::string binding_text(OptimiseReport const& r, Outcome const& best) {
   constexpr double near = 0.1;  // relative
   std::string text;
   std::size_t const relations = r.order.relations.size();
+  std::vector<std::string> const limits = r.order.limit_texts();
   for (std::size_t k = 0; k < best.excess.size(); ++k) {
-    std::string const& name = k < relations ? r.order.relations[k].text : r.order.limits[k - relations].text;
+    std::string const& name = k < relations ? r.order.relations[k].text : limits[k - relations];
     double const room = k < relations ? -best.excess[k] : 1 - std::exp(best.excess[k]);
     text += fmt::format("{}: {}, {:.2g} % of room\n", name, room < near ? "binds" : "does not bind",
                         100 * std::max(0.0, room));
@@ -115,7 +127,19 @@ std::string binding_text(OptimiseReport const& r, Outcome const& best) {
   return text + ends_text(r, best);
 }
 
-std::string verdict_text(OptimiseReport const& r) {
+}  // namespace
+
+std::string range_text(VariedParameter const& p) {
+  return p.listed() ? fmt::format("{}: {}", p.name, fmt::join(p.values, ", "))
+                    : fmt::format("{} {:g} to {:g} {}{}", p.name, p.low, p.high,
+                                  p.dimension == dim::plain ? "" : example_unit(p.dimension), p.whole ? "(whole)" : "");
+}
+
+std::string spent_text(OptimiseReport const& r) {
+  return fmt::format("{}; search: {}.", counted(r.outcomes.size(), "candidate"), fmt::join(r.ended, "; "));
+}
+
+std::string optimise_verdict(OptimiseReport const& r) {
   if (!r.complete) return "Stopped: the search is not finished.\n";
   if (r.chosen) {
     Outcome const& best = r.finalists[*r.chosen].fresh;
@@ -136,6 +160,8 @@ std::string verdict_text(OptimiseReport const& r) {
                      upper_text(near)) +
          ends_text(r, near);
 }
+
+namespace {
 
 Json json_of(OptimiseReport const& r, Outcome const& o) {
   Json settings = Json::object();
@@ -159,21 +185,14 @@ Json json_of(OptimiseReport const& r, Outcome const& o) {
 
 std::string optimise_text(OptimiseReport const& r) {
   std::string text = fmt::format("{}: least {}", r.model, r.order.minimise);
-  for (VariedParameter const& p : r.order.vary)
-    text += p.listed()
-                ? fmt::format("; {}: {}", p.name, fmt::join(p.values, ", "))
-                : fmt::format("; {} {:g} to {:g} {}{}", p.name, p.low, p.high,
-                              p.dimension == dim::plain ? "" : example_unit(p.dimension), p.whole ? "(whole)" : "");
+  for (VariedParameter const& p : r.order.vary) text += "; " + range_text(p);
   text += "\n";
   for (Relation const& relation : r.order.relations) text += fmt::format("limit: {}\n", relation.text);
-  for (NoiseLimit const& limit : r.order.limits) text += fmt::format("limit: {}\n", limit.text);
-  text += fmt::format("{}; search: {}.\n\n", counted(r.outcomes.size(), "candidate"), fmt::join(r.ended, "; "));
-  Columns c;
-  c.titles = titles_of(r);
-  for (Outcome const& o : r.outcomes) c.rows.push_back(columns_of(o));
-  text += aligned(c) + "\n";
-  if (!r.finalists.empty()) text += finalists_text(r) + "\n";
-  text += verdict_text(r);
+  for (std::string const& limit : r.order.limit_texts()) text += fmt::format("limit: {}\n", limit);
+  text += spent_text(r) + "\n\n";
+  text += aligned(candidates_table(r)) + "\n";
+  if (!r.finalists.empty()) text += aligned(finalists_table(r)) + "\n";
+  text += optimise_verdict(r);
   text +=
       "h/limit: largest ratio of the total to its limit, (n): one standard error, last digits; '>': routes are "
       "unresolved.\n"
@@ -203,8 +222,7 @@ std::string optimise_csv(OptimiseReport const& r) {
 std::string optimise_json(OptimiseReport const& r) {
   Json j{{"model", r.model}, {"minimise", r.order.minimise}, {"seed", r.seed}, {"complete", r.complete}};
   for (VariedParameter const& p : r.order.vary) j["vary"].push_back(p.name);
-  j["limits"] = Json::array();
-  for (NoiseLimit const& limit : r.order.limits) j["limits"].push_back(limit.text);
+  j["limits"] = r.order.limit_texts();
   j["ended"] = r.ended;
   j["candidates"] = Json::array();
   for (std::size_t i = 0; i < r.outcomes.size(); ++i) {

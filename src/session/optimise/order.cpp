@@ -16,6 +16,7 @@
 #include "noise/fundamental/design.hpp"
 #include "scene/expression.hpp"
 #include "scene/scope.hpp"
+#include "scene/set_values.hpp"
 
 namespace straytrace::session {
 namespace {
@@ -65,8 +66,10 @@ class OrderReader {
   void subject(std::string const& text, Complain const& complain) {
     static std::regex const noise(
         R"(\s*h_total\s*<\s*(?:(.+?)\s+x\s+)?(\S+)(?:\s+between\s+(.+?)\s+and\s+(.+?))?(?:\s+with\s+([0-9.]+)\s*%)?\s*)");
+    static std::regex const on_entry(R"(\s*power\(\s*([^()]+?)\s*\)\s*<\s*(.+?)(?:\s+with\s+([0-9.]+)\s*%)?\s*)");
     std::smatch m;
     if (bounded_regex_match(text, m, noise)) return limit(text, m, complain);
+    if (bounded_regex_match(text, m, on_entry)) return power(text, m, complain);
     std::size_t const sign = text.find_first_of("<>");
     if (sign == text.npos || text.find_first_of("<>", sign + 1) != text.npos || text.find("h_total") != text.npos)
       return complain(fmt::format("'{}' is not a limit", text), limit_example, 0, 0);
@@ -87,9 +90,11 @@ class OrderReader {
   // A parameter with its ends or its values.
   void vary(VariedParameter p, Complain const& complain) {
     std::vector<std::string> const known = scene::parameter_names(scene_.root().scope().get());
-    if (std::ranges::find(known, p.name) == known.end())
-      return complain(fmt::format("the scene has no parameter '{}'", p.name),
-                      did_you_mean(p.name, known, "define it under 'params'"), 0, 0);
+    if (!scene::names_place(p.name + "=x") && std::ranges::find(known, p.name) == known.end())
+      return complain(
+          fmt::format("the scene has no parameter '{}'", p.name),
+          did_you_mean(p.name, known, "define it under 'params', or write the place of a value, scene.baffle.material"),
+          0, 0);
     if (std::ranges::any_of(order_.vary, [&](auto const& other) { return other.name == p.name; }))
       return complain(fmt::format("'{}' is varied twice", p.name), "keep one range of it", 0, 0);
     if (p.whole && (p.low != std::round(p.low) || p.high != std::round(p.high)))
@@ -108,7 +113,7 @@ class OrderReader {
   std::optional<Value> number(std::string const& text, std::size_t offset, std::optional<Dimension> wanted,
                               Complain const& complain) const {
     try {
-      auto const found = SceneValues(scene_, prices_).value(text);
+      auto const found = SceneValues(scene_, prices_, {}).value(text);
       if (found && wanted && !(found->quantity.dimension == *wanted) && !found->bare_zero) {
         complain(fmt::format("'{}' is {}, not {}", text, described(found->quantity.dimension), described(*wanted)),
                  fmt::format("write for example {}", with_unit("10", *wanted)), offset, offset + text.size());
@@ -136,7 +141,7 @@ class OrderReader {
     part(1, dim::plain, limit.factor);
     part(3, dim::frequency, limit.low_hz);
     part(4, dim::frequency, limit.high_hz);
-    if (m[5].matched) limit.confidence = std::strtod(m[5].str().c_str(), nullptr) / 100;
+    if (m[5].matched) limit.confidence = confidence_of(m[5], text, complain);
     std::vector<std::string> known{"line"};
     for (auto const& name : built_in_designs()) known.push_back(name);
     for (Node const& name : scene_.table("noise").list("compare")) known.push_back(name.text());
@@ -149,9 +154,33 @@ class OrderReader {
     if (limit.low_hz >= limit.high_hz)
       complain(fmt::format("the band in '{}' does not go from a lower to a higher frequency", text), limit_example, 0,
                0);
-    if (!(limit.confidence >= 0.5 && limit.confidence <= 0.999))
-      complain(fmt::format("the confidence in '{}' is not between 50 % and 99.9 %", text), "write 'with 95 %'", 0, 0);
     order_.limits.push_back(std::move(limit));
+  }
+
+  static double confidence_of(std::string const& percent, std::string const& text, Complain const& complain) {
+    double const confidence = std::strtod(percent.c_str(), nullptr) / 100;
+    if (!(confidence >= 0.5 && confidence <= 0.999))
+      complain(fmt::format("the confidence in '{}' is not between 50 % and 99.9 %", text), "write 'with 95 %'", 0, 0);
+    return confidence;
+  }
+
+  void power(std::string const& text, std::smatch const& m, Complain const& complain) {
+    PowerLimit limit;
+    limit.text = trimmed(text);
+    limit.entry = m[1];
+    auto const found = number(m[2], std::size_t(m.position(2)), dim::power, complain);
+    limit.watts = found ? found->quantity.si : not_a_number;
+    if (found && !(limit.watts > 0))
+      complain(fmt::format("the power in '{}' is not above zero", text), "write 'power(baffles) < 1 W'", 0, 0);
+    if (m[3].matched) limit.confidence = confidence_of(m[3], text, complain);
+    std::set<std::string> found_entries;
+    for (Scene::Instance const& instance : scene_.instances()) found_entries.insert(entry_of(instance.group));
+    std::vector<std::string> const entries(found_entries.begin(), found_entries.end());
+    if (std::ranges::none_of(entries, [&](std::string const& entry) { return matches(limit.entry, entry); }))
+      complain(fmt::format("no entry of the scene is called '{}'", limit.entry),
+               did_you_mean(limit.entry, entries, fmt::format("known: {}", fmt::join(entries, ", "))),
+               std::size_t(m.position(1)), std::size_t(m.position(1) + m.length(1)));
+    order_.powers.push_back(std::move(limit));
   }
 
   Scene const& scene_;
@@ -254,7 +283,7 @@ void refuse_incomplete(OptimiseOrder const& order) {
   if (order.vary.empty())
     errors.emplace_back("no parameter is varied",
                         "write --vary rim=30cm..49cm, or in the scene 'optimise: {vary: ...}'");
-  if (order.limits.empty() && order.relations.empty() && !order.least_noise())
+  if (order.limits.empty() && order.powers.empty() && order.relations.empty() && !order.least_noise())
     errors.emplace_back("there is no limit, so the least cost has no meaning", limit_example);
   throw_all(errors);
 }
@@ -290,7 +319,7 @@ std::optional<Value> SceneValues::value(std::string_view expression) const {
   return scene::evaluate_expression(expression,
                                     {[=](std::string_view name) { return scene::find_parameter(scope, name); },
                                      [=] { return scene::parameter_names(scope); },
-                                     {"count", "price"},
+                                     {"count", "area", "price"},
                                      [this](std::string_view f, std::string_view name) { return called(f, name); }});
 }
 
@@ -305,7 +334,7 @@ Value SceneValues::called(std::string_view function, std::string_view name) cons
   }
   std::set<std::string> placed, groups;
   for (Scene::Instance const& instance : scene_.instances()) {
-    std::string const entry = instance.group.substr(0, instance.group.find('/'));
+    std::string const entry = entry_of(instance.group);
     groups.insert(entry);
     if (matches(name, entry)) placed.insert(instance.name.substr(0, instance.name.find('/')));
   }
@@ -313,7 +342,21 @@ Value SceneValues::called(std::string_view function, std::string_view name) cons
   if (placed.empty())
     throw scene::ExpressionProblem{fmt::format("no entry of the scene is called '{}'", name),
                                    did_you_mean(name, known, fmt::format("known: {}", fmt::join(known, ", ")))};
-  return {{double(placed.size()), dim::plain, {}}, false};
+  if (function == "count") return {{double(placed.size()), dim::plain, {}}, false};
+  double area = areas_ ? 0 : 1;  // of an expression that is only checked
+  if (areas_)
+    for (auto const& [entry, own] : areas_())
+      if (matches(name, entry)) area += own;
+  return {{area, dim::plain, {}}, false};
+}
+
+std::string entry_of(std::string const& group) { return group.substr(0, group.find('/')); }
+
+std::vector<std::string> OptimiseOrder::limit_texts() const {
+  std::vector<std::string> all;
+  for (NoiseLimit const& limit : limits) all.push_back(limit.text);
+  for (PowerLimit const& limit : powers) all.push_back(limit.text);
+  return all;
 }
 
 double SceneValues::excess(Relation const& r) const {

@@ -98,7 +98,7 @@ std::string run_name(std::string const& model_hash, std::uint64_t seed) {
 Scanner::Scanner(ScanOptions options, Requirement requirement, std::string folder)
     : options_(std::move(options)), requirement_(std::move(requirement)), folder_(std::move(folder)) {}
 
-std::shared_ptr<CouplingTable const> Scanner::trace_of(Model& model, ScanPoint& point) {
+std::shared_ptr<TracedLight const> Scanner::trace_of(Model& model, ScanPoint& point) {
   std::string const name = run_name(point.model_hash, model.seed);
   if (auto const known = traced_.find(name); known != traced_.end()) {
     point.from = ScanPoint::From::shared;
@@ -113,9 +113,10 @@ std::shared_ptr<CouplingTable const> Scanner::trace_of(Model& model, ScanPoint& 
   bool const unchanged = result.coupling.histories == before;
   point.from = unchanged && !made_.contains(name) ? ScanPoint::From::stored : ScanPoint::From::traced;
   if (!file.empty() && !unchanged) write_run(file, content_of(model, result, nullptr));
-  auto const coupling = std::make_shared<CouplingTable const>(std::move(result.coupling));
-  if (point.complete) traced_.emplace(name, coupling);
-  return coupling;
+  std::vector<ObjectRow> objects = object_rows(result);
+  auto const light = std::make_shared<TracedLight const>(std::move(result.coupling), std::move(objects));
+  if (point.complete) traced_.emplace(name, light);
+  return light;
 }
 
 Model Scanner::model_at(std::vector<std::string> const& settings) const {
@@ -183,15 +184,15 @@ ScanPoint Scanner::at(std::vector<std::string> const& settings, Look const& look
   if (model.warnings != told_) print_warnings(model, options_);
   told_ = model.warnings;
   point.model_hash = model.hash();
-  auto const coupling = trace_of(model, point);
-  point.histories = coupling->histories;
-  NoiseBudget const budget = model.project(*coupling);
+  auto const light = trace_of(model, point);
+  point.histories = light->coupling.histories;
+  NoiseBudget const budget = model.project(light->coupling);
   print_warnings(budget, options_, fmt::format("{}", fmt::join(settings, ", ")));
   point.warnings = budget.warnings;
   for (double const hz : frequencies) point.strain.push_back(strain_at(budget.total, budget.grid, hz));
   judge(point, budget, line_of(model));
   line_ = name_of_line(model);
-  if (look) look(model, *coupling, budget);
+  if (look) look(model, *light, budget);
   return point;
 }
 

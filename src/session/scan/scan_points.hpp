@@ -45,6 +45,12 @@ void judge(ScanPoint&, NoiseBudget const&, std::vector<double> const& line);  //
 // Of the run file of a model under `runs/`, without its ending.
 std::string run_name(std::string const& model_hash, std::uint64_t seed);
 
+// What a trace leaves to judge a point by.
+struct TracedLight {
+  CouplingTable coupling;
+  std::vector<ObjectRow> objects;  // light per history
+};
+
 class Scanner {
  public:
   static constexpr double frequencies[] = {10, 30, 100};  // Hz
@@ -56,20 +62,20 @@ class Scanner {
   // Throws InputError for a model that cannot be read or has no noise, with the settings of the point at the end.
   Model model_at(std::vector<std::string> const& settings) const;
   // `look`: gets what the point is judged by.
-  using Look = std::function<void(Model const&, CouplingTable const&, NoiseBudget const&)>;
+  using Look = std::function<void(Model const&, TracedLight const&, NoiseBudget const&)>;
   ScanPoint at(std::vector<std::string> const& settings, Look const& look = {});
   // Runs that this scan has made already, by name: they count as traced, not as stored.
   void made(std::set<std::string> runs) { made_ = std::move(runs); }
   std::string const& line() const { return line_; }  // as the last point named it
 
  private:
-  std::shared_ptr<CouplingTable const> trace_of(Model& model, ScanPoint& point);
+  std::shared_ptr<TracedLight const> trace_of(Model& model, ScanPoint& point);
 
   ScanOptions options_;
   Requirement requirement_;
   std::string folder_, line_, told_;  // the warnings of the last point
   std::set<std::string> made_;
-  std::map<std::string, std::shared_ptr<CouplingTable const>> traced_;  // by hash and seed
+  std::map<std::string, std::shared_ptr<TracedLight const>> traced_;  // by hash and seed
 };
 
 // Points of a scan traced by several processes. Each run is what one process alone would have written, bit for bit: a

@@ -191,4 +191,12 @@ std::vector<double> map_areas(WorldView const& view, SurfaceId surface, Receiver
   return areas;
 }
 
+std::vector<double> group_areas(WorldView const& view, std::size_t groups) {
+  std::vector<double> areas(groups, 0);
+  for (std::size_t id = 0; id < view.surfaces.size; ++id)
+    areas[view.surfaces[id].group.value] +=
+        view.shapes.visit(view.surfaces[id].shape, [](auto const& shape) { return double(shape.area()); });
+  return areas;
+}
+
 }  // namespace straytrace::world

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Areas of the cells of maps within the rim of their surface.
+// Areas of surfaces, and of the cells of maps within the rim of their surface.
 #pragma once
 
 #include <vector>
@@ -16,5 +16,8 @@ double filled_share(WorldView const&, SurfaceId, Chart, MapCell const&, Pose con
 // Of each pixel or cell of a receiver's map on this surface, m^2: what lies beyond the rim does not count. A cell that
 // the rim leaves nothing of has its whole area.
 std::vector<double> map_areas(WorldView const&, SurfaceId, Receiver const&);
+
+// Of all surfaces of each group, m^2; a surface has one side.
+std::vector<double> group_areas(WorldView const&, std::size_t groups);
 
 }  // namespace straytrace::world
