@@ -10,18 +10,12 @@ using namespace straytrace::api;
 
 namespace {
 
-std::size_t bin_at(Noise const& noise, double hz) {
-  std::size_t bin = 0;
-  while (bin + 1 < noise.frequency.size() && noise.edges[bin + 1] <= hz) ++bin;
-  return bin;
-}
-
 int show(Run const& run, double hz) {
   std::printf("histories %llu\n", static_cast<unsigned long long>(run.histories()));
   for (char const* factor : {"x1", "x0.5", "x0.1"}) {
     Noise const noise = run.noise({.set = {std::string("baffle=") + factor}});
-    std::size_t const bin = bin_at(noise, hz);
-    std::printf("baffle=%s  h(%g Hz) = %.9g +- %.2g%s\n", factor, hz, noise.asd[bin], noise.sigma[bin],
+    Value const h = noise.at(hz);
+    std::printf("baffle=%s  h(%g Hz) = %.9g +- %.2g%s\n", factor, hz, h.value, h.sigma,
                 noise.lower_bound() ? " (lower bound)" : "");
   }
   for (Path const& path : run.noise().paths({.frequencies = {hz}}).rows) {

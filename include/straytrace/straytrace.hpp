@@ -146,6 +146,8 @@ class STRAYTRACE_API Noise {
   bool lower_bound() const { return !unresolved.empty(); }  ///< of `asd`
   std::string headline;                                     ///< the sentence that the commands print
 
+  /** Strain between the bins, 1/sqrt(Hz), as the commands print it; NaN outside the band. */
+  Value at(double hz) const;
   /** The paths ranked by their share of this noise. */
   PathTable paths(PathSettings const& = {}) const;
 

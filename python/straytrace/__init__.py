@@ -29,11 +29,11 @@ from .wave import Irradiance, SeamCheck, Wave, WaveRing
 if TYPE_CHECKING:
     from .ifo import Interferometer
     from .model import Check, Model
-    from .scans import Scan, ScanPoint, scan
+    from .scans import Candidate, Optimum, Scan, ScanPoint, optimise, scan
     from .tree import Items, Table, quantity
 
 # Loaded on demand: the pictures of the program need neither these modules nor their packages.
-_LATER = {"Check": "model", "Interferometer": "ifo", "Model": "model", "Scan": "scans", "ScanPoint": "scans", "scan": "scans", "Items": "tree",
+_LATER = {"Check": "model", "Interferometer": "ifo", "Model": "model", "Scan": "scans", "ScanPoint": "scans", "scan": "scans", "Candidate": "scans", "Optimum": "scans", "optimise": "scans", "Items": "tree",
           "Table": "tree", "quantity": "tree"}
 
 open = open_run
@@ -75,6 +75,6 @@ def run(model: Model | Mapping[str, Any] | str | os.PathLike[str], out: str | os
     return _model(model).run(out, **options)
 
 
-__all__ = ["Bands", "Check", "Curve", "InputError", "Interferometer", "Irradiance", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Path", "PathColumn", "Paths", "Positions",
+__all__ = ["Bands", "Candidate", "Check", "Curve", "InputError", "Interferometer", "Irradiance", "Items", "EnergyBalance", "Model", "Noise", "NumericalError", "Optimum", "Path", "PathColumn", "Paths", "Positions",
            "Problem", "Progress", "Receiver", "Receivers", "Routes", "Run", "RunError", "Scan", "ScanPoint",
-           "SeamCheck", "SensitiveInput", "Sensitivity", "StraytraceWarning", "Table", "Wave", "WaveRing", "check", "open", "open_run", "quantity", "run", "scan", "trace"]
+           "SeamCheck", "SensitiveInput", "Sensitivity", "StraytraceWarning", "Table", "Wave", "WaveRing", "check", "open", "open_run", "optimise", "quantity", "run", "scan", "trace"]

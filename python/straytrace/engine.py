@@ -20,7 +20,7 @@ from typing import Any
 from .errors import InputError, NumericalError, Problem, problems_of
 
 HERE = pathlib.Path(__file__).resolve().parent
-DONE, INPUT_ERROR, NUMERICAL_FAILURE, CHECKPOINTED = 0, 2, 3, 85
+DONE, INPUT_ERROR, NUMERICAL_FAILURE, UNMET, CHECKPOINTED = 0, 2, 3, 4, 85
 
 _running: set[subprocess.Popen[bytes]] = set()
 _guard = threading.Lock()
@@ -179,8 +179,8 @@ def _problems_in(words: str) -> tuple[Problem, ...]:
 
 
 def _answer(code: int, output: str, listener: _Listener) -> Answer:
-    if code in (DONE, CHECKPOINTED):
-        return Answer(output, code == DONE, _warnings(listener.words), _problems_in("".join(listener.words)))
+    if code in (DONE, UNMET, CHECKPOINTED):         # unmet: what no candidate of `optimise` reaches
+        return Answer(output, code != CHECKPOINTED, _warnings(listener.words), _problems_in("".join(listener.words)))
     text, problems = listener.problems or ("".join(listener.words), "")
     if code == INPUT_ERROR:
         raise InputError(text or "the program rejected its input without a message", problems)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import os
 import pathlib
 import sys
@@ -183,3 +184,79 @@ def _kept(answer: bytes | str, scratch: Scratch | None, number: int) -> Run:
     run = open_run(place)
     run.scratch = scratch
     return run
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A candidate of an optimisation. `ratio`: the largest of h, or power, to its limit, with one standard error; `upper`:
+    the same with the confidence of the limit in all bins at once; the limits are met at 1 or below."""
+
+    settings: dict[str, str]
+    objective: float
+    ratio: float
+    sigma: float
+    upper: float
+    frequency: float                  # Hz, of that bin; NaN for a power
+    met: bool
+    front: bool                       # no other one is both cheaper and quieter
+    histories: int                    # 0: not traced
+
+
+@dataclass
+class Optimum:
+    """Result of `optimise`. Temporary files are deleted with it."""
+
+    candidates: list[Candidate]
+    best: Candidate | None            # traced with a seed that the search has not used; None: none meets the limits
+    run: Run | None                   # of the best
+    complete: bool                    # False: stopped early; the same call with `out` resumes
+    text: str                         # as the command prints it
+    scratch: Scratch | None = field(default=None, repr=False)
+
+    def table(self) -> pandas.DataFrame:
+        """One row per candidate, in the order of the search."""
+        import pandas
+
+        return pandas.DataFrame([{**c.settings, **{k: v for k, v in vars(c).items() if k != "settings"}} for c in self.candidates])
+
+
+def _candidate(found: Mapping[str, Any]) -> Candidate:
+    nan = float("nan")
+    limits = [limit for limit in found["limits"] if limit["upper"] is not None]
+    worst = max(limits, key=lambda limit: float(limit["upper"]), default={"ratio": {}, "upper": nan, "frequency_Hz": nan})
+
+    def number(value: float | None) -> float:
+        return nan if value is None else float(value)
+
+    return Candidate(dict(found["settings"]), number(found["objective"]), number(worst["ratio"].get("value")),
+                     number(worst["ratio"].get("sigma")), number(worst["upper"]), number(worst["frequency_Hz"]), found["met"],
+                     found.get("front", False), found["histories"] if found["traced"] else 0)
+
+
+def optimise(model: Model | Mapping[str, Any] | str | os.PathLike[str], *, minimise: str | None = None,
+             vary: Mapping[str, str] | None = None, subject: Sequence[str] = (), pareto: bool = False, most: int | None = None,
+             out: str | os.PathLike[str] | None = None, **options: Any) -> Optimum:
+    """Least cost or least noise over parameters, under limits, as `straytrace optimise`; what is absent is taken from the
+    table `optimise` of the model.
+
+    minimise: ``"count(baffles*)"`` or ``"h_total"``.
+    vary: ``{"rim": "34cm..40cm", "n": "10..60:integer", "scene.baffle.material": "steel,dlc"}``.
+    subject: limits, ``["h_total < 0.05 x line with 95 %", "rim > 34 cm"]``.
+    pareto: also the front of cost and noise. most: candidates of one search.
+    out: folder for all results; the same call resumes there. None: a temporary one.
+    options: those of Model.run (histories, seed, threads, max_time)."""
+    source = Model.of(model)
+    scratch = Scratch() if out is None else None
+    folder = pathlib.Path(scratch.file("optimise") if scratch else os.fspath(out))  # type: ignore[arg-type]
+    words = [*trace_words(**options), "--format", "json", "--quiet", "-o", str(folder)]
+    words += [f"--minimise={minimise}"] if minimise is not None else []
+    words += [f"--vary={name}={values}" for name, values in (vary or {}).items()] + [f"--subject={limit}" for limit in subject]
+    words += ["--pareto"] if pareto else []
+    words += [f"--most={most}"] if most is not None else []
+    texts = source.texts()
+    answer = engine.ask("optimise", next(iter(texts)), *words, unsaved=texts)
+    found = json.loads(answer.output)
+    best = None if found["best"] is None else _candidate(found["finalists"][found["best"]])
+    run = open_run(folder / "best" / "run.h5") if best else None
+    return Optimum([_candidate(c) for c in found["candidates"]], best, run, answer.complete,
+                   (folder / "optimise.txt").read_text(encoding="utf-8"), scratch)

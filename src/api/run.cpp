@@ -3,6 +3,7 @@
 
 #include "api/errors.hpp"
 #include "api/source.hpp"
+#include "results/curves/band.hpp"
 #include "session/decide/what_if.hpp"
 #include "session/session.hpp"
 
@@ -111,6 +112,11 @@ Noise Run::noise(NoiseSettings const& settings) const {
 
 PathTable Run::paths() const {
   return with_public_errors([&] { return as_public(path_table(source_->file.trace.coupling, nullptr, nullptr, {})); });
+}
+
+Value Noise::at(double hz) const {
+  if (!budget_) return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+  return as_public(strain_at(budget_->noise.total, budget_->noise.grid, hz));
 }
 
 PathTable Noise::paths(PathSettings const& settings) const {

@@ -53,8 +53,7 @@ std::string optimise_page(OptimiseReport const& r, Picture const& picture) {
   std::size_t const first = std::min(verdict.find('\n'), verdict.size());
   HtmlPage page;
   page.title = fmt::format("{}: least {}", r.model, r.order.minimise);
-  page.body =
-      fmt::format("<h1>{}</h1>\n<p class=\"verdict\">{}</p>\n", escaped(page.title), escaped(verdict.substr(0, first)));
+  page.body = fmt::format("<p class=\"verdict\">{}</p>\n", escaped(verdict.substr(0, first)));
   page.body += paragraphs(verdict.substr(std::min(first + 1, verdict.size())), "p") + picture_html(picture);
   if (!r.finalists.empty())
     page.body +=

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace optimise: least cost under a limit of the noise, against a scan of the same scene; what it writes.
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/program.hpp"
 
@@ -35,7 +38,8 @@ class Optimise : public ::testing::Test {
   }
   Finished run(Words words, std::string const& out) const {
     words.insert(words.begin(), {"optimise", scene, "-o", folder / out});
-    words.insert(words.end(), {"--histories", "131072", "--quiet"});
+    if (std::ranges::find(words, "--histories") == words.end()) words.insert(words.end(), {"--histories", "32768"});
+    words.push_back("--quiet");
     return straytrace(words);
   }
   Json json(std::string const& out) const {
@@ -49,7 +53,7 @@ class Optimise : public ::testing::Test {
 double number(std::string const& setting) { return std::stod(setting); }
 
 TEST_F(Optimise, AgreesWithAScan) {
-  Finished const r = run({}, "out");
+  Finished const r = run({"--histories", "131072"}, "out");
   ASSERT_EQ(r.code, 0) << r.out << r.err;
   Json const j = json("out");
   std::size_t const best = j["best"];
@@ -142,6 +146,62 @@ TEST_F(Optimise, RelationsBeforeTraces) {
   none.insert(none.end(), {"--subject", "gap > 1 cm"});
   ASSERT_EQ(run(none, "none").code, 0);
   EXPECT_THAT(text_of(folder / "none/candidates.csv"), HasSubstr("1e-05 /sr"));
+}
+
+// A material is chosen by its place, and best.yaml sets it there.
+TEST_F(Optimise, MaterialsByPlace) {
+  std::string text =
+      edited(text_of(scene), "materials:\n", "materials:\n  dark: {scatter: {model: lambertian, brdf: 1e-6 /sr}}\n");
+  text = edited(text, "1e-3 /sr / black + 0 * count(rings)", "price(scene.rings.material)");
+  text = edited(text, "black: [1e-5 /sr, 1e-3 /sr]", "scene.rings.material: {values: [baffle, dark], price: [1, 4]}");
+  write_text(scene, text);
+  write_line(0.3);  // baffle, with its BRDF of 1e-4 /sr, misses it
+  ASSERT_EQ(run({}, "place").code, 0);
+  Json const j = json("place");
+  EXPECT_EQ(j["finalists"][j["best"].get<std::size_t>()]["settings"]["scene.rings.material"], "dark");
+  EXPECT_EQ(j["finalists"][j["best"].get<std::size_t>()]["objective"], 4);
+  EXPECT_THAT(text_of(folder / "place/best.yaml"), HasSubstr("set:\n  scene.rings.material: dark\n"));
+  Finished const read = straytrace({"print", folder / "place/best.yaml"});
+  EXPECT_EQ(read.code, 0) << read.err;
+  EXPECT_THAT(read.out, ::testing::ContainsRegex("material: dark"));
+  std::string const page = text_of(folder / "place/optimise.html");
+  for (char const* says : {"Best: scene.rings.material=dark", "Cost 4", "Traced anew"})
+    EXPECT_THAT(page, HasSubstr(says));
+  write_line(1);  // control: here it meets the line, and is cheaper
+  ASSERT_EQ(run({}, "cheap").code, 0);
+  EXPECT_THAT(text_of(folder / "cheap/best.yaml"), HasSubstr("scene.rings.material: baffle"));
+}
+
+// Rings of radii R/sqrt(q) and R sqrt(q): pi R^2 (q - 1/q) each.
+TEST_F(Optimise, AreasAndPowers) {
+  Words words{"--minimise", "area(rings)", "--vary", "gap=1cm..2cm"};
+  double const q = std::exp(std::log((10e3 - 32.35) / 5e3) / 20), area = 20 * std::numbers::pi * 0.25 * (q - 1 / q);
+  write_text(scene, edited(text_of(scene), "radius: 0.2 mm,", "radius: 0.2 mm, power: 100 kW,"));
+  auto const limited = [&](std::string const& limit, std::string const& out) {
+    Words all = words;
+    all.insert(all.end(), {"--subject", limit});
+    return run(all, out);
+  };
+  Finished const high = limited("power(rings) < 1 kW with 90 %", "high");
+  ASSERT_EQ(high.code, 0) << high.out << high.err;
+  Json const j = json("high");
+  Json const& best = j["candidates"][j["finalists"][0]["candidate"].get<std::size_t>()];
+  EXPECT_NEAR(best["objective"].get<double>() / area, 1, 1e-9);
+  // The same light as the report of the run states.
+  std::string const run_file = folder / "high/best/run.h5";
+  Json const paths = Json::parse(straytrace({"noise", run_file, "--format", "json"}).out, nullptr, false);
+  Json const& fresh = j["finalists"][0];
+  double watts = 0;
+  for (Json const& object : paths["objects"])
+    if (object["name"] == "rings") watts = 100e3 * object["arriving"]["value"].get<double>();
+  EXPECT_GT(watts, 0);
+  EXPECT_NEAR(fresh["limits"][0]["ratio"]["value"].get<double>() * 1e3 / watts, 1, 1e-9);
+  EXPECT_EQ(limited(fmt::format("power(rings) < {} W", 0.9 * watts), "low").code, 4);  // control
+  Finished const wrong = limited("power(ring) < 1 m", "wrong");
+  EXPECT_EQ(wrong.code, 2);
+  for (char const* says : {"did you mean 'rings'?", "not a power"}) EXPECT_THAT(wrong.err, HasSubstr(says));
+  write_text(scene, edited(text_of(scene), " power: 100 kW,", ""));
+  EXPECT_THAT(limited("power(rings) < 1 kW", "none").err, HasSubstr("no beam of the scene states its power"));
 }
 
 TEST_F(Optimise, WrongWords) {

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Python package: models, runs and what goes wrong. Needs what scripts/setup --test installs."""
 import concurrent.futures
+import json
 import os
 import pathlib
 import signal
@@ -261,6 +262,22 @@ class Runs(unittest.TestCase):
     def rejected(self, path, words):
         with self.assertRaisesRegex(straytrace.RunError, words):
             straytrace.open(path)
+
+    def test_an_optimisation(self):
+        """A steep cost under a limit; the command gives the same numbers."""
+        words = {"minimise": "1 m / rim", "vary": {"rim": "45cm..49cm"}, "histories": BLOCK, "most": 4}
+        with tempfile.TemporaryDirectory() as folder:
+            found = straytrace.optimise(self.model, subject=["rim < 48 cm", "h_total < 1e9 x line"], out=folder, **words)
+            told = json.loads(pathlib.Path(folder, "optimise.json").read_text())
+            self.assertEqual(len(found.table()), len(told["candidates"]))
+            self.assertLess(float(found.best.settings["rim"].split()[0]), 0.48)
+            self.assertEqual(found.best.ratio, told["finalists"][told["best"]]["limits"][0]["ratio"]["value"])
+            self.assertTrue(found.best.met and found.complete and found.run.histories == found.best.histories > BLOCK)
+            self.assertIn("binds", found.text)
+        none = straytrace.optimise(self.model, subject=["h_total < 1e-9 x line"], **words)
+        self.assertTrue(none.best is None and none.run is None and not any(c.met for c in none.candidates))
+        with self.assertRaisesRegex(straytrace.InputError, "did you mean 'rim'"):
+            straytrace.optimise(self.model, **{**words, "vary": {"rmi": "1cm..2cm"}})
 
     def test_a_scan_is_the_same_on_every_executor(self):
         params = {"rim": ["49 cm", "50 cm"]}

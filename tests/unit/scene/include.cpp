@@ -64,6 +64,25 @@ TEST(Overrides, ReplaceValuesByTheirPlace) {
   EXPECT_THAT(errors_of(model, {"materials.steel.x.z=5 m"}), HasSubstr("it is a single value"));
 }
 
+// The table `set` does what -p does, before it; the command line has the last word.
+TEST(Overrides, TheTableSet) {
+  auto const x_of = [](std::string const& set, std::vector<std::string> const& overrides = {}) {
+    Scene const scene = scene_of("materials: {steel: {x: 1 m}}\nset: {" + set + "}\n", overrides);
+    double const x = scene.table("materials").table("steel").number("x", dim::length);
+    scene.throw_if_problems();
+    return x;
+  };
+  EXPECT_EQ(x_of(""), 1);
+  EXPECT_EQ(x_of("materials.steel.x: 5 m"), 5);
+  EXPECT_EQ(x_of("materials.steel.x: 5 m", {"materials.steel.x=6 m"}), 6);
+  auto const errors = [](std::string const& set) {
+    return errors_of("materials: {steel: {x: 1 m}}\nset: {" + set + "}\n");
+  };
+  EXPECT_THAT(errors("materials.stel.x: 5 m"), HasSubstr("arm.yaml:3:7: error: 'materials' has no 'stel'"));
+  EXPECT_THAT(errors("x: 5 m"), HasSubstr("'x' is not the place of a value"));
+  EXPECT_THAT(errors("materials.steel.x: [5 m]"), HasSubstr("'materials.steel.x' is not set to a single value"));
+}
+
 FileTexts included(std::string const& main, std::string const& lib) {
   return {{"arm.yaml", "straytrace: 1\ninclude: [lib/a.yaml]\n" + main}, {"lib/a.yaml", lib}};
 }
