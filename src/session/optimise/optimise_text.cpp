@@ -9,6 +9,7 @@
 #include "base/text/words.hpp"
 #include "results/text/columns.hpp"
 #include "results/text/table.hpp"
+#include "scene/model_tree.hpp"
 #include "session/optimise/optimise.hpp"
 
 namespace straytrace::session {
@@ -130,9 +131,12 @@ std::string binding_text(OptimiseReport const& r, Outcome const& best) {
 }  // namespace
 
 std::string range_text(VariedParameter const& p) {
-  return p.listed() ? fmt::format("{}: {}", p.name, fmt::join(p.values, ", "))
-                    : fmt::format("{} {:g} to {:g} {}{}", p.name, p.low, p.high,
-                                  p.dimension == dim::plain ? "" : example_unit(p.dimension), p.whole ? "(whole)" : "");
+  if (p.listed()) return fmt::format("{}: {}", p.name, fmt::join(p.values, ", "));
+  auto const end = [&](double value) {
+    double const rounded = std::strtod(fmt::format("{:.7g}", value).c_str(), nullptr);
+    return si_text(Value{{rounded, p.dimension, {}}, false});
+  };
+  return fmt::format("{} {} to {}{}", p.name, end(p.low), end(p.high), p.whole ? " (whole)" : "");
 }
 
 std::string spent_text(OptimiseReport const& r) {
