@@ -48,13 +48,13 @@ function budgetWithout(b, shares, off) {
                            {name, colour: "var(--bad)", width: 2.2, x: b.frequency, y: h}]};
 }
 
-// Returns what redraws the curves when rows of the table are switched off or on.
 function boundText(b) {
   const missing = b.unresolved.length;
   if (missing === 0) return b.bound ? " (upper bound)" : "";
   return b.bound ? " (contains upper bounds; " + missing + (missing === 1 ? " route" : " routes") + " unresolved)" : " (lower bound)";
 }
 
+// Returns what redraws the curves: with rows of the table switched off, and with series of other inputs.
 function addBudget(b) {
   const part = section("Noise budget", "budget"), box = el("figure");
   part.append(box);
@@ -73,10 +73,15 @@ function addBudget(b) {
   const shares = {}, left = el("p", {class: "note"});
   for (const key of ["share", "error", "rest", "restError"]) shares[key] = typedArray(Float32Array, b.shares[key]);
   box.append(left);
-  return off => {
+  let off = new Set(), other = [];
+  const redraw = () => {
     const without = off.size > 0 ? budgetWithout(b, shares, off) : {inside: "", series: []};
-    plot.bring(without.series, s => s.id && off.has(s.id));
+    plot.bring(without.series.concat(other), s => s.id && off.has(s.id));
     say(left, without.inside);
+  };
+  return {
+    switched: rows => { off = rows; redraw(); },
+    whatIf: series => { other = series; redraw(); },
   };
 }
 
@@ -119,8 +124,9 @@ function build() {
     const note = el("p", {class: "headline"}, el("a", {href: "#warnings"}, data.warnings.length + (data.warnings.length > 1 ? " warnings" : " warning")));
     document.getElementById("page").append(note);
   }
-  const switched = data.budget ? addBudget(data.budget) : () => {};
-  const routes = data.table.rows > 0 ? addRoutes(switched) : null;
+  const curves = data.budget ? addBudget(data.budget) : null;
+  if (data.what_if && curves) addWhatIf(data.what_if, data.budget, curves.whatIf);
+  const routes = data.table.rows > 0 ? addRoutes(curves ? curves.switched : () => {}) : null;
   const later = data.scene ? addScene(routes) : () => {};
   if (data.maps && data.maps.length > 0) addMaps(data.maps);
   if (data.wave) addWave(data.wave);

@@ -14,6 +14,7 @@
 #include "results/text/columns.hpp"
 #include "results/text/picture.hpp"
 #include "session/build_info.hpp"
+#include "session/decide/what_if_terms.hpp"
 #include "session/light/computed_paths.hpp"
 #include "session/light/first_order.hpp"
 #include "session/light/ghost_noise.hpp"
@@ -26,7 +27,7 @@
 namespace straytrace::session {
 namespace {
 
-constexpr std::size_t routes_in_budget = 8, maps_shown = 8;
+constexpr std::size_t routes_in_budget = 8, maps_shown = 8, what_if_rows = 12;
 constexpr std::uint64_t light_histories = 1 << 14;  // traced again for irradiance and first-order lists
 
 // Paths with their part of the noise of the band, of the rows that cause 99 % of it.
@@ -197,6 +198,9 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   j["kind"] = "report";
   j["provenance"] = provenance_json(run);
   if (run.noise && wanted.has("budget")) j["budget"] = budget_json(*run.noise, table, routes_in_budget);
+  if (run.noise && wanted.has("budget"))
+    if (auto const terms = what_if_terms(model, run.trace->coupling, *run.noise, table, what_if_rows))
+      j["what_if"] = what_if_json(*terms, *run.noise, table);
   j["table"] = table_json(table);
   if (wanted.has("scene"))
     j["scene"] = scene_part(
@@ -218,8 +222,8 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   j["warnings"] = run.all_warnings();
   j["libraries"] = scripts_json();
   page.plots = page.scene = true;
-  page.scripts = {"base.js",  "plot.js",  "heat.js", "filter.js", "table.js", "scene.js",
-                  "stage.js", "light.js", "maps.js", "wave.js",   "lists.js", "report.js"};
+  page.scripts = {"base.js",  "plot.js", "heat.js", "filter.js", "table.js",   "scene.js", "stage.js",
+                  "light.js", "maps.js", "wave.js", "lists.js",  "what_if.js", "report.js"};
   return html_text(page);
 }
 

@@ -42,6 +42,8 @@ def draw(found):
         axes.axhline(1, color=GREY, lw=1.5, ls=(0, (6, 2)))
     axes.set_xlabel("h over the line" if found["minimise"] == "h_total" else f"cost: {found['minimise']}")
     axes.set_ylabel("largest h over its limit")
+    if len(ratio) and np.nanmin(ratio) > 0 and np.nanmax(ratio) > 8 * np.nanmin(ratio):
+        axes.set_yscale("log")
     axes.grid(True, which="major", color=LIGHT, lw=0.7)
     title = f"{found['model']}: {len(traced)} candidates; bars: up to the upper limit with the stated confidence"
     axes.set_title(title if found["complete"] else title + " (stopped)", fontsize=10)

@@ -17,6 +17,7 @@
 #include "scene/model_tree.hpp"
 #include "scene/set_values.hpp"
 #include "session/decide/reweighted.hpp"
+#include "session/decide/what_if_terms.hpp"
 #include "world/model/material.hpp"
 
 namespace straytrace::session {
@@ -213,19 +214,13 @@ class Changes {
   // Scattered, reflected and transmitted light together are at most all of it, at any incidence.
   void refuse_gain(std::size_t m, double factor, std::string const& text) {
     if (!traced_) traced_.emplace(model_of(run_.file));
-    WorldView const view = traced_->world.view();
-    for (MaterialInfo const& info : traced_->world.materials)
-      for (double degrees = 0; info.name == materials_[m].name && degrees < 90; degrees += 5) {
-        MaterialShares const now = shares_at(view, view.optics[info.optic], degrees);
-        double const others = now.reflect + now.transmit, most = (1 - others) / now.scattered;
-        if (factor > most * (1 + 1e-9))
-          throw InputError(
-              fmt::format(
-                  "--set {}: '{}' would scatter {:.3g} of the light at {:.0f} degrees of incidence, besides the "
-                  "{:.3g} that it reflects and transmits",
-                  text, info.name, factor * now.scattered, degrees, others),
-              fmt::format("at most x{:.3g}", most));
-      }
+    LargestFactor const most = largest_factor(traced_->world, materials_[m].name);
+    if (factor > most.factor * (1 + 1e-9))
+      throw InputError(
+          fmt::format("--set {}: '{}' would scatter {:.3g} of the light at {:.0f} degrees of incidence, besides the "
+                      "{:.3g} that it reflects and transmits",
+                      text, materials_[m].name, factor * most.scattered, most.degrees, most.others),
+          fmt::format("at most x{:.3g}", most.factor));
   }
   void move(Setting const& s, BodyId moved) {
     if (!s.factor)
