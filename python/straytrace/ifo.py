@@ -8,7 +8,7 @@ import os
 import re
 import warnings
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING, Union
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from .model import Model, Parameters, overrides
 if TYPE_CHECKING:
     import pandas
 
-Quantity = str | float
+Quantity = Union[str, float]
 
 
 class Interferometer:

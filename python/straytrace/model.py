@@ -11,7 +11,7 @@ import tempfile
 import warnings
 from collections.abc import Iterator, Mapping, MutableMapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Union
 
 from . import engine
 from .errors import InputError, Problem, StraytraceWarning
@@ -19,7 +19,7 @@ from .progress import Shown, shown
 from .run import Run, Scratch, open_run
 from .tree import SCALARS, Table, YAMLError, dump, load, plain, scene_tree
 
-Parameters = Mapping[str, str | float]
+Parameters = Mapping[str, Union[str, float]]
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING, Union
 
 if TYPE_CHECKING:
     import pandas
@@ -78,7 +78,7 @@ class Path(ByColumn):
         return sum(step.strip().endswith("·S") for step in self.sequence.split(">"))
 
 
-Where = str | Callable[[Path], bool]
+Where = Union[str, Callable[[Path], bool]]
 
 
 @dataclass

@@ -8,6 +8,7 @@
 #include <memory>
 #include <regex>
 
+#include "base/process/library.hpp"
 #include "base/text/bounded_regex.hpp"
 #include "base/text/words.hpp"
 #include "cli/commands.hpp"
@@ -96,7 +97,7 @@ int submit(SubmitOptions const& options) {
   print_warnings(model, options);
   Jobs jobs;
   jobs.slices = options.jobs;
-  jobs.program = fs::read_symlink("/proc/self/exe").string();
+  jobs.program = program_file().string();
   jobs.scene = options.input;
   jobs.accounting = options.accounting;
   jobs.seconds = options.seconds;

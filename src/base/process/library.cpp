@@ -10,9 +10,16 @@
 
 namespace straytrace {
 
+std::filesystem::path program_file() {
+  std::error_code ignored;
+  std::filesystem::path const running = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  bool const by_loader = running.filename().string().starts_with("ld-linux");
+  return by_loader ? running.parent_path() / "straytrace" : running;
+}
+
 std::string installed_library(std::string const& name) {
   std::error_code ignored;
-  std::filesystem::path const program = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
+  std::filesystem::path const program = program_file().parent_path();
   for (auto const& place : {program / name, program / ".." / "lib" / "straytrace" / name})
     if (std::filesystem::exists(place, ignored)) return place.lexically_normal().string();
   return {};

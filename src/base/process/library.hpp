@@ -2,11 +2,15 @@
 // Shared libraries that the program loads on request.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "base/namespaces.hpp"
 
 namespace straytrace {
+
+// By which this program is started: its own file; of packages that bring their own loader, the starter next to that.
+std::filesystem::path program_file();
 
 // One of this build: in the folder of the program or in ../lib/straytrace. Empty: there is none.
 std::string installed_library(std::string const& name);
