@@ -246,7 +246,8 @@ void require_this_program(Provenance const& about, std::string const& file, std:
                    remedy);
 }
 
-TracedModel trace_model(Model& model, TraceOptions const& options, std::string const& run_file, TraceControl const& control) {
+TracedModel trace_model(Model& model, TraceOptions const& options, std::string const& run_file,
+                        TraceControl const& control) {
   InterruptGuard const guard(control.stop);
   if (model.histories < fewest_histories)
     print_warning(
