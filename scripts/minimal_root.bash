@@ -13,6 +13,7 @@ make_base() {
     echo "minimal root: no source of apt on this machine has bookworm: fill /etc/apt/sources.list.d, then apt-get update" >&2
     exit 1
   fi
+  command -v debootstrap >/dev/null || return 1
   rm -rf "$base.part"
   debootstrap --variant=minbase "$suite" "$base.part" "$from" >"$logs/debootstrap.log" 2>&1 || {
     tail -n 5 "$logs/debootstrap.log" >&2
