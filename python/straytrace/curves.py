@@ -171,6 +171,6 @@ class Noise:
         """A gwpy FrequencySeries of the ASD. It supports regular axes only: a logarithmic axis is an error unless
         `interpolate` gives the step [Hz] of a regular one within the band, interpolated linearly in log-log between
         the bins."""
-        from .gwpy import frequency_series
+        from .observatory.gwpy import frequency_series
 
         return frequency_series(self, curve or self.total, interpolate)

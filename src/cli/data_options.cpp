@@ -12,6 +12,7 @@
 #include "scene/expression.hpp"
 #include "session/build_info.hpp"
 #include "spectra/files/gps.hpp"
+#include "spectra/files/segment_file.hpp"
 #include "spectra/welch.hpp"
 
 namespace straytrace::cli {
@@ -58,7 +59,14 @@ void say_written(DataOptions const& o) {
 
 void add_span_options(CLI::App& command, DataOptions& o) {
   command.add_option("--unit", o.unit, "unit of the samples, where that of the file is missing or wrong: m/s^2");
-  command.add_option("--gps", o.gps, "stretch A..B in GPS seconds or UTC; default: all");
+  add_gps_options(command, o.gps, o.segments);
+}
+
+void add_gps_options(CLI::App& command, std::string& gps, std::string& segments, std::string const& otherwise) {
+  command.add_option("--gps", gps, "stretch A..B in GPS seconds or UTC; default: " + otherwise);
+  command.add_option("--segments", segments,
+                     "FILE or FILE::FLAG of data quality: use data only where it is active; columns of text, LIGO_LW, "
+                     "HDF5 or JSON");
 }
 
 void add_band_option(CLI::App& command, DataOptions& o, std::string const& meaning) {
@@ -138,7 +146,12 @@ FrequencyBand option_band(std::string const& text, std::string const& option) {
   return band;
 }
 
-GpsSpan span_of(DataOptions const& o) { return o.gps.empty() ? GpsSpan{} : parse_gps(o.gps); }
+GpsSpan requested_span(std::string const& gps, std::string const& segments) {
+  GpsSpan const span = gps.empty() ? GpsSpan{} : parse_gps(gps);
+  return segments.empty() ? span : only_stretch(segments_argument(segments), span);
+}
+
+GpsSpan span_of(DataOptions const& o) { return requested_span(o.gps, o.segments); }
 
 FrequencyBand band_of(DataOptions const& o, FrequencyBand otherwise, double nyquist_hz) {
   FrequencyBand const band = o.band.empty() ? otherwise : option_band(o.band, "--band");
@@ -150,6 +163,40 @@ FrequencyBand band_of(DataOptions const& o, FrequencyBand otherwise, double nyqu
 
 TimeSeries series_of(DataOptions const& o, std::string const& argument) {
   return series_argument(argument, o.unit, span_of(o), true);
+}
+
+namespace {
+
+bool has_gaps(TimeSeries const& s) {
+  return std::ranges::any_of(s.samples, [](double x) { return std::isnan(x); });
+}
+
+// A filter would spread the gaps of the faster record.
+void refuse_gaps_at_other_rates(std::vector<TimeSeries> const& all) {
+  for (TimeSeries const& s : all)
+    if (s.rate != all.front().rate && std::ranges::any_of(all, has_gaps))
+      throw InputError(fmt::format("records with gaps at {:g} and {:g} Hz", all.front().rate, s.rate),
+                       "reduce the rate of the faster one in stretches without gaps: straytrace signal convert --rate");
+}
+
+}  // namespace
+
+std::vector<TimeSeries> averaged_records(DataOptions const& o, std::vector<NamedRecord> const& records, GpsSpan span,
+                                         bool corrects) {
+  bool const masked = !o.segments.empty();
+  ActiveSegments const active = masked ? segments_argument(o.segments) : ActiveSegments{};
+  if (masked) {
+    auto const inside = active.within(span);
+    span = inside.size() < 2 ? only_stretch(active, span) : GpsSpan{inside.front().from, inside.back().to};
+  }
+  std::vector<TimeSeries> all;
+  for (auto const& [argument, unit] : records)
+    all.push_back(series_argument(argument, unit, span, corrects, masked ? Gaps::kept : Gaps::refused));
+  refuse_gaps_at_other_rates(all);
+  all = aligned(all);
+  if (masked)
+    for (TimeSeries& s : all) leave_out_inactive(s, active);
+  return all;
 }
 
 double segment_of(DataOptions const& o, std::string const& name, double duration) {
@@ -179,6 +226,12 @@ WelchSettings welch_of(DataOptions const& o, TimeSeries const& s) {
 std::string source_note(TimeSeries const& s) {
   return fmt::format("{}: {:g} Hz, unit {}, {:g} s from GPS {} ({})", s.name, s.rate, s.unit, s.duration(),
                      gps_text(s.start), utc_of_gps(s.start));
+}
+
+std::string active_note(DataOptions const& o, TimeSeries const& s) {
+  if (o.segments.empty()) return "";
+  auto const used = double(std::ranges::count_if(s.samples, [](double x) { return !std::isnan(x); }));
+  return fmt::format("{}: {:g} s of {:g} s are active", o.segments, used / s.rate, s.duration());
 }
 
 std::string welch_note(WelchSettings const& w, double rate, std::size_t segments, double effective,

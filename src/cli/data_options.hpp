@@ -17,7 +17,8 @@ namespace straytrace::cli {
 
 // As written on the command line; the functions below report errors with the name of the option.
 struct DataOptions {
-  std::string unit, gps, band, segment, overlap = "50 %", window = "hann", average = "mean", detrend = "constant";
+  std::string unit, gps, segments, band, segment, overlap = "50 %", window = "hann", average = "mean",
+                                                  detrend = "constant";
   std::vector<std::string> out;
   std::string format = "text";
   bool quiet = false;
@@ -25,7 +26,9 @@ struct DataOptions {
   bool json() const { return format == "json"; }
 };
 
-void add_span_options(CLI::App&, DataOptions&);                             // --unit, --gps
+void add_span_options(CLI::App&, DataOptions&);  // --unit, --gps, --segments
+// --gps and --segments of options that are no DataOptions.
+void add_gps_options(CLI::App&, std::string& gps, std::string& segments, std::string const& otherwise = "all");
 void add_band_option(CLI::App&, DataOptions&, std::string const& meaning);  // --band
 void add_welch_options(CLI::App&, DataOptions&);  // --segment, --overlap, --window, --average, --detrend
 // -o (repeatable), --format, and `quiet` for results only.
@@ -42,11 +45,19 @@ struct FrequencyBand {
 };
 FrequencyBand option_band(std::string const& text, std::string const& option);  // "20 Hz..80 Hz"; low < high
 
+// --gps, or the stretch in it where --segments are active without interruption.
+GpsSpan requested_span(std::string const& gps, std::string const& segments);
 GpsSpan span_of(DataOptions const&);
 // --band, or `otherwise` where none is given; within 0 to half the rate.
 FrequencyBand band_of(DataOptions const&, FrequencyBand otherwise, double nyquist_hz);
 // FILE or FILE::CHANNEL, with --unit and --gps.
 TimeSeries series_of(DataOptions const&, std::string const& argument);
+// For averaged spectra, on a common clock; with --segments NaN outside of them.
+struct NamedRecord {
+  std::string argument, unit;
+};
+std::vector<TimeSeries> averaged_records(DataOptions const&, std::vector<NamedRecord> const&, GpsSpan,
+                                         bool corrects = false);
 // --segment, in s, which fits a record of that name and duration; without it 8 s, or an eighth of the record where that
 // is shorter.
 double segment_of(DataOptions const&, std::string const& record, double duration_s);
@@ -54,6 +65,8 @@ WelchSettings welch_of(DataOptions const&, TimeSeries const&);
 
 // Lines for notes of curves: source with unit, rate and span; segments, window, averages.
 std::string source_note(TimeSeries const&);
+// "flags.txt: 20 s of 32 s are active"; empty without --segments.
+std::string active_note(DataOptions const&, TimeSeries const&);
 std::string welch_note(WelchSettings const&, double rate, std::size_t segments, double effective,
                        double noise_bandwidth);
 std::string welch_note(WelchSettings const& settings, double rate, auto const& spectra) {

@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/files/text_file.hpp"
 #include "base/input/document.hpp"
+#include "io/observatory_data.hpp"
 #include "motion/axis_motion.hpp"
+#include "spectra/files/segment_file.hpp"
 #include "spectra/files/series_file.hpp"
 #include "spectra/fourier.hpp"
 #include "spectra/integration.hpp"
@@ -122,13 +125,30 @@ std::optional<GpsSpan> read_span(Node const& spec) try {
   return {};
 }
 
+// The stretch of `span` in which the flag of `segments` is active.
+std::optional<GpsSpan> read_stretch(Node const& spec) {
+  auto const span = read_span(spec);
+  if (!span || !spec.has("segments")) return span;
+  Node const file = spec["segments"];
+  std::string const name = file.as_word(), text = file.data_file(name);
+  if (text.empty() && !file.document()->optional_file(file, name)) return {};  // reported by data_file()
+  try {
+    refuse_binary(text, name);
+    return only_stretch(parse_segments(text, name), *span);
+  } catch (InputError const& e) {
+    pass_on(e, file, file);
+    return {};
+  }
+}
+
 std::optional<TimeSeries> read_series(Node const& spec) {
   Node const file = spec["series"];
-  std::string const name = file.as_word();
+  std::string name = file.as_word();
   SeriesRequest request{spec.has("channel") ? spec.word("channel") : "", spec.has("unit") ? spec.word("unit") : "", {}};
-  auto const span = read_span(spec);
+  auto const span = read_stretch(spec);
   if (name.empty() || !span) return {};
   request.span = *span;
+  if (is_observatory_data(name)) name = kept_name({name, request.channel, span->from, span->to});
   std::string const bytes = file.data_file(name);
   if (bytes.empty() && !file.document()->optional_file(file, name)) return {};  // reported by data_file()
   try {

@@ -11,6 +11,8 @@
 #include "base/files/embedded.hpp"
 #include "base/files/read_write.hpp"
 #include "base/files/text_file.hpp"
+#include "io/delimited_text.hpp"
+#include "io/observatory_data.hpp"
 #include "scene/library.hpp"
 #include "scene/parts.hpp"
 #include "scene/scope.hpp"
@@ -30,6 +32,25 @@ std::vector<std::size_t> line_starts(std::string_view text) {
 bool is_absolute(std::string_view name) {
   bool const drive = name.size() > 1 && name[1] == ':';
   return name.starts_with('/') || name.starts_with('\\') || name.starts_with('~') || drive;
+}
+
+// The samples of a record of the observatories, relative to the folder of the scene; empty and a problem without them.
+std::optional<std::string> observatory_file(Node const& named_by, ObservatoryRequest asked,
+                                            std::filesystem::path const& folder, std::size_t size_limit) {
+  std::string const written = asked.source;
+  if (!asked.source.starts_with("nds2://")) asked.source = (folder / asked.source).string();
+  ObservatoryData found = observatory_record(asked);
+  if (found.why.empty() && found.bytes.size() > size_limit) {
+    found.why = fmt::format("the samples take more than {} MB, which a scene holds at most", size_limit >> 20);
+    found.remedy = "choose a shorter span, or reduce the rate first with straytrace signal convert";
+  }
+  if (!found.why.empty()) {
+    named_by.problem(fmt::format("'{}': {}", shortened(written), found.why), found.remedy);
+    return {};
+  }
+  for (TextLine const& line : text_lines(found.warnings, Comments::kept))
+    named_by.warning(std::string(line.text.substr(line.text.find(": ") + 2)), "see docs/reference/signal.md");
+  return std::move(found.bytes);
 }
 
 void refuse_library_name(Node const& named_by, std::string const& name) {
@@ -216,14 +237,20 @@ std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::stri
     named_by.problem("this is not a file name", "write a name relative to this file, for example 'data/steel.csv'");
     return {};
   }
-  if (is_absolute(written)) {
+  auto const record = request_of_name(written);
+  if (is_absolute(written) && !record) {
     named_by.problem(fmt::format("'{}' is an absolute path, which is not valid on other machines", shortened(written)),
                      "write a name relative to this file, for example 'data/steel.csv'");
     return {};
   }
-  std::string const name = name_from(named_by, written);
+  bool const remote = record && record->source.starts_with("nds2://");
+  std::string const name = remote ? written : name_from(named_by, written);
   if (auto const known = known_source(name)) return known;
   std::string why;
+  if (record && !texts_) {
+    auto samples = observatory_file(named_by, *request_of_name(name), folder_, size_limit);
+    return samples ? std::optional(add_source(name, std::move(*samples), true)) : std::nullopt;
+  }
   auto text = read(name, size_limit, why);
   if (!text)
     if (auto const file = open_library(name, written)) return file;

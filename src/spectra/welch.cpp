@@ -71,7 +71,7 @@ double median_bias(std::size_t n) {  // scipy.signal.welch has the same; exact f
 }
 
 WelchSpectrum welch(std::span<double const> samples, double rate, WelchSettings const& s) {
-  Segments segments(samples.size(), rate, s);
+  Segments segments(samples, rate, s);
   bool const median = s.average == Average::median;
   WelchSpectrum out;
   out.even = s.segment % 2 == 0;
@@ -184,7 +184,7 @@ Segments::Segments(std::size_t samples, double rate, WelchSettings const& s) : s
   check(samples, rate, s);
   // Whole samples of overlap, rounded down as int(share * segment) elsewhere.
   step_ = s.segment - std::size_t(std::floor(s.overlap * double(s.segment) + 1e-9));
-  count_ = (samples - s.segment) / step_ + 1;
+  add_stretch(0, samples);
   weights_ = window_weights(s.window, s.window_parameter, s.segment);
   for (double const w : weights_) {
     sum_ += w;
@@ -192,16 +192,40 @@ Segments::Segments(std::size_t samples, double rate, WelchSettings const& s) : s
   }
 }
 
+Segments::Segments(std::span<double const> samples, double rate, WelchSettings const& s)
+    : Segments(samples.size(), rate, s) {
+  begins_.clear();
+  stretches_.clear();
+  for (std::size_t from = 0, to = 0; from < samples.size(); from = to + 1) {
+    for (to = from; to < samples.size() && !std::isnan(samples[to]);) ++to;
+    add_stretch(from, to);
+  }
+  if (begins_.empty())
+    throw InputError(
+        fmt::format("no stretch without a gap is as long as a segment of {:g} s", double(s.segment) / rate),
+        "choose a shorter segment, or other data");
+}
+
+void Segments::add_stretch(std::size_t from, std::size_t to) {
+  std::size_t const before = begins_.size();
+  for (std::size_t at = from; at + settings_.segment <= to; at += step_) begins_.push_back(at);
+  if (begins_.size() > before) stretches_.push_back(begins_.size() - before);
+}
+
 double Segments::density(std::size_t line) const { return (is_real_line(line) ? 1 : 2) / (rate_ * square_); }
 
 double Segments::effective() const {
   double sum = 1;
-  for (std::size_t m = 1; m < count_ && m * step_ < weights_.size(); ++m) {
+  double const all = double(count());
+  std::size_t const longest = *std::ranges::max_element(stretches_);
+  for (std::size_t m = 1; m < longest && m * step_ < weights_.size(); ++m) {
     double shared = 0;
     for (std::size_t i = m * step_; i < weights_.size(); ++i) shared += weights_[i] * weights_[i - m * step_];
-    sum += 2 * (1 - double(m) / double(count_)) * std::pow(shared / square_, 2);
+    double apart = 0;  // segments without one m steps before
+    for (std::size_t const n : stretches_) apart += double(std::min(m, n));
+    sum += 2 * (1 - apart / all) * std::pow(shared / square_, 2);
   }
-  return double(count_) / sum;
+  return all / sum;
 }
 
 Complexes const& Segments::transform(std::span<double const> samples, std::size_t segment) {
@@ -216,7 +240,10 @@ CrossSpectra cross_spectra(std::span<double const> x, std::span<double const> y,
   if (x.size() != y.size())
     throw InputError(fmt::format("records of {} and {} samples", x.size(), y.size()), "cut both to the same stretch");
   if (s.average != Average::mean) throw InputError("cross spectra are averaged by their mean", "write --average mean");
-  Segments of_x(x.size(), rate, s), of_y(y.size(), rate, s);
+  std::vector<double> of_both(x.begin(), x.end());  // NaN where either is
+  for (std::size_t i = 0; i < y.size(); ++i)
+    if (std::isnan(y[i])) of_both[i] = y[i];
+  Segments of_x(of_both, rate, s), of_y(of_both, rate, s);
   CrossSpectra out;
   out.segments = of_x.count();
   out.effective_averages = of_x.effective();

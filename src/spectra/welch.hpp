@@ -58,8 +58,8 @@ struct WelchSpectrum {
   bool even = true;  // samples of a segment
 };
 
-// Over the segments that fit; samples in order, sample rate in Hz. Throws InputError for a segment below two samples or
-// longer than the series, an overlap outside [0, 1), a sample rate that is not positive.
+// Over the segments that fit, and hold no NaN; samples in order, sample rate in Hz. Throws InputError for a segment
+// below two samples or longer than the series, an overlap outside [0, 1), a sample rate that is not positive.
 WelchSpectrum welch(std::span<double const> samples, double sample_rate, WelchSettings const&);
 
 // Interval that holds the true PSD with this probability: nu S/chi^2_nu, nu = 2 effective averages (1 at real lines).
@@ -97,11 +97,13 @@ class Segments {
  public:
   // Throws InputError as welch() does.
   Segments(std::size_t samples, double rate, WelchSettings const&);
+  // In each stretch without NaN, from its first sample on. InputError where no stretch is as long as a segment.
+  Segments(std::span<double const> samples, double rate, WelchSettings const&);
 
-  std::size_t count() const { return count_; }
+  std::size_t count() const { return begins_.size(); }
   std::size_t lines() const { return settings_.segment / 2 + 1; }
   double hz(std::size_t line) const { return double(line) * rate_ / double(settings_.segment); }
-  std::size_t begin(std::size_t segment) const { return segment * step_; }
+  std::size_t begin(std::size_t segment) const { return begins_[segment]; }
   double noise_bandwidth() const { return rate_ * square_ / (sum_ * sum_); }
   // |X|^2 times this is a one-sided PSD: 1/(rate sum w^2), twice that for each frequency with a negative counterpart.
   double density(std::size_t line) const;
@@ -112,9 +114,12 @@ class Segments {
   Complexes const& transform(std::span<double const> samples, std::size_t segment);
 
  private:
+  void add_stretch(std::size_t from, std::size_t to);
+
   WelchSettings settings_;
   double rate_, sum_ = 0, square_ = 0;
-  std::size_t step_, count_;
+  std::size_t step_;
+  std::vector<std::size_t> begins_, stretches_;  // samples; segments of each stretch
   std::vector<double> weights_, part_;
   Fourier fourier_;
 };

@@ -58,19 +58,18 @@ StretchArgument parse_stretch(std::string const& text, std::string const& option
     throw InputError(fmt::format("{}: '{}' is not a stretch", option, text),
                      fmt::format("write {} 1000000000..1000000060, or a file", option));
   std::error_code unknown;
-  if (!std::filesystem::exists(a.file, unknown))
+  if (!a.file.starts_with("nds2://") && !std::filesystem::exists(a.file, unknown))
     throw InputError(fmt::format("{}: '{}' is neither a stretch A..B nor a readable file", option, text),
                      fmt::format("write {} 1000000000..1000000060, or check the name of the file", option));
   return a;
 }
 
-TimeSeries channel_in(StretchArgument const& stretch, std::string const& channel, std::string const& unit,
-                      std::string const& option) {
-  if (channel.find("::") != channel.npos) return series_argument(channel, unit, stretch.span);
+std::string argument_in(StretchArgument const& stretch, std::string const& channel, std::string const& option) {
+  if (channel.find("::") != channel.npos) return channel;
   std::string const file = stretch.file.empty() ? channel : stretch.file;
   if (file.empty())
     throw InputError(fmt::format("{} is missing", option), fmt::format("write {} FILE::CHANNEL", option));
-  return series_argument(stretch.file.empty() || channel.empty() ? file : file + "::" + channel, unit, stretch.span);
+  return stretch.file.empty() || channel.empty() ? file : file + "::" + channel;
 }
 
 void answer_with_result(DataOptions const& o, CurveSheet const& sheet, std::string const& text,

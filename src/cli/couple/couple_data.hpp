@@ -47,8 +47,7 @@ struct StretchArgument {
 };
 StretchArgument parse_stretch(std::string const& text, std::string const& option);
 // "FILE::CHANNEL", or a channel of the file that the stretch names.
-TimeSeries channel_in(StretchArgument const&, std::string const& channel, std::string const& unit,
-                      std::string const& option);
+std::string argument_in(StretchArgument const&, std::string const& channel, std::string const& option);
 
 // "3.7e-14 ± 0.2e-14 1/m (C.13; ...)", with a hint where the band is too narrow.
 std::string band_text(BandCoupling const&, std::string const& unit);

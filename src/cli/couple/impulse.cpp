@@ -104,7 +104,8 @@ int run_events(EventOptions o) {
     o.settings.low = band.low;
     o.settings.high = band.high;
   }
-  TimeSeries const searched = o.data.gps.empty() ? all : cut(all, parse_gps(o.data.gps));
+  bool const part = !o.data.gps.empty() || !o.data.segments.empty();
+  TimeSeries const searched = part ? cut(all, span_of(o.data)) : all;
   std::vector<LoudStretch> const events = find_events(searched, cut(all, parse_gps(o.quiet)), o.settings);
   Columns table{{"from", "to", "frequency", "x quiet", "significance", "with all looks", "bins"}, {}, {}};
   nlohmann::json list = nlohmann::json::array();
@@ -146,7 +147,7 @@ void add_couple_impulse(CLI::App& couple, int& exit_code) {
   command->add_option("--target", o.target, "FILE::CHANNEL of strain, or of another disturbed signal")->required();
   command->add_option("--force-unit", o.force_unit, "unit, where the file has none: N");
   command->add_option("--target-unit", o.target_unit, "unit, where the file has none: 1 for strain");
-  command->add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all");
+  add_gps_options(*command, o.data.gps, o.data.segments);
   command
       ->add_option("--list", o.list, "CSV with start times (place, start, duration) instead of a search for impulses")
       ->check(CLI::ExistingFile);

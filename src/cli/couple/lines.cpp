@@ -39,7 +39,7 @@ struct Driven {
 void add_line_options(CLI::App& command, LineOptions& o) {
   add_pair_options(command, o.pair, "FILE::CHANNEL of the drive: motion, force or sound");
   add_band_option(command, o.data, "LOW..HIGH that contains the driven line: \"18 Hz..22 Hz\"");
-  command.add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all");
+  add_gps_options(command, o.data.gps, o.data.segments);
   command.add_option("--window", o.window, "length of the windows")->default_str(o.window);
   command.add_option("--wavelength", o.wavelength, "of the light")->default_str(o.wavelength);
   command.add_option("--multiplicity", o.multiplicity, "bounces off the moving surface: phase over 4 pi x/lambda")

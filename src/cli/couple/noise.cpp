@@ -54,14 +54,17 @@ StretchArgument stretch_of(NoiseCoupling const& o, std::string const& witness, s
 
 Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::string const& stretch, char const* option) {
   StretchArgument const where = stretch_of(o, witness, stretch, option);
-  auto const both = aligned({channel_in(where, witness, o.witness_unit, "--witness"),
-                             channel_in(where, o.target, o.target_unit, "--target")});
+  auto const both = averaged_records(o.data,
+                                     {{argument_in(where, witness, "--witness"), o.witness_unit},
+                                      {argument_in(where, o.target, "--target"), o.target_unit}},
+                                     where.span);
   WelchSettings const w = welch_of(o.data, both[0]);
   Spectra s{{cross_spectra(both[0], both[1], w), both[0].name, both[1].name, both[0].unit, both[1].unit, w}, {}, {}};
   s.found = {fmt::format("{} {}", option, stretch),
              where.file.empty() ? witness.substr(0, witness.find("::")) : where.file, both[0].start, both[0].end()};
   s.notes = {fmt::format("{}: {}", option + 2, source_note(both[0])),
              fmt::format("{}: {}", option + 2, source_note(both[1])), welch_note(w, both[0].rate, s.cross)};
+  if (!o.data.segments.empty()) s.notes.push_back(fmt::format("{}: {}", option + 2, active_note(o.data, both[0])));
   return s;
 }
 
@@ -73,7 +76,8 @@ void settle_segment(NoiseCoupling& o, std::vector<std::string> const& witnesses)
   stretches.push_back(o.quiet);
   for (std::string const& s : stretches) {
     StretchArgument const where = stretch_of(o, witnesses.front(), s, s == o.quiet ? "--quiet" : "--injection");
-    shortest = std::min(shortest, channel_in(where, witnesses.front(), o.witness_unit, "--witness").duration());
+    NamedRecord const record{argument_in(where, witnesses.front(), "--witness"), o.witness_unit};
+    shortest = std::min(shortest, averaged_records(o.data, {record}, where.span)[0].duration());
   }
   o.data.segment = fmt::format("{} s", std::min(8.0, shortest / 16));
 }
@@ -233,6 +237,8 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
   command->add_flag("--accept-incoherent", o.accept_incoherent,
                     "skip the check for fringe wrapping: the witness need not sense all that reaches the target");
   add_band_option(*command, o.data, "LOW..HIGH of the result: \"20 Hz..400 Hz\"");
+  command->add_option("--segments", o.data.segments,
+                      "FILE or FILE::FLAG of data quality: use data only where it is active, in all stretches");
   add_welch_options(*command, o.data);
   command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
   mark_output(*command, *command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project"));

@@ -83,7 +83,7 @@ void add_couple_sweep(CLI::App& couple, int& exit_code) {
   SweepOptions& o = *options;
   add_pair_options(*command, o.pair, "FILE::CHANNEL of the drive: motion, force or sound");
   add_band_option(*command, o.data, "LOW..HIGH searched for the drive");
-  command->add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all");
+  add_gps_options(*command, o.data.gps, o.data.segments);
   command->add_option("--window", o.window, "length of the windows")->default_str(o.window);
   command->add_option("--resolution", o.resolution, "resolution of the coupling; default: 2 over the window");
   add_ratio_option(*command, "--witness-ratio", o.ridge.witness_ratio, "amplitude of the drive over the background");

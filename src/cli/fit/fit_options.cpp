@@ -153,7 +153,7 @@ void add_record_options(CLI::App& command, FitOptions& o) {
   command.add_option("--witness2-unit", o.witness2_unit, "the same for the second witness");
   command.add_option("--corner", o.corner, "high pass of an integrated witness: \"0.05 Hz\"");
   command.add_option("--ratio", o.ratio, "of the second witness: 1 (default), a range 0.5..1.5, or free: 0..2");
-  command.add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all common data");
+  add_gps_options(command, o.data.gps, o.data.segments, "all common data");
   command.add_option("--wavelength", o.wavelength, "wavelength of the light; default: that of the run, else 1064 nm");
   add_band_option(command, o.data, "band searched for fringes: \"20 Hz..80 Hz\"");
   add_output_options(command, o.data);

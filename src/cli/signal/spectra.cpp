@@ -25,6 +25,8 @@ struct SpectrumOptions : DataOptions {
   std::string estimator = "h1", output_unit;
 };
 
+GpsSpan written_span(SpectrumOptions const& o) { return o.gps.empty() ? GpsSpan{} : parse_gps(o.gps); }
+
 CurveSheet frequency_sheet(std::string title, std::vector<double> hz) {
   return {std::move(title), {}, {"frequency", "Hz", std::move(hz)}, true, true, {}};
 }
@@ -54,7 +56,7 @@ int psd(SpectrumOptions const& o) {
   CurveSheet sheet;
   double nyquist = 0;
   for (std::string const& file : o.files) {
-    TimeSeries const s = series_of(o, file);
+    TimeSeries const s = averaged_records(o, {{file, o.unit}}, written_span(o), true)[0];
     WelchSettings const settings = welch_of(o, s);
     WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
     if (sheet.y.empty())
@@ -64,6 +66,7 @@ int psd(SpectrumOptions const& o) {
                        "give both the same --segment and rate, or write two files");
     add_density(o, s, spectrum, sheet);
     sheet.notes.push_back(source_note(s));
+    if (!o.segments.empty()) sheet.notes.push_back(active_note(o, s));
     sheet.notes.push_back(welch_note(settings, s.rate, spectrum));
     nyquist = s.rate / 2;
   }
@@ -82,12 +85,13 @@ struct Pair {
 Pair read_pair(SpectrumOptions const& o) {
   check_outputs(o);
   std::string const unit_of_output = o.output_unit.empty() ? o.unit : o.output_unit;
-  std::vector<TimeSeries> both = aligned(
-      {series_argument(o.files[0], o.unit, span_of(o)), series_argument(o.files[1], unit_of_output, span_of(o))});
+  std::vector<TimeSeries> const both =
+      averaged_records(o, {{o.files[0], o.unit}, {o.files[1], unit_of_output}}, written_span(o));
   Pair p{both[0], both[1], welch_of(o, both[0]), {}, {}};
   p.spectra = cross_spectra(p.input.samples, p.output.samples, p.input.rate, p.settings);
   p.notes = {"input " + source_note(p.input), "output " + source_note(p.output),
              welch_note(p.settings, p.input.rate, p.spectra)};
+  if (!o.segments.empty()) p.notes.push_back(active_note(o, p.input));
   if (p.spectra.effective_averages < 2)
     throw InputError("a coherence needs at least two segments; with one it is 1 everywhere",
                      "choose a shorter --segment");

@@ -175,6 +175,7 @@ int project_coupling_file(ProjectOptions const& o) {
   DataOptions data = o.data;
   data.unit = o.time.unit;
   data.gps = o.time.gps;
+  data.segments = o.time.segments;
   TimeSeries const witness = series_of(data, o.witness);
   std::string const& unit_said = o.coupling_unit;
   CouplingFunction coupling =

@@ -30,7 +30,7 @@ void add_motion_options(CLI::App& command, TimeOptions& o) {
 }
 
 void add_stretch_options(CLI::App& command, TimeOptions& o) {
-  command.add_option("--gps", o.gps, "stretch A..B in GPS seconds or UTC; default: all recorded data");
+  add_gps_options(command, o.gps, o.segments, "all recorded data");
   command.add_option("--duration", o.duration_text, "duration of the record; default: all recorded data, or 64 s");
   command.add_option("--rate", o.rate, "samples per second; default: chosen from the largest fringe frequency")
       ->check(number_between(1.0, 1048576.0, "4096"));
@@ -50,7 +50,7 @@ TimeRequest request_of(TimeOptions const& o) {
   if (!o.unit.empty() && o.channel.empty())
     throw InputError("--unit: no --channel has samples of this unit", "remove it, or give a --channel");
   TimeRequest r = o;
-  if (!o.gps.empty()) r.span = parse_gps(o.gps);
+  r.span = requested_span(o.gps, o.segments);
   if (!o.duration_text.empty()) r.duration = option_quantity(o.duration_text, dim::time, "--duration", "64 s");
   if (!o.corner_text.empty()) r.corner = option_quantity(o.corner_text, dim::frequency, "--corner", "0.05 Hz");
   return r;

@@ -13,13 +13,13 @@
 namespace straytrace::cli {
 
 struct TimeOptions : TimeRequest {
-  std::string gps, duration_text, corner_text;  // as written
+  std::string gps, segments, duration_text, corner_text;  // as written
   std::uint64_t seed = 1;
   double rate = 0;  // Hz; 0: chosen
 };
 
 void add_motion_options(CLI::App&, TimeOptions&);   // --motion, --body, --axis, --channel, --unit, --corner, --seed
-void add_stretch_options(CLI::App&, TimeOptions&);  // --gps, --duration, --rate
+void add_stretch_options(CLI::App&, TimeOptions&);  // --gps, --segments, --duration, --rate
 void add_route_options(CLI::App&, TimeOptions&);    // --route, --port, --moved-by
 TimeRequest request_of(TimeOptions const&);
 

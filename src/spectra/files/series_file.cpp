@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <iostream>
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
@@ -15,6 +16,7 @@
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "io/delimited_text.hpp"
+#include "io/observatory_data.hpp"
 #include "spectra/files/gps.hpp"
 #include "spectra/files/unit_text.hpp"
 
@@ -88,6 +90,14 @@ std::string bytes_of(std::string const& file) {
   return std::move(read.bytes);
 }
 
+// HDF5 of the samples of the span.
+std::string bytes_of_frames(std::string const& source, SeriesRequest const& wanted) {
+  ObservatoryData found = observatory_record({source, wanted.channel, wanted.span.from, wanted.span.to, wanted.gaps});
+  if (!found.why.empty()) series_source::refuse(source, found.why, found.remedy);
+  std::cerr << found.warnings;
+  return std::move(found.bytes);
+}
+
 double one_time(std::string const& text, std::string const& all) {
   double value = 0;
   auto const [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -126,18 +136,25 @@ std::string without_blanks_around(std::string const& text) {
 }  // namespace
 
 TimeSeries parse_series(std::string const& bytes, std::string const& file, SeriesRequest const& wanted) {
+  if (bytes.starts_with("IGWD"))
+    series_source::refuse(file, "it is a frame file without the ending .gwf", "give it a name with that ending");
   if (is_hdf5_file(bytes)) return series_source::from_hdf5(bytes, file, wanted);
   refuse_binary(bytes, file);
   return series_source::from_text(bytes, file, wanted);
 }
 
-TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span, bool corrects) {
+TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span, bool corrects,
+                           Gaps gaps) {
   auto const mark = argument.find("::");
   std::string const file = argument.substr(0, mark);
   auto const [factor, name] = calibration_of(unit);
-  SeriesRequest const wanted{mark == argument.npos ? "" : argument.substr(mark + 2), name, span, corrects,
-                             name != unit && !corrects};
-  TimeSeries s = parse_series(bytes_of(file), file, wanted);
+  SeriesRequest const wanted{mark == argument.npos ? "" : argument.substr(mark + 2),
+                             name,
+                             span,
+                             corrects,
+                             name != unit && !corrects,
+                             gaps == Gaps::kept};
+  TimeSeries s = parse_series(is_observatory_data(file) ? bytes_of_frames(file, wanted) : bytes_of(file), file, wanted);
   if (s.name == file) s.name = std::filesystem::path(file).filename().string();
   if (factor != 1)
     for (double& x : s.samples) x *= factor;
@@ -276,7 +293,7 @@ TimeSeries from_text(std::string const& text, std::string const& file, SeriesReq
   TimeSeries series{table.name[channel].empty() ? file : table.name[channel], unit, table.column[0].front(),
                     meant_rate(step, table.line.size()), std::move(table.column[channel])};
   for (std::size_t i = 0; i < series.samples.size(); ++i)
-    if (!std::isfinite(series.samples[i]))
+    if (!std::isfinite(series.samples[i]) && !wanted.gaps)
       refuse(file, fmt::format("{} is not a number at {} s", place, gps_text(series.time(i))),
              "choose a span without such samples with --gps A..B", table.line[i]);
   return cut(series, wanted.span);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Time series from and to files: columns of text, CSV, HDF5 of gwpy and GWOSC.
+// Time series from and to files: columns of text, CSV, HDF5 of gwpy and GWOSC, frames and NDS2 of the observatories.
 #pragma once
 
 #include <span>
@@ -20,6 +20,7 @@ struct SeriesRequest {
   GpsSpan span;
   bool contradicts = true;  // the unit may contradict the file; false: an error where the file has a calibrated unit
   bool calibrates = false;  // a factor precedes the unit: an error where the file is calibrated
+  bool gaps = false;        // samples may be NaN, where they are missing or invalid
 };
 
 // From the bytes of a file; the content decides the format. `file`: its name, for messages. Throws InputError with the
@@ -28,8 +29,10 @@ TimeSeries parse_series(std::string const& bytes, std::string const& file, Serie
 
 // The same from an argument of the command line, "FILE" or "FILE::CHANNEL". Reads the file.
 // A unit that contradicts a calibrated one of the file (all but counts, volts and 1) is an error unless it `corrects`.
-// "2e-6 m/s^2" is a calibration: the value of one count, volt or 1 of the file.
-TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span, bool corrects = false);
+// "2e-6 m/s^2" is a calibration: the value of one count, volt or 1 of the file. Frames and NDS2 may print warnings.
+enum class Gaps : bool { refused, kept };  // samples that are NaN
+TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span, bool corrects = false,
+                           Gaps = Gaps::refused);
 
 // "1234567890", "1234567890..1234567950", or the same as UTC "2019-02-01T12:00:00"; a single time is the start.
 // Throws InputError.

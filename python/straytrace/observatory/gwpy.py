@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from .curves import Curve, Noise
+    from ..curves import Curve, Noise
 
 UNIT = "1 / Hz(1/2)"  # as gwpy writes it
 
