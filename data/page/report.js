@@ -2,6 +2,8 @@
 // The report of a run: puts its parts in order.
 "use strict";
 
+const measuredColours = ["var(--violet)", "var(--olive)", "var(--bad)"];
+
 function budgetSeries(b) {
   const x = b.frequency, line = (name, y, more) => ({name, x, y, ...more});
   const series = [];
@@ -18,6 +20,11 @@ function budgetSeries(b) {
     series.push(line(d.name, d.asd, {colour: "var(--grey)", width: 2.2, dash: dashes[i % 3]}));
     series.push(line("margin: " + digits(b.margin) + " × " + d.name, d.asd.map(v => v === null ? null : v * b.margin),
                      {colour: "var(--grey)", width: 1.4, dash: "2 3"}));
+  });
+  b.measured.forEach((m, i) => {
+    const colour = measuredColours[i % measuredColours.length], name = "measured: " + m.name;
+    if (m.high.some(v => v !== null)) series.push({name: name + ", ± 1σ", kind: "band", colour, opacity: 0.3, x: m.frequency, low: m.low, high: m.high});
+    series.push({name, x: m.frequency, y: m.asd, colour, width: 1.6});
   });
   if (b.coherent.length > 0) series.push(line("all routes in phase: upper bound", b.coherent, {colour: "var(--faint)", width: 1, dash: "1 3", off: true, aside: true}));
   series.push(line("stray light, total" + boundText(b), b.total.asd, {colour: "var(--ink)", width: 2.6}));
@@ -62,6 +69,8 @@ function addBudget(b) {
   const p = data.provenance;
   box.append(el("figcaption", {}, p.program + " " + p.version + " (" + p.commit + "), model " + p.model.slice(0, 12) + ", seed " + p.seed + ", " +
       p.histories.toLocaleString("en") + " histories, " + p.created + ". Mean over static phases. Drag to zoom, double click to see all, click a name to hide it."));
+  if (b.measured.length > 0)
+    box.append(el("p", {class: "note"}, "Measured: " + b.measured.map(m => m.source).join("; ") + "."));
   if (b.unresolved.length > 0)
     part.append(el("p", {}, el("span", {class: "mark"}, b.bound ? "No bound, since it contains upper bounds:" : "Lower bound:"), " the total contains the observed part of these unresolved routes, with an equal error:"), el("ul", {}, b.unresolved.map(u => el("li", {}, u))));
   const rows = () => ["frequency [Hz]", ...["mean", "sigma", "input_low", "input_high", "speckle_05", "speckle_50", "speckle_95"], ...b.design.map(d => d.name)];

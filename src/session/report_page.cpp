@@ -175,8 +175,8 @@ std::vector<GhostReport> ghosts_for_page(Model const& model, std::size_t rows) {
   return all;
 }
 
-Picture budget_svg(std::string const& run_file, std::string& message) {
-  return {"svg+xml", svg_of_run(run_file, message)};
+Picture budget_svg(std::string const& run_file, std::string const& measured, std::string& message) {
+  return {"svg+xml", svg_of_run(run_file, message, measured)};
 }
 
 std::string report_page(RunContent const& run, PathTable const& table, Model const& model, TracedAgain const& traced,
@@ -197,10 +197,12 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   PageJson& j = page.data;
   j["kind"] = "report";
   j["provenance"] = provenance_json(run);
-  if (run.noise && wanted.has("budget")) j["budget"] = budget_json(*run.noise, table, routes_in_budget);
-  if (run.noise && wanted.has("budget"))
+  if (run.noise && wanted.has("budget")) {
+    j["budget"] = budget_json(*run.noise, table, routes_in_budget);
+    j["budget"]["measured"] = wanted.measured.empty() ? PageJson::array() : PageJson::parse(wanted.measured);
     if (auto const terms = what_if_terms(model, run.trace->coupling, *run.noise, table, what_if_rows))
       j["what_if"] = what_if_json(*terms, *run.noise, table);
+  }
   j["table"] = table_json(table);
   if (wanted.has("scene"))
     j["scene"] = scene_part(

@@ -19,6 +19,7 @@ struct ReportWanted {
   std::size_t rows = 50;              // of the path table, whose paths are drawn
   std::size_t paths = 12;             // drawn of each of them
   std::vector<std::string> pictures;  // of report_pictures(); empty: all
+  std::string measured;               // strain over the noise: measured_json(); empty: none
   bool has(std::string const& picture) const;
 };
 std::vector<std::string> const& report_pictures();  // budget, scene, maps, wave, ghosts, materials, convergence
@@ -50,6 +51,6 @@ constexpr std::size_t ghosts_shown = 60;  // rows of each beam
 std::vector<GhostReport> ghosts_for_page(Model const&, std::size_t rows);
 
 // The picture of a run as SVG; empty, and `message` says why, when it cannot be drawn.
-Picture budget_svg(std::string const& run_file, std::string& message);
+Picture budget_svg(std::string const& run_file, std::string const& measured, std::string& message);
 
 }  // namespace straytrace::session

@@ -3,6 +3,7 @@
 for the field of its cavity."""
 
 import argparse
+import json
 import pathlib
 import sys
 
@@ -21,7 +22,7 @@ def pictures(run, options):
             yield figure, options.wave
         return
     if options.maps is None:
-        yield overview.draw(run, options.band), options.out
+        yield overview.draw(run, options.band, options.measured), options.out
         return
     for receiver in run.receivers:
         figure = maps.draw(run, receiver)
@@ -37,6 +38,8 @@ def main(arguments=None):
     out.add_argument("--maps", type=pathlib.Path, metavar="FOLDER", help="write the maps of the receivers instead, a NAME.png each")
     out.add_argument("--wave", type=pathlib.Path, metavar="FILE", help="draw the field of the cavity instead")
     parser.add_argument("--band", nargs=2, type=float, metavar=("LOW", "HIGH"), help="Hz, for the shares of the routes")
+    parser.add_argument("--measured", type=lambda file: json.loads(pathlib.Path(file).read_text()), default=(), metavar="FILE.json",
+                        help="measured strain to draw over the noise, as straytrace report writes it")
     options = parser.parse_args(arguments)
     try:
         run = open_run(options.run)

@@ -15,6 +15,7 @@ DESIGN_STYLES = ("-", (0, (8, 1.5)), (0, (3, 1, 1, 1)))
 CLOSED = 1e-12  # of the emitted power: what lies below is rounding, as in report.txt
 TOP = 6
 FAINT = 1e-4  # of the total, at every frequency: such a route is not listed
+MEASURED_COLOURS = ("#7b3294", "#8a6d00", "#b00020")
 FALL = 1e-15  # of the highest total: what lies below is where a curve ends
 SIZE = (16.0, 10.0)  # inches at 100 dpi: 1600 x 1000 pixels
 def ranked(run, band):
@@ -41,7 +42,19 @@ def limits(curves):
     return min(low, np.min(curves[0][curves[0] > FALL * highest], initial=2 * low) / 2), top
 
 
-def draw_budget(axes, run, band):
+def draw_measured(axes, measured):
+    """Measured strain with its error; its values."""
+    shown = []
+    for curve, colour in zip(measured, MEASURED_COLOURS):
+        columns = (np.array(curve[key], dtype=float) for key in ("frequency", "asd", "low", "high"))
+        f, asd, low, high = columns
+        axes.plot(f, asd, color=colour, lw=1.3, label=f"measured: {shortened(curve['name'], 42)}", zorder=3)
+        axes.fill_between(f, low, high, color=colour, alpha=0.3, lw=0)
+        shown.append(asd)
+    return shown
+
+
+def draw_budget(axes, run, band, measured=()):
     noise, total = run.noise, run.noise.total
     f = noise.frequency
     shown = [total.mean, total.amplitude] + ([noise.bands.speckle_95] if noise.bands else [])
@@ -66,6 +79,7 @@ def draw_budget(axes, run, band):
     if len(order) > len(listed):
         axes.plot([], [], ls="none", label=f"and {len(order) - len(listed)} fainter")
     shown += [noise.routes[i].mean for i in order[:3]]
+    shown += draw_measured(axes, measured)
     axes.set(xscale="log", yscale="log", xlim=(noise.edges[0], noise.edges[-1]), ylim=limits(shown))
     axes.set_xlabel("frequency [Hz]")
     axes.set_ylabel(r"strain $h$ [1/$\sqrt{\mathrm{Hz}}$]")
@@ -212,8 +226,8 @@ def footer(run):
             f"    {int(a['histories']):,} histories    {a['created']}").replace(",", " ") + motion
 
 
-def draw(run, band=None):
-    """The picture of a run; `band`: Hz, for the shares of the routes (default: all frequencies)."""
+def draw(run, band=None, measured=()):
+    """The picture of a run; `band`: Hz, for the shares of the routes (default: all frequencies); `measured`: strain to draw over it."""
     figure = plt.figure(figsize=SIZE, dpi=100)
     figure.text(0.055, 0.962, shortened(run.attributes.get("title") or "Stray light", 110), fontsize=16, weight="bold")
     figure.text(0.055, 0.012, footer(run), fontsize=9, color=GREY)
@@ -228,12 +242,14 @@ def draw(run, band=None):
     else:
         band = band or tuple(run.noise.edges[[0, -1]])
         top = figure.add_axes((0.055, 0.455, 0.595, 0.465))
-        draw_budget(top, run, band)
+        draw_budget(top, run, band, measured)
         figure.canvas.draw()
         legend = top.get_legend().get_window_extent().transformed(figure.transFigure.inverted())
         place = (legend.x0 + 0.005, legend.y0 - 0.012)
         draw_shares(figure.add_axes((0.055, 0.085, 0.56, 0.295)), run, band)
     text, alarming = notes(run, width)
+    for curve in measured if run.noise is not None else ():
+        text += "\n" + "\n".join(textwrap.wrap(f"measured: {curve['source']}", width, subsequent_indent="  "))
     figure.text(*place, text, fontsize=9.5, va="top", color="#a23b00" if alarming else GREY, linespacing=1.35)
     draw_energy_balance(figure.add_axes(balance), run)
     return figure

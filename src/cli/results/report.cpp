@@ -10,8 +10,12 @@
 #include <memory>
 #include <optional>
 
+#include "base/files/read_write.hpp"
+#include "base/files/text_file.hpp"
 #include "cli/commands.hpp"
+#include "cli/data_options.hpp"
 #include "cli/options.hpp"
+#include "io/observatory_data.hpp"
 #include "report/exports.hpp"
 #include "report/scene_drawing.hpp"
 #include "results/curves/curve_file.hpp"
@@ -20,8 +24,11 @@
 #include "session/diagnostics.hpp"
 #include "session/light/cavity_waves.hpp"
 #include "session/open_run.hpp"
+#include "session/records/measured_strain.hpp"
 #include "session/report_page.hpp"
 #include "session/session.hpp"
+#include "spectra/files/series_file.hpp"
+#include "spectra/welch.hpp"
 #include "trace/importance/importance.hpp"
 
 namespace straytrace::cli {
@@ -85,14 +92,58 @@ bool is_picture(std::string const& file) {
 }
 
 struct ReportOptions : PrintOptions {
+  DataOptions data;
+  std::vector<std::string> measured;
   ReportWanted wanted;
   std::vector<std::string> inputs;
   std::string out, csv;
   CLI::App const* command = nullptr;
 };
 
+// FILE of columns frequency and ASD; FILE::CHANNEL, frames and HDF5 are records of strain.
+MeasuredStrain measured_strain(DataOptions const& o, std::string const& argument, FrequencyBand band) {
+  bool const record =
+      argument.find("::") != argument.npos || is_observatory_data(argument) || head_of_file(argument, 4) == "\x89HDF";
+  if (!record) {
+    MeasuredStrain m = parse_measured(read_text(argument), argument, band.low, band.high);
+    m.name = std::filesystem::path(argument).filename().string();
+    return m;
+  }
+  TimeSeries const s = averaged_records(o, {{argument, o.unit}}, o.gps.empty() ? GpsSpan{} : parse_gps(o.gps), true)[0];
+  if (!(parse_unit(s.unit)->dimension == dim::plain))
+    throw InputError(fmt::format("--measured {}: it is in {}, not strain", argument, s.unit),
+                     "name a channel of h(t), or give the factor: --unit \"2.5e-4 1\" for metres of DARM over 4 km");
+  WelchSettings const settings = welch_of(o, s);
+  WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
+  MeasuredStrain m = measured_from(spectrum, settings, band.low, band.high);
+  m.name = s.name;
+  m.source = fmt::format("{}; {}; {}", argument, source_note(s), welch_note(settings, s.rate, spectrum));
+  if (!o.segments.empty()) m.source += "; " + active_note(o, s);
+  return m;
+}
+
+// JSON for page and picture; empty without any.
+std::string measured_curves(ReportOptions const& o, RunContent const& run) {
+  if (o.measured.empty()) return {};
+  if (!run.noise) throw InputError("--measured: this run has no noise to compare with", "run straytrace noise first");
+  FrequencyBand const band{run.noise->grid.edges.front(), run.noise->grid.edges.back()};
+  std::vector<MeasuredStrain> all;
+  std::vector<InputError> errors;
+  for (std::string const& argument : o.measured) try {
+      all.push_back(measured_strain(o.data, argument, band));
+      if (all.back().hz.empty())
+        throw InputError(fmt::format("--measured {}: it has no frequency in {:g} to {:g} Hz, the band of the run",
+                                     argument, band.low, band.high),
+                         "give another file, or a longer --segment");
+    } catch (InputError const& e) {
+      errors.push_back(e);
+    }
+  throw_all(errors);
+  return measured_json(all);
+}
+
 int report_several(ReportOptions const& options) {
-  std::vector<std::string> of_one{"--paths", "--show", "--pictures", "--csv"};
+  std::vector<std::string> of_one{"--paths", "--show", "--pictures", "--csv", "--measured"};
   std::erase_if(of_one, [&](std::string const& name) { return options.command->count(name) == 0; });
   if (!of_one.empty())
     throw InputError(fmt::format("the report of several runs does not have {}", fmt::join(of_one, ", ")),
@@ -112,14 +163,20 @@ int report(ReportOptions const& options) {
   if (!options.out.empty()) check_ending(options.out, {".html", ".pdf", ".png", ".svg"}, "-o");
   std::string message;
   if (is_picture(options.out)) {
-    if (!draw_picture(input, options.out, message)) throw InputError(message, "or write a page: -o report.html");
+    if (!options.measured.empty()) {
+      RunFile const file = read_run_file(input);
+      wanted.measured = measured_curves(options, file.content());
+    }
+    if (!draw_picture(input, options.out, message, 0, 0, wanted.measured))
+      throw InputError(message, "or write a page: -o report.html");
     if (!options.quiet) std::cerr << fmt::format("picture: {}\n", options.out);
     return done;
   }
   Opened run(input, options);
   if (wanted.pictures.empty()) wanted.pictures = read_pictures(run.model.scene.table("report"));
   if (!options.csv.empty()) write_curves(options.csv, run.content, run.table);
-  Picture const svg = wanted.has("budget") ? budget_svg(input, message) : Picture{};
+  wanted.measured = measured_curves(options, run.content);
+  Picture const svg = wanted.has("budget") ? budget_svg(input, wanted.measured, message) : Picture{};
   if (!message.empty() && !options.quiet)
     std::cerr << "warning: without scripts the report has no picture: " << message << '\n';
   std::string const out = options.out.empty() ? beside(input, "report.html") : options.out;
@@ -215,10 +272,19 @@ void add_report(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember(report_pictures()));
   command->add_option("--title", o.wanted.title, "replaces the title of the scene");
   command->add_option("--csv", o.csv, "also write budget.csv, routes.csv and paths.csv to this folder");
+  command
+      ->add_option(
+          "--measured", o.measured,
+          "measured strain over the noise: FILE of frequency and ASD, or a record FILE::CHANNEL; may be repeated")
+      ->allow_extra_args(false);
+  o.data.average = "median";
+  add_span_options(*command, o.data);
+  add_welch_options(*command, o.data);
   command->add_flag("--quiet", o.quiet, "no messages");
   command->footer(
       "Examples:\n"
       "  straytrace report out/run.h5\n"
+      "  straytrace report out/run.h5 --measured examples/data/shaken.csv::H --segment \"1 s\"\n"
       "  straytrace report out/run.h5 -o arm.html --title \"Arm, first look\" --pictures budget,scene\n"
       "  straytrace report out/run.h5 -o arm.pdf\n"
       "  straytrace report before/run.h5 after/run.h5 -o compared.html");

@@ -10,14 +10,15 @@ namespace straytrace::results {
 
 struct RunContent;
 
-// Draws `png_file` from `run_file`; band of the shares in Hz, the whole grid when high <= low. False, and `message`
+// Draws `png_file` from `run_file`; band of the shares in Hz, the whole grid when high <= low; `measured`: strain over
+// it, JSON of session/records/measured_strain.hpp. False, and `message`
 // explains what happened and what to install, on failure. Interpreter: STRAYTRACE_PYTHON, /usr/bin/python3, python3 in
 // PATH. Folder of the package: STRAYTRACE_PYTHONPATH, then python/ or share/straytrace/python/ in a folder above the
 // program.
 bool draw_picture(std::string const& run_file, std::string const& png_file, std::string& message, double low_hz = 0,
-                  double high_hz = 0);
+                  double high_hz = 0, std::string const& measured = "");
 // Its bytes as SVG; empty, and `message`, when it cannot.
-std::string svg_of_run(std::string const& run_file, std::string& message);
+std::string svg_of_run(std::string const& run_file, std::string& message, std::string const& measured = "");
 
 // Maps of all receivers of a run, one picture each, into a folder; `one_of_them` must be there afterwards.
 bool draw_map_pictures(std::string const& run_file, std::string const& folder, std::string const& one_of_them,
