@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Turns specular layouts into scenes: theia .tia files and gtrace JSON, chosen by their content.
+"""Turns specular layouts into scenes: theia .tia files, gtrace JSON and sequential lens files of Zemax, chosen by their content.
 
 python3 -m straytrace.layouts bench.tia -o bench.yaml
+python3 -m straytrace.layouts doublet.zmx --glass schott.agf -o doublet.yaml
 python3 -m straytrace.layouts layout.json -o layout.yaml
 """
 
@@ -15,10 +16,14 @@ import sys
 from .gtrace import read_gtrace
 from .scene import Layout, LayoutError, scene_text
 from .theia import read_theia
+from .zemax import decoded, is_zemax, read_glasses, read_zemax
 
 
-def read_layout(path) -> Layout:
-    """The layout in a file; LayoutError lists all its problems."""
+def read_layout(path, catalogues=()) -> Layout:
+    """The layout in a file, with glass catalogues (.agf) for Zemax; LayoutError lists all its problems."""
+    lens = decoded(path)
+    if is_zemax(lens):
+        return read_zemax(str(path), lens, read_glasses(catalogues))
     try:
         text = pathlib.Path(path).read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
@@ -35,11 +40,12 @@ def read_layout(path) -> Layout:
 def main(arguments=None) -> int:
     parser = argparse.ArgumentParser(prog="straytrace.layouts", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("layout", type=pathlib.Path, help="theia .tia, or JSON that gtrace's OpticalLayout.save wrote")
+    parser.add_argument("layout", type=pathlib.Path, help="theia .tia, JSON that gtrace's OpticalLayout.save wrote, or Zemax .zmx")
+    parser.add_argument("--glass", type=pathlib.Path, action="append", default=[], help="glass catalogue of Zemax (.agf); may be repeated")
     parser.add_argument("-o", "--out", type=pathlib.Path, required=True, help="scene to write (YAML)")
     options = parser.parse_args(arguments)
     try:
-        layout = read_layout(options.layout)
+        layout = read_layout(options.layout, options.glass)
         temporary = options.out.with_name(options.out.name + ".part")
         temporary.write_text(scene_text(layout, options.layout.name), encoding="utf-8")
         temporary.replace(options.out)

@@ -36,12 +36,13 @@ class Optic:
     diameter: float
     thickness: float
     index: float
-    front: Face
-    back: Face
+    front: Face | None                 # None: uncoated glass
+    back: Face | None
     curvature_front: float = 0.0
     curvature_back: float = 0.0
     wedge: float = 0.0
     where: str = ""                    # file and line, for messages
+    preset: str = ""                   # medium of the program instead of `index`
 
 
 @dataclasses.dataclass
@@ -84,7 +85,7 @@ def problems_of(optic: Optic) -> list[str]:
     """Problems of an optic, one line each, with the remedy."""
     found = []
     for face, side in ((optic.front, "front (HR)"), (optic.back, "back (AR)")):
-        if min(face.reflect, face.transmit) < 0 or face.reflect + face.transmit > 1 + 1e-12:
+        if face and min(face.reflect, face.transmit) < 0 or face and face.reflect + face.transmit > 1 + 1e-12:
             found.append(f"{optic.where}: error: '{optic.name}', {side}: R = {face.reflect:g}, T = {face.transmit:g}; "
                          "both 0 or more, and together at most 1")
     for value, what in ((optic.diameter, "diameter"), (optic.thickness, "thickness"), (optic.index, "index")):
@@ -142,7 +143,7 @@ def entry_of(optic: Optic) -> str:
 
 
 def medium_of(optic: Optic) -> str:
-    return "n_" + number(optic.index).replace(".", "_").replace("-", "_")
+    return optic.preset or "n_" + number(optic.index).replace(".", "_").replace("-", "_")
 
 
 def beam_text(beam: Beam) -> str:
@@ -163,10 +164,11 @@ def scene_text(layout: Layout, source: str) -> str:
     text += "materials:\n  black: {}\n"
     for optic in layout.optics:
         for side, face in (("front", optic.front), ("back", optic.back)):
-            text += (f"  {optic.name}_{side}: {{specular: {{reflect: {number(face.reflect)}, transmit: "
-                     f"{number(face.transmit)}}}}}\n")
-    media = {medium_of(o): o.index for o in layout.optics}
-    text += "media:\n" + "".join(f"  {name}: {{index: {number(index)}}}\n" for name, index in sorted(media.items()))
+            specular = f"{{reflect: {number(face.reflect)}, transmit: {number(face.transmit)}}}" if face else "fresnel"
+            text += f"  {optic.name}_{side}: {{specular: {specular}}}\n"
+    media = {medium_of(o): o.index for o in layout.optics if not o.preset}
+    if media:
+        text += "media:\n" + "".join(f"  {name}: {{index: {number(index)}}}\n" for name, index in sorted(media.items()))
     text += "bodies: {bench: {motion: still}}\nscene:\n" + "".join(entry_of(o) for o in layout.optics)
     if layout.beams:
         text += "beams:\n" + "".join(beam_text(b) for b in layout.beams)

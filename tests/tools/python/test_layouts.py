@@ -37,6 +37,55 @@ GTRACE = {"name": "KAGRA-like", "optics": [
                  "qy": [-0.5, 2.0]}]}
 
 
+ZEMAX = """VERS 181025 0 123457 L123457
+MODE SEQ
+NAME a doublet and a window
+UNIT MM X W X CM MR CPMM
+ENPD 1.0E+1
+WAVM 1 0.5876 1
+WAVM 2 1.064 1
+PWAV 2
+SURF 0
+  TYPE STANDARD
+  CURV 0.0 0 0 0 0 ""
+  DISZ INFINITY
+  DIAM 0 0 0 0 1 ""
+SURF 1
+  TYPE STANDARD
+  CURV 0.0159235668789809 0 0 0 0 ""
+  DISZ 4.0
+  GLAS N-BK7 0 0 1.5168 64.17 0 0 0 0 0 0
+  DIAM 12.7 1 0 0 1 ""
+SURF 2
+  TYPE STANDARD
+  CURV -0.0218818380743982 0 0 0 0 ""
+  GLAS SF5 0 0 1.6727 32.21 0 0 0 0 0 0
+  DISZ 2.5
+  DIAM 12.7 1 0 0 1 ""
+SURF 3
+  TYPE STANDARD
+  CURV -0.0078003120124805 0 0 0 0 ""
+  DISZ 50
+  DIAM 12.7 1 0 0 1 ""
+SURF 4
+  STOP
+  TYPE STANDARD
+  CURV 0.0 0 0 0 0 ""
+  DISZ 5
+  GLAS N-BK7 0 0 1.5168 64.17 0 0 0 0 0 0
+  DIAM 10 1 0 0 1 ""
+SURF 5
+  TYPE STANDARD
+  CURV 0.0 0 0 0 0 ""
+  DISZ 20
+  DIAM 10 1 0 0 1 ""
+SURF 6
+  TYPE STANDARD
+  CURV 0.0 0 0 0 0 ""
+  DIAM 5 1 0 0 1 ""
+"""
+
+
 def converted(folder, name, text):
     (folder / name).write_text(text)
     assert layouts.main([str(folder / name), "-o", str(folder / "out.yaml")]) == 0
@@ -119,6 +168,42 @@ def check_gtrace(folder, program):
     assert thickness < 0.02
 
 
+def check_zemax(folder, program):
+    """A cemented doublet and a window: the beam on the window by ray matrices of the surfaces, with the index of the catalogue."""
+    (folder / "test.agf").write_bytes("NM SF5 2 673322 1.6727 32.21 0\nCD 1.46141885 0.0111826126 0.247713019 0.0508594669 0.949995832 112.041888\n"
+                                      "LD 0.37 2.5\n".encode("utf-16"))
+    (folder / "d.zmx").write_bytes(ZEMAX.encode("utf-16"))
+    assert layouts.main([str(folder / "d.zmx"), "--glass", str(folder / "test.agf"), "-o", str(folder / "out.yaml")]) == 0
+    text = (folder / "out.yaml").read_text()
+    rows = lit(program, folder / "out.yaml")
+    glasses = layouts.read_glasses([folder / "test.agf"])
+    assert abs(glasses["SF5"].index(0.5876) - 1.67270) < 1e-5           # data sheet of Schott
+    def width(flint):
+        q, n = 1j * math.pi * (5e-3) ** 2 / 1.064e-6 + 0j, 1.0
+        for curvature, behind, gap in ((1 / 62.8e-3, 1.50663, 4e-3), (-1 / 45.7e-3, flint, 2.5e-3), (-1 / 128.2e-3, 1.0, 50e-3)):
+            q = 1 / (n / behind / q - (behind - n) * curvature / behind) + gap
+            n = behind
+        return math.sqrt(-1.064e-6 / math.pi / (1 / q).imag) * 1e3
+    got = float(rows["L4/front"]["radius"].split()[0])
+    assert abs(got / width(glasses["SF5"].index(1.064)) - 1) < 0.01, (got, width(glasses["SF5"].index(1.064)))
+    assert abs(got / width(1.6727) - 1) > 0.01          # negative control: the index at 587.6 nm
+    path = 0.15 + 4e-3 * 1.50663 + 2.5e-3 * glasses["SF5"].index(1.064)
+    assert abs(rows["L4/front"]["path"] - path) < 1e-6 and "medium: bk7" in text and "image:" in text
+    (folder / "d.zmx").write_text(ZEMAX)                # UTF-8
+    assert scene_text(layouts.read_layout(folder / "d.zmx", [folder / "test.agf"]), "d.zmx") == text
+    rejected(folder, "x.zmx", ZEMAX, "x.zmx:20: error: surface 2: the glass SF5 is not known", "--glass")
+    for before, after, reason in (("GLAS N-BK7", "GLAS MIRROR", "is a mirror"), ("MODE SEQ", "MODE NSC", "only sequential"), ("UNIT MM", "UNIT FT", "unit 'FT'"),
+                                  ("DISZ 4.0", "DISZ 4,0", "'4,0' is not a number"), ("DIAM 12.7", "DIAM 0", "semi-diameter 0"), ("CURV 0.0159235668789809", "CURV 0.1", "wider than the sphere")):
+        rejected(folder, "x.zmx", ZEMAX.replace(before, after).replace("SF5", "BK7"), reason)
+    bent = layouts.read_layout(written(folder, "x.zmx", ZEMAX.replace("SF5", "BK7").replace("CURV 0.0159235668789809", "CURV 0.0159235668789809\n  CONI -0.5")))
+    assert [o.name for o in bent.optics] == ["L2", "L4"] and "conic constant -0.5" in "".join(bent.left_out)
+
+
+def written(folder, name, text):
+    (folder / name).write_text(text)
+    return folder / name
+
+
 def check_errors(folder):
     good = TIA.format(wedge=0, r=0.98)
     rejected(folder, "x.tia", TIA.format(wedge=0, r=1.2), "x.tia:6:1: error: 'M1', front (HR): R = 1.2, T = 0.01")
@@ -147,5 +232,6 @@ with tempfile.TemporaryDirectory() as name:
     check_theia(here, sys.argv[1])
     check_wedge(here, sys.argv[1])
     check_gtrace(here, sys.argv[1])
+    check_zemax(here, sys.argv[1])
     check_errors(here)
 print("ok")
