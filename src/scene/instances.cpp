@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units/media_presets.hpp"
 #include "io/delimited_text.hpp"
 #include "scene/merge.hpp"
 #include "scene/parts.hpp"
@@ -210,6 +211,8 @@ bool holds_position(Node const& n) {
   return at || facing || rotate;
 }
 
+constexpr double usual_wavelength = 1.064e-6;  // m, of beams that state none
+
 // Data shared by the instances of one entry while its parts are expanded.
 struct Unfolding {
   std::string group, name;   // so far: "bench/dump" and "bench[2]/dump"
@@ -251,6 +254,7 @@ class Expander {
     if (faces == 0) return;
     if (faces * repeat.offsets.size() > most_instances - out_.size()) return refuse_total(entry);
     GivenParameters given = given_by(entry, part);
+    add_index(given, part, entry);
     if (!check_columns(entry, part, repeat)) return;
     std::shared_ptr<Scope const> scope = part ? part_scope(part, given) : nullptr;
     bool sizes = !part || !repeat.columns.empty() || within_limits(entry, name, part, scope);
@@ -347,6 +351,40 @@ class Expander {
     return given;
   }
 
+  // The parameter `index` of a part is that of its glass, unless the entry sets it. Other mistakes in media are
+  // reported where these are read.
+  void add_index(GivenParameters& given, Node const& part, Node const& placement) {
+    Node const params = part ? part.table("params") : Node();
+    if (params.kind() != Node::Kind::table || !params.data()->find("index") || given.contains("index")) return;
+    NodeData::Entry const* const own = placement.data()->find("medium");
+    NodeData::Entry const* const usual = part.data()->find("medium");
+    NodeData::Entry const* const medium = own ? own : usual;
+    std::optional<double> const index = medium ? index_of_medium(medium->value->text) : std::nullopt;
+    if (index) given["index"] = {Value{{*index, dim::plain, {}}}, nullptr, ""};
+  }
+
+  std::optional<double> index_of_medium(std::string name) {
+    Node const media = root_["media"];
+    NodeData::Entry const* const own = media.kind() == Node::Kind::table ? media.data()->find(name) : nullptr;
+    if (NodeData::Entry const* const said = own ? own->value->find("index") : nullptr) {
+      auto const value = document_.evaluate(*said->value, root_.scope().get());
+      return value ? std::optional(value->quantity.si) : std::nullopt;
+    }
+    if (NodeData::Entry const* const preset = own ? own->value->find("preset") : nullptr) name = preset->value->text;
+    for (MediumPreset const& p : medium_presets())
+      if (p.name == name) return index_of(p, wavelength());
+    return {};
+  }
+
+  // Of the beams, in vacuum, m: one for all.
+  double wavelength() {
+    Node const beams = root_["beams"];
+    if (beams.kind() != Node::Kind::table || beams.data()->entries.empty()) return usual_wavelength;
+    NodeData::Entry const* const said = beams.data()->entries.front().value->find("wavelength");
+    auto const value = said ? document_.evaluate(*said->value, root_.scope().get()) : std::nullopt;
+    return value ? value->quantity.si : usual_wavelength;
+  }
+
   // `hand: left` where the part has words for the parameter, otherwise the quantity as written.
   std::optional<Value> said_by_word(Node const& value, Node const& words, Document* document) {
     if (words.kind() != Node::Kind::table) return document->evaluate(*value.data(), value.scope().get());
@@ -426,9 +464,11 @@ class Expander {
       if (face.has(key))
         face[key].problem(fmt::format("'{}' inside a part is not supported", key),
                           "repeat the whole part in 'scene', or write one face per position");
-    auto const scope = part_scope(part, given_by(face, part));
-    u.refused = u.refused || !within_limits(face, u.group, part, scope);
     u.placement = placed_in(u.placement, face);
+    GivenParameters given = given_by(face, part);
+    add_index(given, part, u.placement);
+    auto const scope = part_scope(part, given);
+    u.refused = u.refused || !within_limits(face, u.group, part, scope);
     face.refuse_unknown(fmt::format("a face that uses part '{}'", face["use"].text()));
     unfold(part, scope, u);
   }

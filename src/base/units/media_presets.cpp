@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "optics/media_presets.hpp"
+#include "base/units/media_presets.hpp"
 
 #include <cmath>
 
-namespace straytrace::optics {
+namespace straytrace {
 namespace {
 
 constexpr double sq(double x) { return x * x; }
@@ -70,4 +70,4 @@ std::optional<double> index_of(MediumPreset const& p, double wavelength) {
   return std::sqrt(sum);
 }
 
-}  // namespace straytrace::optics
+}  // namespace straytrace

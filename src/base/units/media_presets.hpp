@@ -8,7 +8,7 @@
 
 #include "base/namespaces.hpp"
 
-namespace straytrace::optics {
+namespace straytrace {
 
 struct MediumPreset {
   std::string_view name;
@@ -23,4 +23,4 @@ std::span<MediumPreset const> medium_presets();
 // Index at a vacuum wavelength [m]; empty outside the range of the preset.
 std::optional<double> index_of(MediumPreset const&, double wavelength);
 
-}  // namespace straytrace::optics
+}  // namespace straytrace

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/text/words.hpp"
-#include "optics/media_presets.hpp"
+#include "base/units/media_presets.hpp"
 #include "scene/library.hpp"
 #include "world/build/read_parts.hpp"
 #include "world/ghosts/obstacle.hpp"

@@ -77,6 +77,34 @@ TEST(WorldParts, LensSagsAndBarrels) {
             1e-3);  // negative control
 }
 
+// Focal length of two faces with vacuum around them, from the ray matrix of the faces and the glass between them.
+double focal_length(World const& world, double thickness, double index) {
+  double power[2] = {};
+  WorldView const v = world.view();
+  for (std::uint32_t id : {0, 2})
+    v.shapes.visit(v.surfaces[id].shape, [&](auto const& s) {
+      if constexpr (requires { s.curvature; }) power[id / 2] = -s.curvature * (index - 1);
+    });
+  return 1 / (power[0] + power[1] - thickness / index * power[0] * power[1]);
+}
+
+// docs/reference/parts.md, lens by focal length; indices of docs/reference/interfaces/media.md.
+TEST(WorldParts, FocalLensHasItsFocalLength) {
+  auto const off = [](std::string const& entry, double f, double d, double n) {
+    return std::fabs(focal_length(world_of("use: focal_lens, " + entry), d, n) / f - 1);
+  };
+  std::string const bk7 = "focal_length: 200 mm, thickness: 8 mm, medium: bk7, bending: ";
+  for (char const* bending : {"1", "0", "-1", "0.3", "2"})
+    EXPECT_LT(off(bk7 + bending, 0.2, 8e-3, 1.50663), 1e-5) << bending;
+  EXPECT_GT(off(bk7 + "0", 0.2, 8e-3, 1.44963), 0.05);  // control: another glass
+  EXPECT_GT(off(bk7 + "0", 0.2, 0, 1.50663), 1e-3);     // control: a thin lens of the same faces
+  EXPECT_LT(off("focal_length: -0.1 m, thickness: 3 mm", -0.1, 3e-3, 1.44963), 1e-5);
+  EXPECT_LT(off("focal_length: 0.1 m, thickness: 3 mm, medium: glass", 0.1, 3e-3, 1.45), 1e-12);
+  EXPECT_THAT(error_text_of("use: focal_lens, focal_length: 0 m"), HasSubstr("no radii give this focal length"));
+  EXPECT_THAT(error_text_of("use: focal_lens, focal_length: 10 mm, diameter: 50 mm"),
+              HasSubstr("wider than the sphere"));
+}
+
 // Lines through the body: every one goes in and out in turn. False for the first that does not.
 bool left_as_often_as_entered(World const& world, int lines, double size, Vec3 middle) {
   WorldView const v = world.view();
@@ -199,7 +227,7 @@ TEST(WorldParts, VolumesMustCloseWithNormalsOutwards) {
 }
 
 TEST(WorldParts, AllAreAccepted) {
-  for (char const* part : {"mirror", "lens", "thick_mirror", "flat_mirror", "plate", "conical_baffle",
+  for (char const* part : {"mirror", "lens", "focal_lens", "thick_mirror", "flat_mirror", "plate", "conical_baffle",
                            "serrated_baffle", "chamber", "tube_section", "dump", "photodiode", "mount", "motor_mount"})
     EXPECT_EQ(error_text_of(std::string("use: ") + part), "") << part;
 }

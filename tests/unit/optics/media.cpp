@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/every_module.hpp"
+#include "base/units/media_presets.hpp"
 #include "optics/coating/fresnel.hpp"
-#include "optics/media_presets.hpp"
 #include "optics/media_stack.hpp"
 
 namespace straytrace::optics_media {
