@@ -102,7 +102,7 @@ TEST(WorldParts, FocalLensHasItsFocalLength) {
   EXPECT_LT(off("focal_length: 0.1 m, thickness: 3 mm, medium: glass", 0.1, 3e-3, 1.45), 1e-12);
   EXPECT_THAT(error_text_of("use: focal_lens, focal_length: 0 m"), HasSubstr("no radii give this focal length"));
   EXPECT_THAT(error_text_of("use: focal_lens, focal_length: 10 mm, diameter: 50 mm"),
-              HasSubstr("wider than the sphere"));
+              HasSubstr("must be at most 8.992 mm"));
 }
 
 // Lines through the body: every one goes in and out in turn. False for the first that does not.

@@ -87,7 +87,7 @@ TEST(Library, MessagesNameWhatIsNear) {
 TEST(Library, PartsBringTheirMaterials) {
   Scene const scene = OnDisk("include: [library/parts.yaml]\nscene:\n  - {name: d, use: v_dump, body: b}\n").read();
   EXPECT_EQ(names(scene, "materials"), (std::vector<std::string>{"black_glass", "black_anodise"}));
-  EXPECT_EQ(scene.instances().size(), 5u);
+  EXPECT_EQ(scene.instances().size(), 9u);
   EXPECT_THAT(names(scene, "parts"), ::testing::Contains("v_dump"));
   EXPECT_THAT(names(scene, "parts"), ::testing::Not(::testing::Contains("tower")));
   // Errors of a part of the library are reported where it is used.
