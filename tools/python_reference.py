@@ -31,6 +31,7 @@ PARTS = (
                                "Progress")),
     ("Paths", "straytrace", ("Paths", "Path", "PathColumn")),
     ("Scans", "straytrace", ("scan", "Scan", "ScanPoint")),
+    ("Optimisation", "straytrace", ("optimise", "Optimum", "Candidate")),
     ("Interferometers", "straytrace", ("Interferometer",)),
     ("Errors", "straytrace", ("Problem", "InputError", "RunError", "NumericalError", "StraytraceWarning")),
     ("FINESSE", "straytrace.finesse", ("response", "Response")),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Data of the observatories, which python/straytrace/observatory reads: frame files (.gwf), lists of them (.ffl of Virgo,
-// .lcf and .cache of LAL), NDS2 servers (nds2://HOST:PORT), and files of segments.
+// Data of the observatories, which python/straytrace/observatory reads: frame files (.gwf), lists of them (.ffl of
+// Virgo, .lcf and .cache of LAL), NDS2 servers (nds2://HOST:PORT), and files of segments.
 #pragma once
 
 #include <optional>
