@@ -223,7 +223,7 @@ class Optimum:
 def _candidate(found: Mapping[str, Any]) -> Candidate:
     nan = float("nan")
     limits = [limit for limit in found["limits"] if limit["upper"] is not None]
-    worst = max(limits, key=lambda limit: float(limit["upper"]), default={"ratio": {}, "upper": nan, "frequency_Hz": nan})
+    worst: Mapping[str, Any] = max(limits, key=lambda limit: float(limit["upper"]), default={"ratio": {}, "upper": nan, "frequency_Hz": nan})
 
     def number(value: float | None) -> float:
         return nan if value is None else float(value)

@@ -195,6 +195,14 @@ void add_force_option(CLI::App& command, bool& force) {
   command.add_flag("--force", force, "overwrite the run of another model, or files of the library; never other files");
 }
 
+void add_live_options(CLI::App& command, LiveOptions& options, std::string const& help) {
+  auto* const live = command.add_flag("--live", options.live, help);
+  command.add_option("--live-port", options.port, "port of that page; default: a free one")
+      ->check(whole_between(1, 65535, "8321"))
+      ->needs(live);
+  command.add_flag("--open", options.open, "open that page in a browser (xdg-open)")->needs(live);
+}
+
 namespace {
 
 std::vector<std::string> words_of(CLI::App const& app) {

@@ -16,6 +16,7 @@ void add_scene_options(CLI::App&, SceneOptions&,
 void add_history_options(CLI::App&, TraceOptions&);               // --histories, --seed
 void add_trace_options(CLI::App&, TraceOptions&);  // these, --until, --threads, --max-time, --checkpoint, --force
 void add_force_option(CLI::App&, bool& force);
+void add_live_options(CLI::App&, LiveOptions&, std::string const& help);  // --live, --live-port, --open
 void add_overrides(CLI::App&, std::vector<std::string>& overrides, std::string const& help);  // -p, --param
 void add_param_option(CLI::App&, SceneOptions&);                                              // the same of a scene
 void add_format_option(CLI::App&, PrintOptions&);

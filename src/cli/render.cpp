@@ -19,6 +19,7 @@
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
+#include "report/beam_lines.hpp"
 #include "report/scene_picture.hpp"
 #include "results/text/image.hpp"
 #include "session/light/cavity_waves.hpp"
@@ -37,7 +38,7 @@ struct RenderOptions : SceneOptions {
   std::string mode = "shaded", eye, look, up, field, pixels = "800x600", from, at;
   std::vector<std::string> cuts;
   std::string lamp = "5 mm";
-  bool section = false, whole = false, flash = false;
+  bool section = false, whole = false, flash = false, beams = false;
 };
 
 [[noreturn]] void refuse_option(std::string const& option, std::string const& text, std::string const& instead) {
@@ -248,7 +249,8 @@ void draw(RenderOptions const& w, World const& world, Draw const& drawn_by) {
   LookSettings settings{view.cuts, looks_of(world.view()), w.threads};
   if (w.whole) std::replace(settings.looks.begin(), settings.looks.end(), Look::open, Look::solid);
   for (std::string const& cut : w.cuts) settings.cuts.push_back(read_cut(cut, view.camera.eye));
-  Drawn const drawn = drawn_by(view.camera, settings);
+  Drawn drawn = drawn_by(view.camera, settings);
+  if (w.beams) draw_beams(drawn, world, view.camera, settings, beam_lines(world));
   Image image{view.camera.columns, view.camera.rows, drawn.rgb};
   if (drawn.bar) add_colour_bar(image, *drawn.bar);
   write_png(w.out, image);
@@ -269,6 +271,9 @@ void draw_halo_of(RenderOptions const& w, std::optional<RunFile> const& run) {
 
 int render(RenderOptions const& w) {
   check_picture_name(w.out);
+  if (w.beams && (w.flash || (w.mode != "shaded" && w.mode != "importance" && w.mode != "halo")))
+    throw InputError(fmt::format("{} does not show beams", w.flash ? "--flash" : "--mode " + w.mode),
+                     "remove --beams, or write --mode shaded");
   std::optional<RunFile> file;
   if (names_run(w.input)) file = read_run(w.input);
   if (w.mode == "halo" && !w.flash) {
@@ -318,11 +323,13 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--lamp", o.lamp, "radius of the flash around the eye; default: 5 mm")->needs(flash);
   command->add_flag("--section", o.section,
                     "section along the axis, with separate scales for both sides of the picture");
+  command->add_flag("--beams", o.beams, "draw the main beams, dotted behind what hides them");
   command->add_flag("--whole", o.whole, "also draw the back of walls without material there");
   command->add_option("--threads", o.threads, "default: all cores; does not change the picture");
   command->footer(
       "Examples:\n"
       "  straytrace render examples/bench.yaml -o bench.png\n"
+      "  straytrace render examples/end_bench.yaml -o beams.png --at lens --beams\n"
       "  straytrace render examples/virgo_arm.yaml -o view.png --from ITM --fov 2deg\n"
       "  straytrace render examples/virgo_arm.yaml -o flash.png --from ITM --fov 2deg --flash\n"
       "  straytrace render out/run.h5 -o where_not.png --mode importance");

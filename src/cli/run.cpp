@@ -5,6 +5,9 @@
 
 #include <iostream>
 #include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -14,6 +17,8 @@
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
 #include "session/light/seam.hpp"
+#include "session/live/live_address.hpp"
+#include "session/live/live_run.hpp"
 #include "session/open_run.hpp"
 #include "session/report_page.hpp"
 #include "session/session.hpp"
@@ -21,17 +26,22 @@
 namespace straytrace::cli {
 namespace {
 
-// All files of a result; returns failures of pictures.
-std::string write_with_page(std::string const& folder, RunContent const& content, PathTable const& paths,
-                            Model const& model, SteeredWorld const& world) {
-  std::string undrawn = write_results(folder, content, paths, model);
-  Picture const picture{"png", undrawn.empty() ? read_file(folder + "/report.png") : ""};
+struct Written {
+  std::string undrawn, page;  // failures of pictures; the report as HTML
+};
+
+// All files of a result.
+Written write_with_page(std::string const& folder, RunContent const& content, PathTable const& paths,
+                        Model const& model, SteeredWorld const& world) {
+  Written written;
+  written.undrawn = write_results(folder, content, paths, model);
+  Picture const picture{"png", written.undrawn.empty() ? read_file(folder + "/report.png") : ""};
   ReportWanted wanted;
   wanted.pictures = read_pictures(model.scene.table("report"));
-  write_file(folder + "/report.html",
-             report_page(
-                 content, paths, model, [&]() -> SteeredWorld const& { return world; }, wanted, picture));
-  return undrawn;
+  written.page = report_page(
+      content, paths, model, [&]() -> SteeredWorld const& { return world; }, wanted, picture);
+  write_file(folder + "/report.html", written.page);
+  return written;
 }
 
 std::string paragraph(std::string const& text) { return text.empty() ? "" : text + "\n\n"; }
@@ -39,11 +49,79 @@ std::string paragraph(std::string const& text) { return text.empty() ? "" : text
 struct RunOptions : TraceOptions {
   std::string out;
   bool no_seam = false;
+  LiveOptions live;
+
+  bool alone() const { return out.ends_with(".h5"); }  // only the run file
+  std::string run_file() const { return alone() ? out : out + "/run.h5"; }
 };
 
+void print_run(RunOptions const& options, RunContent const& content, PathTable const& paths, Model const& model,
+               bool drawn) {
+  if (options.json()) {
+    std::cout << summary_json(content, paths) << '\n';
+    return;
+  }
+  if (NoiseBudget const* const budget = content.noise)
+    std::cout << path_text(paths, model.paths_shown) << '\n'
+              << band_summary(*budget, paths.frequencies) << '\n'
+              << verdict_sentence(*budget, budget->grid.edges.front(), budget->grid.edges.back()) << "\n\n"
+              << paragraph(seam_sentence(content)) << headline(*budget, paths) << '\n';
+  if (!content.receivers.empty())
+    std::cout << (content.noise ? "\n" : "") << receiver_text(receiver_table(content), model.paths_shown);
+  if (!options.quiet)
+    std::cerr << merit_text(merits(content), merits_shown)
+              << (options.alone() ? fmt::format("run file: {}\n", options.out)
+                                  : results_line(options.out, content, "report.html", drawn));
+}
+
 // A stop request while it still reads, or already writes, gives a run file as well.
+int trace_and_write(RunInput const& earlier, Model& model, RunOptions const& options, InterruptGuard const& guard,
+                    LiveRun* live) {
+  auto const [world, traced] = trace_model(model, options, options.run_file(),
+                                           live ? live->control() : TraceControl{});  // world -> coupling table
+  if (live && live->extended()) {                                                     // traced on from this file
+    write_run(options.run_file(), earlier.completed(content_of(model, traced, nullptr)));
+    return checkpointed;
+  }
+  if (live) live->show_writing();
+  if (!model.seam && !options.no_seam && !traced.checkpointed() && has_seam(model))
+    model.seam = check_seam(earlier.read(options.overrides), traced, options);
+  std::optional<NoiseBudget> budget;  // the rest is fast
+  if (model.detector) budget = model.project_with_bands(traced.coupling);
+  if (budget) print_warnings(*budget, options);
+  PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
+  RunContent const content = earlier.completed(content_of(model, traced, budget ? &*budget : nullptr));
+  Written written;
+  if (options.alone())
+    write_run(options.out, content);
+  else
+    written = write_with_page(options.out, content, paths, model, world);
+  print_run(options, content, paths, model, written.undrawn.empty());
+  bool const stopped = traced.checkpointed() || (guard.stop() && has_seam(model) && !content.seam && !options.no_seam);
+  if (stopped && !options.quiet) std::cerr << how_to_go_on;
+  if (!written.undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << written.undrawn << '\n';
+  if (live) live->show_report(std::move(written.page), traced, stopped);
+  return stopped ? checkpointed : done;
+}
+
+// What the page of the run extends, as the same command with other --histories or --until does, until it is closed.
+int follow(LiveRun& live, RunInput const& earlier, Model& model, RunOptions options, InterruptGuard const& guard) {
+  int code = trace_and_write(earlier, model, options, guard, &live);
+  options.force = false;
+  while (std::optional<LiveTarget> const next = live.wait(guard)) {
+    InterruptGuard::revoke_request();
+    options.histories = next->histories;
+    options.until = next->until;
+    apply(options, model);
+    code = trace_and_write(earlier, model, options, guard, &live);
+  }
+  return code;
+}
+
 int run(RunOptions const& options) {
   InterruptGuard const guard;
+  if (options.live.live && options.alone())
+    throw InputError("--live shows a report, which a run file alone does not have", "name a folder: -o out/");
   RunInput const earlier(options.input);  // a run file is repeated from its own content
   if (!earlier.slice().whole())
     throw InputError(
@@ -55,44 +133,16 @@ int run(RunOptions const& options) {
   apply(options, model);
   print_warnings(model, options);
 
-  bool const alone = options.out.ends_with(".h5");  // only the run file
   std::optional<OutputFolder> folder;
-  if (!alone) folder.emplace(options.out);
-  std::optional<FolderLock> const lock = alone ? std::nullopt : std::optional<FolderLock>(std::in_place, options.out);
-  std::string const run_file = alone ? options.out : options.out + "/run.h5";
-  auto const [world, traced] = trace_model(model, options, run_file);  // world -> coupling table
-  if (!model.seam && !options.no_seam && !traced.checkpointed() && has_seam(model))
-    model.seam = check_seam(earlier.read(options.overrides), traced, options);
-  std::optional<NoiseBudget> budget;  // the rest is fast
-  if (model.detector) budget = model.project_with_bands(traced.coupling);
-  if (budget) print_warnings(*budget, options);
-  PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
-  RunContent const content = earlier.completed(content_of(model, traced, budget ? &*budget : nullptr));
-  std::string undrawn;
-  if (alone)
-    write_run(run_file, content);
-  else
-    undrawn = write_with_page(options.out, content, paths, model, world);
-
-  if (options.json()) {
-    std::cout << summary_json(content, paths) << '\n';
-  } else {
-    if (budget)
-      std::cout << path_text(paths, model.paths_shown) << '\n'
-                << band_summary(*budget, paths.frequencies) << '\n'
-                << verdict_sentence(*budget, budget->grid.edges.front(), budget->grid.edges.back()) << "\n\n"
-                << paragraph(seam_sentence(content)) << headline(*budget, paths) << '\n';
-    if (!content.receivers.empty())
-      std::cout << (budget ? "\n" : "") << receiver_text(receiver_table(content), model.paths_shown);
-    if (!options.quiet)
-      std::cerr << merit_text(merits(content), merits_shown)
-                << (alone ? fmt::format("run file: {}\n", run_file)
-                          : results_line(options.out, content, "report.html", undrawn.empty()));
+  if (!options.alone()) folder.emplace(options.out);
+  std::optional<FolderLock> const lock =
+      options.alone() ? std::nullopt : std::optional<FolderLock>(std::in_place, options.out);
+  if (options.live.live) {
+    LiveRun live(model, options.live.port);
+    LiveAddress const shown(live.address(), options.live.open);
+    return follow(live, earlier, model, options, guard);
   }
-  bool const stopped = traced.checkpointed() || (guard.stop() && has_seam(model) && !content.seam && !options.no_seam);
-  if (stopped && !options.quiet) std::cerr << how_to_go_on;
-  if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
-  return stopped ? checkpointed : done;
+  return trace_and_write(earlier, model, options, guard, nullptr);
 }
 
 }  // namespace
@@ -107,9 +157,12 @@ void add_run(CLI::App& app, int& exit_code) {
       ->required();
   command->add_flag("--no-seam", o.no_seam,
                     "leave out the comparison with another crossover angle (scenes with the table 'wave')");
+  add_live_options(*command, o.live,
+                   "follow the run in a browser: serves a page on this machine that can stop and extend it");
   command->footer(
       "Examples:\n"
       "  straytrace run examples/virgo_arm.yaml -o out/\n"
+      "  straytrace run examples/virgo_arm.yaml -o out/ --live\n"
       "  straytrace run examples/virgo_arm.yaml -o fine/ --until \"h_total < 1 %\" -p rim=48cm\n"
       "  straytrace run out/run.h5 -o again/\n"
       "Given a run file, run repeats it from its own content, with the same numbers.\n"

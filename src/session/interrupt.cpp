@@ -4,7 +4,7 @@
 namespace straytrace::session {
 namespace {
 
-std::atomic<bool> stop_requested{false};
+std::atomic<bool> stop_requested{false}, signal_came{false};
 std::atomic<bool> const* flag_in_use = &stop_requested;
 int guards = 0;
 
@@ -16,9 +16,9 @@ InterruptGuard::InterruptGuard(std::atomic<bool> const* flag) {
     flag_in_use = flag;
     return;
   }
-  stop_requested = false;
+  stop_requested = signal_came = false;
   struct sigaction action {};
-  action.sa_handler = [](int) { stop_requested = true; };
+  action.sa_handler = [](int) { stop_requested = signal_came = true; };
   for (std::size_t i = 0; i < signals.size(); ++i) {
     bool const from_batch_system = signals[i] == SIGUSR1 || signals[i] == SIGUSR2;  // may come several times
     // Restarted, a line that waits for a slow reader of stderr is not lost.
@@ -37,5 +37,14 @@ InterruptGuard::~InterruptGuard() {
 }
 
 std::atomic<bool> const& InterruptGuard::stop() const { return *flag_in_use; }
+
+bool InterruptGuard::signalled() const { return signal_came; }
+
+void InterruptGuard::request_stop() { stop_requested = true; }
+
+void InterruptGuard::revoke_request() {
+  stop_requested = false;
+  if (signal_came) stop_requested = true;
+}
 
 }  // namespace straytrace::session

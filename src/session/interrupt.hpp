@@ -26,6 +26,11 @@ class InterruptGuard {
   InterruptGuard(InterruptGuard const&) = delete;
   InterruptGuard& operator=(InterruptGuard const&) = delete;
   std::atomic<bool> const& stop() const;
+  bool signalled() const;  // by one of these signals
+
+  // The same stop without a signal, from any thread, and what revokes it; a signal is never revoked.
+  static void request_stop();
+  static void revoke_request();
 
  private:
   static constexpr std::array signals{SIGINT, SIGTERM, SIGUSR1, SIGUSR2};

@@ -37,4 +37,10 @@ struct TraceOptions : SceneOptions {
   bool force = false;
 };
 
+// A page of this machine that follows the command (session/live).
+struct LiveOptions {
+  bool live = false, open = false;  // open: in a browser
+  std::uint16_t port = 0;           // 0: a free one
+};
+
 }  // namespace straytrace::session

@@ -156,6 +156,8 @@ struct DeterministicLight {
   }
 };
 
+constexpr double seconds_between_looks = 1;  // of TraceControl::so_far
+
 // A full disk is no reason to stop: the previous file remains.
 void save(std::string const& run_file, RunContent const& content, PrintOptions const& options) {
   try {
@@ -271,15 +273,23 @@ TracedModel trace_model(Model& model, TraceOptions const& options, std::string c
   SteeredWorld world = steer(model.world, options.threads);
   ProgressLine progress(options.quiet);
   settings.progress = [&](TraceProgress const& p) {
+    if (control.watch) control.watch(p);
     if (control.progress) return control.progress(p);
     if (events_on()) return print_progress(p, progress_line(p, model.until));
     progress.at(p.seconds, [&] { return progress_line(p, model.until); });
   };
   settings.stop = &guard.stop();
   if (!run_file.empty()) settings.checkpoint_seconds = options.checkpoint_seconds;
+  double const between_files = settings.checkpoint_seconds;
+  if (control.so_far) settings.checkpoint_seconds = std::min(between_files, seconds_between_looks);
+  double saved = 0;  // s of the trace
   settings.checkpoint = [&](TraceResult const& so_far) {
     TraceResult const result = beside.completed(so_far);
+    if (control.so_far) control.so_far(result);
+    double const now = so_far.seconds - settings.seconds_before;
+    if (control.so_far && now - saved < between_files) return;
     save(run_file, content_of(model, result, nullptr), options);
+    saved = now;
   };
   std::optional<Ranks> ranks;
   if (control.transport) {

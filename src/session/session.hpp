@@ -31,6 +31,9 @@ struct TraceControl {
   Transport* transport = nullptr;                           // this process is rank 0 of several
   std::atomic<bool> const* stop = nullptr;                  // ends the trace with a valid result, in place of signals
   std::function<void(TraceProgress const&)> progress = {};  // in place of the line on stderr
+  std::function<void(TraceProgress const&)> watch = {};     // besides it
+  // Every second, or less often so as to take a tenth of the time at most; changes no result.
+  std::function<void(TraceResult const&)> so_far = {};
 };
 
 // The world of a model as it was traced, and the result. Refers to the model.

@@ -5,7 +5,7 @@ cd "$(dirname "$0")/../.."
 program=${1:-build/straytrace}
 pages=docs/guide/gallery_
 "$program" render examples/benches/rb1.yaml -o ${pages}rb1.png --eye=-0.25m,-0.35m,0.42m --look 0.4m,0.26m,0.06m --up 0,0,1 \
-  --fov 40deg --pixels 700x460
+  --fov 40deg --pixels 700x460 --beams
 "$program" render examples/virgo_arm.yaml -o ${pages}flash_arm.png --from ITM --fov 0.05deg --flash --lamp 5cm \
   --pixels 600x450
 "$program" render examples/bench.yaml -o ${pages}flash_bench.png --eye 0,0,8cm --look 2cm,0,60cm --fov 50deg --flash \

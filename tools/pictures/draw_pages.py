@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draw the pictures of report and view as a browser shows them, without scroll bars. Usage: draw_pages.py PROGRAM [NAME...]
 
-NAME: report, view, cad_bench_view, rb1 or first_scene. Needs Chromium (scripts/setup --test).
+NAME: report, view, cad_bench_view, rb1, first_scene or live. Needs Chromium (scripts/setup --test).
 """
 import base64
 import pathlib
@@ -14,6 +14,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/tools/report"))
 sys.dont_write_bytecode = True
 
+from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
+
 from browser import Browser  # noqa: E402
 
 from pictures import small  # noqa: E402
@@ -21,10 +23,10 @@ from pictures import small  # noqa: E402
 NO_BARS = "const s = document.createElement('style'); s.textContent = '::-webkit-scrollbar { display: none }'; document.head.append(s)"
 
 
-def picture(file, to, width, height, element=None):
+def picture(file, to, width, height, element=None, opened=Browser.open, **browser):
     """Of the page from its top, or of one element of it."""
-    with tempfile.TemporaryDirectory() as folder, Browser() as browser:
-        browser.open(file)
+    with tempfile.TemporaryDirectory() as folder, Browser(**browser) as browser:
+        opened(browser, file)
         browser.resize(width, height)
         browser.run(NO_BARS)
         browser.resize(width, height)
@@ -35,6 +37,20 @@ def picture(file, to, width, height, element=None):
         whole = pathlib.Path(folder) / "page.png"
         whole.write_bytes(base64.b64decode(shot["data"]))
         small(whole, to)
+
+
+def open_live(browser, address):
+    """A live page once it has followed its run for a while."""
+    browser.driver.get(address)
+    WebDriverWait(browser.driver, 120).until(lambda d: d.execute_script("return results") > 3)
+
+
+def live_picture(program, folder, to):
+    words = [program, "run", ROOT / "examples/virgo_arm.yaml", "-o", f"{folder}/live", "--until", "h_total < 0.05 %", "--live"]
+    with subprocess.Popen(list(map(str, words)), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as child:
+        address = next(found[1] for line in child.stderr if (found := re.match(r"live page: (\S+)", line)))
+        picture(address, to, 1000, 900, opened=open_live, loopback=True)
+        child.kill()
 
 
 def main(program, names):
@@ -55,6 +71,8 @@ def main(program, names):
         if "rb1" in names:
             made("view", examples / "benches/rb1.yaml", "-o", f"{folder}/rb1.html")
             picture(f"{folder}/rb1.html", docs / "guide/gallery_rb1_view.png", 1080, 760, ".stage")
+        if "live" in names:
+            live_picture(program, folder, docs / "reference/live.png")
         if "first_scene" in names:
             page = (docs / "guide/first_scene.md").read_text(encoding="utf-8")
             for name, scene in re.findall(r"^```yaml\n# ([\w-]+\.yaml)\n(.*?)^```$", page, re.MULTILINE | re.DOTALL):
@@ -64,7 +82,7 @@ def main(program, names):
 
 
 if __name__ == "__main__":
-    ALL = ("report", "view", "cad_bench_view", "rb1", "first_scene")
+    ALL = ("report", "view", "cad_bench_view", "rb1", "first_scene", "live")
     if len(sys.argv) < 2 or set(sys.argv[2:]) - set(ALL):
         sys.exit(__doc__)
     main(pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:] or ALL)

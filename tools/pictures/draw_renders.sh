@@ -5,7 +5,7 @@ cd "$(dirname "$0")/../.."
 program=${1:-build/straytrace}
 pages=docs/reference
 "$program" render examples/bench.yaml -o $pages/render_bench.png --eye=-35cm,50cm,5cm --look 12cm,-3cm,58cm \
-  --fov 34deg --pixels 660x440
+  --fov 34deg --pixels 660x440 --beams
 "$program" render examples/virgo_arm.yaml -o $pages/render_importance.png --mode importance --pixels 900x300
 folder=$(mktemp -d)
 "$program" wave examples/new_arm.yaml --order 0 --quiet -o "$folder/field.h5" > /dev/null

@@ -22,7 +22,10 @@
 #include "results/text/picture.hpp"
 #include "session/compare/comparison_page.hpp"
 #include "session/diagnostics.hpp"
+#include "session/interrupt.hpp"
 #include "session/light/cavity_waves.hpp"
+#include "session/live/live_address.hpp"
+#include "session/live/live_view.hpp"
 #include "session/open_run.hpp"
 #include "session/records/measured_strain.hpp"
 #include "session/report_page.hpp"
@@ -188,6 +191,7 @@ int report(ReportOptions const& options) {
 struct ViewOptions : SceneOptions {
   ViewWanted wanted;
   std::string out, vtk, glb;
+  LiveOptions live;
 };
 
 // A page, unless only other files are requested.
@@ -225,9 +229,37 @@ void write_view(ViewOptions const& options, Model const& model, TracedAgain cons
 // Whether a run holds light at small angles that falls on baffles.
 bool has_halo(Model const& model) { return model.waves && model.arm && !model.arm->rims.empty(); }
 
+// The picture of the scene as it was last saved, until a signal comes. With -o also as a file.
+int follow(ViewOptions const& options) {
+  if (names_run(options.input) || !options.vtk.empty() || !options.glb.empty())
+    throw InputError("--live follows a scene file, and writes a page alone",
+                     "give a scene file, without --vtk and --glb");
+  if (!std::filesystem::exists(options.input)) read_model(options.input, options.overrides);  // throws
+  InterruptGuard const guard;
+  LiveView live(options.wanted.title.empty() ? options.input : options.wanted.title, options.live.port);
+  LiveAddress const shown(live.address(), options.live.open);
+  SceneFiles files(options.input);
+  do try {
+      Model model = read_model(options.input, options.overrides);
+      files.follow(model.scene.files());
+      if (options.wanted.halo) waves_to_show(model, false, 0, options);
+      std::string page = view_page(model, Steered(model).traced(), nullptr, nullptr, options.wanted);
+      if (!options.out.empty()) write_file(options.out, page);
+      live.show(std::move(page), model.warnings);
+    } catch (InputError const& e) {
+      files.follow(e.files);
+      live.show_problems(e.what());
+    } catch (NumericalError const& e) {
+      live.show_problems(fmt::format("error: {}", e.what()));
+    }
+  while (files.wait_for_change(guard));
+  return done;
+}
+
 int view(ViewOptions const& options) {
   if (!options.out.empty()) check_ending(options.out, {".html"}, "-o");
   if (!options.glb.empty()) check_ending(options.glb, {".glb"}, "--glb");
+  if (options.live.live) return follow(options);
   if (!names_run(options.input)) {
     Model model = read_model(options.input, options.overrides);
     print_warnings(model, options);
@@ -312,9 +344,12 @@ void add_view(CLI::App& app, int& exit_code) {
                     "solve the field of the table 'wave' and show its light on baffles; a run file holds it already");
   command->add_option("--title", o.wanted.title, "replaces the title of the scene");
   command->add_flag("--quiet", o.quiet, "no messages");
+  add_live_options(*command, o.live,
+                   "follow the scene in a browser: serves a page on this machine that shows it anew when it is saved");
   command->footer(
       "Examples:\n"
       "  straytrace view examples/bench.yaml -o bench.html\n"
+      "  straytrace view examples/bench.yaml --live\n"
       "  straytrace view out/run.h5 --show 12 -o paths.html\n"
       "  straytrace view out/run.h5 --vtk paraview/ --glb scene.glb");
   command->callback([options, &exit_code] { exit_code = view(*options); });

@@ -17,6 +17,7 @@ namespace {
 
 constexpr char policy[] =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+constexpr char policy_of_live[] = "; connect-src 'self'; frame-src 'self'";
 
 std::string_view own(std::string const& name) {
   std::string_view const text = embedded_file("page/" + name);
@@ -89,9 +90,10 @@ std::string static_body(StaticReport const& r, PathTable const& table) {
 std::string html_text(HtmlPage const& page) {
   std::string text = fmt::format(
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-"
-      "Policy\" content=\"{}\">\n<meta name=\"viewport\" content=\"width=device-width\">\n<title>{}</title>\n<style>\n"
+      "Policy\" content=\"{}{}\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width\">\n<title>{}</title>\n<style>\n"
       "{}</style>\n</head>\n<body>\n<header><h1>{}</h1></header>\n{}",
-      policy, escaped(page.title), own("page.css"), escaped(page.title), page.body);
+      policy, page.live ? policy_of_live : "", escaped(page.title), own("page.css"), escaped(page.title), page.body);
   text += "<main id=\"page\"></main>\n<script type=\"application/json\" id=\"data\">" + json_text(page.data) +
           "</script>\n";
   auto const add = [&](std::string_view script) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One self-contained HTML file: it loads nothing, and its content security policy forbids loading.
+// One self-contained HTML file: it loads nothing, and its content security policy forbids loading. A page of a program
+// that runs may ask that program alone.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@ struct HtmlPage {
   nlohmann::json data;                // for the scripts
   std::vector<std::string> scripts;   // of data/page, in order
   bool plots = false, scene = false;  // libraries that they need
+  bool live = false;                  // served by the program itself (io/loopback_server.hpp)
 };
 std::string html_text(HtmlPage const&);
 

@@ -6,6 +6,7 @@
 #include <png.h>
 #include <set>
 
+#include "base/math/vec3.hpp"
 #include "scenes/program.hpp"
 
 namespace straytrace::testing::app_render {
@@ -111,6 +112,45 @@ TEST(Render, OtherModesDraw) {
   rendered({bench, "-o", file, "--cut", "x=0", "--cut", "y>10cm", "--whole", "--section"});
 }
 
+// Whether a pixel next to the place of a point is red.
+bool red_at(Picture const& p, nlohmann::json const& camera, Vec3 point) {
+  auto const vector = [&](char const* key) { return Vec3{camera[key][0], camera[key][1], camera[key][2]}; };
+  Vec3 const forward = vector("forward"), up = vector("up"), right = cross(forward, up), v = point - vector("eye");
+  double const f = camera["focal_length_pixels"], ahead = dot(v, forward);
+  int const column = int(0.5 * p.columns + f * dot(v, right) / ahead), row = int(0.5 * p.rows - f * dot(v, up) / ahead);
+  for (int y = row - 1; y <= row + 1; ++y)
+    for (int x = column - 1; x <= column + 1; ++x) {
+      std::size_t const at = 3 * (std::size_t(y) * p.columns + std::size_t(x));
+      if (p.rgb.at(at) > p.rgb.at(at + 1) + 60) return true;
+    }
+  return false;
+}
+
+// The main beam of the bench runs along z, and along x behind the folding mirror: solid in sight, dotted behind the
+// table. Control: 3 cm beside it there is no red.
+TEST(Render, BeamsLieOnTheirChiefRay) {
+  Folder const folder;
+  std::string const file = folder / "a.png";
+  struct Case {
+    std::string eye;
+    double least, most;
+  };
+  for (Case const& c : {Case{"-35cm,70cm,5cm", 0.97, 1}, Case{"10cm,-90cm,50cm", 0.2, 0.8}}) {
+    auto const camera =
+        rendered({bench, "-o", file, "--eye=" + c.eye, "--look", "10cm,0,50cm", "--fov", "60deg", "--beams"});
+    Picture const p = read_png(file);
+    int on = 0, beside = 0, all = 0;
+    for (double s = 0.12; s < 1.05; s += 0.01, ++all) {
+      Vec3 const point = s < 0.79 ? Vec3{0, 0, s} : Vec3{s - 0.8, 0, 0.8};
+      on += red_at(p, camera, point);
+      beside += red_at(p, camera, point + (s < 0.79 ? Vec3{-0.03, 0, 0} : Vec3{0, 0, 0.03}));
+    }
+    EXPECT_GE(on, c.least * all) << c.eye;
+    EXPECT_LE(on, c.most * all) << c.eye;
+    EXPECT_LT(beside, 0.05 * all) << c.eye;
+  }
+}
+
 TEST(Render, ErrorsOfOptionsStateARemedy) {
   Folder const folder;
   std::string const file = folder / "a.png";
@@ -121,7 +161,8 @@ TEST(Render, ErrorsOfOptionsStateARemedy) {
   for (Case const& c : {Case{{"--eye", "0,0,1"}, "--eye 0,20cm,-1.5m"}, Case{{"--eye", "0,0"}, "--eye 0,20cm,-1.5m"},
                         Case{{"--fov", "200deg"}, "--fov 30deg"}, Case{{"--pixels", "800"}, "--pixels 800x600"},
                         Case{{"--cut", "w=0"}, "--cut x=0"}, Case{{"--at", "lens_9"}, "did you mean 'lens_1'"},
-                        Case{{"--from", "PDD"}, "the scene has no"}, Case{{"--look", "0,0,0"}, "--eye"}}) {
+                        Case{{"--from", "PDD"}, "the scene has no"}, Case{{"--beams", "--mode", "id"}, "--mode shaded"},
+                        Case{{"--look", "0,0,0"}, "--eye"}}) {
     Words words{"render", bench, "-o", file};
     words.insert(words.end(), c.words.begin(), c.words.end());
     Finished const r = straytrace(words);

@@ -11,7 +11,8 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.support.ui import WebDriverWait
 
 FLAGS = ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1300,900", "--use-angle=swiftshader",
-         "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--host-resolver-rules=MAP * ~NOTFOUND")
+         "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
+NO_NETWORK = "--host-resolver-rules=MAP * ~NOTFOUND"
 # Files of fonts-liberation2 and fonts-dejavu-core, which scripts/setup --test installs.
 FONTS = {"Liberation Sans": ("/usr/share/fonts/truetype/liberation2/LiberationSans-Regular.ttf",
                              "/usr/share/fonts/truetype/liberation2/LiberationSans-Bold.ttf"),
@@ -41,10 +42,11 @@ def font_settings(family, folder):
 
 
 class Browser:
-    def __init__(self, scripts=True, font=USUAL):
+    def __init__(self, scripts=True, font=USUAL, loopback=False):
+        """loopback: reaches servers of this machine."""
         options = Options()
         options.binary_location = "/usr/bin/chromium"
-        for flag in FLAGS:
+        for flag in (*FLAGS, NO_NETWORK + ", EXCLUDE 127.0.0.1" * loopback):
             options.add_argument(flag)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         if not scripts:

@@ -74,7 +74,8 @@ def check_text(page):
     text = page.read_text()
     seen = check_addresses(text)
     check(HOSTILE not in text and seen.elements.count("img") == 1, "a title became markup")
-    for script in (SOURCE / "data/page").glob("*.js"):
+    check("state.json" not in text, "the page holds the script of a live page")
+    for script in set((SOURCE / "data/page").glob("*.js")) - set((SOURCE / "data/page").glob("live*.js")):
         check(not re.search(r"fetch\(|XMLHttpRequest|WebSocket|import\(|innerHTML", script.read_text()), f"{script.name} may load")
     return json.loads(DATA.search(text).group(2))
 
