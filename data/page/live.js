@@ -17,7 +17,7 @@ form.addEventListener("submit", event => {
   press("extend", target.value);
 });
 
-// A sentence for everyone, screen readers included; each is told once.
+// A sentence for everyone, screen readers included; announced once.
 function tell(text) { if (said.textContent !== text) say(said, text); }
 
 async function press(button, text = "") {
