@@ -3,6 +3,7 @@
 """Copies programs with the shared libraries that they load, and what starts them, into a folder; lists their licences.
 
 Usage: bundle.py STARTER FOLDER PROGRAM...
+       bundle.py --licences FOLDER          only of what is compiled in, for a package that takes the libraries of the system
 
 FOLDER/bin gets STARTER under the name of each program, and the loader; FOLDER/lib the libraries, without symbols;
 FOLDER/lib/programs the programs; FOLDER/licences the texts, and LICENCES.spdx, which lists all in SPDX 2.3."""
@@ -17,11 +18,35 @@ import sys
 
 # Compiled into the programs: package of Debian with its licence.
 BUILT_IN = {"libeigen3-dev": "MPL-2.0", "libcli11-dev": "BSD-3-Clause", "nlohmann-json3-dev": "MIT", "libboost-dev": "BSL-1.0",
-            "libboost1.81-dev": "BSL-1.0", "librandom123-dev": "BSD-3-Clause", "libmeshoptimizer-dev": "MIT", "node-d3": "BSD-3-Clause",
+            "librandom123-dev": "BSD-3-Clause", "libmeshoptimizer-dev": "MIT", "node-d3": "BSD-3-Clause",
             "libjs-three": "MIT"}
-LICENCES = {"libc6": "LGPL-2.1-or-later", "libgcc-s1": "GPL-3.0-with-GCC-exception", "libstdc++6": "GPL-3.0-with-GCC-exception",
-            "libfmt9": "MIT", "libyaml-cpp0.7": "MIT", "libssl3": "Apache-2.0", "libpng16-16": "libpng-2.0", "zlib1g": "Zlib",
-            "libnlopt0": "LGPL-2.1-or-later", "libhdf5-103-1": "BSD-3-Clause", "libassimp5": "BSD-3-Clause"}
+# Licences of what the programs load, by their SPDX expression: packages of Debian.
+LICENCES = {package: licence for licence, packages in {
+    "MIT": "libfmt9 libyaml-cpp0.7 libbrotli1 libcom-err2 libdeflate0 libexpat1 libffi8 libgssapi-krb5-2 libk5crypto3 libkrb5-3"
+        " libkrb5support0 liblcms2-2 libmeshoptimizer2d libnghttp2-14 libpsl5 libx11-6 libxau6 libxcb1 libxdmcp6",
+    "BSD-2-Clause": "libaec0 libsz2 libjxr0 libopenjp2-7",
+    "BSD-3-Clause": "libhdf5-103-1 libhdf5-cpp-103-1 libassimp5 libbsd0 libimath-3-1-29 libopenexr-3-1-30 libp11-kit0 libssh2-1"
+        " libwebp7 libwebpmux3",
+    "Apache-2.0": "libssl3 libdraco7 liblerc4 libtbb12 libtbbmalloc2",
+    "Zlib": "zlib1g libminizip1",
+    "LGPL-2.1-or-later": "libc6 libnlopt0 libgnutls30 librtmp1 libtasn1-6",
+    "LGPL-2.0-or-later": "libkeyutils1",
+    "LGPL-2.1-only WITH OCCT-exception-1.0": "libocct-data-exchange-7.6 libocct-foundation-7.6 libocct-modeling-algorithms-7.6"
+        " libocct-modeling-data-7.6 libocct-ocaf-7.6 libocct-visualization-7.6",
+    "LGPL-2.1-only OR CDDL-1.0": "libraw20",
+    "LGPL-3.0-or-later OR GPL-2.0-or-later": "libgmp10 libhogweed6 libnettle8 libidn2-0 libunistring2",
+    "GPL-3.0-or-later WITH GCC-exception-3.1": "libgcc-s1 libstdc++6 libgomp1",
+    "GPL-2.0-or-later": "libjbig0",
+    "GPL-2.0-only OR GPL-3.0-only OR FreeImage": "libfreeimage3",
+    "FTL OR GPL-2.0-or-later": "libfreetype6",
+    "BSD-3-Clause OR GPL-2.0-only": "libzstd1",
+    "HPND-sell-variant": "libfontconfig1",
+    "IJG AND BSD-3-Clause AND Zlib": "libjpeg62-turbo",
+    "libpng-2.0": "libpng16-16",
+    "libtiff": "libtiff6",
+    "curl": "libcurl4",
+    "OLDAP-2.8": "libldap-2.5-0",
+}.items() for package in packages.split()}
 LOADER = "ld-linux-x86-64.so.2"
 
 
@@ -91,8 +116,9 @@ def licences(folder, version, epoch, files):
         listed.append((package, its_version, LICENCES.get(package, "NOASSERTION"), names))
     for package, licence in sorted(BUILT_IN.items()):
         told = subprocess.run(["dpkg-query", "-W", "-f=${Version}", package], capture_output=True, text=True, check=False)
-        if told.returncode == 0 and told.stdout:
-            listed.append((package, told.stdout, licence, set()))
+        if told.returncode != 0 or not told.stdout:
+            sys.exit(f"bundle: {package} is not installed: what is compiled in cannot be listed (scripts/setup)")
+        listed.append((package, told.stdout, licence, set()))
     for package, *_ in listed:
         shutil.copyfile(licence_file(package), texts / package)
     write_spdx(folder / "LICENCES.spdx", version, epoch, listed)
@@ -102,6 +128,9 @@ def main(starter, place, *programs):
     folder, epoch = pathlib.Path(place), int(os.environ["SOURCE_DATE_EPOCH"])
     root = pathlib.Path(__file__).resolve().parents[2]
     version = re.search(r"straytrace VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text()).group(1)
+    if starter == "--licences":
+        licences(folder, version, epoch, {})
+        return
     for part in ("bin", "lib/programs"):
         (folder / part).mkdir(parents=True)
     for program in map(pathlib.Path, programs):
@@ -120,6 +149,6 @@ def main(starter, place, *programs):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 4:
+    if len(sys.argv) < (3 if "--licences" in sys.argv else 4):
         sys.exit(__doc__)
     main(*sys.argv[1:])
