@@ -46,11 +46,13 @@ def open_live(browser, address):
 
 
 def live_picture(program, folder, to):
-    words = [program, "run", ROOT / "examples/virgo_arm.yaml", "-o", f"{folder}/live", "--until", "h_total < 0.05 %", "--live"]
+    words = [program, "run", ROOT / "examples/virgo_arm.yaml", "-o", f"{folder}/live", "--until", "h_total < 0.01 %", "--live"]
     with subprocess.Popen(list(map(str, words)), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as child:
         address = next(found[1] for line in child.stderr if (found := re.match(r"live page: (\S+)", line)))
-        picture(address, to, 1000, 900, opened=open_live, loopback=True)
-        child.kill()
+        try:
+            picture(address, to, 1000, 900, opened=open_live, loopback=True)
+        finally:
+            child.kill()
 
 
 def main(program, names):
