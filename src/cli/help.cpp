@@ -43,7 +43,7 @@ std::vector<OptionGroup> const& groups() {
                 "list",       "gps",          "unit",          "witness-unit",   "witness2-unit", "target-unit",
                 "force-unit", "output-unit",  "coupling-unit", "displacement",   "corner",        "ratio",
                 "wavelength", "multiplicity", "bounces",       "gain-per-field", "measured",      "sweeps",
-                "length",     "before",       "rate"}},
+                "length",     "before",       "rate",          "segments"}},
       {"Tracing",
        {"histories", "seed", "until", "max-time", "checkpoint", "slice", "history", "floor", "order", "detuning",
         "seam", "no-seam", "grid-check", "by-frequency", "trace", "step"}},

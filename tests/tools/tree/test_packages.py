@@ -20,7 +20,7 @@ CONTROLS = {
     "python3-matplotlib": "dist-packages/matplotlib (python/straytrace/plots/",
     "ninja-build": "/usr/bin/ninja (CMakeCache.txt)",
     "chromium-driver": "/usr/bin/chromedriver (tests/tools/report/browser.py)",
-    "python3-selenium": "dist-packages/selenium (tests/tools/report/browser.py)",
+    "python3-selenium": "dist-packages/selenium (tools/pictures/draw_pages.py)",
 }
 
 
