@@ -78,6 +78,12 @@ class WhatIf {
   }
 }
 
+// Three digits, never above x: a command with the result must not be rejected.
+function roundedDown(x) {
+  const unit = Math.pow(10, Math.floor(Math.log10(x)) - 2);
+  return Number((Math.floor(x / unit * (1 + 1e-12)) * unit).toPrecision(3));
+}
+
 // "--set steel=x0.5 --set tube.motion=x2"; empty: all as traced.
 function settingWords(w, setting) {
   const factor = x => String(Number(x.toPrecision(3)));
@@ -88,20 +94,26 @@ function settingWords(w, setting) {
 
 // Draws the sliders. `show`: gets the series to draw over the curves.
 function addWhatIf(w, b, show) {
-  const part = section("What if", "what-if"), state = new WhatIf(w), resets = [];
+  const part = section("What if", "what-if");
+  if (w.none) {
+    part.append(el("p", {class: "note"}, w.none));
+    return;
+  }
+  const state = new WhatIf(w), resets = [];
   const setting = {strengths: w.materials.map(() => 1), body: -1, factor: 1};
-  part.append(el("p", {class: "note"}, "Without a trace: the BSDF of a material times a factor, exact for every route; the motion of one body times a factor. " +
+  part.append(el("p", {class: "note"}, "Without a trace: the BSDF of a material times a factor, exact for every named route; the motion of one body times a factor. " +
       "The light keeps its way."));
   const result = el("p", {"aria-live": "polite"}), rows = el("div"), command = el("code"), box = el("div", {class: "sliders"});
-  const log4 = Math.log10(4), three = x => Number(x.toPrecision(3));
+  const three = x => Number(x.toPrecision(3));
 
   // `steps`: the only factors, whose numbers are the values of the slider; otherwise these are logarithms of the factor.
-  function slider(name, low, high, change, {black = false, steps = []} = {}) {
+  function slider(name, low, most, change, {black = false, steps = []} = {}) {
+    const high = Math.log10(most);
     const stepped = steps.length > 0, start = stepped ? steps.indexOf(1) : 0;
     const shown = el("output", {}, "× 1");
     const range = el("input", {type: "range", min: stepped ? 0 : low, max: stepped ? steps.length - 1 : high, step: stepped ? 1 : 0.01, value: start, "aria-label": name + ": factor"});
     const dark = black ? el("input", {type: "checkbox", "aria-label": name + " black"}) : null;
-    const value = () => dark && dark.checked ? 0 : stepped ? steps[Number(range.value)] : Number(range.value) === 0 ? 1 : three(Math.min(Math.pow(10, Number(range.value)), Math.pow(10, high)));
+    const value = () => dark && dark.checked ? 0 : stepped ? steps[Number(range.value)] : Number(range.value) === 0 ? 1 : Math.min(three(Math.pow(10, Number(range.value))), most);
     const moved = () => {
       range.disabled = Boolean(dark && dark.checked);
       const now = value();
@@ -121,10 +133,10 @@ function addWhatIf(w, b, show) {
     return reset;
   }
 
-  w.materials.forEach((m, i) => slider(m.name, -2, Math.max(0, Math.min(2, m.most === null ? 2 : Math.floor(100 * Math.log10(m.most)) / 100)),
+  w.materials.forEach((m, i) => slider(m.name, -2, roundedDown(m.most === null ? 100 : Math.min(Math.max(m.most, 1), 100)),
                                        factor => { setting.strengths[i] = factor; draw(); }, {black: true}));
   const bodies = [];
-  w.moved.forEach((m, i) => bodies.push(slider("motion of " + m.name, -log4, log4, factor => {
+  w.moved.forEach((m, i) => bodies.push(slider("motion of " + m.name, -Math.log10(4), 4, factor => {
     bodies.forEach((reset, other) => { if (other !== i) reset(); });
     setting.body = factor === 1 ? -1 : i;
     setting.factor = factor;
@@ -145,10 +157,10 @@ function addWhatIf(w, b, show) {
     show([{name: "what if: ± 1σ", kind: "band", colour: "var(--red)", opacity: 0.3, x: b.frequency, low: h.map((v, i) => v === null ? null : v * Math.max(0, 1 - curve.error[i])),
            high: h.map((v, i) => v === null ? null : v * (1 + curve.error[i]))},
           {name: "what if: stray light, total" + boundText(b), colour: "var(--red)", width: 2.4, x: b.frequency, y: h}]);
-    const at = w.frequencies.map((hz, k) => total[k] === null ? "" : "× " + digits(Math.sqrt(total[k])) + " at " + digits(hz) + " Hz").filter(Boolean);
+    const at = w.frequencies.map((hz, k) => total[k] === null ? "" : (total[k] > 0 ? "× " + digits(Math.sqrt(total[k])) : "dark") + " at " + digits(hz) + " Hz").filter(Boolean);
     result.replaceChildren(none ? "No light is left on the paths that were found: h is below what this run can see." : "h is " + at.join(", ") + ".");
     if (setting.body >= 0 && w.moved[setting.body].factors.length > 0)
-      result.append(" Fringes wrap: spectra stored for each step, within " + digits(100 * Math.max(w.moved[setting.body].error, 5e-4), 2) + " % of h.");
+      result.append(" Fringes wrap: spectra stored for each step.");
     command.textContent = "straytrace noise RUN.h5 " + words;
     drawRows(total);
   }
@@ -171,6 +183,9 @@ function addWhatIf(w, b, show) {
   part.append(box, el("div", {class: "bar"}, back, copy), result, el("p", {}, command), rows);
   const notes = [w.moved.length > 1 ? "One body at a time: straytrace noise RUN.h5 --set moves several." : "",
                  "Error band: the replicas of the trace, averaged over frequency for each term; as traced it is that of the run.",
+                 w.moved.length > 0 ? "Motion is exact to 0.2 % of h while the materials are near what was traced. Paths that make less than 0.1 % of the noise " +
+                   "as traced follow the others: where a material that makes most of it is black, ask straytrace noise RUN.h5 --set. Bodies that change h by less than 0.1 % have no slider." : "",
+                 w.unnamed > 1e-3 ? "Routes without a name carry up to " + digits(100 * w.unnamed, 2) + " % of the noise power: how often their light scatters is not known, and they follow the named routes of their row." : "",
                  ...w.left_out.map(what => "No slider for " + what + ".")];
   part.append(el("ul", {class: "note"}, notes.filter(Boolean).map(text => el("li", {}, text))));
   draw();

@@ -200,8 +200,8 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   if (run.noise && wanted.has("budget")) {
     j["budget"] = budget_json(*run.noise, table, routes_in_budget);
     j["budget"]["measured"] = wanted.measured.empty() ? PageJson::array() : PageJson::parse(wanted.measured);
-    if (auto const terms = what_if_terms(model, run.trace->coupling, *run.noise, table, what_if_rows))
-      j["what_if"] = what_if_json(*terms, *run.noise, table);
+    j["what_if"] =
+        what_if_json(what_if_terms(model, run.trace->coupling, *run.noise, table, what_if_rows), *run.noise, table);
   }
   j["table"] = table_json(table);
   if (wanted.has("scene"))

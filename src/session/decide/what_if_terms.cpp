@@ -24,8 +24,8 @@ namespace {
 
 using Exponents = std::vector<int>;
 
-constexpr std::size_t most_terms = 128, most_bodies = 3;
-constexpr int steps = 4;            // of the motion, to either side
+constexpr std::size_t most_terms = 128, most_bodies = 3, most_tried = 12;
+constexpr int steps = 2;            // of the motion, to either side
 constexpr double range = 4;         // of it, up and down
 constexpr double minor = 1e-3;      // share of the noise; relative change of h that a slider must be able to make
 constexpr double quadratic = 2e-3;  // of h: where no fringes wrap, the PSD follows the square of the motion to this
@@ -62,10 +62,10 @@ class Split {
       return all;
     };
     std::map<Exponents, bool> found;
-    scaled_couplings(light, [&](std::vector<PathStep> const& steps) {
-      found.emplace(exponents_of(steps), true);
-      return 1.0;
-    });
+    unknown_ = scaled_couplings(light, [&](std::vector<PathStep> const& steps) {
+                 found.emplace(exponents_of(steps), true);
+                 return 1.0;
+               }).unknown;
     for (auto const& [exponents, ignored] : found) exponents_.push_back(exponents);
     if (exponents_.size() > most_terms) return;
     table_.classes.clear();
@@ -83,11 +83,14 @@ class Split {
   std::vector<Exponents> const& exponents() const { return exponents_; }
   std::size_t term_of(std::size_t part) const { return term_[part]; }
   std::size_t parts() const { return term_.size(); }
+  // Of each class before it was split: share of its light whose scatters are not counted.
+  std::vector<double> const& unknown() const { return unknown_; }
 
  private:
   CouplingTable table_;
   std::vector<Exponents> exponents_;
   std::vector<std::size_t> term_;  // by class of the table
+  std::vector<double> unknown_;
 };
 
 // Ratios of PSDs with the motion of a body scaled, from the main parts of the light.
@@ -106,19 +109,23 @@ class Motions {
     traced_ = psd(model.motion);
   }
 
-  // The largest relative change of h.
-  double change(BodyId body, double factor) const { return most(ratios(body, factor)[0], Spectrum(bins(), 1)); }
+  // [group][bin], relative PSDs while the body rests, and the largest relative change of h that this makes.
+  std::vector<Spectrum> at_rest(BodyId body) const { return ratios(body, 0); }
+  double change(std::vector<Spectrum> const& ratios) const { return most(ratios[0], Spectrum(bins(), 1)); }
 
-  WhatIfTerms::Moved of(BodyId body) const {
-    WhatIfTerms::Moved moved{model_.motion.bodies[body.value], {}, of_term_, {}, 0};
-    keep(moved, ratios(body, 0));
-    moved.largest_error = error_of_quadratic(moved, body);
-    if (moved.largest_error <= quadratic) return moved;
-    moved.ratio.clear();  // fringes wrap
-    for (int k = -steps; k <= steps; ++k) {
+  WhatIfTerms::Moved of(BodyId body, std::vector<Spectrum> const& still) const {
+    WhatIfTerms::Moved moved{model_.motion.bodies[body.value], {}, of_term_, {}};
+    std::vector<Spectrum> const least = ratios(body, 1 / range), largest = ratios(body, range);
+    if (is_quadratic(still[0], least[0], 1 / range) && is_quadratic(still[0], largest[0], range)) {
+      keep(moved, still);
+      return moved;
+    }
+    for (int k = -steps; k <= steps; ++k) {  // fringes wrap
       moved.factors.push_back(std::pow(range, double(k) / steps));
-      keep(moved,
-           k == 0 ? std::vector<Spectrum>(groups_ + 1, Spectrum(bins(), 1)) : ratios(body, moved.factors.back()));
+      keep(moved, k == 0        ? std::vector<Spectrum>(groups_ + 1, Spectrum(bins(), 1))
+                  : k == -steps ? least
+                  : k == steps  ? largest
+                                : ratios(body, moved.factors.back()));
     }
     return moved;
   }
@@ -154,14 +161,10 @@ class Motions {
       if (b[i] > 0) largest = std::max(largest, std::fabs(std::sqrt(a[i] / b[i]) - 1));
     return largest;
   }
-  double error_of_quadratic(WhatIfTerms::Moved const& moved, BodyId body) const {
-    double largest = 0;
-    for (double const factor : {1 / range, range}) {
-      Spectrum made;
-      for (double const rest : moved.ratio[0][0]) made.push_back(rest + factor * factor * (1 - rest));
-      largest = std::max(largest, most(made, ratios(body, factor)[0]));
-    }
-    return largest;
+  static bool is_quadratic(Spectrum const& rest, Spectrum const& found, double factor) {
+    Spectrum made;
+    for (double const r : rest) made.push_back(r + factor * factor * (1 - r));
+    return most(made, found) <= quadratic;
   }
 
   Model const& model_;
@@ -176,22 +179,43 @@ class TermMaker {
   TermMaker(Model const& model, CouplingTable const& light, NoiseBudget const& budget, PathTable const& table)
       : model_(model), budget_(budget), paths_(table), split_(light, model.traced.materials) {}
 
-  std::optional<WhatIfTerms> made(std::size_t rows) {
-    if (split_.too_many()) return {};
+  WhatIfTerms made(std::size_t rows) {
+    if (std::ranges::none_of(budget_.total.asd, [](double h) { return h > 0; }))
+      return without("No sliders: the run has no noise in its band, or none that is resolved.");
+    if (split_.too_many())
+      return without(
+          "No sliders: the routes scatter in too many ways for a page. straytrace noise RUN.h5 --set tells the same.");
     NoiseBudget const all = projected(model_.motion);
     out_.psd = by_term(all);
-    if (!adds_up()) return {};
+    if (!adds_up())
+      return without(
+          "No sliders: fields of several rows add coherently here. straytrace noise RUN.h5 --set tells the same.");
     out_.exponents = split_.exponents();
     out_.frequencies = paths_.frequencies;
     add_rows(all, rows);
     add_deviations(all);
     add_bodies(all);
     keep_materials();
-    if (out_.materials.empty() && out_.moved.empty()) return {};
+    if (out_.materials.empty() && out_.moved.empty())
+      return without("No sliders: no light that a material scatters, and no body whose motion changes h by 0.1 %.");
+    find_unnamed();
     return std::move(out_);
   }
 
  private:
+  static WhatIfTerms without(std::string reason) {
+    WhatIfTerms none;
+    none.none = std::move(reason);
+    return none;
+  }
+  void find_unnamed() {
+    for (std::size_t i = 0; i < bins(); ++i) {
+      double sum = 0;
+      for (std::size_t r = 0; r < budget_.routes.size() && r < split_.unknown().size(); ++r)
+        if (double const psd = budget_.routes[r].psd(i); psd > 0) sum += split_.unknown()[r] * psd;
+      out_.unnamed = std::max(out_.unnamed, sum / budget_.total.psd(i));
+    }
+  }
   NoiseBudget projected(MotionSet const& motion) const {
     return project_noise(split_.table(), motion, *model_.detector, model_.noise);
   }
@@ -293,34 +317,28 @@ class TermMaker {
     struct Effect {
       BodyId body;
       double change;
+      std::vector<Spectrum> still;
     };
     std::vector<Effect> effects;
-    for (std::size_t b = 0; b < model_.motion.bodies.size(); ++b) {
-      BodyId const body{std::uint32_t(b)};
-      if (double const change = motions.change(body, 0); change > minor) effects.push_back({body, change});
+    std::vector<BodyId> lit;
+    for (std::uint32_t b = 0; b < model_.motion.bodies.size(); ++b)
+      if (b >= model_.traced.meets_light.size() || model_.traced.meets_light[b]) lit.push_back(BodyId{b});
+    if (lit.size() > most_tried) {
+      out_.left_out.push_back(fmt::format("motion: {} bodies are too many for a page", lit.size()));
+      return;
+    }
+    for (BodyId const body : lit) {
+      std::vector<Spectrum> still = motions.at_rest(body);
+      if (double const change = motions.change(still); change > minor)
+        effects.push_back({body, change, std::move(still)});
     }
     std::stable_sort(effects.begin(), effects.end(), [](auto const& a, auto const& b) { return a.change > b.change; });
     for (std::size_t i = 0; i < effects.size(); ++i) {
-      if (i < most_bodies) {
-        out_.moved.push_back(motions.of(effects[i].body));
-        if (!out_.moved.back().factors.empty()) out_.moved.back().largest_error = error_of_rest(effects[i].body);
-      } else {
+      if (i < most_bodies)
+        out_.moved.push_back(motions.of(effects[i].body, effects[i].still));
+      else
         out_.left_out.push_back(fmt::format("the motion of {}: others have more effect", name_of(effects[i].body)));
-      }
     }
-  }
-  // Of h with the largest motion, since paths that make little noise follow the others.
-  double error_of_rest(BodyId body) const {
-    std::vector<Spectrum> const exact = by_term(projected(with_scaled_body(model_.motion, body, range)));
-    WhatIfTerms::Moved const& moved = out_.moved.back();
-    double largest = 0;
-    for (std::size_t i = 0; i < bins(); ++i) {
-      double sum = 0;
-      for (std::size_t v = 0; v < exact.size(); ++v) sum += out_.psd[v][i] * moved.ratio[moved.of_term[v]].back()[i];
-      if (double const whole = sum_of(exact, i); whole > 0)
-        largest = std::max(largest, std::fabs(std::sqrt(sum / whole) - 1));
-    }
-    return largest;
   }
   std::string const& name_of(BodyId body) const { return model_.motion.bodies[body.value]; }
 
@@ -355,8 +373,8 @@ class TermMaker {
 
 }  // namespace
 
-std::optional<WhatIfTerms> what_if_terms(Model const& model, CouplingTable const& light, NoiseBudget const& budget,
-                                         PathTable const& table, std::size_t rows) {
+WhatIfTerms what_if_terms(Model const& model, CouplingTable const& light, NoiseBudget const& budget,
+                          PathTable const& table, std::size_t rows) {
   return TermMaker(model, light, budget, table).made(rows);
 }
 
@@ -385,7 +403,7 @@ PageJson over(std::vector<double> const& psd, std::vector<double> const& total) 
 // [ratio][factor][bin]: the logarithm in thousandths, as 16-bit numbers; at rest, where there are no factors, the
 // ratio.
 PageJson moved_json(WhatIfTerms::Moved const& m) {
-  PageJson j{{"name", m.name}, {"factors", m.factors}, {"of_term", m.of_term}, {"error", m.largest_error}};
+  PageJson j{{"name", m.name}, {"factors", m.factors}, {"of_term", m.of_term}};
   std::vector<float> rest;
   std::vector<std::int16_t> logarithms;
   for (auto const& of_group : m.ratio)
@@ -404,11 +422,13 @@ PageJson moved_json(WhatIfTerms::Moved const& m) {
 }  // namespace
 
 nlohmann::json what_if_json(WhatIfTerms const& t, NoiseBudget const& budget, PathTable const& table) {
+  if (!t.none.empty()) return {{"none", t.none}};
   std::vector<double> const whole = places(budget.total, budget.grid, table);
   PageJson j{{"exponents", t.exponents},
              {"shares", shares_text(t.psd, budget.total)},
              {"left_out", t.left_out},
              {"error_factor", report::numbers(t.error_factor)}};
+  j["unnamed"] = report::number(t.unnamed);
   j["materials"] = PageJson::array();
   for (auto const& m : t.materials) j["materials"].push_back({{"name", m.name}, {"most", report::number(m.most)}});
   std::vector<float> deviations;

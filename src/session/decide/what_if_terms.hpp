@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include <array>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +28,6 @@ struct WhatIfTerms {
     std::vector<double> factors;       // empty: the PSD is quadratic in the factor, and the ratio is that at rest
     std::vector<std::size_t> of_term;  // which ratio a term has
     std::vector<std::vector<Spectrum>> ratio;  // [ratio][factor, or 0][bin]: PSD over that as traced
-    double largest_error = 0;                  // relative, of h of the total with the largest motion
   };
   // A row of the path table: a route has one part, a row `other` one of each term that it has light of.
   struct Row {
@@ -39,6 +37,8 @@ struct WhatIfTerms {
     std::vector<std::vector<double>> psd;  // [part][place]: in the bins of `frequencies`, then the sum over the band
   };
 
+  std::string none;    // why there are no sliders; all else is empty then
+  double unnamed = 0;  // largest share of the noise power, over bins, of light whose scatters are not counted
   std::vector<Material> materials;
   std::vector<std::vector<int>> exponents;                    // [term][material]
   std::vector<Spectrum> psd;                                  // [term][bin], strain^2/Hz, as traced
@@ -50,9 +50,8 @@ struct WhatIfTerms {
   std::vector<std::string> left_out;  // what has no slider, with the reason
 };
 
-// Nothing where the light has no material to scale, and no body to move. `rows`: of the table, by rank.
-std::optional<WhatIfTerms> what_if_terms(Model const&, CouplingTable const&, NoiseBudget const&, PathTable const&,
-                                         std::size_t rows);
+// `rows`: of the table, by rank.
+WhatIfTerms what_if_terms(Model const&, CouplingTable const&, NoiseBudget const&, PathTable const&, std::size_t rows);
 
 // For data/page/what_if.js: PSDs over that of the total as traced.
 nlohmann::json what_if_json(WhatIfTerms const&, NoiseBudget const&, PathTable const&);

@@ -192,8 +192,9 @@ TEST(PickOff, GhostAndItsDump) {
   EXPECT_EQ(seen, 1u);
   EXPECT_NEAR(leaves, 36.2e-3, 5e-4);  // it ends 2.1 degrees off the monitor
   auto const h = [&](std::string const& dump) {
-    expect_done({"run", benches + "pick_off.yaml", "-o", folder / "out", "--quiet", "--force", "-p", "dump=" + dump});
-    RunFile const run = read_run(folder / "out/run.h5");
+    expect_done(
+        {"run", benches + "pick_off.yaml", "-o", folder / "out.h5", "--quiet", "--force", "-p", "dump=" + dump});
+    RunFile const run = read_run(folder / "out.h5");
     std::size_t const at = bin_at(run.noise->grid, 30);
     return std::array<double, 4>{noise_of(*run.noise, "wall·S").asd[at], noise_of(*run.noise, "photodiode·S").asd[at],
                                  route_of(run, "wall·S").coupling.mean, route_of(run, "wall·S").coupling.std_error};
