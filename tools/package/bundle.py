@@ -119,6 +119,9 @@ def licences(folder, version, epoch, files):
         if told.returncode != 0 or not told.stdout:
             sys.exit(f"bundle: {package} is not installed: what is compiled in cannot be listed (scripts/setup)")
         listed.append((package, told.stdout, licence, set()))
+    unclassified = [package for package, _, licence, _ in listed if licence == "NOASSERTION"]
+    if unclassified:
+        print("bundle: warning: licences of " + ", ".join(unclassified) + " are not classified: read their texts", file=sys.stderr)
     for package, *_ in listed:
         shutil.copyfile(licence_file(package), texts / package)
     write_spdx(folder / "LICENCES.spdx", version, epoch, listed)
