@@ -42,7 +42,7 @@ class WhatIf {
         for (let r = 0; r < replicas; ++r) off[r] += own * this.deviations[v * replicas + r];
       }
       psd.push(sum);
-      error.push(sum > 0 ? 0.5 * Math.sqrt(off.reduce((s, d) => s + d * d, 0)) / sum * this.w.error_factor[i] : 0);
+      error.push(sum > 0 ? Math.hypot(0.5 * Math.sqrt(off.reduce((s, d) => s + d * d, 0)) / sum * this.w.error_factor[i], this.w.error_kept[i]) : 0);
     }
     return {psd, error};
   }

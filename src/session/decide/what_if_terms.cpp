@@ -286,7 +286,9 @@ class TermMaker {
       }
       double const relative = 0.5 * std::sqrt(square) / budget_.total.psd(i),
                    stated = budget_.total.sigma[i] / budget_.total.asd[i];
-      out_.error_factor.push_back(relative > 1e-3 * stated ? stated / relative : 1);
+      bool const by_replicas = relative > 1e-3 * stated;  // else the error of the run stays, as a share of h
+      out_.error_factor.push_back(by_replicas ? stated / relative : 0);
+      out_.error_kept.push_back(by_replicas || !(stated > 0) ? 0 : stated);
     }
   }
 
@@ -386,7 +388,7 @@ std::string floats(std::vector<float> const& all) { return base64(all.data(), al
 std::string shares_text(std::vector<Spectrum> const& psd, NoiseTrace const& total) {
   std::vector<float> all;
   for (Spectrum const& own : psd)
-    for (std::size_t i = 0; i < own.size(); ++i) all.push_back(float(own[i] / total.psd(i)));
+    for (std::size_t i = 0; i < own.size(); ++i) all.push_back(total.psd(i) > 0 ? float(own[i] / total.psd(i)) : 0.0f);
   return floats(all);
 }
 
@@ -428,6 +430,7 @@ nlohmann::json what_if_json(WhatIfTerms const& t, NoiseBudget const& budget, Pat
              {"shares", shares_text(t.psd, budget.total)},
              {"left_out", t.left_out},
              {"error_factor", report::numbers(t.error_factor)}};
+  j["error_kept"] = report::numbers(t.error_kept);
   j["unnamed"] = report::number(t.unnamed);
   j["materials"] = PageJson::array();
   for (auto const& m : t.materials) j["materials"].push_back({{"name", m.name}, {"most", report::number(m.most)}});

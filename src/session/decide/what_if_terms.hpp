@@ -44,6 +44,7 @@ struct WhatIfTerms {
   std::vector<Spectrum> psd;                                  // [term][bin], strain^2/Hz, as traced
   std::vector<std::array<double, replica_count>> deviations;  // [term][replica], relative
   Spectrum error_factor;                                      // of h of the run over that by the deviations
+  Spectrum error_kept;  // relative, of h, in bins whose error the deviations do not have
   std::vector<Moved> moved;
   std::vector<Row> rows;
   std::vector<double> frequencies;    // Hz

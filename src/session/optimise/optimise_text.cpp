@@ -203,6 +203,7 @@ std::string optimise_text(OptimiseReport const& r) {
       "upper: the same with the stated confidence in all bins at once, unresolved routes tenfold: met at 1 or below "
       "(eq. "
       "O.2).\n";
+  if (!r.order.powers.empty()) text += "Where at/Hz is empty, h/limit is that of a power.\n";
   return text;
 }
 
