@@ -248,6 +248,8 @@ class CheckDocs(unittest.TestCase):
         self.expect("", 1, "no tests named", **{"docs/theory/validation.md": "words\n"})
         self.expect("", 0, "in order", **{"tests/long.txt": "# Long\nLevers.a1\nfuzz.mesh\n"})
         self.expect("", 1, "tests/long.txt: there is no test Levers.a2", **{"tests/long.txt": "# Long\nLevers.a2\n"})
+        self.expect("", 0, "in order", **{"tests/long.txt": "# Long\nLevers.*\n"})
+        self.expect("", 1, "tests/long.txt: there is no test Lever.*", **{"tests/long.txt": "# Long\nLever.*\n"})
 
     def test_shape_without_page_fails(self):
         self.expect("", 1, "'cone'", **{"src/geometry/shapes/cone.hpp": 'static constexpr char const* key = "cone";'})

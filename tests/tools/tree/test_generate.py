@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""scripts/generate --check: the generated files of this tree are up to date, and in a copy of the tree each file that was
-changed by hand is found and written anew. Usage: test_generate.py PROGRAM"""
+"""scripts/generate --check: the generated files of this tree are up to date, and in a copy of the tree all files that were
+changed by hand are found and written anew. Usage: test_generate.py PROGRAM"""
 import os
 import pathlib
 import shutil
@@ -32,17 +32,19 @@ def main(program):
         tree = pathlib.Path(folder) / "tree"
         for name in ("bench", "data", "docs", "examples", "library", "python", "schema", "scripts", "src", "tools"):
             shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("__pycache__"))
+        right = {}
         for name, old, new in CHANGES:
-            page = tree / name
-            right = page.read_text(encoding="utf-8")
-            assert old in right, f"{name}: no '{old}' in it; is the test out of date?"
-            page.write_text(right.replace(old, new, 1), encoding="utf-8")
-            code, printed = generate(tree, build, "--check")
-            assert code != 0, f"{name} was changed by hand, and --check accepts it"
-            assert pathlib.Path(name).name in printed, printed
-            code, printed = generate(tree, build)
-            assert code == 0, printed
-            assert page.read_text(encoding="utf-8") == right, f"{name} is not written as it was"
+            right[name] = (tree / name).read_text(encoding="utf-8")
+            assert old in right[name], f"{name}: no '{old}' in it; is the test out of date?"
+            (tree / name).write_text(right[name].replace(old, new, 1), encoding="utf-8")
+        code, printed = generate(tree, build, "--check")
+        assert code != 0, "files were changed by hand, and --check accepts them"
+        missed = [name for name in right if pathlib.Path(name).name not in printed]
+        assert not missed, f"--check says nothing of {missed}: {printed}"
+        code, printed = generate(tree, build)
+        assert code == 0, printed
+        for name, text in right.items():
+            assert (tree / name).read_text(encoding="utf-8") == text, f"{name} is not written as it was"
 
 
 if __name__ == "__main__":

@@ -38,8 +38,14 @@ std::string response_of(std::string const& port, std::string const& table) {
 struct NoiseResponse : ::testing::Test {
   Folder const folder;
   std::string const run = folder / "run/run.h5";
+  static void SetUpTestSuite() {
+    traced = std::make_unique<Folder>();
+    ASSERT_EQ(straytrace({"run", virgo_arm, "-o", *traced / "run", "--histories", "131072", "--quiet"}).code, 0);
+  }
+  static void TearDownTestSuite() { traced.reset(); }
+  static inline std::unique_ptr<Folder> traced;
   void SetUp() override {
-    ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "131072", "--quiet"}).code, 0);
+    fs::copy(*traced / "run", folder / "run", fs::copy_options::recursive);
     // Of light inside an arm: h = lambda/(4 pi L) Im s (eq. 9.1), twice that, and nothing for Re s.
     double const k = 1.064e-6 / (4 * std::acos(-1.0) * 2999.8);
     write_text(folder / "one.txt",

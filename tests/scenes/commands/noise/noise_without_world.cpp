@@ -11,27 +11,34 @@ using ::testing::HasSubstr;
 
 // A run of a mesh whose file, inside the run file, is then replaced by text that no mesh reader takes.
 struct NoiseWithoutWorld : ::testing::Test {
-  Folder const folder;
+  static inline std::unique_ptr<Folder> shared;
+  Folder const& folder = *shared;
   std::string const whole = folder / "whole.h5", broken = folder / "broken.h5";
-  void SetUp() override {
+  static void TearDownTestSuite() { shared.reset(); }
+  static void SetUpTestSuite() {
+    shared = std::make_unique<Folder>();
+    Folder const& folder = *shared;
+    std::string const whole = folder / "whole.h5";
     std::string const scene = folder / "arm.yaml", mesh = "holder.obj";
     fs::copy_file(source_folder + "/examples/holder.obj", folder / mesh);
     write_text(scene,
                edited(text_of(written_arm), "\nscene:\n",
                       "\nscene:\n  - {name: holder, file: holder.obj, units: mm, at: [0.4 m, 0 m, 20 m], body: tube, "
                       "material: baffle_steel}\n"));
-    Finished const r = straytrace({"run", scene, "-o", whole, "--histories", "20000", "--quiet"});
+    Finished const r = straytrace({"run", scene, "-o", whole, "--histories", "4096", "--quiet"});
     ASSERT_EQ(r.code, 0) << r.err;
     RunFile run = read_run(whole);
     ASSERT_EQ(run.about.files.count(mesh), 1u);
     run.about.files.at(mesh) = "no mesh\n";
-    write_run(broken, run.content());
+    write_run(folder / "broken.h5", run.content());
   }
 };
 
 TEST_F(NoiseWithoutWorld, ProjectsARunWhoseMeshCannotBeRead) {
-  for (Words const& words :
-       {Words{"noise"}, {"noise", "--format", "json"}, {"paths", "--csv"}, {"scan", "--invert", "motion(tube)"}}) {
+  for (Words const& words : {Words{"noise"},
+                             {"noise", "--format", "json"},
+                             {"paths", "--csv"},
+                             {"scan", "--invert", "brdf(baffle_steel)"}}) {
     auto const with = [&](std::string const& run) {
       Words all = words;
       all.insert(all.begin() + 1, run);
