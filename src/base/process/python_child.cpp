@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <string_view>
 #include <unistd.h>
 
 #include "base/errors.hpp"
+#include "base/process/environment.hpp"
 
 extern char** environ;
 
@@ -17,13 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string variable(char const* name) {
-  char const* value = std::getenv(name);
-  return value ? value : "";
-}
-
 std::string interpreter(PythonChoice choice) {
-  if (std::string const chosen = variable("STRAYTRACE_PYTHON"); !chosen.empty()) return chosen;
+  if (std::string const chosen = environment_variable("STRAYTRACE_PYTHON"); !chosen.empty()) return chosen;
   std::string const system = "/usr/bin/python3";
   return choice == PythonChoice::system && ::access(system.c_str(), X_OK) == 0 ? system : "python3";
 }
@@ -34,7 +29,7 @@ bool holds_package(fs::path const& folder) {
 }
 
 std::string package_folder() {
-  if (std::string const chosen = variable("STRAYTRACE_PYTHONPATH"); !chosen.empty()) return chosen;
+  if (std::string const chosen = environment_variable("STRAYTRACE_PYTHONPATH"); !chosen.empty()) return chosen;
   std::error_code unknown;
   fs::path above = fs::read_symlink("/proc/self/exe", unknown).parent_path();
   for (; !above.empty(); above = above.parent_path()) {
@@ -51,7 +46,7 @@ std::string package_folder() {
 
 std::vector<std::string> child_environment(std::string const& folder) {
   std::string path = folder;
-  if (std::string const old = variable("PYTHONPATH"); !old.empty()) path += ":" + old;
+  if (std::string const old = environment_variable("PYTHONPATH"); !old.empty()) path += ":" + old;
   std::vector<std::string> all = {"PYTHONPATH=" + path, "PYTHONDONTWRITEBYTECODE=1", "MPLBACKEND=Agg"};
   for (char** entry = environ; *entry; ++entry) {
     std::string_view const text = *entry;
@@ -81,7 +76,7 @@ TemporaryFolder::TemporaryFolder(std::string const& purpose) {
   std::string name = (fs::temp_directory_path(none) / "straytrace-XXXXXX").string();
   if (none || ::mkdtemp(name.data()) == nullptr)
     throw InputError(fmt::format("cannot make a folder in '{}' for {}",
-                                 none ? variable("TMPDIR") : fs::path(name).parent_path().string(), purpose),
+                                 none ? environment_variable("TMPDIR") : fs::path(name).parent_path().string(), purpose),
                      "set TMPDIR to another one");
   folder_ = name;
 }

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -17,6 +16,7 @@
 #include "base/files/read_write.hpp"
 #include "base/files/sha256.hpp"
 #include "base/process/child_process.hpp"
+#include "base/process/environment.hpp"
 #include "base/text/words.hpp"
 
 namespace straytrace::world {
@@ -163,11 +163,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string environment(char const* name) {
-  char const* value = std::getenv(name);
-  return value ? value : "";
-}
-
 bool can_run(fs::path const& program) {
   std::error_code ignored;
   return fs::is_regular_file(program, ignored) && ::access(program.c_str(), X_OK) == 0;
@@ -176,12 +171,12 @@ bool can_run(fs::path const& program) {
 // Empty: there is none.
 fs::path converter() {
   std::string const name = "straytrace-step";
-  if (std::string const chosen = environment("STRAYTRACE_STEP"); !chosen.empty())
+  if (std::string const chosen = environment_variable("STRAYTRACE_STEP"); !chosen.empty())
     return can_run(chosen) ? fs::path(chosen) : fs::path();
   std::error_code unknown;
   if (fs::path const beside = fs::read_symlink("/proc/self/exe", unknown).parent_path() / name; can_run(beside))
     return beside;
-  std::string const path = environment("PATH");
+  std::string const path = environment_variable("PATH");
   for (std::size_t at = 0; at < path.size();) {
     std::size_t const end = std::min(path.find(':', at), path.size());
     fs::path const folder = path.substr(at, end - at);
@@ -192,7 +187,7 @@ fs::path converter() {
 }
 
 fs::path cache_folder() {
-  std::string const chosen = environment("XDG_CACHE_HOME"), home = environment("HOME");
+  std::string const chosen = environment_variable("XDG_CACHE_HOME"), home = environment_variable("HOME");
   fs::path const base = !chosen.empty() ? fs::path(chosen) : !home.empty() ? fs::path(home) / ".cache" : fs::path();
   if (!base.is_absolute()) return {};
   fs::path const folder = base / "straytrace" / "step";
