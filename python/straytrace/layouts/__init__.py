@@ -55,7 +55,7 @@ def main(arguments=None) -> int:
     except OSError as error:
         print(f"error: '{error.filename}': {error.strerror}; check the name and the folder", file=sys.stderr)
         return 2
-    print(f"written: {options.out}: {len(layout.optics)} optics, {len(layout.beams)} beams")
+    print(f"written: {options.out}: {len(layout.optics) + len(layout.shaped)} optics, {len(layout.beams)} beams")
     for note in layout.left_out:
         print(f"not translated: {note}")
     return 0

@@ -46,6 +46,55 @@ class Optic:
 
 
 @dataclasses.dataclass
+class Profile:
+    """A face of revolution about its normal: curvature in 1/m, positive for a concave face; conic constant; coefficients of the
+    4th, 6th, 8th and 10th power in SI."""
+
+    curvature: float
+    conic: float = 0.0
+    terms: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+
+    @property
+    def spherical(self) -> bool:
+        return not (self.conic and self.curvature or any(self.terms))
+
+    def sag(self, radius: float) -> float:
+        """Height of the rim before the vertex, m; NaN where the face ends before."""
+        under = 1 - (1 + self.conic) * (self.curvature * radius)**2
+        if under < 0:
+            return math.nan
+        return self.curvature * radius**2 / (1 + math.sqrt(under)) + sum(a * radius**(4 + 2 * i) for i, a in enumerate(self.terms))
+
+    def shape(self, radius: float, hole: float = 0.0, decentre: tuple[float, float] = (0.0, 0.0)) -> str:
+        keys = f"outer_radius: {number(radius)} m" + (f", inner_radius: {number(hole)} m" if hole else "")
+        if self.spherical and not hole and not any(decentre):
+            return f"{{cap: {{{keys}, curvature: {number(self.curvature)} /m}}}}" if self.curvature else f"{{disk: {{{keys}}}}}"
+        keys += f", curvature: {number(self.curvature)} /m" if self.curvature else ""
+        keys += f", conic_constant: {number(self.conic)}" if self.conic else ""
+        keys += "".join(f", a{n}: {a:.12g} /m^{n - 1}" for n, a in zip((4, 6, 8, 10), self.terms) if a)
+        keys += "".join(f", decentre_{axis}: {number(d)} m" for axis, d in zip("xy", decentre) if d)
+        return f"{{conic: {{{keys}}}}}"
+
+
+@dataclasses.dataclass
+class Shaped:
+    """An optic that no part describes: a mirror, which is a face without glass, or a lens with a face that is no sphere."""
+
+    name: str
+    vertex: np.ndarray
+    normal: np.ndarray                 # out of the front
+    across: np.ndarray                 # x of the decentre
+    radius: float
+    front: Profile
+    back: Profile | None = None        # None: a mirror
+    thickness: float = 0.0             # on the axis
+    index: float = 1.0
+    preset: str = ""
+    hole: float = 0.0                  # of a mirror: radius
+    decentre: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclasses.dataclass
 class Beam:
     name: str
     start: np.ndarray
@@ -70,6 +119,7 @@ class Plane:
 class Layout:
     title: str
     optics: list[Optic] = dataclasses.field(default_factory=list)
+    shaped: list[Shaped] = dataclasses.field(default_factory=list)
     beams: list[Beam] = dataclasses.field(default_factory=list)
     dumps: list[str] = dataclasses.field(default_factory=list)       # names of optics on which light is counted
     planes: list[Plane] = dataclasses.field(default_factory=list)
@@ -142,7 +192,28 @@ def entry_of(optic: Optic) -> str:
             f"     body: bench, material: {optic.name}_front, surfaces: {{back: {optic.name}_back, barrel: black}}}}\n")
 
 
-def medium_of(optic: Optic) -> str:
+def part_of(lens: Shaped) -> str:
+    """A part of the scene: two faces and a barrel."""
+    assert lens.back is not None
+    return (f"  {lens.name}_lens:\n    faces:\n      front: {{shape: {lens.front.shape(lens.radius)}}}\n"
+            f"      barrel: {{shape: {{cylinder: {{radius: {number(lens.radius)} m, "
+            f"from: {number(-lens.thickness - lens.back.sag(lens.radius))} m, to: {number(lens.front.sag(lens.radius))} m}}}}}}\n"
+            f"      back: {{shape: {lens.back.shape(lens.radius)}, at: [0 m, 0 m, {number(-lens.thickness)} m], facing: [0, 0, -1]}}\n")
+
+
+def shaped_entry(optic: Shaped) -> str:
+    axis, angle = rotation(optic.normal, optic.across)
+    turned = f"rotate: {{axis: {vector(axis)}, angle: {number(angle)} rad}}" if any(optic.decentre) else f"facing: {vector(optic.normal)}"
+    if optic.back is None:
+        what = f"shape: {optic.front.shape(optic.radius, optic.hole, optic.decentre)}, side: front"
+        faces = f"material: {optic.name}_front"
+    else:
+        what = f"use: {optic.name}_lens, medium: {medium_of(optic)}"
+        faces = f"material: {optic.name}_front, surfaces: {{back: {optic.name}_back, barrel: black}}"
+    return f"  - {{name: {optic.name}, {what},\n     at: {vector(optic.vertex, ' m')}, {turned},\n     body: bench, {faces}}}\n"
+
+
+def medium_of(optic: Optic | Shaped) -> str:
     return optic.preset or "n_" + number(optic.index).replace(".", "_").replace("-", "_")
 
 
@@ -155,7 +226,7 @@ def beam_text(beam: Beam) -> str:
 def scene_text(layout: Layout, source: str) -> str:
     """The scene (YAML). LayoutError where an optic cannot be, or where nothing is left."""
     problems = [line for optic in layout.optics for line in problems_of(optic)]
-    if not layout.optics:
+    if not layout.optics and not layout.shaped:
         problems.append(f"{source}: error: the layout holds no optic that can be translated")
     if problems:
         raise LayoutError(problems)
@@ -166,10 +237,18 @@ def scene_text(layout: Layout, source: str) -> str:
         for side, face in (("front", optic.front), ("back", optic.back)):
             specular = f"{{reflect: {number(face.reflect)}, transmit: {number(face.transmit)}}}" if face else "fresnel"
             text += f"  {optic.name}_{side}: {{specular: {specular}}}\n"
-    media = {medium_of(o): o.index for o in layout.optics if not o.preset}
+    for shaped in layout.shaped:
+        if shaped.back is None:
+            text += f"  {shaped.name}_front: {{specular: {{reflect: 1}}}}\n"
+        else:
+            text += f"  {shaped.name}_front: {{specular: fresnel}}\n  {shaped.name}_back: {{specular: fresnel}}\n"
+    lenses = [o for o in layout.shaped if o.back is not None]
+    media = {medium_of(o): o.index for o in [*layout.optics, *lenses] if not o.preset}
     if media:
         text += "media:\n" + "".join(f"  {name}: {{index: {number(index)}}}\n" for name, index in sorted(media.items()))
-    text += "bodies: {bench: {motion: still}}\nscene:\n" + "".join(entry_of(o) for o in layout.optics)
+    if lenses:
+        text += "parts:\n" + "".join(map(part_of, lenses))
+    text += "bodies: {bench: {motion: still}}\nscene:\n" + "".join(map(entry_of, layout.optics)) + "".join(map(shaped_entry, layout.shaped))
     if layout.beams:
         text += "beams:\n" + "".join(beam_text(b) for b in layout.beams)
     return text + receivers_text(layout)

@@ -86,6 +86,62 @@ SURF 6
 """
 
 
+# A lens, a fold by 45 deg towards +y and, on that axis, an off-axis parabola of f = 200 mm with its aperture 30 mm off the
+# axis: light on the axis of the lens ends in its focus. Object, lens, {...}, image.
+BENCH = """VERS 181025 0 123457 L123457
+MODE SEQ
+UNIT MM X W X CM MR CPMM
+ENPD 4
+WAVM 1 1.064 1
+PWAV 1
+SURF 0
+  TYPE STANDARD
+  DISZ INFINITY
+SURF 1
+  TYPE EVENASPH
+  CURV 0.01
+  CONI -0.6
+  PARM 2 1.0E-7
+  PARM 3 -2.0E-11
+  DISZ 5
+  GLAS N-BK7 0 0 1.5168 64.17
+  DIAM 12
+SURF 2
+  TYPE STANDARD
+  CURV -0.002
+  DISZ 100
+  DIAM 12
+SURF 3
+  TYPE COORDBRK
+  PARM 3 45
+  DISZ 0
+SURF 4
+  TYPE STANDARD
+  GLAS MIRROR
+  DISZ 0
+  DIAM 20
+SURF 5
+  TYPE COORDBRK
+  PARM 3 45
+  DISZ -150
+SURF 6
+  TYPE COORDBRK
+  PARM 2 -30
+  DISZ 0
+SURF 7
+  TYPE STANDARD
+  CURV 0.0025
+  CONI -1
+  GLAS MIRROR
+  OBDC 0 30
+  DIAM 15
+  DISZ 200
+SURF 8
+  TYPE STANDARD
+  DIAM 5
+"""
+
+
 def converted(folder, name, text):
     (folder / name).write_text(text)
     assert layouts.main([str(folder / name), "-o", str(folder / "out.yaml")]) == 0
@@ -110,7 +166,7 @@ def lit(program, scene):
     rows = {}
     for line in run.stdout.splitlines():
         words = re.split(r"\s{2,}", line.strip())
-        if len(words) > 6 and "/" in words[1]:
+        if len(words) > 7 and words[1] not in ("surface", "---"):
             rows[words[1]] = dict(radius=words[3], power=float(words[4]), path=float(words[6]), angle=float(words[7].split()[0]))
     return rows
 
@@ -192,11 +248,85 @@ def check_zemax(folder, program):
     (folder / "d.zmx").write_text(ZEMAX)                # UTF-8
     assert scene_text(layouts.read_layout(folder / "d.zmx", [folder / "test.agf"]), "d.zmx") == text
     rejected(folder, "x.zmx", ZEMAX, "x.zmx:20: error: surface 2: the glass SF5 is not known", "--glass")
-    for before, after, reason in (("GLAS N-BK7", "GLAS MIRROR", "is a mirror"), ("MODE SEQ", "MODE NSC", "only sequential"), ("UNIT MM", "UNIT FT", "unit 'FT'"),
-                                  ("DISZ 4.0", "DISZ 4,0", "'4,0' is not a number"), ("DIAM 12.7", "DIAM 0", "semi-diameter 0"), ("CURV 0.0159235668789809", "CURV 0.1", "wider than the sphere")):
+    for before, after, reason in (("MODE SEQ", "MODE NSC", "only sequential"), ("UNIT MM", "UNIT FT", "unit 'FT'"),
+                                  ("DISZ 4.0", "DISZ 4,0", "'4,0' is not a number"), ("DIAM 12.7", "DIAM 0", "semi-diameter 0"), ("DISZ 4.0", "DISZ -4.0", "negative after an odd number of mirrors"), ("CURV 0.0159235668789809", "CURV 0.1", "wider than the sphere")):
         rejected(folder, "x.zmx", ZEMAX.replace(before, after).replace("SF5", "BK7"), reason)
-    bent = layouts.read_layout(written(folder, "x.zmx", ZEMAX.replace("SF5", "BK7").replace("CURV 0.0159235668789809", "CURV 0.0159235668789809\n  CONI -0.5")))
-    assert [o.name for o in bent.optics] == ["L2", "L4"] and "conic constant -0.5" in "".join(bent.left_out)
+
+
+def check_bench(folder, program):
+    """Mirrors, coordinate breaks and aspheres: path and incidence of the chief ray, widths by ray matrices."""
+    text = converted(folder, "bench.zmx", BENCH)
+    rows = lit(program, folder / "out.yaml")
+    assert abs(rows["M4"]["angle"] - 45) < 1e-3 and abs(rows["M4"]["path"] - 0.2 - 5e-3 * 1.50663) < 1e-5, rows
+    # Parabola, focus at f, ray at the height d: incidence atan(d/(2f)); the sag d^2/(4f) is left out of the way there.
+    assert abs(rows["M7"]["angle"] - math.degrees(math.atan(30 / 400))) < 0.01, rows["M7"]
+    assert abs(rows["M7"]["path"] - rows["M4"]["path"] - 0.15 + 0.030**2 / 0.8) < 1e-5, rows["M7"]
+    q = 1j * math.pi * (2e-3)**2 / 1.064e-6 + 0j
+    for n, behind, curvature, gap in ((1.0, 1.50663, 10.0, 5e-3), (1.50663, 1.0, -2.0, 0.1)):
+        q = 1 / (n / behind / q - (behind - n) * curvature / behind) + gap
+    width = math.sqrt(-1.064e-6 / math.pi / (1 / q).imag) * 1e3
+    assert abs(float(rows["M4"]["radius"].split()[0]) / width - 1) < 0.01, (rows["M4"], width)
+    for face in ("curvature: -10 /m, conic_constant: -0.6, a4: -100 /m^3, a6: 20000 /m^5", "curvature: -2 /m"):
+        assert face in text, text
+    # The image lies where the chief ray passes the focus, f from the vertex; a ray beside its axis has the height 0 there.
+    layout = layouts.read_layout(folder / "bench.zmx")
+    parabola, image = layout.shaped[-1], layout.planes[-1]
+    np.testing.assert_allclose(image.at - parabola.vertex, 0.2 * parabola.normal, atol=1e-12)
+    np.testing.assert_allclose(parabola.normal, [0, -1, 0], atol=1e-12)
+    np.testing.assert_allclose(parabola.vertex, [0, 0.15, 0.105 - 0.03], atol=1e-12)
+    other = layouts.read_layout(written(folder, "x.zmx", BENCH.replace("PARM 2 -30", "PARM 2 30")))      # control: moved to the other side
+    np.testing.assert_allclose(other.shaped[-1].vertex, [0, 0.15, 0.105 + 0.03], atol=1e-12)
+
+
+def check_zemax_limits(folder):
+    """What a scene cannot express is an error or a note, each with its line."""
+    def notes(before, after):
+        layout = layouts.read_layout(written(folder, "x.zmx", BENCH.replace(before, after, 1)))
+        return [o.name for o in layout.shaped], "\n".join(layout.left_out)
+    assert notes("", "")[0] == ["L1", "M4", "M7"] and "x.zmx" not in notes("", "")[1]
+    for before, after, note in (("PARM 3 -2.0E-11", "PARM 6 -2.0E-11", "x.zmx:10: surface 1 begins a lens with a face that has the aspheric term r^12"),
+                                ("TYPE EVENASPH", "TYPE TOROIDAL", "is of type TOROIDAL"), ("CURV 0.01", "CURV 0.01\n  PARM 1 1E-5", "r^2")):
+        names, told = notes(before, after)
+        assert names == ["M4", "M7"] and note in told and "STEP" in told, told
+    for before, after, note in (("DIAM 20", "DIAM 20\n  SQAP 10 10 0", "x.zmx:33: surface 4: SQAP is not read"), ("PWAV 1", "PWAV 1\nYFLN 0 1.5 0", "field points"),
+                                ("  PARM 2 -30", "  PARM 2 -30\n  SCBD 1 0 2", "SCBD is not read")):
+        names, told = notes(before, after)
+        assert len(names) == 3 and note in told, told
+    plane = BENCH.replace("SURF 3\n", "SURF 3\n  TYPE PARAXIAL\n  PARM 1 100\n  DISZ 0\nSURF 4\n")
+    assert "surface 3 is of type PARAXIAL" in "".join(layouts.read_layout(written(folder, "x.zmx", plane)).left_out)
+    stop = BENCH.replace("SURF 3\n", "SURF 3\n  STOP\n  TYPE STANDARD\n  DIAM 3\n  DISZ 0\nSURF 4\n")
+    assert "surface 3 is an aperture stop of radius 3" in "".join(layouts.read_layout(written(folder, "x.zmx", stop)).left_out)
+    for before, after, reason in (("SURF 2\n  TYPE STANDARD", "SURF 2\n  TYPE COORDBRK", "x.zmx:10: error: surface 1 is glass whose other face is tilted"),
+                                  ("CURV 0.0025\n  CONI -1", "CURV 0.0025\n  CONI 200", "surface 7 is a mirror wider"),
+                                  ("TYPE STANDARD\n  CURV 0.0025", "TYPE BICONICX\n  CURV 0.0025", "surface 7 is a mirror and is of type BICONICX"),
+                                  ("DISZ 200", "DISZ INFINITY", "infinite thickness"), ("OBDC 0 30\n  DIAM 15", "OBDC 0 30", "semi-diameter 0")):
+        rejected(folder, "x.zmx", BENCH.replace(before, after), reason)
+    # A lens, a mirror behind it, and the lens again on the way back: one lens. A parabola by its r^2 term.
+    double = BENCH[:BENCH.index("SURF 3")] + """SURF 3
+  TYPE EVENASPH
+  PARM 1 0.00125
+  GLAS MIRROR
+  CLAP 2 10
+  DISZ -100
+SURF 4
+  TYPE STANDARD
+  CURV -0.002
+  GLAS N-BK7
+  DIAM 12
+  DISZ -5
+SURF 5
+  TYPE EVENASPH
+  CURV 0.01
+  CONI -0.6
+  DIAM 12
+  DISZ -50
+SURF 6
+  DIAM 5
+"""
+    layout = layouts.read_layout(written(folder, "x.zmx", double))
+    assert [o.name for o in layout.shaped] == ["L1", "M3"] and "surface 4 begins a lens that the light has passed before" in "".join(layout.left_out)
+    assert layout.shaped[1].front.shape(0.01, layout.shaped[1].hole) == "{conic: {outer_radius: 0.01 m, inner_radius: 0.002 m, curvature: -2.5 /m, conic_constant: -1}}"
+    np.testing.assert_allclose(layout.planes[-1].at, [0, 0, -0.05], atol=1e-12)
 
 
 def written(folder, name, text):
@@ -233,5 +363,7 @@ with tempfile.TemporaryDirectory() as name:
     check_wedge(here, sys.argv[1])
     check_gtrace(here, sys.argv[1])
     check_zemax(here, sys.argv[1])
+    check_bench(here, sys.argv[1])
+    check_zemax_limits(here)
     check_errors(here)
 print("ok")
