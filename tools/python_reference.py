@@ -34,10 +34,11 @@ PARTS = (
     ("Optimisation", "straytrace", ("optimise", "Optimum", "Candidate")),
     ("Interferometers", "straytrace", ("Interferometer",)),
     ("Errors", "straytrace", ("Problem", "InputError", "RunError", "NumericalError", "StraytraceWarning")),
+    ("Inside the process", "straytrace.native", ("available", "Model", "Run", "open_run", "Noise")),
     ("FINESSE", "straytrace.finesse", ("response", "Response")),
     ("pygwinc", "straytrace.pygwinc", ("StrayLight", "read_strain")),
 )
-INTRODUCED = {"Paths": "straytrace.paths", "FINESSE": "straytrace.finesse"}    # the docstring of the module comes first
+INTRODUCED = {"Paths": "straytrace.paths", "Inside the process": "straytrace.native", "FINESSE": "straytrace.finesse"}    # the docstring of the module comes first
 FIELD = re.compile(r"^    (\w+): (.*?)(?:  +# (.*))?$")
 ARGUMENT = re.compile(r"^([a-z]\w*(?:, [a-z]\w*)*): (.*)")
 

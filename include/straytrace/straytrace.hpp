@@ -98,6 +98,7 @@ struct DesignCurve {
 struct NoiseSettings {
   std::string motion = {};            ///< a file with motion that replaces that of the scene
   std::vector<std::string> set = {};  ///< "steel=x2", "steel.brdf=5e-3/sr", "tube.motion=x2": straytrace noise --set
+  std::string motion_text = {};       ///< of the file `motion`, which then need not exist
 };
 
 /** A value with its standard error. */

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from .interpolate import BEYOND, log_log, with_borders_of_lines
+from .curves import BEYOND, log_log, with_borders_of_lines
 from .run import Run, RunError, open_run
 
 

@@ -127,7 +127,7 @@ class Run:
         for option, given in (("motion", motion), ("response", response)):
             if given is None:
                 continue
-            texts = {} if isinstance(given, (str, os.PathLike)) else _texts_of(given, option)
+            texts = {} if isinstance(given, (str, os.PathLike)) else texts_of(given, option)
             words += ["--" + option, next(iter(texts), str(given))]
             unsaved |= texts
         answer = engine.ask(*words, unsaved=unsaved)
@@ -204,7 +204,7 @@ class Run:
         os.replace(part, path)
 
 
-def _texts_of(given: Any, option: str) -> dict[str, str]:
+def texts_of(given: Any, option: str) -> dict[str, str]:
     """The texts of motion or responses by the names of their files, the main one first: of a Model with those that it includes."""
     if hasattr(type(given), "texts"):
         texts: dict[str, str] = given.texts()

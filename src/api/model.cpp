@@ -4,25 +4,12 @@
 
 #include "api/errors.hpp"
 #include "api/source.hpp"
-#include "scene/scene_document.hpp"
 #include "session/session.hpp"
 
 namespace straytrace::api {
 namespace {
 
-std::mutex working;  // texts in place of files, and the flag that stops a trace, are those of the whole process
-
-// A text in place of a file, while this object lives.
-class TextInPlace {
- public:
-  TextInPlace(std::string name, std::string const& text) : name_(std::move(name)) { set_unsaved(name_, text); }
-  ~TextInPlace() { forget_unsaved(name_); }
-  TextInPlace(TextInPlace const&) = delete;
-  TextInPlace& operator=(TextInPlace const&) = delete;
-
- private:
-  std::string name_;
-};
+std::mutex working;  // the flag that stops a trace is that of the whole process
 
 // The scene once more, from the texts that the first reading kept: tracing changes a model.
 session::Model read_again(session::Model const& model) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <limits>
+#include <optional>
 
 #include "api/errors.hpp"
 #include "api/source.hpp"
@@ -100,6 +101,8 @@ std::vector<std::string> Run::warnings() const { return source_->file.content().
 
 Noise Run::noise(NoiseSettings const& settings) const {
   return with_public_errors([&] {
+    std::optional<TextInPlace> held;
+    if (!settings.motion_text.empty()) held.emplace(settings.motion, settings.motion_text);
     auto const budget = std::make_shared<Noise::Budget const>(source_->file, settings);
     Noise noise = as_public(budget->noise);
     for (std::string const& warning : {budget->run.model.warnings, budget->changed ? budget->changed->warning : ""})

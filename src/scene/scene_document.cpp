@@ -343,6 +343,7 @@ struct UnsavedText {
   bool read = false;
 };
 std::map<std::filesystem::path, UnsavedText> texts;
+std::mutex guard;  // of `texts`
 
 std::filesystem::path key(std::filesystem::path const& file) {
   return std::filesystem::absolute(file).lexically_normal();
@@ -351,12 +352,17 @@ std::filesystem::path key(std::filesystem::path const& file) {
 }  // namespace
 
 void set_unsaved(std::filesystem::path const& file, std::string text) {
+  std::lock_guard const alone(guard);
   texts[key(file)] = {file.string(), std::move(text)};
 }
 
-void forget_unsaved(std::filesystem::path const& file) { texts.erase(key(file)); }
+void forget_unsaved(std::filesystem::path const& file) {
+  std::lock_guard const alone(guard);
+  texts.erase(key(file));
+}
 
 std::optional<std::string> unsaved_text(std::filesystem::path const& file) {
+  std::lock_guard const alone(guard);
   if (texts.empty()) return {};
   auto const hit = texts.find(key(file));
   if (hit == texts.end()) return {};
@@ -365,6 +371,7 @@ std::optional<std::string> unsaved_text(std::filesystem::path const& file) {
 }
 
 std::vector<std::string> unread_unsaved() {
+  std::lock_guard const alone(guard);
   std::vector<std::string> names;
   for (auto const& [file, unsaved] : texts)
     if (!unsaved.read) names.push_back(unsaved.name);

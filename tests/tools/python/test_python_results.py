@@ -16,7 +16,7 @@ import straytrace
 import straytrace.engine
 import straytrace.finesse
 from straytrace.curves import Curve
-from straytrace.interpolate import between_bins, log_log
+from straytrace.curves import between_bins, log_log
 from straytrace.reading import text, texts
 
 

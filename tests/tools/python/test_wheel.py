@@ -16,6 +16,10 @@ import os, straytrace
 assert "site-packages" in straytrace.__file__, straytrace.__file__
 assert straytrace.engine.program().startswith(os.path.dirname(straytrace.__file__)), straytrace.engine.program()
 run = straytrace.run("model.yaml", histories=4096, progress=False)
+from straytrace import native
+if {library}:
+    assert native._places()[0].startswith(os.path.dirname(straytrace.__file__)), native._places()
+    assert native.Model("model.yaml").trace(histories=4096).histories == 4096
 assert run.histories == 4096 and run.attributes["version"] == straytrace.__version__, straytrace.__version__
 """
 
@@ -51,15 +55,16 @@ def main():
         pip("wheel", "--no-build-isolation", "--no-deps", "-w", place, place / "source", f"--config-settings=build-dir={place}/build",
             f"--config-settings=cmake.define.STRAYTRACE_PREBUILT={pathlib.Path(PROGRAM).parent}")
         wheel, = place.glob("*.whl")
+        library = (pathlib.Path(PROGRAM).parent / "src/libstraytrace.so").exists()     # not with sanitizers
         held = zipfile.ZipFile(wheel).namelist()
         for wanted in ("straytrace/bin/straytrace", "straytrace/bin/straytrace-step", "straytrace/bin/straytrace-mpi.so", "straytrace/py.typed", "straytrace/plots/__main__.py",
-                       "straytrace/plots/budget.py", "straytrace/maps/files.py", "straytrace/layouts/theia.py"):
+                       "straytrace/plots/budget.py", "straytrace/maps/files.py", "straytrace/layouts/theia.py", *["straytrace/bin/libstraytrace.so"] * library):
             assert wanted in held, wanted
         assert not [h for h in held if "__pycache__" in h or h.startswith("build")], held
         packages = environment(place / "env", wheel)
         arm().save(place / "away" / "model.yaml")
         away = {"cwd": place / "away", "env": clean, "check": True}
-        subprocess.run([place / "env/bin/python", "-c", USE], **away)
+        subprocess.run([place / "env/bin/python", "-c", USE.format(library=library)], **away)
         # The converter of STEP files in the wheel is found; without it the same scene is an error.
         shutil.copytree(SOURCE / "examples", place / "away" / "examples")
         check = [place / "env/bin/straytrace", "check", "examples/cad_bench.yaml"]

@@ -60,7 +60,7 @@ class Library(unittest.TestCase):
                     if line.count(" ") >= 2]
         library = self.folder / "installed"
         shown = defined(next(library.rglob("libstraytrace.so")), "-D")
-        foreign = [name for name in shown if "straytrace::api::" not in name and name != "STRAYTRACE_0"]
+        foreign = [name for name in shown if "straytrace::api::" not in name and not name.startswith(("straytrace_", "STRAYTRACE_0"))]
         self.assertEqual(foreign, [])
         self.assertTrue([name for name in shown if "Model::trace" in name])
         self.assertTrue([name for name in defined(PROGRAM) if name.startswith("straytrace::trace::")])
