@@ -64,6 +64,10 @@ void add_span_options(CLI::App& command, DataOptions& o) {
 
 void add_gps_options(CLI::App& command, std::string& gps, std::string& segments, std::string const& otherwise) {
   command.add_option("--gps", gps, "stretch A..B in GPS seconds or UTC; default: " + otherwise);
+  add_segments_option(command, segments);
+}
+
+void add_segments_option(CLI::App& command, std::string& segments) {
   command.add_option("--segments", segments,
                      "FILE or FILE::FLAG of data quality: use data only where it is active; columns of text, LIGO_LW, "
                      "HDF5 or JSON");

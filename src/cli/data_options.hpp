@@ -29,6 +29,7 @@ struct DataOptions {
 void add_span_options(CLI::App&, DataOptions&);  // --unit, --gps, --segments
 // --gps and --segments of options that are no DataOptions.
 void add_gps_options(CLI::App&, std::string& gps, std::string& segments, std::string const& otherwise = "all");
+void add_segments_option(CLI::App&, std::string& segments);
 void add_band_option(CLI::App&, DataOptions&, std::string const& meaning);  // --band
 void add_welch_options(CLI::App&, DataOptions&);  // --segment, --overlap, --window, --average, --detrend
 // -o (repeatable), --format, and `quiet` for results only.

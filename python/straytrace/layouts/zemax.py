@@ -43,7 +43,7 @@ class Surface:
         return bool(self.glass) and self.glass[0].upper() == "MIRROR"
 
     def profile(self, unit: float, side: int) -> Profile:
-        """The face whose outward normal is `side` times the local z. ValueError: why it is none."""
+        """The face whose outward normal is `side` times the local z. ValueError says why no shape has it."""
         if self.kind not in POWERS:
             raise ValueError(f"is of type {self.kind}, which no shape has")
         power = POWERS[self.kind]

@@ -29,7 +29,7 @@ struct Stretch {
 
 Stretch stretch_of(TimeSeries const& series, GpsSpan span, WelchSettings const& s) {
   TimeSeries const part = cut(series, span);
-  Segments segments(part.samples.size(), part.rate, s);
+  Segments segments(part.samples, part.rate, s);
   Stretch out{{}, {}, std::vector<double>(segments.lines()), segments.effective()};
   for (std::size_t k = 0; k < segments.lines(); ++k) out.hz.push_back(segments.hz(k));
   for (std::size_t i = 0; i < segments.count(); ++i) {
@@ -204,7 +204,7 @@ std::vector<Visit> visits_of(TapSeries const& s, std::span<TapPlace const> place
            fmt::format("'{}' from {} to {} is outside the data, which run from {} to {}", p.name, gps_text(span.from),
                        gps_text(span.to), gps_text(s.target.start), gps_text(s.target.end())),
            "correct its start and duration, or read data that contain it"});
-    else if (segments < 6)
+    else if (segments < fewest_tap_segments)
       problems.push_back({p.at,
                           fmt::format("'{}' at {} lasts {} s, which is fewer than six segments", p.name,
                                       gps_text(p.start), p.duration),

@@ -59,14 +59,16 @@ struct TapPeak {
   double lead = not_a_number;     // standard errors between the first two, of the logarithm; NaN: only one
 };
 
+inline constexpr int fewest_tap_segments = 6;  // that a place holds
+
 struct TapSeries {
-  TimeSeries force, target;  // on equal samples
+  TimeSeries force, target;  // on equal samples; NaN at equal ones
   std::vector<TimeSeries> local;
 };
 
 // Peaks of the target over all places, by rising frequency. Errors: spread between the segments of a place (jackknife,
 // so taps of different strength do not matter), and the averages of the quiet stretch. Throws InputError when a place
-// holds fewer than six segments or lies outside the data: all such places at once.
+// holds too few segments or lies outside the data: all such places at once.
 std::vector<TapPeak> tap_peaks(TapSeries const&, std::span<TapPlace const>, GpsSpan quiet, WelchSettings const&,
                                TapThresholds const&);
 

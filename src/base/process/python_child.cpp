@@ -75,9 +75,10 @@ TemporaryFolder::TemporaryFolder(std::string const& purpose) {
   std::error_code none;
   std::string name = (fs::temp_directory_path(none) / "straytrace-XXXXXX").string();
   if (none || ::mkdtemp(name.data()) == nullptr)
-    throw InputError(fmt::format("cannot make a folder in '{}' for {}",
-                                 none ? environment_variable("TMPDIR") : fs::path(name).parent_path().string(), purpose),
-                     "set TMPDIR to another one");
+    throw InputError(
+        fmt::format("cannot make a folder in '{}' for {}",
+                    none ? environment_variable("TMPDIR") : fs::path(name).parent_path().string(), purpose),
+        "set TMPDIR to another one");
   folder_ = name;
 }
 

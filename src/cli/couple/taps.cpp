@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "base/errors.hpp"
 #include "base/files/text_file.hpp"
@@ -18,6 +19,9 @@
 #include "cli/options.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
+#include "session/diagnostics.hpp"
+#include "spectra/files/gps.hpp"
+#include "spectra/files/segment_file.hpp"
 
 namespace straytrace::cli {
 namespace {
@@ -30,13 +34,43 @@ struct TapOptions {
   std::size_t show = 12;
 };
 
-TapSeries read_series(TapOptions const& o) {
-  std::vector<TimeSeries> all{series_argument(o.force, o.force_unit, {}), series_argument(o.target, o.target_unit, {})};
-  for (std::string const& l : o.local) all.push_back(series_argument(l, "", {}));
-  all = aligned(all);
+// With --segments only from the first stretch to the last: a flag may be active long before the data and after them.
+TapSeries read_series(TapOptions const& o, std::vector<TapPlace> const& places, GpsSpan needed) {
+  std::vector<NamedRecord> records{{o.force, o.force_unit}, {o.target, o.target_unit}};
+  for (std::string const& l : o.local) records.push_back({l, ""});
+  for (TapPlace const& p : places) needed = {std::min(needed.from, p.start), std::max(needed.to, p.start + p.duration)};
+  std::vector<TimeSeries> all = averaged_records(o.data, records, o.data.segments.empty() ? GpsSpan{} : needed);
   TapSeries s{all[0], all[1], {}};
   s.local.assign(all.begin() + 2, all.end());
   return s;
+}
+
+// With --segments the places that hold data enough, from their first active sample to their last; `notes`: one on each
+// other.
+std::vector<TapPlace> active_places(std::vector<TapPlace> const& places, TapOptions const& o, WelchSettings const& w,
+                                    double rate, std::vector<std::string>& notes) {
+  if (o.data.segments.empty()) return places;
+  ActiveSegments const active = segments_argument(o.data.segments);
+  double const length = double(w.segment), step = length * (1 - w.overlap);
+  std::vector<TapPlace> kept;
+  for (TapPlace p : places) {
+    std::vector<GpsSpan> const inside = active.within({p.start, p.start + p.duration});
+    double segments = 0;
+    for (GpsSpan const& s : inside)
+      segments += std::max(0.0, std::floor(((s.to - s.from) * rate - length) / step + 1 + 1e-9));
+    if (segments < fewest_tap_segments) {
+      notes.push_back(fmt::format("'{}' at {} is left out: '{}' is active there for {:g} of {} segments", p.name,
+                                  gps_text(p.start), active.source, segments, fewest_tap_segments));
+      continue;
+    }
+    p.start = inside.front().from;
+    p.duration = inside.back().to - p.start;
+    kept.push_back(std::move(p));
+  }
+  if (kept.empty())
+    throw InputError(fmt::format("'{}' leaves out all places of '{}'", active.source, o.list),
+                     "choose another flag, or a shorter --segment");
+  return kept;
 }
 
 std::string remark(TapAnswer const& a) {
@@ -136,21 +170,26 @@ int run_taps(TapOptions const& o) {
   for (TapPlace const& p : places)
     stretches.push_back({fmt::format("'{}' of {}", p.name, o.list), o.list, p.start, p.start + p.duration});
   refuse_overlaps(stretches);
-  TapSeries const series = read_series(o);
+  TapSeries const series = read_series(o, places, quiet);
   DataOptions data = o.data;
   if (data.segment.empty()) data.segment = "1 s";
   WelchSettings const w = welch_of(data, series.target);
-  std::vector<TapPeak> peaks = tap_peaks(series, places, quiet, w, o.thresholds);
+  std::vector<std::string> left_out;
+  std::vector<TapPlace> const used = active_places(places, o, w, series.target.rate, left_out);
+  for (std::string const& note : left_out) print_warning(note, {o.data.format, o.data.quiet});
+  std::vector<TapPeak> peaks = tap_peaks(series, used, quiet, w, o.thresholds);
   if (!o.data.band.empty()) {
     FrequencyBand const band = option_band(o.data.band, "--band");
     std::erase_if(peaks, [&](TapPeak const& p) { return p.hz < band.low || p.hz > band.high; });
   }
   std::string const unit = coupling_unit(series.target.unit, series.force.unit);
-  CurveSheet sheet = sheet_of(peaks, places, unit);
+  CurveSheet sheet = sheet_of(peaks, used, unit);
   sheet.notes = {
       source_note(series.force), source_note(series.target),
       fmt::format("thresholds: target {:g} x and force {:g} x quiet; limits: 95 %, of places where only the force rose",
                   o.thresholds.target, o.thresholds.force)};
+  if (!o.data.segments.empty()) sheet.notes.push_back(active_note(o.data, series.target));
+  sheet.notes.insert(sheet.notes.end(), left_out.begin(), left_out.end());
   answer_with_result(o.data, sheet, text_of(peaks, o, unit), json_of(peaks));
   return 0;
 }
@@ -168,6 +207,7 @@ void add_couple_taps(CLI::App& couple, int& exit_code) {
       ->required()
       ->check(CLI::ExistingFile);
   command->add_option("--quiet", o.quiet, "stretch A..B without taps")->required()->group("Data");
+  add_segments_option(*command, o.data.segments);
   command->add_option("--local", o.local, "FILE::CHANNEL of an accelerometer nearby; may be repeated")
       ->allow_extra_args(false);
   command->add_option("--force-unit", o.force_unit, "unit, where the file has none: N");

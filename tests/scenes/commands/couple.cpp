@@ -69,6 +69,37 @@ TEST(Couple, TapsNameTheRightPlaceR6_02) {
   EXPECT_FALSE(j["result"][0]["places"][0]["not_linear"]);
 }
 
+// The hard taps of "link" from 26 to 32 are inactive: their repeat, and with it the slope, is gone. Data that are never
+// used may be damaged. Negative control: a flag that is always active changes no number.
+TEST(Couple, TapsWhereAFlagIsActiveR6_02) {
+  Folder const folder;
+  write_text(folder / "good.txt", "0 14\n14 20\n21 25.5\n");
+  write_text(folder / "always.txt", "-100 100\n");
+  Words const words{"couple",   "taps",
+                    "--force",  data("taps.csv") + "::HAMMER",
+                    "--target", data("taps.csv") + "::H",
+                    "--list",   data("tap_list.csv"),
+                    "--quiet",  "0..8",
+                    "--band",   "29 Hz..33 Hz"};
+  auto const with = [&](std::string const& file) {
+    Words all = words;
+    all.insert(all.end(), {"--segments", folder / file, "--format", "json"});
+    return straytrace(all);
+  };
+  EXPECT_EQ(json::parse(with("always.txt").out)["result"], answer(words)["result"]);
+  Finished const some = with("good.txt");
+  ASSERT_EQ(some.code, 0) << some.err;
+  EXPECT_THAT(some.err, HasSubstr("'link' at 26 is left out"));
+  EXPECT_THAT(some.err, ::testing::Not(HasSubstr("'bench'"))) << "4.5 s hold eight segments of 1 s";
+  json const link = json::parse(some.out)["result"][0]["places"][0];
+  EXPECT_EQ(link["place"], "link");
+  EXPECT_EQ(link["repeats"], 1);
+  EXPECT_TRUE(link["slope"].is_null());
+  EXPECT_EQ(answer(words)["result"][0]["places"][0]["repeats"], 2);
+  write_text(folder / "never.txt", "0 8\n");
+  EXPECT_THAT(with("never.txt").err, HasSubstr("leaves out all places"));
+}
+
 // All places at once, each where the list names it. The negative control is the list as it is, above.
 TEST(Couple, TapsOutsideTheDataNameTheirLineR6_02) {
   Folder const folder;
