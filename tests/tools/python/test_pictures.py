@@ -3,6 +3,7 @@
 """Pictures of budgets, ghosts and curves from made-up numbers: their curves and texts, and that no name hides another."""
 import itertools
 import pathlib
+import re
 import sys
 import tempfile
 
@@ -14,6 +15,7 @@ import numpy as np  # noqa: E402
 
 from PIL import Image  # noqa: E402
 
+import draw_shapes  # noqa: E402
 import pictures  # noqa: E402
 from straytrace.plots import budget as plot_budget  # noqa: E402
 from straytrace.plots import curves as plot_curves  # noqa: E402
@@ -262,6 +264,29 @@ def check_search():
     plt.close("all")
 
 
+def check_dimensions():
+    """Every parameter of a shape and of a part is drawn, and no other."""
+    def keys_of(page):
+        rows = [line.split("|") for line in (SOURCE / "docs/reference" / page).read_text().splitlines() if line.startswith("| `")]
+        return [(re.findall(r"`(\w+)`", row[1]), re.findall(r"`(\w+)`", row[2])) for row in rows]
+    def drawn(*lists, words=""):
+        return set(re.findall(r"\w+", words)) | {word for entries in lists for entry in entries for word in re.findall(r"\w+", entry)}
+    for name in draw_shapes.SHAPES:
+        wanted = {key for keys, _ in keys_of(f"shapes/{name}.md") for key in keys}
+        names = [[d[2] for d in table.get(name, ())] for table in (draw_shapes.IN_SECTION, draw_shapes.IN_FRONT)]
+        angles = [a[3] for a in [draw_shapes.ANGLES[n] for n in [name] if n in draw_shapes.ANGLES] + draw_shapes.FRONT_ANGLES.get(name, [])]
+        found = drawn(*names, angles, words=draw_shapes.NOTES.get(name, ""))
+        assert wanted <= found, (name, wanted - found)
+        assert "outer_diameter" not in found                                          # negative control
+    parts = dict((keys[0], set(given)) for keys, given in keys_of("parts.md") if keys and keys[0] in draw_shapes.PARTS)
+    assert len(parts) == len(draw_shapes.PARTS) == 14, parts.keys()
+    for name, wanted in parts.items():
+        _, lines, leaders, angles = draw_shapes.PARTS[name]
+        _, front, words = draw_shapes.PART_FRONTS.get(name, ((), (), ""))
+        found = drawn([d[2] for d in (*lines, *leaders, *front)], [a[3] for a in angles], words=words)
+        assert wanted - {"mount"} <= found, (name, wanted - found)
+
+
 with tempfile.TemporaryDirectory() as name:
     check_budget(pathlib.Path(name))
     check_documents(pathlib.Path(name))
@@ -272,4 +297,5 @@ check_significance()
 check_limits()
 check_same_lines()
 check_search()
+check_dimensions()
 print("ok")
