@@ -53,6 +53,24 @@ class Library(unittest.TestCase):
         self.assertEqual(told.rstrip(), wanted.rstrip())
         self.assertGreater(told.count("error:"), 1)
 
+    def test_from_c(self):
+        source, program = self.folder / "use.c", self.folder / "use"
+        source.write_text('#include <stdio.h>\n#include <straytrace/straytrace.h>\n'
+                          "int main(int count, char** words) {\n"
+                          "  straytrace_model* model = straytrace_read(words[count - 1], NULL, NULL);\n"
+                          '  if (model == NULL) return printf("%s", straytrace_error_text()), straytrace_error();\n'
+                          '  printf("%s\\n%s\\n", straytrace_version(), straytrace_model_about(model));\n'
+                          "  straytrace_free_model(model);\n  return 0;\n}\n")
+        place = next((self.folder / "installed").rglob("libstraytrace.so")).parent
+        output("cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", source, "-o", program, f"-I{self.folder / 'installed/include'}",
+               f"-L{place}", f"-Wl,-rpath,{place}", "-lstraytrace")
+        version, about = output(program, ROOT / "examples/two_mirrors.yaml").splitlines()
+        self.assertIn(f"straytrace {version} ", output(PROGRAM, "--version"))
+        self.assertEqual(json.loads(about)["receivers"], ["PD", "plane"])
+        done = subprocess.run([program, self.folder / "nowhere.yaml"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("there is no such file", done.stdout)
+
     def test_symbols(self):
         """Nothing but the front is visible; the program, read in the same way, shows that others would be seen."""
         def defined(file, *options):
