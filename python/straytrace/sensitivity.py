@@ -28,6 +28,7 @@ class SensitiveInput:
     factor: float                 # stated uncertainty, one sigma of the logarithm as a factor; 1: none
     bracket: tuple[float, float]  # stated range, ratios to the value; (1, 1): none
     share: Array                  # [n] of the variance of ln h by all stated standard deviations; NaN: it states none
+    narrowing: Array              # [n] of the band with half its standard deviation, relative; NaN: it states none
 
 
 @dataclass
@@ -37,7 +38,8 @@ class Sensitivity:
     frequency: Array             # [n] Hz, geometric centres of bins
     inputs: list[SensitiveInput]
     without_effect: list[str]
-    band: Array                  # [n] standard deviation of ln h by the stated ones, to first order
+    band: Array                  # [n] standard deviation of ln h by the stated ones
+    sampled: npt.NDArray[np.bool_]  # [n] band and shares are sampled, because first order fails
     next: str                    # the sentence that follows
     warnings: list[str]
 
@@ -57,6 +59,7 @@ def sensitivity_from(answer: dict[str, Any]) -> Sensitivity:
         return np.array([np.nan if v is None else v for v in values] or [np.nan] * n)
 
     inputs = [SensitiveInput(s["name"], s["class"], s["value"], s["method"], curve(s["elasticity"]), curve(s["elasticity_sigma"]),
-                             s["one_sigma_factor"], (s["bracket"][0], s["bracket"][1]), curve(s["share"])) for s in answer["inputs"]]
-    return Sensitivity(curve(answer["frequency"]), inputs, answer["without_effect"], curve(answer["band"]), answer["next"],
-                       answer["warnings"])
+                             s["one_sigma_factor"], (s["bracket"][0], s["bracket"][1]), curve(s["share"]),
+                             curve(s["narrowing"])) for s in answer["inputs"]]
+    return Sensitivity(curve(answer["frequency"]), inputs, answer["without_effect"], curve(answer["band"]),
+                       np.array(answer["sampled"]), answer["next"], answer["warnings"])

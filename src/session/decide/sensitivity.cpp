@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "noise/bands/band_shares.hpp"
 #include "noise/bands/input_band.hpp"
 #include "session/decide/reweighted.hpp"
 #include "session/decide/what_if.hpp"
@@ -40,13 +41,15 @@ void hide(BinValues& values, std::vector<bool> const& bins) {
     if (bins[i]) values.value[i] = values.sigma[i] = not_a_number;
 }
 
+std::string name_of(MaterialSpread const& material) { return "material " + material.name; }
+
 // dS/d ln p of the BRDF of a material counts each route as often as it scatters on it (eq. D.1).
 SensitiveInput of_material(OpenRun const& run, NoiseBudget const& budget, std::size_t m) {
   MaterialSpread const& material = run.model.traced.materials[m];
   auto const count = [&](std::vector<PathStep> const& steps) { return double(scatters_on(material, steps)); };
   ScaledCouplings const derivative = scaled_couplings(run.file.trace.coupling, count);
   SensitiveInput in;
-  in.name = "material " + material.name;
+  in.name = name_of(material);
   double const share = run.model.traced.scattered[m];
   in.value = material.of_reflection ? "reflectance" : fmt::format("scatters {:.3g}", share);
   in.method = "exact, by the scatters of each route";
@@ -226,18 +229,56 @@ void add_shapes(OpenRun const& run, NoiseBudget const& budget, unsigned threads,
   }
 }
 
-// Shares of the stated standard deviations, and the band that they make.
+// Shares of the stated standard deviations, and the band that they make, to first order (eq. D.5, D.6).
 void share_out(Sensitivity& s) {
   s.band.assign(s.grid.size(), 0);
+  s.sampled.assign(s.grid.size(), false);
   auto const part = [](SensitiveInput const& in, std::size_t i) {
     return std::pow(in.elasticity.value[i] * std::log(in.factor), 2);
   };
   for (SensitiveInput const& in : s.inputs)
     for (std::size_t i = 0; in.factor > 1 && i < s.band.size(); ++i) s.band[i] += part(in, i);
   for (SensitiveInput& in : s.inputs)
-    for (std::size_t i = 0; in.factor > 1 && i < s.band.size(); ++i)
+    for (std::size_t i = 0; in.factor > 1 && i < s.band.size(); ++i) {
       in.share.push_back(s.band[i] == 0 ? 0 : part(in, i) / s.band[i]);
+      in.halving.push_back(1 - std::sqrt(1 - 0.75 * in.share.back()));
+    }
   for (double& b : s.band) b = std::sqrt(b);
+}
+
+// The same by sampling where first order fails. Inputs without an effect have no part.
+void sample_shares(Sensitivity& s, OpenRun const& run) {
+  auto const listed = [&](std::string const& name) {
+    auto const at =
+        std::ranges::find_if(s.inputs, [&](SensitiveInput const& in) { return in.factor > 1 && in.name == name; });
+    return at == s.inputs.end() ? nullptr : &*at;
+  };
+  std::vector<MaterialSpread> materials;
+  std::vector<MotionCause> causes;
+  std::vector<SensitiveInput*> order;
+  for (MaterialSpread const& m : run.model.traced.materials)
+    if (SensitiveInput* const in = listed(name_of(m))) {
+      materials.push_back(m);
+      order.push_back(in);
+    }
+  for (MotionCause const& cause : motion_causes(run.model.motion))
+    if (SensitiveInput* const in = listed(cause.name)) {
+      causes.push_back(cause);
+      order.push_back(in);
+    }
+  if (order.empty()) return;
+  BandShares const all = sampled_shares(
+      uncertain_psd(run.file.trace.coupling, materials, run.model.motion, causes, *run.model.detector, run.model.noise),
+      s.band);
+  for (std::size_t i = 0; i < s.band.size(); ++i) {
+    if (!all.sampled[i]) continue;
+    s.sampled[i] = true;
+    s.band[i] = all.band[i];
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      order[k]->share[i] = all.share[k][i];
+      order[k]->halving[i] = all.halving[k][i];
+    }
+  }
 }
 
 void find_deciding_bin(Sensitivity& s, ProjectionModel const& model, NoiseBudget const& budget) {
@@ -261,14 +302,6 @@ double largest_at(Sensitivity const& s, SensitiveInput const& in) {
       largest = std::max(largest, std::fabs(in.elasticity.value[i]));
   return largest;
 }
-
-}  // namespace
-
-double gain_of_halving(SensitiveInput const& in, std::size_t bin) {
-  return in.share.empty() ? 0 : 1 - std::sqrt(1 - 0.75 * in.share[bin]);
-}
-
-namespace {
 
 std::vector<SceneValue> values_to_trace(OpenRun const& run, SensitivityOrder const& order) {
   std::vector<SceneValue> all;
@@ -334,6 +367,7 @@ Sensitivity sensitivity(OpenRun const& run, SensitivityOrder const& order, Progr
   }
   std::ranges::stable_sort(s.inputs, std::greater<>{}, [&](SensitiveInput const& in) { return largest_at(s, in); });
   share_out(s);
+  sample_shares(s, run);
   find_deciding_bin(s, model, budget);
   return s;
 }

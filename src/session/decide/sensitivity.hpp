@@ -21,13 +21,14 @@ constexpr char const* name_of(InputClass c) { return input_class_names[std::size
 // What h depends on, and how far.
 struct SensitiveInput {
   InputClass kind = InputClass::strength;
-  std::string name;             // "material steel", "motion of tube", "interferometer.mirror_mass", "rim"
-  std::string value;            // "scatters 3.1e-05", "42 kg"; of motions empty
-  std::string method;           // in words
-  BinValues elasticity;         // d ln h/d ln p per bin; value NaN: not known, or no noise
-  double factor = 1;            // stated uncertainty, one standard deviation of the logarithm; 1: none
-  double low = 1, high = 1;     // stated bracket, a range
-  std::vector<double> share{};  // of the variance of ln h by all stated standard deviations, per bin; empty: no part
+  std::string name;               // "material steel", "motion of tube", "interferometer.mirror_mass", "rim"
+  std::string value;              // "scatters 3.1e-05", "42 kg"; of motions empty
+  std::string method;             // in words
+  BinValues elasticity;           // d ln h/d ln p per bin; value NaN: not known, or no noise
+  double factor = 1;              // stated uncertainty, one standard deviation of the logarithm; 1: none
+  double low = 1, high = 1;       // stated bracket, a range
+  std::vector<double> share{};    // of the variance of ln h by all stated standard deviations, per bin; empty: no part
+  std::vector<double> halving{};  // relative narrowing of the band of ln h with half its standard deviation, per bin
   double correlation = not_a_number;  // of the traces at both ends, class traced
   bool stated() const { return factor > 1 || low < 1 || high > 1; }
 };
@@ -38,6 +39,7 @@ struct Sensitivity {
   std::vector<std::string> idle;       // inputs that change h nowhere by more than 1e-4 of their own change
   std::vector<double> frequencies;     // Hz, to print
   std::vector<double> band;            // standard deviation of ln h by the stated ones, per bin
+  std::vector<bool> sampled;           // bins where band and shares are sampled: first order fails (eq. D.13)
   std::size_t decides = 0;             // bin where h is closest to the line; without a line that of the first frequency
   std::string line;                    // "0.1 x adv-lal"; empty: none
   NoiseTrace total;
@@ -56,9 +58,6 @@ struct SensitivityOrder {
 // `progress`: gets the name of each input before it is computed.
 Sensitivity sensitivity(OpenRun const&, SensitivityOrder const&,
                         std::function<void(std::string const&)> const& progress);
-
-// Relative narrowing of the band of ln h when the standard deviation of an input is halved (eq. D.6).
-double gain_of_halving(SensitiveInput const&, std::size_t bin);
 
 // "Measure the BRDF of steel next: ...".
 std::string next_measurement(Sensitivity const&);

@@ -34,6 +34,8 @@ std::string stated_text(SensitiveInput const& in) {
   return text.empty() ? "taken as exact" : text;
 }
 
+double gain_of_halving(SensitiveInput const& in, std::size_t bin) { return in.halving.empty() ? 0 : in.halving[bin]; }
+
 // Of the narrowing, by the error of the elasticity.
 double sigma_of_gain(SensitiveInput const& in, std::size_t bin) {
   double const share = in.share[bin], relative = in.elasticity.sigma[bin] / std::fabs(in.elasticity.value[bin]);
@@ -77,6 +79,19 @@ std::string brackets_text(Sensitivity const& s) {
   return text;
 }
 
+// What the shares of all inputs leave is of several together.
+std::string band_text(Sensitivity const& s) {
+  if (!(s.band[s.decides] > 0)) return "";
+  double alone = 0;
+  for (SensitiveInput const& in : s.inputs) alone += in.share.empty() ? 0 : in.share[s.decides];
+  std::string const how = s.sampled[s.decides] ? "by samples, because first order fails" : "to first order";
+  std::string text = fmt::format("The stated standard deviations give h at {} a band of {:.3g} % (one sigma, {}).\n",
+                                 hertz(s.grid.centre(s.decides)), 100 * (std::exp(s.band[s.decides]) - 1), how);
+  if (s.sampled[s.decides] && alone < 0.98)
+    text += fmt::format("Of its variance, {:.2g} % come from several inputs together.\n", 100 * (1 - alone));
+  return text;
+}
+
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json numbers(std::vector<double> const& values) {
   Json all = Json::array();
@@ -94,7 +109,8 @@ Json json_of(Sensitivity const& s, SensitiveInput const& in) {
          {"one_sigma_factor", in.factor},
          {"bracket", {in.low, in.high}}};
   j["share"] = numbers(in.share);
-  if (!in.share.empty()) j["gain_of_halving"] = gain_of_halving(in, s.decides);
+  j["narrowing"] = numbers(in.halving);
+  if (!in.share.empty()) j["gain_of_halving"] = number(gain_of_halving(in, s.decides));
   if (std::isfinite(in.correlation)) j["correlation"] = in.correlation;
   return j;
 }
@@ -124,7 +140,10 @@ std::string next_measurement(Sensitivity const& s) {
   double const gain = 100 * gain_of_halving(*best, s.decides), sigma = 100 * sigma_of_gain(*best, s.decides);
   return fmt::format("Measure next: {}. Halving its uncertainty narrows the band of h {} by {} %.{}\n", best->name,
                      where + (s.line.empty() ? "" : ","),
-                     sigma > 1e-3 ? with_error(gain, sigma) : fmt::format("{:.3g}", gain), other_leaders(s, best));
+                     s.sampled[s.decides] ? fmt::format("about {:.2g}", gain)
+                     : sigma > 1e-3       ? with_error(gain, sigma)
+                                          : fmt::format("{:.3g}", gain),
+                     other_leaders(s, best));
 }
 
 std::string sensitivity_text(Sensitivity const& s) {
@@ -156,21 +175,24 @@ std::string sensitivity_text(Sensitivity const& s) {
           "{}: {}; correlation of both {:.3g}{}.\n", in.name, in.method, in.correlation,
           in.correlation < 0.5 ? ": the paths have come apart, the error is nearly that of independent runs" : "");
   text += "\n" + brackets_text(s);
-  if (s.band[s.decides] > 0)
-    text += fmt::format("The stated standard deviations give h at {} a band of {:.3g} % (one sigma, to first order).\n",
-                        hertz(s.grid.centre(s.decides)), 100 * (std::exp(s.band[s.decides]) - 1));
+  text += band_text(s);
   return text + next_measurement(s);
 }
 
 std::string sensitivity_csv(Sensitivity const& s) {
-  std::string text = "name,class,value,method,one_sigma_factor,low,high,frequency,elasticity,sigma,share\n";
+  std::string text =
+      "name,class,value,method,one_sigma_factor,low,high,frequency,elasticity,sigma,share,narrowing,sampled\n";
+  auto const of_share = [](std::vector<double> const& share, std::size_t i) {
+    bool const known = !share.empty() && std::isfinite(share[i]);
+    return csv_number(known, known ? share[i] : 0);
+  };
   for (SensitiveInput const& in : s.inputs)
     for (std::size_t i = 0; i < s.grid.size(); ++i)
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(in.name), name_of(in.kind), csv_text(in.value),
-                          csv_text(in.method), in.factor, in.low, in.high, s.grid.centre(i),
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(in.name), name_of(in.kind),
+                          csv_text(in.value), csv_text(in.method), in.factor, in.low, in.high, s.grid.centre(i),
                           csv_number(std::isfinite(in.elasticity.value[i]), in.elasticity.value[i]),
                           csv_number(std::isfinite(in.elasticity.sigma[i]), in.elasticity.sigma[i]),
-                          csv_number(!in.share.empty(), in.share.empty() ? 0 : in.share[i]));
+                          of_share(in.share, i), of_share(in.halving, i), int(s.sampled[i]));
   return text;
 }
 
@@ -181,6 +203,7 @@ std::string sensitivity_json(Sensitivity const& s) {
   j["frequency"] = numbers(centres);
   j["asd"] = numbers(s.total.asd);
   j["band"] = numbers(s.band);
+  j["sampled"] = s.sampled;
   j["at"] = s.frequencies;
   j["decides"] = centres.at(s.decides);
   j["line"] = s.line;
