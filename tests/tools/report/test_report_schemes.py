@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page of the demo: its size, the time until it can be used, and its colours. Usage: test_report_schemes.py PROGRAM"""
+"""The page of the demo: its size, the time until it can be used, its colours, and its sliders. Usage: test_report_schemes.py PROGRAM"""
 import pathlib
 import sys
 import tempfile
+
+from selenium.webdriver.common.keys import Keys
 
 sys.dont_write_bytecode = True
 from browser import Browser  # noqa: E402
@@ -72,6 +74,60 @@ def check_switching(browser):
     browser.set_scheme("dark")
 
 
+SLIDERS = """
+const part = document.querySelector('#what-if'), visible = node => node.getClientRects().length > 0;
+const ranges = [...part.querySelectorAll('.sliders input[type=range]')];
+return {shown: part.querySelector('output').textContent, said: part.querySelector('[aria-live]').textContent,
+        told: visible(part.querySelector('[aria-live]')), command: part.querySelector('code').textContent,
+        curves: document.querySelectorAll('#budget .marks path').length, off: ranges[0].disabled,
+        focus: [...part.querySelectorAll('.sliders input, .bar button')].indexOf(document.activeElement),
+        widths: ranges.filter(visible).map(r => r.getBoundingClientRect().width),
+        right: Math.max(...ranges.map(r => r.getBoundingClientRect().right)), window: document.documentElement.clientWidth}"""
+
+
+def check_keys(browser):
+    """The sliders without a mouse: arrows, ends, the box `black` by Tab and the space bar, the button by Enter."""
+    def press(*keys):
+        for key in keys:
+            browser.driver.switch_to.active_element.send_keys(key)
+        return browser.run(SLIDERS)
+
+    before = browser.run("document.querySelector('#what-if .sliders input').focus();" + SLIDERS)
+    check(before["said"] == "All as traced." and before["command"] == "", f"sliders at the start: {before}")
+    once = press(Keys.ARROW_RIGHT)
+    check(once["shown"] == "× 1.02" and "h is × " in once["said"], f"an arrow key sets {once['shown']}: {once['said']}")
+    check("=x1.02'" in once["command"] and once["curves"] > before["curves"], f"an arrow key draws nothing: {once}")
+    check(press(Keys.HOME)["shown"] == "× 0.01", "the key Home does not go to the end of a slider")
+    dark = press(Keys.TAB, " ")
+    check(dark["shown"] == "black" and dark["off"] and dark["focus"] == 1, f"'black' is not reached by keys: {dark}")
+    browser.run("document.querySelector('#what-if .bar button').focus()")
+    after = press(Keys.ENTER)
+    check(after == {**before, "focus": after["focus"]}, f"a key does not reset the sliders: {after}")
+
+
+def check_sliders(browser):
+    """With one moved: narrow and dark, and on paper, which has the answer and no sliders."""
+    browser.set_scheme("light")
+    browser.resize(1300)
+    check_keys(browser)
+    browser.run("document.querySelector('#what-if .sliders input').focus()")
+    browser.driver.switch_to.active_element.send_keys(Keys.END)
+    browser.set_scheme("dark")
+    said = faults(browser, 390) + faint(browser)
+    check(not said, f"a slider moved, dark at 390 px: {said[:3]}")
+    narrow = browser.run(SLIDERS)
+    check(min(narrow["widths"]) >= 150 and narrow["right"] <= narrow["window"], f"sliders at 390 px: {narrow}")
+    browser.run(HARM, ".sliders { grid-template-columns: 1fr 30rem max-content !important }")                # negative control
+    check(faults(browser, 390), "sliders that leave a narrow window would not be noticed")
+    browser.run(HEAL)
+    browser.set_scheme("dark", "print")
+    paper = browser.run(SLIDERS)
+    check(not paper["widths"] and paper["told"] and "--set" in paper["command"], f"the sliders on paper: {paper}")
+    said = paper_faults(browser)
+    check(not said, f"a slider moved, on paper: {said[:3]}")
+    browser.set_scheme("light")
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -86,6 +142,7 @@ def main():
             check_switching(browser)
             said = paper_faults(browser)
             check(not said, f"dark, on paper: {said[:3]}")
+            check_sliders(browser)
             quiet(browser, page)
     print(f"the page of the demo has {size / 1e6:.2f} MB, can be used after {usable:.0f} ms, and its scene after {ready:.0f} ms")
 
