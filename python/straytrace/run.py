@@ -137,17 +137,18 @@ class Run:
             warnings.warn(warning, StraytraceWarning, stacklevel=2)
         return run
 
-    def sensitivity(self, only: Sequence[str] = (), trace: Sequence[str] = (), step: float = 0.03, histories: int | None = None,
+    def sensitivity(self, only: Sequence[str] = (), trace: Sequence[str] = (), step: float | None = None, histories: int | None = None,
                     threads: int | None = None) -> Sensitivity:
         """Elasticities of h with respect to its inputs, as `straytrace sensitivity`.
 
         only: classes, "strength", "shape", "motion", "response", "traced"; all by default.
         trace: parameters, or values of the scene by their place, to trace at both ends of a `step` of their logarithm, with
-        the histories of the run or this number."""
+        the histories of the run or this number; without `step` it is chosen."""
         words = ["sensitivity", str(self.path), "--format", "json", "--quiet"]
         words += ["--only", ",".join(only)] if only else []
         if trace:
-            words += ["--trace", ",".join(trace), "--step", repr(float(step))]
+            words += ["--trace", ",".join(trace)]
+            words += ["--step", repr(float(step))] if step is not None else []
         words += ["--histories", str(histories)] if histories is not None else []
         words += ["--threads", str(threads)] if threads is not None else []
         return sensitivity_from(json.loads(engine.ask(*words).output))

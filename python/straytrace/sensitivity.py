@@ -29,6 +29,9 @@ class SensitiveInput:
     bracket: tuple[float, float]  # stated range, ratios to the value; (1, 1): none
     share: Array                  # [n] of the variance of ln h by all stated standard deviations; NaN: it states none
     narrowing: Array              # [n] of the band with half its standard deviation, relative; NaN: it states none
+    step: float = float("nan")    # traced: of the logarithm, to either side
+    # [n] Traced with a chosen step: Richardson's value from it and its double, a check of `elasticity`.
+    extrapolated: Array | None = None
 
 
 @dataclass
@@ -60,6 +63,7 @@ def sensitivity_from(answer: dict[str, Any]) -> Sensitivity:
 
     inputs = [SensitiveInput(s["name"], s["class"], s["value"], s["method"], curve(s["elasticity"]), curve(s["elasticity_sigma"]),
                              s["one_sigma_factor"], (s["bracket"][0], s["bracket"][1]), curve(s["share"]),
-                             curve(s["narrowing"])) for s in answer["inputs"]]
+                             curve(s["narrowing"]), s.get("step", float("nan")), curve(s["extrapolated"]) if "extrapolated" in s else None)
+              for s in answer["inputs"]]
     return Sensitivity(curve(answer["frequency"]), inputs, answer["without_effect"], curve(answer["band"]),
                        np.array(answer["sampled"]), answer["next"], answer["warnings"])

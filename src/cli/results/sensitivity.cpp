@@ -18,7 +18,7 @@ namespace straytrace::cli {
 namespace {
 
 struct SensitivityOptions : TraceOptions {
-  std::string at, csv, plot, step = "3 %", traced, only;
+  std::string at, csv, plot, step, traced, only;
 };
 
 double step_of(std::string const& text) {
@@ -61,7 +61,7 @@ void draw(Sensitivity const& s, std::string const& png) {
 }
 
 SensitivityOrder order_of(SensitivityOptions const& options) {
-  SensitivityOrder order{TableSettings{}.frequencies, {}, names_in(options.traced), 0.03, options};
+  SensitivityOrder order{TableSettings{}.frequencies, {}, names_in(options.traced), {}, options};
   order.options.quiet = true;
   std::vector<InputError> errors;
   auto const read = [&](auto const& action) {
@@ -71,7 +71,9 @@ SensitivityOrder order_of(SensitivityOptions const& options) {
       errors.push_back(e);
     }
   };
-  read([&] { order.step = step_of(options.step); });
+  read([&] {
+    if (!options.step.empty()) order.step = step_of(options.step);
+  });
   read([&] { order.only = classes_in(options.only); });
   read([&] {
     if (!options.at.empty()) order.frequencies = parse_frequencies(options.at, "--at");
@@ -108,7 +110,8 @@ void add_sensitivity(CLI::App& app, int& exit_code) {
   command->add_option("--trace", o.traced,
                       "parameters, or values of the scene by their place, to trace at both ends of a step, for example "
                       "rim,scene.baffle.shape.cone.half_angle");
-  command->add_option("--step", o.step, "step of --trace, of the logarithm; default 3%");
+  command->add_option("--step", o.step,
+                      "step of --trace, of the logarithm, for example 3%; default: chosen, four traces or more");
   add_history_options(*command, o);
   command->add_option("--threads", o.threads, "number of threads; default: all cores; does not change the result");
   mark_output(*command, *command->add_option("--csv", o.csv, "file for the table of all frequencies"));
@@ -118,7 +121,8 @@ void add_sensitivity(CLI::App& app, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace sensitivity out/run.h5\n"
-      "  straytrace sensitivity out/run.h5 --trace rim --step 1% --plot tornado.png");
+      "  straytrace sensitivity out/run.h5 --trace rim --plot tornado.png\n"
+      "  straytrace sensitivity out/run.h5 --only traced --trace rim --step 1%");
   command->callback([options, &exit_code] { exit_code = sensitivity(*options); });
 }
 

@@ -127,6 +127,29 @@ BinValues log_ratio(NoiseTrace const& a, NoiseTrace const& b, bool paired, doubl
   return out;
 }
 
+BinValues log_sum(WeightedTotals const& all) {
+  std::vector<std::vector<Doubles>> replicas;
+  std::size_t most = 0;
+  for (auto const& [weight, total] : all) {
+    replicas.push_back(replicas_of(*total));
+    most = std::max(most, replicas.back().size());
+  }
+  BinValues out;
+  for (std::size_t i = 0; i < all.front().second->asd.size(); ++i) {
+    double value = 0;
+    Doubles values(most, 0);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      auto const& [weight, total] = all[k];
+      value += weight * half_log(total->psd(i), 1);
+      for (std::size_t r = 0; r < most; ++r)
+        values[r] += weight * half_log(replicas[k].empty() ? total->psd(i) : replicas[k][r][i], 1);
+    }
+    out.value.push_back(value);
+    out.sigma.push_back(most == 0 ? 0 : std::sqrt(jackknife_variance(values)));
+  }
+  return out;
+}
+
 BinValues elasticity(NoiseTrace const& derivative, NoiseTrace const& total) {
   BinValues out = of_pair(derivative, total, [](double d, double s) { return 0.5 * ratio(d, s); });
   for (std::size_t i = 0; i < out.sigma.size(); ++i) {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "noise/noise.hpp"
@@ -19,6 +20,11 @@ struct BinValues {
 // the ratio over the replicas (eq. D.2); otherwise the squares of their relative errors add. NaN where one is zero.
 // `unresolved`: by how much the ratio may change with that share of unresolved light in both.
 BinValues log_ratio(NoiseTrace const& a, NoiseTrace const& b, bool paired, double unresolved = 1);
+
+// Sum of weights times ln of the ASDs of totals of the same histories, with its jackknife (eq. D.2). NaN where one is
+// zero.
+using WeightedTotals = std::vector<std::pair<double, NoiseTrace const*>>;
+BinValues log_sum(WeightedTotals const&);
 
 // d ln h/d ln p = 1/2 (dS/d ln p)/S from the projection of the derivative, which is linear in the couplings (eq. D.1),
 // with the jackknife of the ratio. 0 where `derivative` is, NaN where the total is zero.

@@ -10,6 +10,7 @@
 #include "base/errors.hpp"
 #include "noise/bands/band_shares.hpp"
 #include "noise/bands/input_band.hpp"
+#include "noise/bands/traced_elasticity.hpp"
 #include "session/decide/reweighted.hpp"
 #include "session/decide/what_if.hpp"
 #include "session/session.hpp"
@@ -173,31 +174,50 @@ NoiseTrace traced_total(OpenRun const& run, SceneValue const& value, double fact
   return total_of(model, traced.result.coupling);
 }
 
-// Mean over the bins with noise of the correlation that the paired and the unpaired error of a difference mean.
-double correlation(BinValues const& paired, BinValues const& independent) {
-  double sum = 0, n = 0;
-  for (std::size_t i = 0; i < paired.sigma.size(); ++i) {
-    if (!(independent.sigma[i] > 0)) continue;
-    sum += 1 - std::pow(paired.sigma[i] / independent.sigma[i], 2);
-    ++n;
-  }
-  return n > 0 ? sum / n : not_a_number;
+// The largest step up to `first_step` at whose double the scene has as many surfaces at both ends; `first_step` where
+// there is none.
+constexpr double first_step = 0.03;
+
+std::size_t surfaces_at(OpenRun const& run, SceneValue const& value, double step) {
+  return model_of(run.file, {times(value, std::exp(step))}).world.surfaces().size();
+}
+bool same_surfaces(OpenRun const& run, SceneValue const& value, double step) {
+  return surfaces_at(run, value, step) == surfaces_at(run, value, -step);
+}
+double start_step(OpenRun const& run, SceneValue const& value) {
+  for (double step = first_step; step > first_step / 10; step /= 2) try {
+      if (same_surfaces(run, value, 2 * step)) return step;
+    } catch (InputError const&) {  // no scene so far away
+      if (step / 2 <= first_step / 10) throw;
+    }
+  return first_step;
+}
+
+std::string method_of(TracedElasticity const& t, bool chosen, bool same) {
+  std::string const step = fmt::format("{:.3g} %", 100 * t.step);
+  return fmt::format("traced at {:.4g} and {:.4g} times its value with the same random numbers; step {}{}{}",
+                     std::exp(-t.step), std::exp(t.step), step, chosen ? ", chosen" : "",
+                     same ? "" : ": the number of surfaces changes, so that this is a finite ratio and no derivative");
 }
 
 SensitiveInput of_traces(OpenRun const& run, SceneValue const& value, std::string const& name,
-                         SensitivityOrder const& traced) {
+                         SensitivityOrder const& order) {
+  FrequencyGrid const& grid = run.model.noise.grid;
+  std::vector<std::size_t> bins;
+  for (double const hz : order.frequencies)
+    if (grid.bin_of(hz) < grid.size()) bins.push_back(grid.bin_of(hz));
+  auto const total = [&](double step) { return traced_total(run, value, std::exp(step), order.options); };
+  TracedElasticity const found =
+      order.step ? traced_elasticity(total, *order.step) : balanced_elasticity(total, start_step(run, value), bins);
   SensitiveInput in;
   in.kind = InputClass::traced;
   in.name = name;
   in.value = value.written;
-  in.method = fmt::format("traced at {:.4g} and {:.4g} times its value with the same random numbers",
-                          std::exp(-traced.step), std::exp(traced.step));
-  NoiseTrace const low = traced_total(run, value, std::exp(-traced.step), traced.options),
-                   high = traced_total(run, value, std::exp(traced.step), traced.options);
-  in.elasticity = log_ratio(high, low, true, 2 * traced.step);
-  in.correlation = correlation(in.elasticity, log_ratio(high, low, false));
-  for (std::vector<double>* const values : {&in.elasticity.value, &in.elasticity.sigma})
-    for (double& v : *values) v /= 2 * traced.step;
+  in.method = method_of(found, !order.step, same_surfaces(run, value, found.step));
+  in.elasticity = found.elasticity;
+  in.correlation = found.correlation;
+  in.step = found.step;
+  in.extrapolated = found.extrapolated;
   return in;
 }
 

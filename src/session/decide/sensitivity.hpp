@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct SensitiveInput {
   std::vector<double> share{};    // of the variance of ln h by all stated standard deviations, per bin; empty: no part
   std::vector<double> halving{};  // relative narrowing of the band of ln h with half its standard deviation, per bin
   double correlation = not_a_number;  // of the traces at both ends, class traced
+  double step = not_a_number;         // of the logarithm, either way, class traced
+  BinValues extrapolated{};           // by Richardson from this step and its double, where the step was chosen
   bool stated() const { return factor > 1 || low < 1 || high > 1; }
 };
 
@@ -50,7 +53,7 @@ struct SensitivityOrder {
   std::vector<double> frequencies;  // Hz, to print
   std::vector<InputClass> only;     // empty: all
   std::vector<std::string> traced;  // parameters or places of values, for a trace at both ends of a step
-  double step = 0.03;               // of their logarithms
+  std::optional<double> step{};     // of their logarithms; none: chosen
   TraceOptions options{};           // of these traces
   bool wants(InputClass c) const { return only.empty() || std::ranges::find(only, c) != only.end(); }
 };

@@ -79,6 +79,17 @@ std::string brackets_text(Sensitivity const& s) {
   return text;
 }
 
+std::string traced_text(Sensitivity const& s, SensitiveInput const& in) {
+  std::string check;
+  for (double const hz : s.frequencies)
+    if (std::size_t const i = s.grid.bin_of(hz); i < in.extrapolated.value.size())
+      check += fmt::format("{} {}", check.empty() ? "" : ",", elasticity_text(in.extrapolated, i));
+  if (!check.empty()) check = "; with twice the step, extrapolated to none:" + check;
+  return fmt::format(
+      "{}: {}{}; correlation of both {:.3g}{}.\n", in.name, in.method, check, in.correlation,
+      in.correlation < 0.5 ? ": the paths have come apart, the error is nearly that of independent runs" : "");
+}
+
 // What the shares of all inputs leave is of several together.
 std::string band_text(Sensitivity const& s) {
   if (!(s.band[s.decides] > 0)) return "";
@@ -112,6 +123,11 @@ Json json_of(Sensitivity const& s, SensitiveInput const& in) {
   j["narrowing"] = numbers(in.halving);
   if (!in.share.empty()) j["gain_of_halving"] = number(gain_of_halving(in, s.decides));
   if (std::isfinite(in.correlation)) j["correlation"] = in.correlation;
+  if (std::isfinite(in.step)) j["step"] = in.step;
+  if (!in.extrapolated.value.empty()) {
+    j["extrapolated"] = numbers(in.extrapolated.value);
+    j["extrapolated_sigma"] = numbers(in.extrapolated.sigma);
+  }
   return j;
 }
 
@@ -170,10 +186,7 @@ std::string sensitivity_text(Sensitivity const& s) {
       "on the input is unresolved, or has too few kept paths, or an edge of its BSDF moves.\n";
   if (!s.idle.empty()) text += fmt::format("\nWithout effect on h: {}.\n", fmt::join(s.idle, ", "));
   for (SensitiveInput const& in : s.inputs)
-    if (in.kind == InputClass::traced)
-      text += fmt::format(
-          "{}: {}; correlation of both {:.3g}{}.\n", in.name, in.method, in.correlation,
-          in.correlation < 0.5 ? ": the paths have come apart, the error is nearly that of independent runs" : "");
+    if (in.kind == InputClass::traced) text += traced_text(s, in);
   text += "\n" + brackets_text(s);
   text += band_text(s);
   return text + next_measurement(s);
