@@ -211,6 +211,8 @@ class Optimum:
     run: Run | None                   # of the best
     complete: bool                    # False: stopped early; the same call with `out` resumes
     text: str                         # as the command prints it
+    # Of the best, by the text of each limit: d cost/d ln limit, or d(h/line) of the least noise; 0: it does not bind, NaN: not known.
+    prices_of_limits: dict[str, float] = field(default_factory=dict)
     scratch: Scratch | None = field(default=None, repr=False)
 
     def table(self) -> pandas.DataFrame:
@@ -256,7 +258,9 @@ def optimise(model: Model | Mapping[str, Any] | str | os.PathLike[str], *, minim
     texts = source.texts()
     answer = engine.ask("optimise", next(iter(texts)), *words, unsaved=texts)
     found = json.loads(answer.output)
-    best = None if found["best"] is None else _candidate(found["finalists"][found["best"]])
+    chosen = None if found["best"] is None else found["finalists"][found["best"]]
+    best = _candidate(chosen) if chosen else None
+    prices = {p["limit"]: float("nan") if p["per_ln_limit"] is None else p["per_ln_limit"] for p in (chosen or {}).get("prices_of_limits", [])}
     run = open_run(folder / "best" / "run.h5") if best else None
     return Optimum([_candidate(c) for c in found["candidates"]], best, run, answer.complete,
-                   (folder / "optimise.txt").read_text(encoding="utf-8"), scratch)
+                   (folder / "optimise.txt").read_text(encoding="utf-8"), prices, scratch)

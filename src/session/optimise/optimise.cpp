@@ -93,6 +93,11 @@ class Optimisation {
     SearchResult const result = search(problem);
     stopped_ = result.stopped;
     report_.ended.push_back(result.ended);
+    if (Candidate const* const best = result.best(); best && allowance == 0) {
+      auto& found = report_.multipliers[best->number] = result.multipliers;
+      if (report_.order.least_noise())
+        for (double& m : found) m *= std::exp(best->objective);
+    }
   }
 
   Candidate candidate(std::size_t number, std::vector<double> const& x, double allowance) const {

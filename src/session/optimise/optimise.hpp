@@ -3,6 +3,7 @@
 // them (docs/theory/optimisation.md).
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,8 @@ struct OptimiseReport {
   std::uint64_t seed = 0;
   std::vector<Outcome> outcomes;   // the first: the values of the scene, as near as the ranges allow
   std::vector<std::string> ended;  // how each search ended
+  // By outcome, of the best ones of searches: what the limits cost, as of SearchResult; the relations first.
+  std::map<std::size_t, std::vector<double>> multipliers;
   std::vector<Finalist> finalists;
   std::optional<std::size_t> chosen;  // among the finalists
   std::size_t closest = 0;            // outcome, where no finalist is chosen

@@ -111,16 +111,34 @@ Outcome const* next_cheaper(OptimiseReport const& r, Outcome const& best) {
   return found;
 }
 
-std::string binding_text(OptimiseReport const& r, Outcome const& best) {
+// The texts of what bounds a candidate, in the order of its excess.
+std::vector<std::string> bounds_of(OptimiseOrder const& order) {
+  std::vector<std::string> all;
+  for (Relation const& relation : order.relations) all.push_back(relation.text);
+  for (std::string& limit : order.limit_texts()) all.push_back(std::move(limit));
+  return all;
+}
+
+// Of a bound of the finalist: d objective/d ln limit, at most 0; NaN: not known.
+double price_of_bound(OptimiseReport const& r, Finalist const& f, std::size_t bound) {
+  auto const found = r.multipliers.find(f.number);
+  return found == r.multipliers.end() || bound >= found->second.size() ? not_a_number : 0.0 - found->second[bound];
+}
+
+std::string binding_text(OptimiseReport const& r, Finalist const& f) {
   constexpr double near = 0.1;  // relative
+  Outcome const& best = f.fresh;
   std::string text;
-  std::size_t const relations = r.order.relations.size();
-  std::vector<std::string> const limits = r.order.limit_texts();
+  std::vector<std::string> const bounds = bounds_of(r.order);
   for (std::size_t k = 0; k < best.excess.size(); ++k) {
-    std::string const& name = k < relations ? r.order.relations[k].text : limits[k - relations];
-    double const room = k < relations ? -best.excess[k] : 1 - std::exp(best.excess[k]);
-    text += fmt::format("{}: {}, {:.2g} % of room\n", name, room < near ? "binds" : "does not bind",
+    double const room = k < r.order.relations.size() ? -best.excess[k] : 1 - std::exp(best.excess[k]);
+    double const price = price_of_bound(r, f, k);
+    text += fmt::format("{}: {}, {:.2g} % of room", bounds[k], room < near ? "binds" : "does not bind",
                         100 * std::max(0.0, room));
+    if (price < 0)
+      text += fmt::format("; 1 % more of it lowers the {} by about {:.2g}",
+                          r.order.least_noise() ? "ratio h/line" : "cost", -0.01 * price);
+    text += "\n";
   }
   if (Outcome const* const next = r.order.least_noise() ? nullptr : next_cheaper(r, best))
     text += fmt::format("next lower cost that was traced: {:.6g} with {}, h/limit {}, upper limit {}: not met\n",
@@ -153,7 +171,7 @@ std::string optimise_verdict(OptimiseReport const& r) {
       text += fmt::format("{} {:.6g} in place of {:.6g} at the start ({}, h/limit {}{}).\n",
                           r.order.least_noise() ? "h/line" : "Cost", best.objective, first.objective,
                           fmt::join(first.settings, ", "), ratio_text(first), first.met() ? "" : ", not met");
-    return text + binding_text(r, best);
+    return text + binding_text(r, r.finalists[*r.chosen]);
   }
   if (!r.finalists.empty())
     return "None of the best candidates meets the limits with a fresh seed: give more histories.\n";
@@ -183,6 +201,17 @@ Json json_of(OptimiseReport const& r, Outcome const& o) {
   j["histories"] = o.point.histories;
   j["model_hash"] = o.point.model_hash;
   return j;
+}
+
+// What each relation and limit costs: d objective/d ln limit.
+Json prices_json(OptimiseReport const& r, Finalist const& f) {
+  std::vector<std::string> const bounds = bounds_of(r.order);
+  Json all = Json::array();
+  for (std::size_t k = 0; k < bounds.size(); ++k) {
+    double const price = price_of_bound(r, f, k);
+    all.push_back({{"limit", bounds[k]}, {"per_ln_limit", std::isfinite(price) ? Json(price) : Json(nullptr)}});
+  }
+  return all;
 }
 
 }  // namespace
@@ -241,6 +270,7 @@ std::string optimise_json(OptimiseReport const& r) {
     fresh["candidate"] = f.number;
     fresh["seed"] = r.seed + 1 + i;
     fresh["verdict"] = word_of(f.verdict);
+    fresh["prices_of_limits"] = prices_json(r, f);
     j["finalists"].push_back(fresh);
   }
   j["best"] = r.chosen ? Json(*r.chosen) : Json(nullptr);

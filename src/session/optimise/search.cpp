@@ -35,11 +35,13 @@ namespace {
 using Vector = Eigen::VectorXd;
 
 constexpr double first_radius = 0.25, largest_radius = 0.5, penalty = 10;
-constexpr double accepted = 0.1, trusted = 0.75;  // of the predicted gain (eq. O.6)
-constexpr double margin = 1e-6;                   // below a limit that is aimed at
-constexpr double finest = 1e-5;                   // of a range: accuracy of the edges of the steps of a price
-constexpr double unmeasured = 1e3;                // above the merit of what is measured
-constexpr int most_steps = 40;                    // of the price that are walked along an axis
+constexpr double accepted = 0.1, trusted = 0.75;      // of the predicted gain (eq. O.6)
+constexpr double margin = 1e-6;                       // below a limit that is aimed at
+constexpr double finest = 1e-5;                       // of a range: accuracy of the edges of the steps of a price
+constexpr double unmeasured = 1e3;                    // above the merit of what is measured
+constexpr double near_limit = 0.1, near_best = 0.05;  // of an excess; of the ranges: where multipliers are fitted
+constexpr double stationary = 0.2;                    // of the slope of the objective that limits leave at an optimum
+constexpr int most_steps = 40;                        // of the price that are walked along an axis
 
 // Coordinates in which ranges are 0 to 1: logarithms where a range is above zero.
 class Coordinates {
@@ -96,6 +98,7 @@ class RegionSearch {
     }
     if (result_.stopped) result_.ended = "stopped";
     if (exhausted_) result_.ended = "no more candidates are allowed";
+    if (result_.best()) result_.multipliers = multipliers(*result_.best());
     return std::move(result_);
   }
 
@@ -309,26 +312,85 @@ class RegionSearch {
     }
   }
 
-  // Along which the largest excess falls, by the nearest points.
-  double quieter_side(Candidate const& here, Eigen::Index axis) const {
-    Vector const u = coordinates_.of(here.at);
-    std::vector<Candidate const*> near;
-    for (Candidate const& c : result_.all)
-      if (std::isfinite(c.worst())) near.push_back(&c);
-    auto const distance = [&](Candidate const* c) { return (coordinates_.of(c->at) - u).lpNorm<Eigen::Infinity>(); };
-    std::stable_sort(near.begin(), near.end(), [&](auto* a, auto* b) { return distance(a) < distance(b); });
+  // Measured candidates about one of them: the nearest, and all within `reach`.
+  struct Near {
     std::vector<Vector> steps;
-    std::vector<double> worst;
+    std::vector<Candidate const*> candidates;
     double radius = 0;
-    for (Candidate const* c : near) {
-      if (steps.size() > 2 * std::size_t(u.size()) + 3) break;
-      steps.push_back(coordinates_.of(c->at) - u);
-      worst.push_back(c->worst());
-      radius = std::max(radius, distance(c));
+    Quadratic model(std::function<double(Candidate const&)> const& of) const {
+      std::vector<double> values;
+      for (Candidate const* c : candidates) values.push_back(of(*c));
+      return fitted(steps, values, radius);
     }
-    if (!(radius > 0)) return 0;
-    double const slope = fitted(steps, worst, radius).slope[axis];
+  };
+  Near around(Candidate const& here, double reach) const {
+    Vector const u = coordinates_.of(here.at);
+    std::vector<Candidate const*> all;
+    for (Candidate const& c : result_.all)
+      if (std::isfinite(c.worst()) || c.excess.empty()) all.push_back(&c);
+    auto const distance = [&](Candidate const* c) { return (coordinates_.of(c->at) - u).lpNorm<Eigen::Infinity>(); };
+    std::stable_sort(all.begin(), all.end(), [&](auto* a, auto* b) { return distance(a) < distance(b); });
+    Near out;
+    for (Candidate const* c : all) {
+      if (out.steps.size() > 2 * std::size_t(u.size()) + 3 && distance(c) > reach) break;
+      out.steps.push_back(coordinates_.of(c->at) - u);
+      out.candidates.push_back(c);
+      out.radius = std::max(out.radius, distance(c));
+    }
+    return out;
+  }
+  // Along which the largest excess falls.
+  double quieter_side(Candidate const& here, Eigen::Index axis) const {
+    Near const near = around(here, 0);
+    if (!(near.radius > 0)) return 0;
+    double const slope = near.model([](Candidate const& c) { return c.worst(); }).slope[axis];
     return slope < 0 ? 1 : slope > 0 ? -1 : 0;
+  }
+
+  // Whether the price jumps along an axis and is constant in between.
+  bool jumps(std::vector<double> const& x, Eigen::Index axis) const {
+    if (!problem_.price || !in_steps(x, axis)) return false;
+    std::vector<double> low = x, high = x;
+    low[std::size_t(axis)] = problem_.ranges[std::size_t(axis)].low;
+    high[std::size_t(axis)] = problem_.ranges[std::size_t(axis)].high;
+    return problem_.price(low) != problem_.price(x) || problem_.price(high) != problem_.price(x);
+  }
+  // The multipliers that make the slope of the objective and those of the limits cancel along the free axes.
+  std::vector<double> multipliers(Candidate const& best) const {
+    std::vector<double> out(best.excess.size(), 0);
+    std::vector<std::size_t> binding;
+    for (std::size_t k = 0; k < out.size(); ++k)
+      if (best.excess[k] > -near_limit) binding.push_back(k);
+    auto const give = [&](Vector const& values) {
+      for (std::size_t k = 0; k < binding.size(); ++k) out[binding[k]] = values[Eigen::Index(k)];
+      return out;
+    };
+    Vector const none = Vector::Constant(Eigen::Index(binding.size()), not_a_number), u = coordinates_.of(best.at);
+    std::vector<Eigen::Index> free;
+    for (Eigen::Index i = 0; i < u.size(); ++i) {
+      if (coordinates_.whole(i) || jumps(best.at, i)) return give(none);
+      if (u[i] > finest && u[i] < 1 - finest) free.push_back(i);
+    }
+    Near const near = around(best, near_best);
+    if (binding.empty() || free.empty() || !(near.radius > 0)) return give(none);
+    auto const slopes = [&](auto const& of) -> Vector { return near.model(of).slope(free); };
+    Vector const objective = slopes([&](Candidate const& c) { return scaled(c.objective); });
+    Eigen::MatrixXd limits(objective.size(), Eigen::Index(binding.size()));
+    for (std::size_t k = 0; k < binding.size(); ++k)
+      limits.col(Eigen::Index(k)) = slopes([&](Candidate const& c) { return c.excess[binding[k]]; });
+    Vector const found = not_negative(limits, -objective);
+    if ((objective + limits * found).norm() > stationary * objective.norm()) return give(none);
+    double const first = std::fabs(result_.all.front().objective);
+    return give((!problem_.price ? 1 : logarithmic() ? best.objective : first) * found);
+  }
+  // Least squares without negative numbers: the most negative one is left out until none is.
+  static Vector not_negative(Eigen::MatrixXd matrix, Vector const& right) {
+    for (;;) {
+      Vector const x = matrix.completeOrthogonalDecomposition().solve(right);
+      Eigen::Index worst = 0;
+      if (x.size() == 0 || x.minCoeff(&worst) >= 0) return x;
+      matrix.col(worst).setZero();
+    }
   }
 
   SearchProblem const& problem_;

@@ -49,6 +49,9 @@ struct SearchResult {
   std::vector<Candidate> all;  // in the order of evaluation, each point once
   std::string ended;           // why: "the region is below the tolerance"
   bool stopped = false;
+  // Of the limits at the best candidate: by how much the objective falls where the excess of one may be 1 higher (eq.
+  // O.9). 0: it does not bind. NaN: not known, as where the objective has steps. Empty: none meets the limits.
+  std::vector<double> multipliers;
   Candidate const* best() const;  // none where no limit is met
   Candidate const* closest() const;
 };

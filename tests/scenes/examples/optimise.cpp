@@ -76,6 +76,10 @@ TEST_F(Optimise, AgreesWithAScan) {
     EXPECT_LE(meets ? own : 0, black * 1.001);  // none that meets the line is cheaper
   }
   EXPECT_EQ(j["finalists"][best]["verdict"], "met");
+  // The cost is 1e-3/black and h^2 ~ black: d cost/d ln limit = -2 cost (eq. O.9).
+  double const price = j["finalists"][best]["prices_of_limits"][0]["per_ln_limit"];
+  EXPECT_NEAR(price / searched["objective"].get<double>(), -2, 0.1);
+  EXPECT_THAT(r.out, HasSubstr("; 1 % more of it lowers the cost by about "));
   EXPECT_EQ(j["finalists"][best]["seed"], 2 + best);
   EXPECT_EQ(j["finalists"][best]["histories"].get<double>() / searched["histories"].get<double>(), 4);
   for (char const* file : {"best.yaml", "best/run.h5", "optimise.txt", "optimise.json", "candidates.csv"})

@@ -69,6 +69,9 @@ TEST(Search, PriceOfBlackness) {
   EXPECT_NEAR(r.best()->objective / 804.73666, 1, 1e-5);
   EXPECT_NEAR(r.best()->at[0] / 2.87824e-3, 1, 2e-3);
   EXPECT_NEAR(r.best()->at[1] / 2.73054e-3, 1, 2e-3);
+  // The cost is inverse to S, so d cost/d ln S = -cost (eq. O.9).
+  ASSERT_EQ(r.multipliers.size(), 1u);
+  EXPECT_NEAR(r.multipliers[0] / 804.73666, 1, 0.01);
   // Negative control: a limit of the wrong sign leaves the cheapest corner.
   SearchResult const wrong = linear.found(-1);
   ASSERT_TRUE(wrong.best());
@@ -82,6 +85,20 @@ TEST(Search, PriceOfBlacknessWithPowers) {
   EXPECT_NEAR(r.best()->objective / 621.67159, 1, 1e-5);
   EXPECT_NEAR(r.best()->at[0] / 3.30956e-3, 1, 2e-3);
   EXPECT_NEAR(r.best()->at[1] / 2.98570e-4, 1, 2e-3);
+  // d cost/d ln S = -mu S, mu = c q/(n a beta^(n + q)) of either.
+  double const price = 2 / (3e-9 * std::pow(3.30956e-3, 2)) * 1e-11;
+  EXPECT_NEAR(r.multipliers.at(0) / price, 1, 0.01);
+}
+
+// A limit with room costs nothing. Control: the same limit where it binds.
+TEST(Search, PriceOfALimit) {
+  for (double const limit : {0.2, 0.1}) {
+    auto const far = [=](Point const& x) { return std::log(x[0] / limit); };
+    SearchResult const r = search(problem_of({{0.05, 0.4}}, {0.09}, gap_cost, {far}));
+    ASSERT_TRUE(r.best());
+    double const x = r.best()->at[0], slope = 4 * x * x * (1 - 1e4 / (0.06 * 0.06) * std::exp(-2 * x * x / 0.0036));
+    EXPECT_NEAR(r.multipliers.at(0), limit > 0.16 ? 0 : -slope, 0.01 * std::fabs(slope)) << limit;
+  }
 }
 
 // Noise of 5 % that all points share does not move the optimum; of its own for each point it does (negative control).
@@ -121,6 +138,7 @@ TEST(Search, StepsOfACount) {
     ASSERT_TRUE(r.best()) << line;
     EXPECT_EQ(r.best()->objective, cheapest) << line;
     EXPECT_NEAR(r.best()->at[0], rim, 2e-5) << line;  // the quietest of this count
+    EXPECT_TRUE(r.multipliers.at(0) == 0 || std::isnan(r.multipliers.at(0))) << "steps have no slope";
     EXPECT_LT(r.all.size(), 40u) << line;
   }
 }
