@@ -3,11 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/errors.hpp"
 #include "cli/commands.hpp"
@@ -20,6 +22,8 @@ namespace straytrace::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int most_files = 100;
 
 nlohmann::ordered_json as_json(std::vector<Difference> const& all) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
@@ -74,25 +78,27 @@ InputError with_folder(InputError const& e, fs::path const& folder) {
   return {e.problems, text.substr(1), names};
 }
 
-// Both, or the errors of both.
-std::pair<Side, Side> read_sides(DiffOptions const& options) {
-  std::pair<Side, Side> sides;
+// All of them, or the errors of all.
+std::vector<Side> read_sides(DiffOptions const& options) {
+  std::vector<Side> sides;
   std::vector<InputError> errors;
-  for (std::size_t i = 0; i < 2; ++i) {
-    try {
-      (i == 0 ? sides.first : sides.second) = read_side(options.files[i], options.overrides);
+  for (std::string const& file : options.files) try {
+      sides.push_back(read_side(file, options.overrides));
     } catch (InputError const& e) {
-      errors.push_back(with_folder(e, fs::path(options.files[i]).parent_path()));
+      InputError own = with_folder(e, fs::path(file).parent_path());
+      auto const same = [&](InputError const& known) { return std::string_view(known.what()) == own.what(); };
+      if (std::ranges::none_of(errors, same)) errors.push_back(std::move(own));
     }
-  }
-  if (errors.size() == 2 && std::string_view(errors[0].what()) == errors[1].what()) errors.pop_back();
   throw_all(errors);
   return sides;
 }
 
-int diff(DiffOptions const& options) {
-  std::vector<std::string> const& files = options.files;
-  auto [before, after] = read_sides(options);
+struct Answer {
+  nlohmann::ordered_json json;
+  std::string text;
+};
+
+Answer compared(Side& before, Side& after, std::string const& file_before, std::string const& file_after) {
   std::vector<Difference> models;
   bool const runs = before.run && after.run;
   if (!runs || !same_texts(before.run->about, after.run->about)) {
@@ -101,21 +107,40 @@ int diff(DiffOptions const& options) {
     models = differences(before.scene, after.scene);
   }
   std::vector<Difference> const parameters = models.empty() ? models : parameter_differences(before.scene, after.scene);
-  nlohmann::ordered_json out{{"parameters", as_json(parameters)}, {"models", as_json(models)}};
-  std::string text = difference_text(difference_lines(parameters, models));
-  if (runs) {
-    if (std::string const motion = motion_difference(before.run->about, after.run->about); !motion.empty())
-      text += motion + "\n";
-    bool const same = data_hash(files[0]) == data_hash(files[1]);
-    out["same_data"] = same;
-    if (same) text += "the results are identical to the last bit (except run times)\n";
-    if (!same || before.run->noise) {
-      RunDifference const results = run_differences(*before.run, *after.run);
-      out["results"] = run_difference_json(results);
-      text += run_difference_text(results);
-    }
+  Answer out{{{"parameters", as_json(parameters)}, {"models", as_json(models)}},
+             difference_text(difference_lines(parameters, models))};
+  if (!runs) return out;
+  if (std::string const motion = motion_difference(before.run->about, after.run->about); !motion.empty())
+    out.text += motion + "\n";
+  bool const same = data_hash(file_before) == data_hash(file_after);
+  out.json["same_data"] = same;
+  if (same) out.text += "the results are identical to the last bit (except run times)\n";
+  if (!same || before.run->noise) {
+    RunDifference const results = run_differences(*before.run, *after.run);
+    out.json["results"] = run_difference_json(results);
+    out.text += run_difference_text(results);
   }
-  std::cout << (options.json() ? out.dump(1) + "\n" : text);
+  return out;
+}
+
+// Of two files as it is; of more each with the first, under its name.
+int diff(DiffOptions const& options) {
+  std::vector<std::string> const& files = options.files;
+  std::vector<Side> sides = read_sides(options);
+  if (files.size() == 2) {
+    Answer const only = compared(sides[0], sides[1], files[0], files[1]);
+    std::cout << (options.json() ? only.json.dump(1) + "\n" : only.text);
+    return done;
+  }
+  nlohmann::ordered_json all{{"reference", files[0]}, {"comparisons", nlohmann::ordered_json::array()}};
+  std::string text;
+  for (std::size_t i = 1; i < sides.size(); ++i) {
+    Answer one = compared(sides[0], sides[i], files[0], files[i]);
+    text += fmt::format("{}{} against {}\n{}", i > 1 ? "\n" : "", files[i], files[0], one.text);
+    one.json["file"] = files[i];
+    all["comparisons"].push_back(std::move(one.json));
+  }
+  std::cout << (options.json() ? all.dump(1) + "\n" : text);
   return done;
 }
 
@@ -124,14 +149,17 @@ int diff(DiffOptions const& options) {
 void add_diff(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<DiffOptions>();
   DiffOptions& o = *options;
-  auto* const command = app.add_subcommand("diff", "Show the physical differences between two models or two runs.");
-  command->add_option("files", o.files, "two scenes, or two run files (HDF5); or one of each")->required()->expected(2);
-  add_overrides(*command, o.overrides, "set a parameter of both scenes, for example -p rim=48cm");
+  auto* const command = app.add_subcommand("diff", "Show the physical differences between models or runs.");
+  command->add_option("files", o.files, "scenes or run files (HDF5), two or more: each is compared with the first")
+      ->required()
+      ->expected(2, most_files);
+  add_overrides(*command, o.overrides, "set a parameter of all scenes, for example -p rim=48cm");
   add_format_option(*command, o);
   command->footer(
       "Examples:\n"
       "  straytrace diff arm.yaml arm_with_baffles.yaml\n"
-      "  straytrace diff before/run.h5 after/run.h5 --format json");
+      "  straytrace diff before/run.h5 after/run.h5 --format json\n"
+      "  straytrace diff reference/run.h5 black/run.h5 tilted/run.h5");
   command->callback([options, &exit_code] { exit_code = diff(*options); });
 }
 

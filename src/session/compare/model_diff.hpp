@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "results/pygwinc/pygwinc_ifo.hpp"
+#include "results/results.hpp"
 #include "scene/model_tree.hpp"
 #include "session/model.hpp"
 

@@ -204,6 +204,17 @@ TEST(Comparison, ThePageHasTheNumbersOfDiff) {
   }
   EXPECT_NE(found[0], found[1]) << "control";
   EXPECT_THAT(found[0], HasSubstr("paired replicas"));
+  // diff of all three: each with the first.
+  std::string const a = folder / "a.h5", b = folder / "b.h5", c = folder / "c.h5";
+  auto const all = answer({"diff", a, b, c});
+  EXPECT_EQ(all["reference"], a);
+  ASSERT_EQ(all["comparisons"].size(), 2u);
+  EXPECT_EQ(all["comparisons"][0]["results"], answer({"diff", a, b})["results"]);
+  EXPECT_EQ(all["comparisons"][1]["results"], answer({"diff", a, c})["results"]);
+  EXPECT_NE(all["comparisons"][1]["results"], answer({"diff", b, c})["results"]) << "control";
+  std::string const text = straytrace({"diff", a, b, c}).out;
+  EXPECT_THAT(text, HasSubstr(b + " against " + a + "\n" + straytrace({"diff", a, b}).out));
+  EXPECT_THAT(text, HasSubstr(c + " against " + a + "\n"));
   EXPECT_THAT(j["pairs"][0]["models"].dump(), HasSubstr("20 cm -> 15 cm"));
   EXPECT_THAT(j["pairs"][1]["models"].dump(), HasSubstr("0.03"));
   EXPECT_THAT(page, Not(HasSubstr(folder.path())));
