@@ -7,8 +7,12 @@
 #include <map>
 
 #include "base/every_module.hpp"
+#include "base/math/rng.hpp"
+#include "noise/bands/elasticity.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
+#include "session/decide/what_if_terms.hpp"
+#include "session/open_run.hpp"
 
 namespace straytrace::testing::app_what_if {
 namespace {
@@ -170,6 +174,64 @@ TEST_F(WhatIf, TransmissionOfAMirrorActsOnAllLightBehindIt) {
   EXPECT_LT(found.at("material glass"), 0.5) << "control";
   EXPECT_GT(found.at("material glass"), 0.2);
   EXPECT_THAT(j.at("next").get<std::string>(), HasSubstr("Measure next: material glass"));
+}
+
+// Sliders of a page in node: per setting, the PSD over that as traced.
+std::vector<std::vector<double>> on_a_page(Json const& asked, Folder const& folder) {
+  std::string const page = source_folder + "/data/page/", base = text_of(page + "base.js");
+  std::size_t const typed = base.find("function typedArray(");
+  write_text(folder / "page.js", base.substr(typed, base.find("\n}\n", typed) + 3 - typed) +
+                                     text_of(page + "what_if.js") +
+                                     "const {w, settings} = JSON.parse(require('fs').readFileSync(process.argv[2]));\n"
+                                     "const state = new WhatIf(w);\n"
+                                     "console.log(JSON.stringify(settings.map(s => state.curve(s).psd)));\n");
+  write_text(folder / "asked.json", asked.dump());
+  std::string const command =
+      "node " + folder / "page.js" + " " + folder / "asked.json" + " > " + folder / "answers.json";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  return Json::parse(text_of(folder / "answers.json"), nullptr, false).get<std::vector<std::vector<double>>>();
+}
+
+// One table of 50 settings of the sliders for both: the polynomial of the page (eq. D.8), and what --set computes from
+// the couplings. Control: one scatter more on a material in the page.
+TEST_F(WhatIf, PageAndProgramAgreeOnRandomSettings) {
+  OpenRun const opened(run());
+  CouplingTable const& light = opened.file.trace.coupling;
+  NoiseBudget const budget = opened.model.project(light);
+  PathTable const table = path_table(light, &budget, &opened.model.motion, {});
+  WhatIfTerms const terms = what_if_terms(model_of(opened.file), light, budget, table, 1);
+  ASSERT_EQ(terms.none, "");
+  Json page = what_if_json(terms, budget, table), settings = Json::array();
+  std::vector<std::vector<double>> program;
+  for (std::uint64_t n = 0; n < 50; ++n) {
+    std::vector<double> strengths;
+    for (std::size_t m = 0; m < terms.materials.size(); ++m)
+      strengths.push_back(std::pow(10, 1.5 * Rng(1, n, std::uint32_t(m), Stream::source).uniform() - 1));
+    settings.push_back({{"strengths", strengths}, {"body", -1}, {"factor", 1}});
+    auto const factor = [&](std::vector<PathStep> const& steps) {
+      double product = 1;
+      for (std::size_t m = 0; m < strengths.size(); ++m) {
+        auto const& all = opened.model.traced.materials;
+        auto const own = std::ranges::find(all, terms.materials[m].name, &MaterialSpread::name);
+        product *= std::pow(strengths[m], scatters_on(*own, steps));
+      }
+      return product;
+    };
+    NoiseTrace const total = opened.model.project(scaled_couplings(light, factor).table).total;
+    program.emplace_back();
+    for (std::size_t i = 0; i < budget.grid.size(); ++i) program.back().push_back(total.psd(i) / budget.total.psd(i));
+  }
+  auto const largest = [&](Json const& of_page) {
+    double most = 0;
+    auto const answers = on_a_page({{"w", of_page}, {"settings", settings}}, folder);
+    for (std::size_t n = 0; n < answers.size(); ++n)
+      for (std::size_t i = 0; i < answers[n].size(); ++i)
+        most = std::max(most, std::fabs(answers[n][i] / program[n][i] - 1));
+    return answers.size() == program.size() ? most : infinity;
+  };
+  EXPECT_LT(largest(page), 1e-6);
+  for (Json& exponents : page["exponents"]) exponents[0] = exponents[0].get<int>() + 1;
+  EXPECT_GT(largest(page), 0.1) << "control";
 }
 
 }  // namespace
