@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draw the six pictures on top of docs/theory/validation.md from what the tests of this build recorded.
+"""Draw the pictures of docs/theory/validation.md and published.md from what the tests of this build recorded.
 
 All numbers are those of build/validation (written by the tests) and of bench/results/peers.jsonl (written by
 scripts/bench peers). Each picture holds the numbers that it shows; --check compares them with those of the build.
@@ -32,6 +32,11 @@ WRAPPED = "TimeDomainAgreement.WrappedFringes"
 PUBLISHED = (("KAGRA: reach of arches\n(klog 25704)", "PublishedArches.KagraSine", "fringe_of(14e-6, 0.42)"),
              ("LHO reaction mass: arches\napart (log 54298)", "PublishedArches.HanfordReactionMass", "deviation(one, 10)"),
              ("Virgo swinging baffle: bump\n(log 30059)", "PublishedArches.VirgoSwingingBaffle", "deviation(fringe_of(5e-6, 1.14), 70)"))
+# Rows of the picture of published.md, by the first words of a comparison of tools.published: label, whether it was measured.
+PAPERS = {"LHO 2020: spacing": ("LHO 2020: arches apart", True), "Virgo 2011: edge at first": ("Virgo 2011: bump", True),
+          "Virgo 2011: edge after": ("Virgo 2011: bump after 30 s", True), "PTFE: light back": ("PTFE: light back", True),
+          "PTFE: share": ("PTFE: hemisphere", True), "LLO 2009: knee for 33": ("LLO 2009: knee", False), "ET-LF: h/X": ("ET-LF: h per motion", False),
+          "ET-LF at Sos Enattos: h": ("ET-LF at a site", False)}
 RESOLVED = 0.2                                           # relative error from which on another tracer's value is not drawn
 
 
@@ -90,6 +95,15 @@ def published(build):
         kept = [c for c in build.record(test)["comparisons"] if c["what"] == what]
         found[name] = [("", c["worst"][1], c["worst"][0], 0) for c in kept]     # of a range both ends
     return found
+
+
+def papers(build):
+    record = build.record("tools.published")
+    compared = [(c["what"], s[1], s[0], s[2]) for c in record["comparisons"] if c["kind"] == "near" for s in c["samples"]]
+    curve = next(c for c in record["curves"] if c["what"].startswith("ET-LF at"))
+    compared = [c for c in compared if not c[0].startswith("ET-LF at")]
+    compared += [(f"{curve['what']}, {x:g} Hz", theirs, ours, 0) for x, ours, theirs in zip(curve["x"], curve["obtained"], curve["expected"])]
+    return {label: [c for c in compared if c[0].startswith(words)] for words, (label, _) in PAPERS.items()}
 
 
 def off_by(axes, data, what):
@@ -152,12 +166,32 @@ def draw_published(axes, data):
     axes.legend(frameon=False, loc="upper left", ncol=2, fontsize=8.5)
 
 
+def draw_papers(axes, data):
+    measured = dict(PAPERS.values())
+    for y, (label, points) in enumerate(reversed(data.items())):
+        for what, theirs, ours, allowed in points:
+            if allowed:
+                axes.plot([1 - allowed / theirs, 1 + allowed / theirs], [y, y], lw=7, color="#cccccc", solid_capstyle="butt")
+            axes.plot(ours / theirs, y, "o" if measured[label] else "D", ms=5, color=BLUE if measured[label] else GREEN)
+            if label == "ET-LF at a site" and ours < 0.5 * theirs:
+                axes.annotate(what.rpartition(", ")[2], (ours / theirs, y), (0, 6), textcoords="offset points", ha="center", fontsize=8)
+    axes.axvline(1, color=GREY, lw=0.8)
+    axes.set_yticks(range(len(data)), list(reversed(data)), fontsize=8.5)
+    axes.set(xscale="log", xlim=(0.1, 1.6), ylim=(-0.6, len(data) - 0.4), xlabel="computed/published (grey: bands)")
+    axes.set_xticks((0.1, 0.2, 0.5, 1), ("0.1", "0.2", "0.5", "1"))
+    axes.minorticks_off()
+    for marker, colour, label in (("o", BLUE, "measured"), ("D", GREEN, "another code")):
+        axes.plot([], [], marker, color=colour, ms=5, label=label)
+    axes.legend(frameon=False, fontsize=8.5, loc="upper left")
+
+
 PICTURES = {"view_factors": ("View factors", view_factors, draw_view_factors),
             "recoupling": ("Recoupled light", recoupling, draw_recoupling),
             "wrapped": ("Wrapped fringes: spectrum, time domain", wrapped, draw_wrapped),
             "finesse": ("Network solver and FINESSE 3", finesse, draw_finesse),
             "tracers": ("Four other tracers, whole problems", tracers, draw_tracers),
-            "published": ("Published fringes: frequency, not level", published, draw_published)}
+            "published": ("Published fringes: frequency, not level", published, draw_published),
+            "papers": ("Measurements and other codes", papers, draw_papers)}
 
 
 def picture(name):
