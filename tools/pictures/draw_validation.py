@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draw the pictures of docs/theory/validation.md and published.md from what the tests of this build recorded.
+"""Draw the pictures of docs/theory/validation.md and docs/theory/published.md from what the tests of this build recorded.
 
 All numbers are those of build/validation (written by the tests) and of bench/results/peers.jsonl (written by
 scripts/bench peers). Each picture holds the numbers that it shows; --check compares them with those of the build.
@@ -32,7 +32,7 @@ WRAPPED = "TimeDomainAgreement.WrappedFringes"
 PUBLISHED = (("KAGRA: reach of arches\n(klog 25704)", "PublishedArches.KagraSine", "fringe_of(14e-6, 0.42)"),
              ("LHO reaction mass: arches\napart (log 54298)", "PublishedArches.HanfordReactionMass", "deviation(one, 10)"),
              ("Virgo swinging baffle: bump\n(log 30059)", "PublishedArches.VirgoSwingingBaffle", "deviation(fringe_of(5e-6, 1.14), 70)"))
-# Rows of the picture of published.md, by the first words of a comparison of tools.published: label, whether it was measured.
+# Rows of the picture of docs/theory/published.md, by the first words of a comparison of tools.published: label, whether it was measured.
 PAPERS = {"LHO 2020: spacing": ("LHO 2020: arches apart", True), "Virgo 2011: edge at first": ("Virgo 2011: bump", True),
           "Virgo 2011: edge after": ("Virgo 2011: bump after 30 s", True), "PTFE: light back": ("PTFE: light back", True),
           "PTFE: share": ("PTFE: hemisphere", True), "LLO 2009: knee for 33": ("LLO 2009: knee", False), "ET-LF: h/X": ("ET-LF: h per motion", False),

@@ -3,7 +3,7 @@
 """Publications against `straytrace` run from their stated inputs: the arm of ET-LF by the public code GWINC_ET (B17), arches and a
 ring-down (B18, B19), and measured scatter from its fit to light that rejoins the beam (B20). Usage: test_published.py PROGRAM.
 
-Inputs with sources are tests/published/inputs.json, committed before this test. docs/theory/published.md has the verdicts.
+Inputs with sources are tests/published/inputs.json, committed before this test. docs/theory/published.md draws the conclusions.
 """
 import json
 import math
