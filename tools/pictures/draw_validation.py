@@ -36,7 +36,8 @@ PUBLISHED = (("KAGRA: reach of arches\n(klog 25704)", "PublishedArches.KagraSine
 PAPERS = {"LHO 2020: spacing": ("LHO 2020: arches apart", True), "Virgo 2011: edge at first": ("Virgo 2011: bump", True),
           "Virgo 2011: edge after": ("Virgo 2011: bump after 30 s", True), "PTFE: light back": ("PTFE: light back", True),
           "PTFE: share": ("PTFE: hemisphere", True), "LLO 2009: knee for 33": ("LLO 2009: knee", False), "ET-LF: h/X": ("ET-LF: h per motion", False),
-          "ET-LF at Sos Enattos: h": ("ET-LF at a site", False)}
+          "ET-LF at Sos Enattos: h": ("ET-LF at a site", False),
+          "40 m, 2012: loss,": ("40 m: clipping", False)}
 RESOLVED = 0.2                                           # relative error from which on another tracer's value is not drawn
 
 
@@ -100,9 +101,10 @@ def published(build):
 def papers(build):
     record = build.record("tools.published")
     compared = [(c["what"], s[1], s[0], s[2]) for c in record["comparisons"] if c["kind"] == "near" for s in c["samples"]]
-    curve = next(c for c in record["curves"] if c["what"].startswith("ET-LF at"))
-    compared = [c for c in compared if not c[0].startswith("ET-LF at")]
-    compared += [(f"{curve['what']}, {x:g} Hz", theirs, ours, 0) for x, ours, theirs in zip(curve["x"], curve["obtained"], curve["expected"])]
+    compared = [c for c in compared if not c[0].startswith(("ET-LF at", "40 m"))]
+    for curve, unit, scale in (("ET-LF at Sos Enattos: h", "Hz", 1), ("40 m, 2012: loss", "mm", 1000)):
+        c = next(c for c in record["curves"] if c["what"] == curve)
+        compared += [(f"{curve}, {scale * x:g} {unit}", theirs, ours, 0) for x, ours, theirs in zip(c["x"], c["obtained"], c["expected"])]
     return {label: [c for c in compared if c[0].startswith(words)] for words, (label, _) in PAPERS.items()}
 
 
@@ -173,16 +175,17 @@ def draw_papers(axes, data):
             if allowed:
                 axes.plot([1 - allowed / theirs, 1 + allowed / theirs], [y, y], lw=7, color="#cccccc", solid_capstyle="butt")
             axes.plot(ours / theirs, y, "o" if measured[label] else "D", ms=5, color=BLUE if measured[label] else GREEN)
-            if label == "ET-LF at a site" and ours < 0.5 * theirs:
-                axes.annotate(what.rpartition(", ")[2], (ours / theirs, y), (0, 6), textcoords="offset points", ha="center", fontsize=8)
+            if not 0.5 < ours / theirs < 2:
+                axes.annotate(what.rpartition(", ")[2], (ours / theirs, y), (0, 6), textcoords="offset points", ha="right" if ours < 0.2 * theirs else "center",
+                              fontsize=7.5)
     axes.axvline(1, color=GREY, lw=0.8)
     axes.set_yticks(range(len(data)), list(reversed(data)), fontsize=8.5)
-    axes.set(xscale="log", xlim=(0.1, 1.6), ylim=(-0.6, len(data) - 0.4), xlabel="computed/published (grey: bands)")
-    axes.set_xticks((0.1, 0.2, 0.5, 1), ("0.1", "0.2", "0.5", "1"))
+    axes.set(xscale="log", xlim=(0.07, 30), ylim=(-0.6, len(data) - 0.4), xlabel="computed/published (grey: bands)")
+    axes.set_xticks((0.1, 0.2, 0.5, 1, 2, 5, 10), ("0.1", "0.2", "0.5", "1", "2", "5", "10"))
     axes.minorticks_off()
-    for marker, colour, label in (("o", BLUE, "measured"), ("D", GREEN, "another code")):
+    for marker, colour, label in (("o", BLUE, "measured"), ("D", GREEN, "calculated by others")):
         axes.plot([], [], marker, color=colour, ms=5, label=label)
-    axes.legend(frameon=False, fontsize=8.5, loc="upper left")
+    axes.legend(frameon=False, fontsize=8.5, loc="center left")
 
 
 PICTURES = {"view_factors": ("View factors", view_factors, draw_view_factors),
@@ -191,7 +194,7 @@ PICTURES = {"view_factors": ("View factors", view_factors, draw_view_factors),
             "finesse": ("Network solver and FINESSE 3", finesse, draw_finesse),
             "tracers": ("Four other tracers, whole problems", tracers, draw_tracers),
             "published": ("Published fringes: frequency, not level", published, draw_published),
-            "papers": ("Measurements and other codes", papers, draw_papers)}
+            "papers": ("Measurements, calculations of others", papers, draw_papers)}
 
 
 def picture(name):
