@@ -183,9 +183,9 @@ def draw_papers(axes, data):
     axes.set(xscale="log", xlim=(0.07, 30), ylim=(-0.6, len(data) - 0.4), xlabel="computed/published (grey: bands)")
     axes.set_xticks((0.1, 0.2, 0.5, 1, 2, 5, 10), ("0.1", "0.2", "0.5", "1", "2", "5", "10"))
     axes.minorticks_off()
-    for marker, colour, label in (("o", BLUE, "measured"), ("D", GREEN, "calculated by others")):
+    for marker, colour, label in (("o", BLUE, "measured"), ("D", GREEN, "calculated")):
         axes.plot([], [], marker, color=colour, ms=5, label=label)
-    axes.legend(frameon=False, fontsize=8.5, loc="center left")
+    axes.legend(frameon=False, fontsize=8.5, loc="upper right")
 
 
 PICTURES = {"view_factors": ("View factors", view_factors, draw_view_factors),
