@@ -10,7 +10,8 @@ from motion import strain
 from oracle import Oracle, ratio_error
 from scenes import Scene
 
-ROUTES, SPECTRA = 12, 2        # per scene
+HISTORIES, TIMEOUT = 65536, 600
+ROUTES, SPECTRA = 8, 1         # per scene
 VERTICES = 4                   # longest route
 RESOLVED = 0.1                 # largest error of the oracle
 
@@ -21,7 +22,10 @@ def run(program, scene, folder, histories, options=()):
     file.write_text(scene.yaml(folder), encoding="utf-8")
     command = [program, "run", str(file), "-o", str(result), "--quiet", "--threads", "1", "--histories", str(histories),
                "--seed", str(scene.seed + 1), *options]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT)
+    except subprocess.TimeoutExpired as late:
+        raise RuntimeError(f"scene {scene.seed}: no end after {TIMEOUT} s") from late
     if done.returncode:
         raise RuntimeError(f"scene {scene.seed}: {done.stderr.strip()[:2000]}")
     return result
@@ -39,7 +43,7 @@ def rows(result):
         table, noise, levers = file["classes"], file["noise"], file["phase_sensitivities"]
         bodies = [b.decode() for b in file["names/bodies"][:]]
         edges = noise["frequency_edges"][:]
-        column = {k: table[k][:] for k in ("name", "mean", "std_error", "trusted", "by_reverse", "reverse", "kind")}
+        column = {k: table[k][:] for k in ("name", "mean", "std_error", "trusted", "by_reverse", "reverse", "kind", "largest_share")}
         light = table["replica_sum"][:] / file.attrs["histories"]
         mean, sigma = noise["routes/mean"][:], noise["routes/sigma"][:]
         moments = [levers[k][:] for k in ("class", "product_replica", "product_body", "product")]
@@ -48,7 +52,8 @@ def rows(result):
         if not column["trusted"][i] or column["by_reverse"][i] or column["kind"][i] or steps is None or len(steps) > VERTICES:
             continue
         of = moments[0] == i
-        yield {"name": name.decode(), "steps": steps, "mean": column["mean"][i], "error": column["std_error"][i],
+        yield {"name": name.decode(), "steps": steps, "mean": column["mean"][i],
+               "error": max(column["std_error"][i], column["largest_share"][i] * column["mean"][i]),   # strata may deal equal blocks
                "reverse": column["reverse"][i], "edges": edges, "h": mean[i], "h_error": sigma[i],
                "light": light[i], "moments": [m[of] for m in moments[1:]],
                "bodies": bodies}
@@ -80,36 +85,38 @@ def pull(kind, route, found, error, expected, its_error, scene):
             "oracle_error": float(its_error), "pull": float((found - expected) / np.hypot(error, its_error))}
 
 
-def compare(program, seed, histories=131072, wrong=None, spectra=SPECTRA, routes=ROUTES):
-    """Pulls of a scene, and how many resolved routes the oracle could not resolve."""
-    scene = Scene(seed)
+def compare(program, seed, histories=HISTORIES, wrong=()):
+    """{None: pulls of a scene, control: its pulls against a wrong oracle}, and how many routes the oracle left out."""
+    scene, left_out = Scene(seed), 0
     rng = np.random.default_rng([3141, seed])
     with tempfile.TemporaryDirectory() as folder:
-        found = list(rows(run(program, scene, pathlib.Path(folder), histories)))
-    oracle, pulls, left_out = Oracle(scene, wrong=wrong), [], 0
+        found = chosen(list(rows(run(program, scene, pathlib.Path(folder), histories))), scene, rng)
     direction = {b: rng.standard_normal(6) * ([1, 1, 1, 0, 0, 0] if "object" not in b else 1) for b in scene.bodies}
-    for number, row in enumerate(chosen(found, scene, rng)[:routes]):
-        answer = oracle.route(row["steps"], [seed, number], row["error"] / 5)
-        expected, its_error = answer.coupling
-        if not its_error < RESOLVED * expected:
-            left_out += 1
-            continue
-        pulls.append(pull("coupling", row["name"], row["mean"], row["error"], expected, its_error, scene))
-        if not through_objects(row["steps"], scene) or not len(row["moments"][0]):
-            continue
-        obtained, expected = along(row, direction), answer.second_moment(direction)
-        if obtained[1] + expected[1] > 1e-6 * expected[0]:       # else all paths have one lever, of no error
-            pulls.append(pull("levers", row["name"], *obtained, *expected, scene))
-        if spectra > 0 and row["h"].any():
-            spectra -= 1
-            pulls += spectrum(scene, row, answer, [seed, number, 1], rng)
-    return pulls, left_out, len(found)
+    pulls = {control: [] for control in (None, *wrong)}
+    for control, kept in pulls.items():
+        oracle, spectra = Oracle(scene, wrong=control), SPECTRA if control is None else 0
+        for number, row in enumerate(found if control is None else found[:3]):
+            answer = oracle.route(row["steps"], [seed, number], row["error"] / 5)
+            expected, its_error = answer.coupling
+            if not its_error < RESOLVED * expected:
+                left_out += control is None
+                continue
+            kept.append(pull("coupling", row["name"], row["mean"], row["error"], expected, its_error, scene))
+            if not through_objects(row["steps"], scene) or not len(row["moments"][0]):
+                continue
+            levers, its_levers = along(row, direction), answer.second_moment(direction)
+            if levers[1] + its_levers[1] > 1e-6 * its_levers[0]:     # else all paths have one lever, without error
+                kept.append(pull("levers", row["name"], *levers, *its_levers, scene))
+            if spectra > 0 and row["h"].any():
+                spectra -= 1
+                kept += spectrum(scene, row, answer, [seed, number, 1], rng)
+    return pulls, left_out
 
 
 def spectrum(scene, row, answer, seed, rng):
-    """One pull of the PSD of h, in a bin drawn from those within nine decades of the highest."""
-    expected, its_error, cut = strain(scene, answer, row["reverse"], row["edges"], seed)
-    usable = (expected > 1e-9 * expected.max()) & (cut < 0.05 * expected) & (its_error < RESOLVED * expected) & np.isfinite(row["h_error"])
+    """One pull of the PSD of h, in a bin drawn from those that can be compared."""
+    expected, its_error, usable = strain(scene, answer, row["reverse"], row["edges"], seed)
+    usable &= (its_error < RESOLVED * expected) & np.isfinite(row["h_error"])
     if not usable.any():
         return []
     i = rng.choice(np.flatnonzero(usable))

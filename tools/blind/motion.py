@@ -8,6 +8,7 @@ import numpy as np
 RATE, SECONDS = 1024, 64
 COORDINATES = ("x", "y", "z", "rx", "ry", "rz")
 C = 299792458.0
+LEAST = 1e-3
 
 
 def chain(links, f):
@@ -95,14 +96,17 @@ def response(scene, f):
 
 
 def strain(scene, answer, reverse, edges, seed, draws=64, paths=4):
-    """One-sided PSD of h in bins, of one route: two equal arms, C_rev = reverse. Also its error, and the part of it from
-    lines of the record that the edges of the bin cut, which may be a tone on either side."""
+    """One-sided PSD of h in bins, of one route: two equal arms, C_rev = reverse; its error; and which bins can be compared.
+
+    As in the program the response is that at the centre of a bin (docs/theory/spectra.md). Bins below LEAST of the highest
+    PSD of the field cannot be compared, since the program takes weak motion to first order, nor those at whose edges a
+    tone may fall on either side.
+    """
     rng = np.random.default_rng(seed)
     shaker = Shaker(scene)
     share = np.cumsum(answer.weight) / answer.weight.sum()
     count = draws * paths
     chosen = rng.permutation(np.searchsorted(share, (np.arange(count) + rng.random()) / count))
-    weigh = response(scene, shaker.f)
     width = 1 / SECONDS
     result, cuts, cut = np.empty((draws, len(edges) - 1)), np.rint(edges * SECONDS).astype(int), np.zeros(len(edges))
     for d in range(draws):
@@ -113,12 +117,13 @@ def strain(scene, answer, reverse, edges, seed, draws=64, paths=4):
             power = np.abs(np.fft.fft(np.exp(1j * phase)))**2 / (2 * RATE * RATE * SECONDS)
             half = len(power) // 2
             total += np.append(power[:half], power[half]) + np.append(power[0], power[:half - 1:-1])
-        power = total / paths * np.where(shaker.f > 0, weigh, 0)
+        power = total / paths * (shaker.f > edges[0] / 2)
         sums = np.concatenate([[0], np.cumsum(power)]) * width
         result[d] = np.diff(np.interp(edges, np.concatenate([[0], shaker.f + width / 2]), sums)) / np.diff(edges)
         cut += power[cuts] * width
     result *= 2 * reverse * answer.coupling[0]
-    mean = result.mean(0)
-    split = 2 * reverse * answer.coupling[0] * cut / draws
-    doubt = (split[:-1] + split[1:]) / np.diff(edges)
-    return mean, result.std(0, ddof=1) / np.sqrt(draws), doubt
+    doubt = 2 * reverse * answer.coupling[0] * (cut[:-1] + cut[1:]) / draws / np.diff(edges)
+    field, error = result.mean(0), result.std(0, ddof=1) / np.sqrt(draws)
+    field_share = field / field.max()
+    t = response(scene, np.sqrt(edges[1:] * edges[:-1]))
+    return field * t, error * t, (field_share > LEAST) & (doubt < 0.05 * field)

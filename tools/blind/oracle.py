@@ -11,6 +11,9 @@ from scipy.stats import qmc
 from surfaces import dot, first_hit, unit, visible
 
 
+CONTROLS = ("cosine", "factor 2", "lever", "mode")     # wrong oracles, which a comparison must reject
+
+
 class Answer:
     """Coupling of a route with its error, and a sample of its paths: weights and levers by body [rad/m, rad/rad]."""
 
@@ -38,7 +41,7 @@ def ratio_error(above, below):
 
 
 class Oracle:
-    """Routes of a scene. `wrong` makes a wrong program of it, as a control: 'cosine', 'factor 2', 'lever', 'mode'."""
+    """Routes of a scene; `wrong`: one of CONTROLS."""
 
     def __init__(self, scene, batches=16, powers=(9, 11, 13), wrong=None):
         self.scene, self.count, self.powers, self.wrong = scene, batches, powers, wrong

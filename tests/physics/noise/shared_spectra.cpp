@@ -159,5 +159,25 @@ TEST(SharedSpectra, PathsBeyondTheNodesAreNotLost) {
     EXPECT_NEAR(sum.psd[i], expected[i], 6 * std::sqrt(sum.variance[i]) + 1e-6 * expected[i]) << "bin " << i;
 }
 
+// Seven tones move the paths, two each: 21 sets of tones, each of which needs nodes of its own however far apart they
+// lie. With 20 nodes no lattice exists, and every path is computed.
+TEST(SharedSpectra, MoreSetsOfMotionThanNodes) {
+  std::vector<MotionClass> tones;
+  for (double const hz : {1.1, 1.3, 1.7, 1.9, 2.3, 2.9, 3.1}) tones.push_back({{}, hz, {}});
+  Strengths paths{tones.size(), {}, {}};
+  for (std::size_t a = 0; a < tones.size(); ++a)
+    for (std::size_t b = a + 1; b < tones.size(); ++b)
+      for (double const kappa : {4.0, 5.0}) {
+        paths.kappa.resize(paths.kappa.size() + tones.size());
+        double* const last = &paths.kappa[paths.kappa.size() - tones.size()];
+        last[a] = last[b] = kappa;
+        paths.weight.push_back(1);
+      }
+  PhaseSpectra const spectra(tones, grid);
+  constexpr SpectrumInterpolator::Options few{0.25, 20, true, 24, 0}, some{0.25, 20, true, 24, 100};
+  EXPECT_LT(worst(shared_sum(spectra, paths, some).psd, direct_sum(spectra, paths)), 1e-3);
+  EXPECT_THROW(shared_sum(spectra, paths, few), NumericalError) << "control: nodes alone";
+}
+
 }  // namespace
 }  // namespace straytrace::testing::noise_shared_spectra
