@@ -35,6 +35,7 @@ class MeasuredReader {
     beyond_ = law_.choice("beyond", rules);
     std::string const scaling = law_.choice("scaling", scalings, "none");
     scaled = scaling == "smooth";
+    double const scale = law_.number("scale", dim::plain, 1, 1e-6, 1e6);
     ScatterDeclared const given = declared();
     name_ = law_.word("file");
     if (name_.empty() || beyond_.empty() || scaling.empty() || !law_.healthy()) return false;
@@ -44,6 +45,11 @@ class MeasuredReader {
     std::vector<Problem> problems;
     file = read_scatter_file(text, given, problems);
     if (problems.empty()) check_scatter_points(file.points, problems);
+    for (ScatterPoint& p : file.points) {
+      p.value *= scale;
+      p.error *= scale;
+    }
+    file.declared.noise_floor *= scale;
     for (Problem const& p : problems)
       law_["file"].file_problem(name_, p.place.line, p.place.column, p.what, p.suggestion);
     return problems.empty() && side_fits();

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/every_module.hpp"
+#include "base/files/text_file.hpp"
 #include "base/math/rng.hpp"
 #include "noise/bands/elasticity.hpp"
 #include "results/results.hpp"
@@ -52,6 +53,23 @@ struct WhatIf : ::testing::Test {
     return straytrace(words);
   }
 };
+
+// `scale` of a measured BSDF is a strength: exactly the factor of the whole material. Control: the run as it was.
+TEST_F(WhatIf, ScaleOfAMeasuredBsdfNeedsNoTrace) {
+  std::string scene = read_text(written_arm);
+  std::string const law = "{model: lambertian, brdf: 1e-2 /sr}";
+  scene.replace(scene.find(law), law.size(), "{model: table, file: steel.csv, beyond: constant, scale: 1}");
+  write_text(folder / "steel.csv", read_text(source_folder + "/examples/data/steel_bsdf.csv"));
+  write_text(folder / "measured.yaml", scene);
+  Finished const traced =
+      straytrace({"run", folder / "measured.yaml", "-o", folder / "measured", "--histories", "65536", "--quiet"});
+  ASSERT_EQ(traced.code, 0) << traced.err;
+  std::string const run = folder / "measured/run.h5";
+  Finished const set = noise({"baffle_steel.scale=0.5"}, run);
+  ASSERT_EQ(set.code, 0) << set.err;
+  EXPECT_NEAR(at_10_hz(set).value / at_10_hz(noise({"baffle_steel=x0.5"}, run)).value, 1, 1e-9);
+  EXPECT_LT(at_10_hz(set).value, 0.8 * at_10_hz(noise({}, run)).value);
+}
 
 // Another seed with ten times the BRDF: h ~ beta^(1/2) for one scatter on a baffle, and the rest of the polynomial.
 // Control: the run as it was is many errors away.
