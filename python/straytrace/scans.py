@@ -237,7 +237,7 @@ def _candidate(found: Mapping[str, Any]) -> Candidate:
 
 def optimise(model: Model | Mapping[str, Any] | str | os.PathLike[str], *, minimise: str | None = None,
              vary: Mapping[str, str] | None = None, subject: Sequence[str] = (), pareto: bool = False, most: int | None = None,
-             out: str | os.PathLike[str] | None = None, **options: Any) -> Optimum:
+             most_histories: int | None = None, out: str | os.PathLike[str] | None = None, **options: Any) -> Optimum:
     """Least cost or least noise over parameters, under limits, as `straytrace optimise`; what is absent is taken from the
     table `optimise` of the model.
 
@@ -245,6 +245,7 @@ def optimise(model: Model | Mapping[str, Any] | str | os.PathLike[str], *, minim
     vary: ``{"rim": "34cm..40cm", "n": "10..60:integer", "scene.baffle.material": "steel,dlc"}``.
     subject: limits, ``["h_total < 0.05 x line with 95 %", "rim > 34 cm"]``.
     pareto: also the front of cost and noise. most: candidates of one search.
+    most_histories: of a candidate, from `histories` on, where the error would hide the next step.
     out: folder for all results; the same call resumes there. None: a temporary one.
     options: those of Model.run (histories, seed, threads, max_time)."""
     source = Model.of(model)
@@ -255,6 +256,7 @@ def optimise(model: Model | Mapping[str, Any] | str | os.PathLike[str], *, minim
     words += [f"--vary={name}={values}" for name, values in (vary or {}).items()] + [f"--subject={limit}" for limit in subject]
     words += ["--pareto"] if pareto else []
     words += [f"--most={most}"] if most is not None else []
+    words += [f"--most-histories={most_histories}"] if most_histories is not None else []
     texts = source.texts()
     answer = engine.ask("optimise", next(iter(texts)), *words, unsaved=texts)
     found = json.loads(answer.output)

@@ -48,6 +48,12 @@ void add_optimise(CLI::App& app, int& exit_code) {
   command->add_option("--most", o.most, "candidates of one search at most; default 60")
       ->check(whole_between(1, 10000, "60"))
       ->group("Analysis");
+  command
+      ->add_option("--most-histories", o.most_histories,
+                   "histories of a candidate at most, from --histories on by factors of 4, where the error would hide "
+                   "the next step; default: --histories")
+      ->check(whole_between(1, 1000000000, "1000000"))
+      ->group("Analysis");
   command->footer(
       "Examples:\n"
       "  straytrace optimise examples/et_hf_arm.yaml --minimise \"count(baffles*)\" --vary rim=34cm..36cm --subject "

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/math/rng.hpp"
 #include "base/math/samples.hpp"
@@ -88,15 +89,20 @@ LineVerdict compared(NoiseBudget const& budget, std::vector<double> const& line,
     for (std::size_t const i : bins) chosen.back().push_back(of_replica[i]);
   }
   out.factor = factor_of_all(chosen, confidence);
+  std::optional<std::size_t> decides;
   double const unresolved = 0.5 * std::log1p((tenfold - 1) * budget.unresolved_hint);
   for (std::size_t const i : bins) {
     double const h = budget.total.asd[i], sigma = budget.total.sigma[i];
     double const excess = std::log(std::max((h + out.factor * sigma) / line[i], 1e-300)) + unresolved;
     if (std::isnan(h) || !(std::isnan(out.excess) || excess > out.excess)) continue;
     out.excess = excess;
+    decides = i;
     out.hz = budget.grid.centre(i);
     out.ratio = {h / line[i], sigma / line[i], results::at_most(budget.total, i), !budget.unresolved.empty()};
   }
+  if (decides)
+    for (auto const& of_replica : deviations(budget.total))
+      out.deviations.push_back(of_replica[*decides] / budget.total.asd[*decides]);
   return out;
 }
 

@@ -18,6 +18,7 @@ struct LineVerdict {
   double excess = not_a_number;                 // logarithm of the largest upper limit over the line: met at 0 or below
   WithError ratio{not_a_number, not_a_number};  // of the curve to the line in that bin, with its standard error
   double hz = not_a_number, factor = not_a_number;
+  std::vector<double> deviations{};  // of the logarithm of the curve there, by replica
 };
 // Of the total, in which the observed power of unresolved routes counts tenfold. `line`: ASD per bin, NaN: not
 // compared. Without a bin the excess is NaN.

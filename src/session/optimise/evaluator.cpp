@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 
 #include "base/errors.hpp"
@@ -89,7 +90,21 @@ LineVerdict const* Outcome::deciding() const {
 }
 
 Evaluator::Evaluator(ScanOptions options, OptimiseOrder const& order)
-    : options_(std::move(options)), order_(order), scanner_(options_, {}, options_.out) {}
+    : options_(std::move(options)),
+      order_(order),
+      scanner_(options_, {}, options_.out),
+      first_histories_(scanner_.model_at({}).histories) {}
+
+Scanner& Evaluator::scanner(int level) {
+  if (level == 0) return scanner_;
+  if (auto const found = finer_.find(level); found != finer_.end()) return found->second;
+  ScanOptions more = options_;
+  more.histories = histories(level);
+  more.until.clear();
+  std::string const folder = fmt::format("{}/runs/{}", options_.out, more.histories.value());
+  std::filesystem::create_directories(folder + "/runs");
+  return finer_.emplace(level, Scanner(more, {}, folder)).first->second;
+}
 
 std::vector<std::string> Evaluator::settings_of(std::vector<double> const& values) const {
   std::vector<std::string> out;
@@ -181,9 +196,9 @@ void Evaluator::measure(Outcome& out, Scanner& scanner) const {
   out.traced = true;
 }
 
-std::optional<std::size_t> Evaluator::evaluate(std::vector<double> const& values) {
+std::optional<std::size_t> Evaluator::evaluate(std::vector<double> const& values, int level) {
   std::vector<std::string> const settings = settings_of(values);
-  if (auto const found = numbers_.find(settings); found != numbers_.end()) return found->second;
+  if (auto const found = numbers_.find({level, settings}); found != numbers_.end()) return found->second;
   Known const before = known(settings);
   Outcome out;
   out.settings = settings;
@@ -194,17 +209,17 @@ std::optional<std::size_t> Evaluator::evaluate(std::vector<double> const& values
     if (!options_.quiet)
       std::cerr << fmt::format("optimise  candidate {}: {}\n", outcomes_.size() + 1, fmt::join(settings, ", "));
     try {
-      measure(out, scanner_);
+      measure(out, scanner(level));
     } catch (InputError const&) {
       if (outcomes_.empty()) throw;
       out.objective = not_a_number;
     }
     if (out.traced && !out.point.complete) return {};
-    line_ = scanner_.line();
+    line_ = scanner(level).line();
   }
   out.excess.resize(order_.relations.size() + order_.limit_texts().size(), not_a_number);
   outcomes_.push_back(std::move(out));
-  return numbers_.emplace(settings, outcomes_.size() - 1).first->second;
+  return numbers_.emplace(std::pair(level, settings), outcomes_.size() - 1).first->second;
 }
 
 Outcome Evaluator::traced_anew(Outcome const& known, std::uint64_t seed, std::uint64_t histories) const {

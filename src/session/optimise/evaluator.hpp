@@ -39,8 +39,9 @@ class Evaluator {
   void check(std::vector<double> const& start) const;
   std::vector<double> own_values() const;                 // of the scene, inside the ranges
   double price(std::vector<double> const& values) const;  // NaN where the scene is impossible
-  // None when stopped. Each set of settings is evaluated once.
-  std::optional<std::size_t> evaluate(std::vector<double> const& values);
+  // None when stopped. Each set of settings is evaluated once at each level, with `histories(level)`.
+  std::optional<std::size_t> evaluate(std::vector<double> const& values, int level = 0);
+  std::uint64_t histories(int level) const { return first_histories_ << (2 * level); }
   Outcome const& outcome(std::size_t number) const { return outcomes_.at(number); }
   std::vector<Outcome> const& outcomes() const { return outcomes_; }
   // The same settings with another seed and number of histories; incomplete when stopped.
@@ -55,13 +56,16 @@ class Evaluator {
   Known known(std::vector<std::string> const& settings) const;
   void judge(Outcome&, Model const&, TracedLight const&, NoiseBudget const&) const;
   void measure(Outcome&, Scanner&) const;
+  Scanner& scanner(int level);
 
   ScanOptions options_;
   OptimiseOrder const& order_;
   Scanner scanner_;
+  std::map<int, Scanner> finer_;  // by level above 0, each with a folder of its own
+  std::uint64_t first_histories_;
   std::string line_;
   std::vector<Outcome> outcomes_;
-  std::map<std::vector<std::string>, std::size_t> numbers_;
+  std::map<std::pair<int, std::vector<std::string>>, std::size_t> numbers_;  // by level and settings
   mutable std::map<std::vector<std::string>, Known> known_;
 };
 

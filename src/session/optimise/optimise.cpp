@@ -85,8 +85,9 @@ class Optimisation {
     problem.tolerance = options_.tolerance;
     problem.most = options_.most;
     if (!report_.order.least_noise()) problem.price = [&](auto const& x) { return evaluator_.price(all(x)); };
-    problem.evaluate = [&](std::vector<double> const& x) -> std::optional<Candidate> {
-      auto const number = guard_.stop() ? std::nullopt : evaluator_.evaluate(all(x));
+    while (evaluator_.histories(problem.levels) <= options_.most_histories) ++problem.levels;
+    problem.evaluate = [&](std::vector<double> const& x, int level) -> std::optional<Candidate> {
+      auto const number = guard_.stop() ? std::nullopt : evaluator_.evaluate(all(x), level);
       if (!number) return {};
       return candidate(*number, x, allowance);
     };
@@ -105,7 +106,10 @@ class Optimisation {
     Candidate c{x, o.objective, o.excess, 0, number};
     if (report_.order.least_noise()) c.objective = std::log(o.objective);
     for (std::size_t k = report_.order.relations.size(); k < c.excess.size(); ++k) c.excess[k] -= allowance;
-    if (LineVerdict const* const v = o.deciding()) c.sigma = v->ratio.sigma / v->ratio.value;
+    if (LineVerdict const* const v = o.deciding()) {
+      c.sigma = v->ratio.sigma / v->ratio.value;
+      c.deviations = v->deviations;
+    }
     return c;
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The command `optimise`: the search over the candidates of a scene, the best ones traced anew, and their report
-// them (docs/theory/optimisation.md).
+// (docs/theory/optimisation.md).
 #pragma once
 
 #include <map>
@@ -17,8 +17,9 @@ namespace straytrace::session {
 struct OptimiseOptions : ScanOptions {
   OrderWords words;
   bool pareto = false;
-  double tolerance = 0.01;  // of the ranges
-  std::size_t most = 60;    // candidates of one search
+  double tolerance = 0.01;           // of the ranges
+  std::size_t most = 60;             // candidates of one search
+  std::uint64_t most_histories = 0;  // of a candidate, where the error hides the predicted gain; 0: as the first
 };
 
 // A candidate traced with a seed that the search has not seen.

@@ -21,8 +21,10 @@ bool better(Candidate const& a, Candidate const& b) {
 }
 
 Candidate const* SearchResult::closest() const {
-  auto const found = std::min_element(all.begin(), all.end(), better);
-  return found == all.end() ? nullptr : &*found;
+  Candidate const* found = nullptr;  // of the most accurate ones
+  for (Candidate const& c : all)
+    if (!found || c.level > found->level || (c.level == found->level && better(c, *found))) found = &c;
+  return found;
 }
 
 Candidate const* SearchResult::best() const {
@@ -35,6 +37,7 @@ namespace {
 using Vector = Eigen::VectorXd;
 
 constexpr double first_radius = 0.25, largest_radius = 0.5, penalty = 10;
+constexpr double hidden = 0.25;                       // of the predicted gain: largest error of a difference (eq. O.10)
 constexpr double accepted = 0.1, trusted = 0.75;      // of the predicted gain (eq. O.6)
 constexpr double margin = 1e-6;                       // below a limit that is aimed at
 constexpr double finest = 1e-5;                       // of a range: accuracy of the edges of the steps of a price
@@ -106,13 +109,14 @@ class RegionSearch {
   // Its number; none when stopped or when no more evaluations are allowed.
   std::optional<std::size_t> evaluate(std::vector<double> const& x) {
     for (std::size_t i = 0; i < result_.all.size(); ++i)
-      if (result_.all[i].at == x) return i;
+      if (result_.all[i].at == x && result_.all[i].level == level_) return i;
     if (result_.stopped) return {};
     exhausted_ = result_.all.size() >= problem_.most;
     if (exhausted_) return {};
-    std::optional<Candidate> found = problem_.evaluate(x);
+    std::optional<Candidate> found = problem_.evaluate(x, level_);
     result_.stopped = !found;
     if (!found) return {};
+    found->level = level_;
     result_.all.push_back(std::move(*found));
     return result_.all.size() - 1;
   }
@@ -131,7 +135,9 @@ class RegionSearch {
     for (double const e : c.excess) known = std::isnan(e) ? known : std::max(known, e);
     return known > 0 ? unmeasured + penalty * known : infinity;
   }
-  bool in_slice(Candidate const& c) const { return !fixed_ || c.at[std::size_t(fixed_->axis)] == fixed_->value; }
+  bool in_slice(Candidate const& c) const {
+    return c.level == level_ && (!fixed_ || c.at[std::size_t(fixed_->axis)] == fixed_->value);
+  }
   bool is_fixed(Eigen::Index axis) const { return fixed_ && fixed_->axis == axis; }
   std::size_t centre() const {
     std::optional<std::size_t> best;
@@ -151,6 +157,7 @@ class RegionSearch {
         Candidate const& middle = result_.all[centre()];
         Vector const u = coordinates_.of(middle.at);
         auto const there = [&](Candidate const& c) {
+          if (c.level != level_) return false;
           Vector const s = coordinates_.of(c.at) - u;
           bool const next =
               coordinates_.whole(axis) && std::fabs(c.at[std::size_t(axis)] - middle.at[std::size_t(axis)]) == 1;
@@ -178,7 +185,7 @@ class RegionSearch {
     std::vector<std::vector<double>> excess(result_.all.front().excess.size());
     for (Candidate const& c : result_.all) {
       Vector const s = coordinates_.of(c.at) - u;
-      if (((s.cwiseAbs() - 2.01 * reach).array() > 0).any()) continue;
+      if (c.level != level_ || ((s.cwiseAbs() - 2.01 * reach).array() > 0).any()) continue;
       steps.push_back(s);
       objective.push_back(scaled(c.objective));
       for (std::size_t k = 0; k < excess.size(); ++k) excess[k].push_back(c.excess[k]);
@@ -219,6 +226,26 @@ class RegionSearch {
     return best;
   }
 
+  // One standard error of the difference between a candidate and the one nearest to a point, by common replicas.
+  double error_near(Candidate const& middle, Vector const& at) const {
+    Candidate const* nearest = nullptr;
+    auto const distance = [&](Candidate const& c) { return (coordinates_.of(c.at) - at).lpNorm<Eigen::Infinity>(); };
+    for (Candidate const& c : result_.all)
+      if (c.level == level_ && c.at != middle.at && c.deviations.size() == middle.deviations.size() &&
+          (!nearest || distance(c) < distance(*nearest)))
+        nearest = &c;
+    double square = 0;
+    for (std::size_t r = 0; nearest && r < middle.deviations.size(); ++r)
+      square += std::pow(nearest->deviations[r] - middle.deviations[r], 2);
+    return std::sqrt(square);
+  }
+  // The best candidate anew where its error hides the predicted gain; the region about it follows.
+  bool refined(Candidate const& middle, Vector const& at, double predicted) {
+    if (level_ + 1 >= problem_.levels || !(error_near(middle, at) > hidden * predicted)) return false;
+    ++level_;
+    return evaluate(middle.at).has_value();
+  }
+
   // The trust region; why it ended.
   std::string approach() {
     int below_error = 0;
@@ -228,6 +255,7 @@ class RegionSearch {
       Subproblem const model = models(radius);
       Vector const step = step_of(model, middle.at);
       double const predicted = model.merit(Vector::Zero(step.size())) - model.merit(step);
+      if (refined(middle, coordinates_.of(middle.at) + step, predicted)) continue;
       std::size_t const before = result_.all.size();
       auto const found = evaluate(coordinates_.at(coordinates_.of(middle.at) + step));
       if (!found) break;
@@ -327,7 +355,7 @@ class RegionSearch {
     Vector const u = coordinates_.of(here.at);
     std::vector<Candidate const*> all;
     for (Candidate const& c : result_.all)
-      if (std::isfinite(c.worst()) || c.excess.empty()) all.push_back(&c);
+      if (c.level == here.level && (std::isfinite(c.worst()) || c.excess.empty())) all.push_back(&c);
     auto const distance = [&](Candidate const* c) { return (coordinates_.of(c->at) - u).lpNorm<Eigen::Infinity>(); };
     std::stable_sort(all.begin(), all.end(), [&](auto* a, auto* b) { return distance(a) < distance(b); });
     Near out;
@@ -402,6 +430,7 @@ class RegionSearch {
   };
   std::optional<Slice> fixed_;  // only candidates with this value
   bool exhausted_ = false;
+  int level_ = 0;
 };
 
 }  // namespace

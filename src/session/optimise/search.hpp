@@ -28,6 +28,8 @@ struct Candidate {
       excess;              // of every limit, in logarithms or relative: at most 0 where it is met; NaN: not measured
   double sigma = 0;        // standard error of the largest, Monte Carlo
   std::size_t number = 0;  // of the evaluation; a caller keeps more under it
+  std::vector<double> deviations{};  // of the logarithm of what decides, by replica; empty: without error
+  int level = 0;                     // of the accuracy
 
   double worst() const;  // largest excess; infinite where one was not measured
   bool met() const { return worst() <= 0; }
@@ -38,7 +40,8 @@ bool better(Candidate const&, Candidate const&);
 struct SearchProblem {
   std::vector<SearchRange> ranges;
   std::vector<double> start;
-  std::function<std::optional<Candidate>(std::vector<double> const&)> evaluate;  // none: stopped
+  std::function<std::optional<Candidate>(std::vector<double> const&, int level)> evaluate;  // none: stopped
+  int levels = 1;  // of the accuracy, from 0 on: raised where the error hides the predicted gain (eq. O.10)
   // The objective where no measurement is needed for it, otherwise empty: its steps are then searched.
   std::function<double(std::vector<double> const&)> price;
   double tolerance = 0.01;  // of the ranges
