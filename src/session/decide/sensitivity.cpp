@@ -224,7 +224,7 @@ SensitiveInput of_traces(OpenRun const& run, SceneValue const& value, std::strin
 SceneValue value_to_trace(OpenRun const& run, std::string const& name) {
   std::vector<std::string> known;
   for (SceneValue const& v : scene_values(run.model.scene)) {
-    if (v.place == name || v.place == "params." + name) {
+    if (v.place == name || v.place == "params." + name || v.place == "params." + name + ".value") {
       if (v.quantity && v.quantity->si == 0)
         throw InputError(fmt::format("--trace: '{}' is zero", name), "a step needs a value");
       return v;
