@@ -274,6 +274,9 @@ class Runs(unittest.TestCase):
             self.assertEqual(found.best.ratio, told["finalists"][told["best"]]["limits"][0]["ratio"]["value"])
             self.assertTrue(found.best.met and found.complete and found.run.histories == found.best.histories > BLOCK)
             self.assertIn("binds", found.text)
+            # The cost is 1/rim and the largest rim is the limit: d cost/d ln limit = -cost (eq. O.9).
+            self.assertAlmostEqual(found.prices_of_limits["rim < 48 cm"] / found.best.objective, -1, delta=0.1)
+            self.assertEqual(found.prices_of_limits["h_total < 1e9 x line"], 0)
         none = straytrace.optimise(self.model, subject=["h_total < 1e-9 x line"], **words)
         self.assertTrue(none.best is None and none.run is None and not any(c.met for c in none.candidates))
         with self.assertRaisesRegex(straytrace.InputError, "did you mean 'rim'"):
@@ -312,6 +315,8 @@ class Decisions(unittest.TestCase):
         self.assertAlmostEqual(np.log(twice / plain) / np.log(1.01), e, delta=2e-3)
         self.assertGreater(abs(e), 0.3)
         self.assertEqual(list(found.table()["class"].unique()), ["strength"])
+        self.assertFalse(found.sampled.any())                                      # no input states an uncertainty
+        self.assertTrue(np.isnan(steel.narrowing).all())
         with self.assertRaisesRegex(straytrace.InputError, "there is no material or value 'stel'"):
             run.with_inputs("stel=x2")
 
