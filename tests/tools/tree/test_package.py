@@ -18,7 +18,7 @@ import bundle  # noqa: E402
 
 # In the recipe under another name than in find_package or find_path.
 OTHER_NAMES = {"fmt": "fmt", "yaml-cpp": "yaml-cpp", "CLI11": "cli11", "Eigen3": "eigen", "Boost": "libboost-headers",
-               "nlohmann_json": "nlohmann_json", "assimp": "assimp", "OpenSSL": "openssl", "PNG": "libpng", "NLopt": "nlopt",
+               "nlohmann_json": "nlohmann_json", "assimp": "assimp", "OpenSSL": "openssl", "PNG": "libpng", "ZLIB": "zlib", "NLopt": "nlopt",
                "HDF5": "hdf5", "meshoptimizer": "meshoptimizer", "OpenCASCADE": "occt", "Threads": None, "Python3": "python", "GTest": None,
                "MPI": None}
 
