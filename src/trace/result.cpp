@@ -50,18 +50,40 @@ void keep_largest(ClassSums& sums) {
 
 namespace {
 
+// The first `most` of two sorted lists together; of equal ones those of `a` come first.
+template <class T, class Before>
+std::vector<T> first_of_both(std::vector<T> const& a, std::vector<T> const& b, std::size_t most, Before const& before) {
+  std::vector<T> all(std::min(a.size() + b.size(), most));
+  auto i = a.begin(), j = b.begin();
+  for (T& next : all) next = j == b.end() || (i != a.end() && !before(*j, *i)) ? *i++ : *j++;
+  return all;
+}
+
+void merge(Moments& into, Moments const& from) {
+  into.first_sum += from.first_sum;
+  if (!from.tail.empty()) into.tail = first_of_both(into.tail, from.tail, tail_size, std::greater<>());
+  into.sum += from.sum;
+  into.sum2 += from.sum2;
+  into.sum3 += from.sum3;
+  into.sum4 += from.sum4;
+  into.block_sum2 += from.block_sum2;
+  into.scored += from.scored;
+  if (from.largest > into.largest) {
+    into.largest = from.largest;
+    into.largest_history = from.largest_history;
+  }
+}
+
 // Adds fields of scores; the sum over the first blocks keeps its value in `into`.
 void merge_scores(Moments& into, Moments const& from) {
   double const first = into.first_sum;
-  into = merged(into, from);
+  merge(into, from);
   into.first_sum = first;
 }
 
 // keep_largest() of the records of both, which are sorted.
 void merge_records(ClassSums& into, ClassSums const& from, std::size_t most) {
-  auto const middle = std::ptrdiff_t(into.kept.size());
-  into.kept.insert(into.kept.end(), from.kept.begin(), from.kept.end());
-  std::inplace_merge(into.kept.begin(), into.kept.begin() + middle, into.kept.end(), ByPriority());
+  into.kept = first_of_both(into.kept, from.kept, most + 1, ByPriority());
   double const threshold = std::max(into.threshold, from.threshold);
   auto const below =
       std::ranges::partition_point(into.kept, [&](ScoreAddress const& a) { return a.priority >= threshold; });
@@ -108,6 +130,12 @@ void move_border(BlockSums& sums, std::uint64_t more) {
 
 }  // namespace
 
+Moments merged(Moments const& left, Moments const& right) {
+  Moments both = left;
+  merge(both, right);
+  return both;
+}
+
 BlockSums merged(BlockSums left, BlockSums const& right) {
   if (left.blocks == 0 && left.classes.empty()) return right;
   move_border(left, right.blocks);
@@ -126,15 +154,14 @@ BlockSums merged(BlockSums left, BlockSums const& right) {
   }
   left.receivers.resize(std::max(left.receivers.size(), right.receivers.size()));
   for (std::size_t i = 0; i < right.receivers.size(); ++i) merge_receiver(left.receivers[i], right.receivers[i]);
-  left.emitted = merged(left.emitted, right.emitted);
+  merge(left.emitted, right.emitted);
   left.window_variance += right.window_variance;
-  for (int f = 0; f < balance_term_count; ++f)
-    left.energy_balance[f] = merged(left.energy_balance[f], right.energy_balance[f]);
+  for (int f = 0; f < balance_term_count; ++f) merge(left.energy_balance[f], right.energy_balance[f]);
   for (auto const list : {&BlockSums::arrived, &BlockSums::absorbed}) {
     std::vector<Moments>& into = left.*list;
     std::vector<Moments> const& from = right.*list;
     into.resize(std::max(into.size(), from.size()));
-    for (std::size_t g = 0; g < from.size(); ++g) into[g] = merged(into[g], from[g]);
+    for (std::size_t g = 0; g < from.size(); ++g) merge(into[g], from[g]);
   }
   return left;
 }
@@ -239,26 +266,6 @@ void Moments::close_block() {
   block_sum2 = sum * sum;
   shorten(tail);
   std::ranges::sort(tail, std::greater<>());
-}
-
-Moments merged(Moments const& left, Moments const& right) {
-  Moments m = left;
-  m.first_sum += right.first_sum;
-  m.tail.resize(left.tail.size() + right.tail.size());
-  std::merge(left.tail.begin(), left.tail.end(), right.tail.begin(), right.tail.end(), m.tail.begin(),
-             std::greater<>());
-  m.tail.resize(std::min(m.tail.size(), tail_size));
-  m.sum += right.sum;
-  m.sum2 += right.sum2;
-  m.sum3 += right.sum3;
-  m.sum4 += right.sum4;
-  m.block_sum2 += right.block_sum2;
-  m.scored += right.scored;
-  if (right.largest > m.largest) {
-    m.largest = right.largest;
-    m.largest_history = right.largest_history;
-  }
-  return m;
 }
 
 std::uint64_t first_part(std::uint64_t blocks) {
