@@ -9,6 +9,7 @@ RATE, SECONDS = 1024, 64
 COORDINATES = ("x", "y", "z", "rx", "ry", "rz")
 C = 299792458.0
 LEAST = 1e-3
+LOSS = 75e-6      # of power per round trip of an arm, the default
 
 
 def chain(links, f):
@@ -87,7 +88,7 @@ def response(scene, f):
     """|T_ph|^2 + |T_am|^2 of an arm (eq. 6.8, 9.1, 9.2)."""
     ti, ts = scene.input_transmission, scene.signal_transmission
     effective = ti * ts / (1 - np.sqrt((1 - ti) * (1 - ts)))**2
-    r = np.sqrt(1 - effective)
+    r = np.sqrt((1 - effective) * (1 - LOSS))
     gain, pole = 1 / (1 - r), C * (1 - r) / (4 * np.pi * scene.arm_length * np.sqrt(r))
     phase = scene.wavelength / (4 * np.pi * scene.arm_length)
     with np.errstate(divide="ignore"):
