@@ -11,7 +11,7 @@ from scipy.stats import qmc
 from surfaces import dot, first_hit, unit, visible
 
 
-CONTROLS = ("cosine", "factor 2", "lever", "mode")     # wrong oracles, which a comparison must reject
+CONTROLS = ("cosine", "factor 2", "lever")     # wrong oracles, which a comparison must reject
 
 
 class Answer:
@@ -57,8 +57,7 @@ class Oracle:
         g1, g2 = 1 - length / a.roc, 1 - length / b.roc
         if mirror == self.scene.mirrors[1]:
             g1, g2 = g2, g1
-        w = (self.scene.wavelength * length / np.pi * np.sqrt(g2 / (g1 * (1 - g1 * g2))))**0.5
-        return w * 1.1 if self.wrong == "mode" else w
+        return (self.scene.wavelength * length / np.pi * np.sqrt(g2 / (g1 * (1 - g1 * g2))))**0.5
 
     def on_mode(self, mirror, u):
         """Points by |u|^2; 0 beyond the edge of the mirror."""
