@@ -13,8 +13,8 @@
 namespace straytrace::noise {
 namespace {
 
-constexpr double widest = 1e4;       // times the first step: all strengths of a sign share a cell
-constexpr double drift_step = 0.02;  // of ln kappa: 1 % in frequency, a quarter of a usual bin
+constexpr double largest_widening = 1e4;  // times the first step: all strengths of a sign share a cell
+constexpr double drift_step = 0.02;       // of ln kappa: 1 % in frequency, a quarter of a usual bin
 
 int reach(std::size_t strong_classes) { return strong_classes == 1 ? 4 : 2; }
 
@@ -140,7 +140,7 @@ bool SpectrumInterpolator::any_negative() const {
 
 // The widest lattice still has a cell for each set of classes that are strong together, which may be too many.
 void SpectrumInterpolator::start(double step, std::size_t most, bool stencils) {
-  for (double widening = 1; widening < widest; widening *= 1.5) {
+  for (double widening = 1; widening < largest_widening; widening *= 1.5) {
     Lattice lattice{step * widening, drift_step * widening, {}, {}};
     if (!sort_into(lattice, most)) continue;
     node_.clear();
