@@ -20,7 +20,7 @@ using Spectra = UncertainPsd::Spectra;
 
 constexpr double faintest = 1e-30, quadratic = 1e-3;  // of a PSD: its largest value; its own
 constexpr int points = 1 << 13, block = 256;
-constexpr double together = 0.05;                    // of the root of the sum of squares: where motions are said to add
+constexpr double together = 0.05;                    // of the root of squares: below it motions add
 constexpr double farthest = 4, widest = 0.35;        // nodes of a motion: standard deviations; step of t
 constexpr double bent = 0.2, bent_by_motion = 0.02;  // of the band: second order beyond which first order fails
 
