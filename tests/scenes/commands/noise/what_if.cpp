@@ -213,11 +213,20 @@ std::vector<std::vector<double>> on_a_page(Json const& asked, Folder const& fold
 // One table of 50 settings of the sliders for both: the polynomial of the page (eq. D.8), and what --set computes from
 // the couplings. Control: one scatter more on a material in the page.
 TEST_F(WhatIf, PageAndProgramAgreeOnRandomSettings) {
-  OpenRun const opened(run());
+  Finished const made = straytrace({"trace", written_arm, "-o", folder / "page.h5", "--histories", "4096", "--quiet"});
+  ASSERT_EQ(made.code, 0) << made.err;
+  OpenRun opened(folder / "page.h5");
+  Model model = model_of(opened.file);
+  for (ProjectionModel* const m : {&opened.model, static_cast<ProjectionModel*>(&model)}) {  // few bins, weak motion
+    m->noise.grid.edges = {9, 11, 27, 33, 90, 110};
+    for (MotionInput& in : m->motion.inputs)
+      for (Gain& g : in.gains) g.value *= 1e-4;
+  }
+  model.traced.meets_light.assign(model.motion.bodies.size(), false);  // no slider moves a body
   CouplingTable const& light = opened.file.trace.coupling;
   NoiseBudget const budget = opened.model.project(light);
   PathTable const table = path_table(light, &budget, &opened.model.motion, {});
-  WhatIfTerms const terms = what_if_terms(model_of(opened.file), light, budget, table, 1);
+  WhatIfTerms const terms = what_if_terms(model, light, budget, table, 1);
   ASSERT_EQ(terms.none, "");
   Json page = what_if_json(terms, budget, table), settings = Json::array();
   std::vector<std::vector<double>> program;
@@ -247,7 +256,7 @@ TEST_F(WhatIf, PageAndProgramAgreeOnRandomSettings) {
         most = std::max(most, std::fabs(answers[n][i] / program[n][i] - 1));
     return answers.size() == program.size() ? most : infinity;
   };
-  EXPECT_LT(largest(page), 1e-6);
+  EXPECT_LT(largest(page), 3e-6);  // rows `other` are divided by kept paths, and shares are 32-bit numbers
   for (Json& exponents : page["exponents"]) exponents[0] = exponents[0].get<int>() + 1;
   EXPECT_GT(largest(page), 0.1) << "control";
 }
