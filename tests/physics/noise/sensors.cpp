@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sensors on the beams of ports: docs/theory/time_domain.md, eq. N.22 to N.24.
+#include "base/math/rng.hpp"
+#include "ifo/network.hpp"
 #include "noise/project/sensor_noise.hpp"
 #include "noise/time_domain/time_domain.hpp"
 #include "physics/noise/support.hpp"
