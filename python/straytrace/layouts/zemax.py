@@ -45,7 +45,7 @@ class Surface:
     def profile(self, unit: float, side: int) -> Profile:
         """The face whose outward normal is `side` times the local z. ValueError says why no shape has it."""
         if self.kind not in POWERS:
-            raise ValueError(f"is of type {self.kind}, which no shape has")
+            raise ValueError(f"is of type {self.kind}, for which there is no shape")
         power = POWERS[self.kind]
         terms = {power(n): a for n, a in self.numbers.items() if a} if power else {}
         curvature, conic = self.curvature, self.conic
@@ -271,7 +271,7 @@ class Builder:
     def check_empty(self, s: Surface) -> None:
         """A surface between vacuum and vacuum."""
         if s.kind not in POWERS:
-            self.leave_out(s, f"is of type {s.kind}, which no shape has", "its effect is missing: add an optic in its place")
+            self.leave_out(s, f"is of type {s.kind}, which cannot be modelled", "the scene omits its effect; add an equivalent optic by hand")
         elif s.stop:
             self.leave_out(s, f"is an aperture stop of radius {s.radius:g}", "add a disk with that inner_radius")
 

@@ -32,6 +32,17 @@ inline PhaseSensitivity phase_sensitivity(std::uint32_t body, int axis, double v
   return l;
 }
 
+// Half of a Gaussian of width 1 Hz around 0 Hz.
+inline Spectrum around_zero(double rms) {
+  std::vector<double> hz, psd;
+  for (double f = 5e-4; f < 8; f += 0.02) {
+    hz.push_back(f);
+    psd.push_back(std::exp(-f * f / 2));
+  }
+  Spectrum const shape(hz, psd);
+  return shape.scaled(rms * rms / shape.total());
+}
+
 // Bodies that move along z, each by its own input.
 inline MotionSet moving(std::vector<Spectrum> const& spectra) {
   MotionSet set;

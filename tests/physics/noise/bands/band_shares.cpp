@@ -47,15 +47,6 @@ TEST(BandShares, OfAStraightLineAreThoseOfFirstOrder) {
   EXPECT_NEAR(s.halving[0][0], 1 - std::sqrt(1 - 0.75 * share), 1e-3);
 }
 
-Spectrum around_zero(double rms) {
-  std::vector<double> hz, psd;
-  for (double f = 5e-4; f < 8; f += 0.02) {
-    hz.push_back(f);
-    psd.push_back(std::exp(-f * f / 2));
-  }
-  Spectrum const shape(hz, psd);
-  return shape.scaled(rms * rms / shape.total());
-}
 UncertainPsd of_motions(std::vector<Spectrum> const& spectra, std::vector<PhaseSensitivity> const& path,
                         double factor) {
   MotionSet motion = moving(spectra);

@@ -77,17 +77,6 @@ TEST(Elasticity, DividesARowByItsKeptPaths) {
   EXPECT_EQ(unknown.unknown[0], 1);
 }
 
-// Half of a Gaussian of width 1 Hz around 0 Hz.
-Spectrum around_zero(double rms) {
-  std::vector<double> hz, psd;
-  for (double f = 5e-4; f < 8; f += 0.02) {
-    hz.push_back(f);
-    psd.push_back(std::exp(-f * f / 2));
-  }
-  Spectrum const shape(hz, psd);
-  return shape.scaled(rms * rms / shape.total());
-}
-
 // One class with that PSD and a mean-square phase of 100, by sums of eq. 7.7; eq. D.4 gives -0.49875, -0.48, 0, 1.5, 4
 // in the limit. Controls: weak motion, for which e = 1; the limit itself is off by more.
 TEST(Elasticity, OfStrongMotionChangesItsSign) {
