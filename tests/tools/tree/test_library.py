@@ -29,7 +29,7 @@ class Library(unittest.TestCase):
         cls.addClassCleanup(cls.held.cleanup)
         cls.folder = pathlib.Path(cls.held.name)
         output("cmake", "--install", BUILD, "--prefix", cls.folder / "installed", "--component", "library")
-        output("cmake", "-S", ROOT / "examples/library", "-B", cls.folder / "build", "-DCMAKE_BUILD_TYPE=Debug",
+        output("cmake", "-G", "Ninja", "-S", ROOT / "examples/library", "-B", cls.folder / "build", "-DCMAKE_BUILD_TYPE=Debug",
                "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror", f"-DCMAKE_PREFIX_PATH={cls.folder / 'installed'}")
         output("cmake", "--build", cls.folder / "build")
         cls.example = cls.folder / "build/baffle_reflectance"
