@@ -76,6 +76,7 @@ class Quadrature {
 
  private:
   static constexpr unsigned spare_points = 16;  // per patch: where the points of a pair begin
+  static constexpr unsigned lines_for_slivers = 256;
   unsigned points_each() const { return samples_ + spare_points; }
   Point point_on(std::size_t patch, double u, double v) const {
     Steering::Place const place = steering_.place(std::uint32_t(patch), u);
@@ -143,36 +144,44 @@ class Quadrature {
       bool const scatters = all[2 * from + line.side_x].albedo > 0 || all[2 * to + line.side_y].albedo > 0;
       if (!(line.kernel > 0) || !scatters || (every_line && hidden(line))) continue;
       Facing& sides = facing[2 * line.side_x + line.side_y];
-      sides.there.add(std::min(line.kernel * area_to, most));
-      sides.back.add(std::min(line.kernel * area_from, most));
+      sides.there.add(std::min(line.kernel * area_to, most), lines);
+      sides.back.add(std::min(line.kernel * area_from, most), lines);
       if (line.kernel > sides.strongest.kernel) sides.strongest = line;
     }
     for (unsigned k = 0; k < 4; ++k) {
       if (!every_line && !(facing[k].there.first > 0)) continue;
       bool const dark = !every_line && hidden(facing[k].strongest);
       std::size_t const a = 2 * from + k / 2, b = 2 * to + k % 2;
-      all[a].diffuse.set(b, facing[k].there, lines, dark);
-      if (to != from) all[b].diffuse.set(a, facing[k].back, lines, dark);
+      all[a].diffuse.set(b, facing[k].there, dark);
+      if (to != from) all[b].diffuse.set(a, facing[k].back, dark);
     }
   }
 
-  // Score per unit of diffuse power leaving `side` by connections to one goal.
+  // Score per unit of diffuse power leaving `side` by connections to one goal. Where the first lines are all hidden, more
+  // of them look for the sliver that may be seen.
   double direct_score(std::size_t side, std::uint32_t goal, std::size_t number) const {
-    double const sign = side % 2 == 0 ? 1 : -1;
     double sum = 0;
-    for (unsigned i = 0; i < samples_; ++i) {
-      Pair const at = pair_of_points(side, ~std::uint64_t(number), i);
-      Point const x = point_on(side / 2, at.u1, at.v1);
-      Arrival const y = arrival(goal, x.p, at.u2 > 0 ? at.u2 : 0.5, at.v2);
-      Vec3 const span = y.point - x.p;
-      double const d = length(span), cos_x = sign * dot(span, x.normal) / d;
-      if (!(y.worth > 0 && cos_x > 0)) continue;
-      bool const clear = view_.surfaces[y.surface.value].clear;
-      if (!view_.occluded({x.p, (1 / d) * span, d - view_.slack(y.surface, d, y.cosine)}, {x.surface, x.piece},
-                          x.surface == y.surface && !clear))
-        sum += cos_x * y.worth / (pi * d * d);
+    bool dark = false;
+    unsigned lines = 0;
+    while (lines < samples_ || (lines < lines_for_slivers && dark && !(sum > 0)))
+      for (unsigned const end = lines < samples_ ? samples_ : lines_for_slivers; lines < end; ++lines)
+        sum += score_of_line(side, goal, pair_of_points(side, ~std::uint64_t(number), lines), dark);
+    return sum / lines;
+  }
+  // `dark` is set where the line is hidden.
+  double score_of_line(std::size_t side, std::uint32_t goal, Pair const& at, bool& dark) const {
+    Point const x = point_on(side / 2, at.u1, at.v1);
+    Arrival const y = arrival(goal, x.p, at.u2 > 0 ? at.u2 : 0.5, at.v2);
+    Vec3 const span = y.point - x.p;
+    double const d = length(span), cos_x = (side % 2 == 0 ? 1 : -1) * dot(span, x.normal) / d;
+    if (!(y.worth > 0 && cos_x > 0)) return 0;
+    bool const clear = view_.surfaces[y.surface.value].clear;
+    if (view_.occluded({x.p, (1 / d) * span, d - view_.slack(y.surface, d, y.cosine)}, {x.surface, x.piece},
+                       x.surface == y.surface && !clear)) {
+      dark = true;
+      return 0;
     }
-    return sum / samples_;
+    return cos_x * y.worth / (pi * d * d);
   }
   // A point drawn on a goal, and the score there of light from p, per unit of intensity over d^2.
   struct Arrival {
@@ -215,15 +224,28 @@ class Quadrature {
       bool const front = dot(view_.normal(lit.surface, lit.centre), lit.travel) < 0;
       if (front != (side % 2 == 0)) continue;
       exchange.emitted += lit.share * exchange.albedo;
-      for (std::size_t to = 0; to < tables_.patches.size(); ++to)
-        for (unsigned i = 0; i < samples_; ++i) emit_sample(sums, side, lit, to, i);
+      for (std::size_t to = 0; to < tables_.patches.size(); ++to) emit_towards(sums, side, lit, to);
     }
     if (!(exchange.emitted > 0)) return;
     exchange.by_law = Arriving(sums.size());
-    for (std::size_t i = 0; i < sums.size(); ++i) exchange.by_law.set(i, sums[i], samples_, false);
+    for (std::size_t i = 0; i < sums.size(); ++i) exchange.by_law.set(i, sums[i], false);
   }
-  void emit_sample(std::vector<LineSum>& sums, std::size_t side, Footprint const& lit, std::size_t to,
-                   unsigned i) const {
+  void emit_towards(std::vector<LineSum>& sums, std::size_t side, Footprint const& lit, std::size_t to) const {
+    std::array<LineSum, 2> facing;  // by side of `to`
+    auto const add_lines = [&](unsigned begin, unsigned end) {
+      bool dark = false;
+      for (unsigned i = begin; i < end; ++i) emit_line(facing, side, lit, to, i, end, dark);
+      return dark && !(facing[0].first + facing[1].first > 0);
+    };
+    if (add_lines(0, samples_)) add_lines(samples_, lines_for_slivers);
+    for (unsigned k = 0; k < 2; ++k) {
+      sums[2 * to + k].first += facing[k].first;
+      sums[2 * to + k].second += facing[k].second;
+    }
+  }
+  // The line i of `lines`. `dark` is set where it is hidden.
+  void emit_line(std::array<LineSum, 2>& facing, std::size_t side, Footprint const& lit, std::size_t to, unsigned i,
+                 unsigned lines, bool& dark) const {
     Pair const at = pair_of_points(side + 1000003, to, i);
     Ray const ray = lit.sample(at.u1 > 0 ? at.u1 : 0.5, at.v1);
     Crossing const met = view_.cross(lit.surface.value, ray, {});
@@ -235,9 +257,13 @@ class Quadrature {
     if (!(line.kernel > 0)) return;
     Vec3 const wo = from.frame.to_local(unit(y.p - x.p));
     double const bsdf = scatter_eval(view_.laws, *from.optic, from.wi, wo);
-    if (!(bsdf > 0) || hidden(line)) return;
-    double const arriving = lit.share * bsdf * pi * line.kernel * tables_.patches[to].area / samples_;
-    sums[2 * to + line.side_y].add(std::min(arriving, 1.0 / samples_));
+    if (!(bsdf > 0)) return;
+    if (hidden(line)) {
+      dark = true;
+      return;
+    }
+    double const arriving = lit.share * bsdf * pi * line.kernel * tables_.patches[to].area / lines;
+    facing[line.side_y].add(std::min(arriving, 1.0 / lines), lines);
   }
 
   SteeringTables const& tables_;

@@ -16,10 +16,10 @@ namespace straytrace::trace {
 
 // Shares of light along the lines from one side of a patch to one side of another.
 struct LineSum {
-  double first = 0, second = 0;
-  void add(double share) {
+  double first = 0, second = 0;  // mean share, and mean of its square
+  void add(double share, unsigned lines) {
     first += share;
-    second += share * share;
+    second += share * share * lines;
   }
 };
 // Light leaving one side of a patch, by sides of arrival.
@@ -30,10 +30,9 @@ class Arriving {
   bool empty() const { return on_.empty(); }
   std::size_t size() const { return on_.size(); }
   // `hidden`: the one line traced was.
-  void set(std::size_t side, LineSum const& sum, unsigned lines, bool hidden) {
+  void set(std::size_t side, LineSum const& sum, bool hidden) {
     if (empty()) return;
-    on_[side] = {hidden ? -float(sum.first) : float(sum.first),
-                 sum.first > 0 ? float(sum.second / sum.first * lines) : 0};
+    on_[side] = {hidden ? -float(sum.first) : float(sum.first), sum.first > 0 ? float(sum.second / sum.first) : 0};
   }
   double share(std::size_t side) const { return std::max(on_[side].share, 0.0f); }
   // Of two functions of the sides.
