@@ -101,6 +101,11 @@ STRAY_HD double strip_coordinate(Cone const& s, Vec3 p, std::uint32_t) {
   double const inner2 = s.inner_radius * s.inner_radius;
   return (length2(o - dot(o, s.axis) * s.axis) - inner2) / (s.outer_radius * s.outer_radius - inner2);
 }
+STRAY_HD double strip_coordinate(SerratedCone const& s, Vec3 p, std::uint32_t) {
+  Vec3 const o = p - s.apex, across = o - dot(o, s.axis) * s.axis;
+  double const rim = s.rim(across), rim2 = rim * rim;
+  return (length2(across) - rim2) / (s.outer_radius * s.outer_radius - rim2);
+}
 STRAY_HD double strip_coordinate(Cap const& s, Vec3 p, std::uint32_t) {
   Vec3 const o = p - s.vertex;
   double const inner = s.inner_radius > 0 ? s.depth(s.inner_radius) : 0, rho = length(o - dot(o, s.axis) * s.axis);

@@ -215,10 +215,24 @@ std::vector<double> mesh_edges(TriangleMesh const& mesh, std::size_t meshes) {
   return edges;
 }
 
+// A ring: rings of four times the width each, from its inner rim outwards. What is seen of a ring behind others is next to
+// its rim.
+std::vector<double> ring_edges(double inner, double outer) {
+  std::vector<double> edges{0};
+  for (double const part : {1.0 / 16, 1.0 / 4}) {
+    double const radius = inner + part * (outer - inner);
+    edges.push_back((radius * radius - inner * inner) / (outer * outer - inner * inner));
+  }
+  edges.push_back(1);
+  return edges;
+}
+
 template <class Shape>
 std::vector<double> edges_of(World const& world, std::vector<Vec3> const& places, Shape const& shape) {
   if constexpr (std::is_same_v<Shape, Cylinder>)
     if (shape.to - shape.from > 2 * shape.radius) return wall_edges(world, places, shape);
+  if constexpr (std::is_same_v<Shape, Disk> || std::is_base_of_v<Cone, Shape>)
+    if (shape.inner_radius > 0) return ring_edges(shape.inner_radius, shape.outer_radius);
   if constexpr (std::is_same_v<Shape, TriangleMesh>)
     return mesh_edges(shape, std::get<View<TriangleMesh const>>(world.view().shapes.arrays).size);
   int const parts = std::is_same_v<Shape, Sphere> ? 8 : 1;

@@ -102,6 +102,69 @@ TEST(Patches, WrongPatchAreaIsRejected) {
   }
 }
 
+// A black ring hides another of the same size but for what is seen through its hole: 1.4 % of the area.
+namespace sliver {
+constexpr double hole = 0.5, rim = 1, near = 1, far = 1.02, albedo = 0.5, eye_radius = 1e-3;  // m; 1
+constexpr Vec3 eye{0.03, 0, 0};
+
+World two_rings(bool with_tips) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const black = black_optic(world), grey = lambertian_optic(world, albedo);
+  SurfaceId const source =
+      world.add_surface(disk(0, 0.01), lambertian_optic(world, 1e-3), black, body, world.add_group("source"));
+  Pose const pose{.origin = {0, 0, near}};
+  Pose const behind{.origin = {0, 0, far}, .e1 = {1, 0, 0}, .e2 = {0, -1, 0}, .e3 = {0, 0, -1}};
+  world.add_surface(disk(hole, rim, {pose.origin, {0, 0, 1}}), black, black, body, world.add_group("front"));
+  if (with_tips) {
+    SerratedCone teeth;  // so shallow that the rim is round
+    teeth.inner_radius = hole;
+    teeth.outer_radius = rim;
+    teeth.half_angle = pi / 2;
+    teeth.tooth_depth = 1e-6;
+    teeth.place(behind);
+    world.add_surface(teeth, grey, black, body, world.add_group("rear"));
+  } else {
+    world.add_surface(disk(hole, rim, {behind.origin, behind.e3}), grey, black, body, world.add_group("rear"));
+  }
+  receive_on(world, "eye",
+             world.add_surface(disk(0, eye_radius, {eye, {0, 0, 1}}), black, black, body, world.add_group("eye")));
+  world.add_footprint(spot(source, {}, {0, 0, -1}, Profile::even, 1e-4));
+  world.limits.max_order = 2;
+  world.finish();
+  return world;
+}
+
+// Both ends Lambertian: cos/pi and the same cosines at the ring, over the visible part (eq. 1.3 twice).
+double expected(bool shadow) {
+  constexpr int n = 2000;
+  double const outer = shadow ? hole * far / near * 1.05 : rim;
+  double sum = 0;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      double const rho = hole + (outer - hole) * (i + 0.5) / n;
+      SinCos const a = sincos_turn((j + 0.5) / n);
+      Vec3 const p{rho * a.cos, rho * a.sin, far}, back = eye - p, crossing = p + ((far - near) / far) * back;
+      bool const seen = rho * near / far < hole && std::hypot(crossing.x, crossing.y) < hole;
+      if (shadow && !seen) continue;
+      double const there2 = length2(p), back2 = length2(back), cosines = far * far * far * far / (there2 * back2);
+      sum += rho * cosines / (there2 * back2);
+    }
+  return sum * (outer - hole) / n * 2 * pi / n * albedo * eye_radius * eye_radius / pi;
+}
+}  // namespace sliver
+
+TEST(Patches, SliversBehindOthersGetLight) {
+  EXPECT_GT(sliver::expected(false), 20 * sliver::expected(true)) << "control: without the shadow";
+  for (bool const with_tips : {false, true}) {
+    World world = sliver::two_rings(with_tips);
+    world.steer(make_importance(world));
+    SampleMean const aimed = received_share(run_histories(world, 1 << 15));
+    EXPECT_LT(aimed.std_error, 0.03 * aimed.mean);
+    expect_mean("light by a sliver", aimed, sliver::expected(true), 0.3 * sliver::expected(true));
+  }
+}
+
 // The wall of a tube of 4 km has sections of some decimetres next to the mirror, whose light mostly returns from there,
 // and of many metres elsewhere; in all no more than the tables hold.
 TEST(Patches, WallsHaveShortSectionsNearBeams) {
