@@ -77,6 +77,7 @@ class Quadrature {
  private:
   static constexpr unsigned spare_points = 16;  // per patch: where the points of a pair begin
   static constexpr unsigned lines_for_slivers = 256;
+  static constexpr double in_plane = 1e-9;  // cosine: rounding of a line that lies in a surface
   unsigned points_each() const { return samples_ + spare_points; }
   Point point_on(std::size_t patch, double u, double v) const {
     Steering::Place const place = steering_.place(std::uint32_t(patch), u);
@@ -157,16 +158,18 @@ class Quadrature {
     }
   }
 
-  // Score per unit of diffuse power leaving `side` by connections to one goal. Where the first lines are all hidden, more
-  // of them look for the sliver that may be seen.
+  // Score per unit of diffuse power leaving `side` by connections to one goal. Where the first lines are all hidden,
+  // more of them look for the sliver that may be seen.
   double direct_score(std::size_t side, std::uint32_t goal, std::size_t number) const {
-    double sum = 0;
     bool dark = false;
-    unsigned lines = 0;
-    while (lines < samples_ || (lines < lines_for_slivers && dark && !(sum > 0)))
-      for (unsigned const end = lines < samples_ ? samples_ : lines_for_slivers; lines < end; ++lines)
-        sum += score_of_line(side, goal, pair_of_points(side, ~std::uint64_t(number), lines), dark);
-    return sum / lines;
+    auto const mean_of = [&](unsigned begin, unsigned end) {  // those before `begin` score nothing
+      double sum = 0;
+      for (unsigned i = begin; i < end; ++i)
+        sum += score_of_line(side, goal, pair_of_points(side, ~std::uint64_t(number), i), dark);
+      return sum / end;
+    };
+    double const first = mean_of(0, samples_);
+    return first > 0 || !dark ? first : mean_of(samples_, lines_for_slivers);
   }
   // `dark` is set where the line is hidden.
   double score_of_line(std::size_t side, std::uint32_t goal, Pair const& at, bool& dark) const {
@@ -174,7 +177,7 @@ class Quadrature {
     Arrival const y = arrival(goal, x.p, at.u2 > 0 ? at.u2 : 0.5, at.v2);
     Vec3 const span = y.point - x.p;
     double const d = length(span), cos_x = (side % 2 == 0 ? 1 : -1) * dot(span, x.normal) / d;
-    if (!(y.worth > 0 && cos_x > 0)) return 0;
+    if (!(y.worth > 0 && cos_x > in_plane && y.cosine > in_plane)) return 0;
     bool const clear = view_.surfaces[y.surface.value].clear;
     if (view_.occluded({x.p, (1 / d) * span, d - view_.slack(y.surface, d, y.cosine)}, {x.surface, x.piece},
                        x.surface == y.surface && !clear)) {
@@ -254,8 +257,10 @@ class Quadrature {
     Vertex const from = make_vertex(view_, lit.surface, p, lit.direction(p), met.piece);
     Point const x{from.point, from.normal(), lit.surface, met.piece, false}, y = point_on(to, at.u2, at.v2);
     Line const line = line_between(x, y);
-    if (!(line.kernel > 0)) return;
-    Vec3 const wo = from.frame.to_local(unit(y.p - x.p));
+    Vec3 const span = y.p - x.p;
+    double const across = in_plane * length(span);
+    if (!(std::fabs(dot(span, x.normal)) > across && std::fabs(dot(span, y.normal)) > across)) return;
+    Vec3 const wo = from.frame.to_local(unit(span));
     double const bsdf = scatter_eval(view_.laws, *from.optic, from.wi, wo);
     if (!(bsdf > 0)) return;
     if (hidden(line)) {
