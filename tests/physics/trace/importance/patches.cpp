@@ -169,7 +169,7 @@ TEST(Patches, SliversBehindOthersGetLight) {
     World world = sliver::world_of(kind);
     world.steer(make_importance(world));
     SampleMean const aimed = received_share(run_histories(world, 1 << 17));
-    EXPECT_LT(aimed.std_error, 0.03 * aimed.mean);
+    EXPECT_LT(aimed.std_error, 0.04 * aimed.mean) << "0.06 for the disk without the lines that look for slivers";
     expect_mean("light by a sliver", aimed, expected, 0.3 * expected);
   }
 }
