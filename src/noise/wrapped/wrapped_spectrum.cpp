@@ -123,11 +123,12 @@ bool transform_lags(std::vector<double> const& c, LagGrid const& lags, double ro
   low.samples = lags.samples;
   CosineTransform::of(n).amplitudes(c, low.density);
   low.density[0] *= 2;
+  for (double& s : low.density) s /= 2 * lags.spacing;
   bool clean = true;
-  for (std::size_t k = 0; k < n; ++k) {
+  for (std::size_t k = n; k-- > 0;) {  // downwards: each line after its mirror image, whose rounding it takes
     double& s = low.density[k];
-    s /= 2 * lags.spacing;
-    if (!(std::fabs(s) > floor))
+    double const image = k > n / 2 ? 16 * 2.2e-16 * std::fabs(low.density[n - k]) : 0;
+    if (!(std::fabs(s) > floor + image))
       s = 0;
     else  // negative only in sums of pairs and between nodes
       clean = clean && k < 3 * n / 4;
