@@ -123,15 +123,16 @@ bool transform_lags(std::vector<double> const& c, LagGrid const& lags, double ro
   low.samples = lags.samples;
   CosineTransform::of(n).amplitudes(c, low.density);
   low.density[0] *= 2;
-  for (double& s : low.density) s /= 2 * lags.spacing;
+  double strongest = 0;
+  for (double& s : low.density) strongest = std::max(strongest, std::fabs(s /= 2 * lags.spacing));
   bool clean = true;
-  for (std::size_t k = n; k-- > 0;) {  // downwards: each line after its mirror image, whose rounding it takes
+  for (std::size_t k = 0; k < n; ++k) {
     double& s = low.density[k];
-    double const image = k > n / 2 ? 16 * 2.2e-16 * std::fabs(low.density[n - k]) : 0;
-    if (!(std::fabs(s) > floor + image))
+    bool const end = k >= 3 * n / 4;  // where the rounding of strong slow lines returns, mirrored
+    if (!(std::fabs(s) > floor + (end ? 2.2e-16 * strongest : 0)))
       s = 0;
     else  // negative only in sums of pairs and between nodes
-      clean = clean && k < 3 * n / 4;
+      clean = clean && !end;
   }
   auto const last = std::find_if(low.density.rbegin(), low.density.rend(), [](double d) { return d != 0; });
   low.density.resize(std::max<std::ptrdiff_t>(1, low.density.rend() - last));

@@ -48,6 +48,24 @@ TEST(DynamicRange, QuietBodyUnderStrongSlowMotion) {  // tolerance 1e-3, at leve
   EXPECT_GT(deviation(at_100, expected(100)), 0.5);
 }
 
+// The rounding of a slow line returns at the other end of a long grid, as its mirror image. It is no fast fringe.
+TEST(DynamicRange, MirrorImageOfASlowLineIsRounding) {
+  LagGrid const lags{0.01, std::size_t{1} << 22};
+  double const peak = 0.2;  // rad^2
+  std::vector<double> c(lags.size());
+  for (std::size_t i = 0; i < c.size(); ++i) c[i] = peak * std::cos(2 * pi * lags.turns(0.5, i));
+  double norm2 = 0;  // over a whole period, as transform() takes it
+  for (double const x : c) norm2 += 2 * x * x;
+  double const rounding = 64 * std::sqrt(norm2);
+  WrappedSpectrum low;
+  EXPECT_TRUE(transform_lags(c, lags, rounding, low));
+  EXPECT_LE(low.density.size(), 3 * lags.size() / 4);
+  EXPECT_LT(deviation(low.density[50] * lags.spacing, peak / 2), 1e-12);
+  // Control: a weak line that is there.
+  for (std::size_t i = 0; i < c.size(); ++i) c[i] += 1e-15 * std::cos(2 * pi * lags.turns(0.01 * 2090000, i));
+  EXPECT_FALSE(transform_lags(c, lags, rounding, low));
+}
+
 TEST(DynamicRange, WeakLineUnderStrongSlowMotion) {  // a calibration line is spread as the fringes are; tolerance 2e-3
   MotionSet motion = moving({slow});
   double const z = 1e-7, sigma = 2 * std::sqrt(slow.rate_power(infinity)) / wavelength;
