@@ -129,7 +129,7 @@ bool transform_lags(std::vector<double> const& c, LagGrid const& lags, double ro
   for (std::size_t k = 0; k < n; ++k) {
     double& s = low.density[k];
     bool const end = k >= 3 * n / 4;  // where the rounding of strong slow lines returns, mirrored
-    if (!(std::fabs(s) > floor + (end ? 2.2e-16 * strongest : 0)))
+    if (!(std::fabs(s) > floor + (end ? 16 * 2.2e-16 * strongest : 0)))
       s = 0;
     else  // negative only in sums of pairs and between nodes
       clean = clean && !end;
