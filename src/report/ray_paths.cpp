@@ -116,12 +116,13 @@ std::vector<DrawnPath> paths_of(SteeredWorld const& world, std::uint64_t seed, C
   bool const thin = c.records.size() > most;
   double const step_size = sum / double(most);
   auto const passed = [&] { return std::floor(before / step_size + 0.5); };
+  Replay replay(world, seed);
   for (PathRecord const& r : c.records) {
     double const until_here = passed();
     before += r.weight;
     double const times = passed() - until_here;
     if (thin && !(times > 0)) continue;
-    auto const path = replay(world, seed, r.history, r.event, r.connection);
+    auto const path = replay(r.history, r.event, r.connection);
     if (!path) continue;
     all.push_back(drawn(world, c, r, *path));
     if (thin) all.back().weight = times * step_size;

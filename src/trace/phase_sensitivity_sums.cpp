@@ -102,8 +102,9 @@ void sum_phase_sensitivities(SteeredWorld const& world, std::uint64_t seed, std:
     drawn.resize(phase_sensitivities_per_block);
   }
   std::ranges::sort(drawn, drawn_before);
+  Replay replay(world, seed);
   for (Candidate const& c : drawn) {
-    auto const path = replay(world, seed, c.score.history, c.score.event, c.score.connection);
+    auto const path = replay(c.score.history, c.score.event, c.score.connection);
     if (!path || path->coupling != c.score.coupling)
       throw NumericalError(
           fmt::format("history {} event {} does not replay to the same score", c.score.history, c.score.event));

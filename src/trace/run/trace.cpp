@@ -46,7 +46,7 @@ void check_energy_balance(BlockSums const& total) {
 }
 
 CouplingTable coupling_table(SteeredWorld const& world, TraceSettings const& settings, BlockSums const& total) {
-  CouplingTable table = make_coupling_table(world, total, settings.seed);
+  CouplingTable table = make_coupling_table(world, total, settings.seed, settings.threads);
   add_deterministic(table, settings.deterministic);
   return table;
 }

@@ -52,8 +52,8 @@ struct TraceSettings {
 
 TraceResult run_trace(SteeredWorld const&, TraceSettings const&, Backend const&);
 
-// The result of these sums, with the energy balance checked and the records replayed; traces nothing. Uses only `seed`
-// and `deterministic` of the settings.
+// The result of these sums, with the energy balance checked and the records replayed; traces nothing. Uses only `seed`,
+// `threads` and `deterministic` of the settings.
 TraceResult result_of(SteeredWorld const&, TraceSettings const&, SumTree);
 
 // Block counts at which stop rules are checked: 32, 45, 64, 91, ...

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <unordered_map>
 
 #include "base/errors.hpp"
+#include "base/process/threads.hpp"
 #include "trace/step/path.hpp"
 #include "trace/tally/history_tally.hpp"
 #include "trace/tally/replay.hpp"
@@ -63,8 +65,10 @@ MadeClass make_class(SteeredWorld const& steered, std::uint64_t hash, ClassSums 
   c.replica_sum = sums.replica_sum;
   double weights = 0;
   for (ScoreAddress const& kept : sums.kept) weights += std::max(kept.coupling, sums.threshold);
+  Replay replay(steered, seed);
+  c.records.reserve(sums.kept.size());
   for (ScoreAddress const& kept : sums.kept) {
-    auto const path = replay(steered, seed, kept.history, kept.event, kept.connection);
+    auto const path = replay(kept.history, kept.event, kept.connection);
     if (!path || path->coupling != kept.coupling)
       throw NumericalError(
           fmt::format("history {} event {} does not replay to the same score", kept.history, kept.event));
@@ -78,6 +82,19 @@ MadeClass make_class(SteeredWorld const& steered, std::uint64_t hash, ClassSums 
   }
   c.phase_sensitivities =
       phase_sensitivity_moments(c, sums.phase_sensitivities, sums.threshold == 0, total.histories, steered.block_size);
+  return made;
+}
+
+// The rows of all routes, those with most records first: replaying them takes most of the time.
+std::vector<MadeClass> make_classes(SteeredWorld const& steered, BlockSums const& total, std::uint64_t seed,
+                                    unsigned threads) {
+  std::vector<std::map<std::uint64_t, ClassSums>::const_iterator> routes;
+  for (auto route = total.classes.begin(); route != total.classes.end(); ++route) routes.push_back(route);
+  std::ranges::stable_sort(routes, std::greater{}, [](auto const& route) { return route->second.kept.size(); });
+  std::vector<MadeClass> made(routes.size());
+  in_parallel(routes.size(), threads,
+              [&](std::size_t i) { made[i] = make_class(steered, routes[i]->first, routes[i]->second, total, seed); });
+  std::ranges::sort(made, {}, [](MadeClass const& m) { return m.row.hash; });
   return made;
 }
 
@@ -205,7 +222,8 @@ class OffList {
 
 }  // namespace
 
-CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& total, std::uint64_t seed) {
+CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& total, std::uint64_t seed,
+                                  unsigned threads) {
   World const& world = steered;
   CouplingTable table;
   table.groups = world.groups();
@@ -226,8 +244,7 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
   auto const list_of = [&](CouplingClass const& c) -> std::vector<CouplingClass>& {
     return c.port.value < first_receiver_end ? table.classes : table.received;
   };
-  std::vector<MadeClass> made;
-  for (auto const& [hash, sums] : total.classes) made.push_back(make_class(steered, hash, sums, total, seed));
+  std::vector<MadeClass> made = make_classes(steered, total, seed, threads);
   mirror_poorly_sampled(made);
   std::ranges::sort(made, [](auto const& a, auto const& b) { return a.row.hash < b.row.hash; });
   double unpaired = 0;

@@ -10,7 +10,9 @@
 
 namespace straytrace::trace {
 
-CouplingTable make_coupling_table(SteeredWorld const&, BlockSums const& total, std::uint64_t seed);
+// The same for any number of threads (0: all cores).
+CouplingTable make_coupling_table(SteeredWorld const&, BlockSums const& total, std::uint64_t seed,
+                                  unsigned threads = 1);
 
 // A route and its reverse have the same coupling, phase sensitivities and optical length (reciprocity,
 // docs/theory/path_integral.md, eq. 1.2; case A25). Sampling is not symmetric: a connection ends a path on a lit

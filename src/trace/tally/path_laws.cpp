@@ -26,11 +26,12 @@ double law_at(WorldView const& world, PassedVertex const& passed) {
 }  // namespace
 
 PathLaws::PathLaws(SteeredWorld const& world, CouplingTable const& table) : world_(world) {
+  Replay replay(world, table.seed);
   for (CouplingClass const& c : table.classes) {
     std::vector<Path>& rows = paths_.emplace_back();
     for (PathRecord const& r : c.records) {
       if (c.deterministic()) break;
-      auto path = replay(world, table.seed, r.history, r.event, r.connection);
+      auto path = replay(r.history, r.event, r.connection);
       rows.push_back(path ? Path{std::move(path->vertices), path->source, path->goal} : Path{});
     }
   }

@@ -275,18 +275,24 @@ std::vector<PhaseSensitivity> phase_sensitivities_of(World const& world, std::ve
   return sum;
 }
 
+Replay::Replay(SteeredWorld const& world, std::uint64_t seed)
+    : world_(world), view_(world.view()), seed_(seed), again_(std::make_unique<History>()) {}
+
+std::optional<ReplayedPath> Replay::operator()(std::uint64_t history, std::uint32_t event, std::uint32_t connection) {
+  ReplaySink sink(world_, view_, seed_, event, connection);
+  History& again = *again_;
+  again.begin(history);
+  if (!begin(view_, seed_, again, sink)) return std::move(sink.found);
+  do {
+    while (!sink.found && step(view_, seed_, again, sink)) {
+    }
+  } while (!sink.found && next_path(view_, seed_, again, sink));
+  return std::move(sink.found);
+}
+
 std::optional<ReplayedPath> replay(SteeredWorld const& world, std::uint64_t seed, std::uint64_t history,
                                    std::uint32_t event, std::uint32_t connection) {
-  WorldView const view = world.view();
-  ReplaySink sink(world, view, seed, event, connection);
-  History again;
-  again.begin(history);
-  if (!begin(view, seed, again, sink)) return sink.found;
-  do {
-    while (!sink.found && step(view, seed, again, sink)) {
-    }
-  } while (!sink.found && next_path(view, seed, again, sink));
-  return sink.found;
+  return Replay(world, seed)(history, event, connection);
 }
 
 }  // namespace straytrace::trace

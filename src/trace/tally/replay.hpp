@@ -3,6 +3,7 @@
 // kept score (docs/theory/phase.md, eq. 2.2 to 2.5).
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -32,7 +33,19 @@ struct ReplayedPath {
   std::vector<PhaseSensitivity> phase_sensitivities;  // relative to the main mode, by body
 };
 
-// The score (history, event, connection), traced again; empty if the history has no such score.
+// Traces scores (history, event, connection) again; empty if the history has no such score.
+class Replay {
+ public:
+  Replay(SteeredWorld const& world, std::uint64_t seed);  // refers to the world
+  std::optional<ReplayedPath> operator()(std::uint64_t history, std::uint32_t event, std::uint32_t connection);
+
+ private:
+  World const& world_;
+  WorldView view_;
+  std::uint64_t seed_;
+  std::unique_ptr<History> again_;
+};
+// One score.
 std::optional<ReplayedPath> replay(SteeredWorld const& world, std::uint64_t seed, std::uint64_t history,
                                    std::uint32_t event, std::uint32_t connection);
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -30,6 +31,19 @@ TEST(Threads, OneIsTheCaller) {
   auto const caller = std::this_thread::get_id();
   in_parallel(100, 1, [&](std::size_t) { elsewhere += std::this_thread::get_id() != caller; });
   EXPECT_EQ(elsewhere, 0);
+}
+
+TEST(Threads, FailureReachesTheCaller) {
+  for (unsigned const threads : {1u, 3u}) {
+    std::atomic<int> calls = 0;
+    EXPECT_THROW(in_parallel(1000, threads,
+                             [&](std::size_t i) {
+                               ++calls;
+                               if (i == 5) throw std::runtime_error("part 5");
+                             }),
+                 std::runtime_error);
+    EXPECT_GE(calls, 6);
+  }
 }
 
 TEST(ThreadTeam, EachPartOfEachWorkOnce) {
