@@ -168,19 +168,33 @@ AtomicFile::~AtomicFile() {
   if (!name_.empty()) ::unlink(name_.c_str());
 }
 
+namespace {
+
+// False: the system refuses; errno says why.
+bool written(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    ssize_t const done = ::write(descriptor, bytes.data(), bytes.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) return false;
+    bytes.remove_prefix(std::size_t(done));
+  }
+  return true;
+}
+
+}  // namespace
+
 void AtomicFile::write(std::string_view bytes) {
-  buffer_ += bytes;
-  if (buffer_.size() >= buffered) flush();
+  if (bytes.size() < buffered) {
+    buffer_ += bytes;
+    if (buffer_.size() >= buffered) flush();
+    return;
+  }
+  flush();
+  if (!written(descriptor_, bytes)) refuse_to_write(destination_);
 }
 
 void AtomicFile::flush() {
-  std::string_view bytes = buffer_;
-  while (!bytes.empty()) {
-    ssize_t const done = ::write(descriptor_, bytes.data(), bytes.size());
-    if (done < 0 && errno == EINTR) continue;
-    if (done < 0) refuse_to_write(destination_);
-    bytes.remove_prefix(std::size_t(done));
-  }
+  if (!written(descriptor_, buffer_)) refuse_to_write(destination_);
   buffer_.clear();
 }
 
