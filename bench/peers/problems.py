@@ -14,6 +14,7 @@ import pathlib
 class Finish:
     albedo: float = 0.0
     mirror: bool = False
+    specular: float = 0.0                                # share that is reflected as by a mirror, beside the albedo
 
 
 BLACK, MIRROR = Finish(), Finish(mirror=True)

@@ -4,6 +4,7 @@ import math
 
 import batches
 import problems
+import real
 from problems import Ball, Disk, Mesh, Room, Tube
 
 DIM = 0.1                                                # albedo of a receiver that a camera looks at
@@ -16,7 +17,35 @@ FILM = {"sampler": {"type": "independent"},
 def bsdf(finish):
     if finish.mirror:
         return {"type": "twosided", "bsdf": {"type": "conductor", "material": "none"}}
+    if finish.specular:
+        return {"type": "twosided", "bsdf": blend(finish)}
     return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "spectrum", "value": finish.albedo}}}
+
+
+def blend(finish):
+    """A perfect mirror with the weight of the specular share, else diffuse."""
+    diffuse = finish.albedo / (1 - finish.specular)
+    return {"type": "blendbsdf", "weight": 1 - finish.specular, "first": {"type": "conductor", "material": "none"},
+            "second": {"type": "diffuse", "reflectance": {"type": "spectrum", "value": diffuse}}}
+
+
+def glass(lens):
+    """Both caps as fine triangles whose normals vary smoothly, which close at the edge."""
+    rings, around, points, faces = 96, 192, [], []
+    for side in (1, -1):
+        first = len(points)
+        points.append((0, 0, side * lens.sag))
+        for i in range(1, rings + 1):
+            r = lens.radius * i / rings
+            z = side * (lens.sag - lens.curvature_radius + math.sqrt(lens.curvature_radius ** 2 - r * r))
+            points += [(r * math.cos(2 * math.pi * j / around), r * math.sin(2 * math.pi * j / around), z) for j in range(around)]
+        at = lambda i, j: first + 1 + (i - 1) * around + j % around          # noqa: E731,B023
+        triangles = [(first, at(1, j), at(1, j + 1)) for j in range(around)]
+        for i in range(1, rings):
+            for j in range(around):
+                triangles += [(at(i, j), at(i + 1, j), at(i + 1, j + 1)), (at(i, j), at(i + 1, j + 1), at(i, j + 1))]
+        faces += triangles if side == 1 else [t[::-1] for t in triangles]
+    return points, faces
 
 
 def facing(mi, centre, normal, *size):
@@ -43,6 +72,16 @@ def mesh_file(folder, name, points, faces, **more):
 
 
 def shapes(mi, surface, folder):
+    if isinstance(surface, real.Cad):
+        for name, points, faces, finish in surface.parts():
+            yield name, mesh_file(folder, name, points, faces, bsdf=bsdf(finish))
+        return
+    if isinstance(surface, real.Lens):
+        at = facing(mi, surface.centre, surface.axis, 1, 1, 1)
+        problems.write_ply(f"{folder}/{surface.name}.ply", *glass(surface))
+        yield surface.name, {"type": "ply", "filename": f"{folder}/{surface.name}.ply", "to_world": at,
+                             "bsdf": {"type": "dielectric", "int_ior": surface.index, "ext_ior": 1.0}}
+        return
     finish = {"bsdf": bsdf(surface.finish)}
     if isinstance(surface, Disk) and surface.inner:
         at = facing(mi, surface.centre, surface.normal, 1, 1, 1)
@@ -100,7 +139,7 @@ def main():
     mi.set_variant(variant)
     drjit.set_thread_count(1)
     mi.logger().clear_appenders()
-    problem = problems.PROBLEMS[words.problem]()
+    problem = (problems.PROBLEMS | real.REAL)[words.problem]()
     world = scene(mi, problem, words.folder, integrator)
     share = problem.receiver.side ** 2 / (math.pi * math.pi * problem.lamp.outer ** 2)   # power on the receiver over that of the lamp
     if integrator == "ptracer":

@@ -6,16 +6,18 @@ from raysect.core import AffineMatrix3D, Point3D, Vector3D, rotate_basis, transl
 from raysect.core.math.random import seed as set_seed
 from raysect.core.workflow import SerialEngine
 from raysect.optical import ConstantSF, World
+from raysect.optical.material import Blend, Dielectric
 from raysect.optical.material.absorber import AbsorbingSurface
 from raysect.optical.material.debug import PerfectReflectingSurface
 from raysect.optical.material.emitter import UniformSurfaceEmitter
 from raysect.optical.material.lambert import Lambert
 from raysect.optical.observer import Pixel, PowerPipeline0D
-from raysect.primitive import Box, Cylinder, Sphere, Subtract
+from raysect.primitive import Box, Cylinder, Intersect, Sphere, Subtract
 from raysect.primitive import Mesh as Triangles
 
 import batches
 import problems
+import real
 from problems import Ball, Disk, Room, Tube
 
 THIN = 1e-6                                              # of what has no thickness in the problem, m
@@ -30,10 +32,24 @@ def facing(centre, normal):
 def material(finish):
     if finish.mirror:
         return PerfectReflectingSurface()
+    if finish.specular:
+        return Blend(Lambert(ConstantSF(finish.albedo / (1 - finish.specular))), PerfectReflectingSurface(), finish.specular)
     return Lambert(ConstantSF(finish.albedo)) if finish.albedo else AbsorbingSurface()
 
 
+def add_real(world, s):
+    if isinstance(s, real.Cad):
+        for _, points, faces, finish in s.parts():
+            Triangles(points, faces, smoothing=False, closed=True, parent=world, material=material(finish))
+    else:
+        caps = [Sphere(s.curvature_radius, transform=translate(0, 0, side * (s.sag - s.curvature_radius))) for side in (1, -1)]
+        Intersect(*caps, world, facing(s.centre, s.axis), Dielectric(ConstantSF(s.index), ConstantSF(1.0)))
+
+
 def add(world, s):
+    if isinstance(s, (real.Cad, real.Lens)):
+        add_real(world, s)
+        return
     finish = material(s.finish)
     if isinstance(s, Disk):
         at = facing(s.centre, s.normal) * translate(0, 0, -THIN / 2)
@@ -73,7 +89,7 @@ def observer(world, receiver):
 
 def main():
     words = batches.words(__doc__)
-    problem, world = problems.PROBLEMS[words.problem](), World()
+    problem, world = (problems.PROBLEMS | real.REAL)[words.problem](), World()
     for surface in problem.surfaces:
         add(world, surface)
     add_lamp(world, problem.lamp)

@@ -3,6 +3,7 @@
 import json
 
 import problems
+import real
 from problems import Ball, Disk, Mesh, Room, Tube
 
 DIM = 1e-6                                               # of the lamp's albedo, so that light that comes back to it is gone
@@ -17,17 +18,37 @@ def place(p):
 
 
 def material_of(finish):
+    if finish.specular:
+        return f"shiny_{finish.albedo:g}_{finish.specular:g}".replace(".", "_")
     return "mirror" if finish.mirror else f"diffuse_{finish.albedo:g}".replace(".", "_") if finish.albedo else "black"
+
+
+def finishes(problem):
+    for s in problem.surfaces:
+        if isinstance(s, real.Cad):
+            yield from (finish for _, finish in s.finishes)
+        elif not isinstance(s, real.Lens):
+            yield s.finish
 
 
 def materials(problem):
     found = {"lamp": {"scatter": {"model": "lambertian", "tis": DIM}}, "black": {}}
-    for s in problem.surfaces:
-        if s.finish.mirror:
-            found["mirror"] = {"specular": {"reflect": 1}}
-        elif s.finish.albedo:
-            found[material_of(s.finish)] = {"scatter": {"model": "lambertian", "tis": s.finish.albedo}}
+    for finish in finishes(problem):
+        made = {"specular": {"reflect": 1}} if finish.mirror else {"specular": {"reflect": finish.specular}} if finish.specular else {}
+        if finish.albedo:
+            made["scatter"] = {"model": "lambertian", "tis": finish.albedo}
+        found[material_of(finish)] = made
+    if any(isinstance(s, real.Lens) for s in problem.surfaces):
+        found["polished"] = {"specular": "fresnel"}
     return found
+
+
+def lens(s):
+    """Thicker by 1 um than where both faces meet, as a barrel must be there."""
+    half = s.sag + 5e-7
+    return {"name": s.name, "use": "lens", "diameter": metres(2 * s.radius), "thickness": metres(2 * half), "radius_1": metres(s.curvature_radius),
+            "radius_2": metres(s.curvature_radius), "medium": "glass", "at": place(c + half * a for c, a in zip(s.centre, s.axis)), "facing": list(s.axis),
+            "material": "polished", "body": "all"}
 
 
 def disk(d, material=None, **more):
@@ -37,6 +58,13 @@ def disk(d, material=None, **more):
 
 
 def entries(surface, folder):
+    if isinstance(surface, real.Cad):
+        yield {"name": surface.name, "file": str(surface.file), "units": "from_file", "at": place((0, 0, 0)), "body": "all",
+               "surfaces": {part: material_of(finish) for part, finish in surface.finishes}}
+        return
+    if isinstance(surface, real.Lens):
+        yield lens(surface)
+        return
     common = {"body": "all", "material": material_of(surface.finish)}
     if isinstance(surface, Disk):
         yield disk(surface)
@@ -56,6 +84,11 @@ def entries(surface, folder):
                    "shape": {"rectangle": {"width": metres(width), "height": metres(height)}}, **common}
 
 
+def media(problem):
+    index = next((s.index for s in problem.surfaces if isinstance(s, real.Lens)), None)
+    return {"media": {"glass": {"index": index}}} if index else {}
+
+
 def scene(problem, folder):
     parts = [disk(problem.lamp, "lamp", side="front"),
              {"name": "receiver", "shape": {"rectangle": {"width": metres(problem.receiver.side), "height": metres(problem.receiver.side)}},
@@ -63,7 +96,7 @@ def scene(problem, folder):
     for s in problem.surfaces:
         parts += entries(s, folder)
     return json.dumps({"straytrace": 1, "title": "peer", "materials": materials(problem), "bodies": {"all": {"motion": "still"}},
-                       "scene": parts, "beams": {"light": {"on": "lamp", "profile": "even", "radius": metres(problem.lamp.outer),
+                       **media(problem), "scene": parts, "beams": {"light": {"on": "lamp", "profile": "even", "radius": metres(problem.lamp.outer),
                                                            "travel": [-x for x in problem.lamp.normal], "power": "1 W"}},
                        "receivers": {"receiver": {"on": "receiver", "side": "front"}},
                        **({"trace": {"order_limit": problem.bounces + 1}} if problem.bounces else {})}, indent=1)
