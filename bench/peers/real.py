@@ -44,7 +44,7 @@ class Cad:
             body = scene.geometry[name].copy()
             body.apply_transform(place)
             finish = next(finish for part, finish in self.finishes if name.startswith(part))
-            yield f"{self.name}_{i}", body.vertices.tolist(), body.faces.tolist(), finish
+            yield f"{self.name}_{i}", list(map(tuple, body.vertices.tolist())), list(map(tuple, body.faces.tolist())), finish
 
 
 def bench(receiver):

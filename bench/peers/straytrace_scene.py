@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A problem as a scene of straytrace."""
 import json
+import shutil
 
 import problems
 import real
@@ -59,7 +60,8 @@ def disk(d, material=None, **more):
 
 def entries(surface, folder):
     if isinstance(surface, real.Cad):
-        yield {"name": surface.name, "file": str(surface.file), "units": "from_file", "at": place((0, 0, 0)), "body": "all",
+        shutil.copy(surface.file, folder)
+        yield {"name": surface.name, "file": surface.file.name, "units": "from_file", "at": place((0, 0, 0)), "body": "all",
                "surfaces": {part: material_of(finish) for part, finish in surface.finishes}}
         return
     if isinstance(surface, real.Lens):
