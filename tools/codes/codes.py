@@ -18,7 +18,7 @@ import sys
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 PAGE = SOURCE / "docs/theory/codes.md"
-CASES = {"response": "FINESSE 3", "ghosts": "gtrace", "receivers": "Mitsuba 3 and Raysect"}
+CASES = {"response": "FINESSE 3", "ghosts": "gtrace", "receivers": "Mitsuba 3 and Raysect", "field": "OSCAR"}
 
 
 def write(name, lines, draw):

@@ -70,6 +70,7 @@ def measure(program, d):
         found = {}
         for (name, code), task in tasks.items():
             found.setdefault(name, {})[code] = task.result()
+            print(f"{name}, {code}: {found[name][code][0]:.4g} ± {found[name][code][1]:.1g}", file=sys.stderr, flush=True)
     return found
 
 
