@@ -17,6 +17,8 @@ import batches  # noqa: E402
 import estimators  # noqa: E402
 import peers  # noqa: E402
 import problems  # noqa: E402
+import real  # noqa: E402
+import run_mitsuba  # noqa: E402
 import run_povray  # noqa: E402
 import straytrace_scene  # noqa: E402
 from agreement import Turn  # noqa: E402
@@ -108,11 +110,21 @@ class Problems(unittest.TestCase):
         self.assertLess(sigma, 2e-3 * expected)                                          # sees an error of 1 %
         self.assertLess(abs(value - expected), 5 * sigma)
 
+    def test_lens_is_closed_glass(self):
+        lens = real.Lens("lens", (0, 0, 0), (0, 0, 1), 0.0254, 0.1, 1.45)
+        points, faces = run_mitsuba.glass(lens)
+        volume = 0.0
+        for a, b, c in ([points[i] for i in face] for face in faces):
+            volume += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6
+        expected = 2 * math.pi * lens.sag ** 2 * (3 * lens.curvature_radius - lens.sag) / 3
+        self.assertLess(abs(volume / expected - 1), 1e-3)                                # also sees a face turned inside out
+
     def test_straytrace_reads_every_problem(self):
-        for name in ("tube", "long_tube", "bench", "two_bounces"):
+        known = problems.PROBLEMS | real.REAL
+        for name in ("tube", "long_tube", "bench", "two_bounces", "bench_behind", "baffles_wall", "trap_wall"):
             with self.subTest(name), tempfile.TemporaryDirectory() as place:
                 scene = pathlib.Path(place) / "scene.yaml"
-                scene.write_text(straytrace_scene.scene(problems.PROBLEMS[name](), scene.parent), encoding="utf-8")
+                scene.write_text(straytrace_scene.scene(known[name](), scene.parent), encoding="utf-8")
                 done = subprocess.run([PROGRAM, "check", scene], capture_output=True, text=True)
                 self.assertEqual(done.returncode, 0, done.stderr)
 
