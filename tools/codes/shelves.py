@@ -56,11 +56,12 @@ def edge(edges, power):
     return edges[np.flatnonzero(seen > SHARE * seen.max())[-1] + 1]
 
 
-def compare(program):
+def compare(program, runs=tuple(INPUTS["h1_2010"]["runs"])):
     """{run: edge, edge for the stated motion, their ratio, recoupled fraction from the level, bins, measured and predicted power}."""
     edges, powers = measured()
     found = {}
-    for name, run in INPUTS["h1_2010"]["runs"].items():
+    for name in runs:
+        run = INPUTS["h1_2010"]["runs"][name]
         stated = edge(edges, predicted(program, run["amplitude"], run["frequency"]))
         seen = edge(edges, powers[name])
         ratio = seen / stated

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Publications against `straytrace` run from their stated inputs: the arm of ET-LF by the public code GWINC_ET (B17), arches and a
-ring-down (B18, B19), measured scatter from its fit to light that rejoins the beam (B20), clipping at a baffle (B8).
+ring-down (B18, B19), measured scatter from its fit to light that rejoins the beam (B20), clipping at a baffle (B8), driven shelves (B21).
 Usage: test_published.py PROGRAM.
 
 Inputs with sources are tests/published/inputs.json, committed before this test. docs/theory/published.md draws the conclusions.
@@ -18,6 +18,9 @@ import numpy as np
 from scipy.signal import welch
 
 from records import Records
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "tools/codes"))
+import shelves  # noqa: E402
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 RECORDS = Records("tools.published", PROGRAM)
@@ -251,10 +254,23 @@ def clipping(folder):
     RECORDS.curve("40 m, 2012: loss", d["holes"]["value"], (first, second), d["loss"]["value"])
 
 
+def shaken_table(_):
+    """B21: the level of a measured shelf gives the recoupled fraction, with which that of a larger motion is predicted."""
+    d = INPUTS["h1_2010"]
+    found = shelves.compare(PROGRAM, (d["level_from"], "06"))
+    one, other = found[d["level_from"]], found["06"]
+    times = d["runs"]["06"]["amplitude"] / d["runs"][d["level_from"]]["amplitude"]
+    level, tolerance = math.sqrt(other["fraction"] / one["fraction"]), d["level_tolerance"]["value"]
+    near("LHO 2010: level of a measured shelf over that predicted from another", level, 1, tolerance)
+    control("linear in the motion", level / times * math.sqrt(one["edge"] / other["edge"]), 1, tolerance)
+    near("LHO 2010: ratio of edges over that of the motions", other["edge"] / one["edge"] / times, 1, d["edge_tolerance"]["value"])
+    control("edge at the stated motion", one["ratio"], 1, d["edge_tolerance"]["value"])
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        for case in (reaction_mass, baffle, table_shaken, arm, site, ptfe, clipping):
+        for case in (reaction_mass, baffle, table_shaken, arm, site, ptfe, clipping, shaken_table):
             case(folder)
     if not FAILED:
         RECORDS.write()
