@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .curves import between_bins
-from .engine import HERE, Progress
+from .engine import HERE, Progress, program
 from .errors import InputError, NumericalError
 from .model import Model as Tree
 from .model import Parameters, overrides
@@ -69,7 +69,11 @@ def _places() -> list[str]:
     """Files of the library: that of STRAYTRACE_LIBRARY, or of this package, of its source tree, of the system."""
     if chosen := os.environ.get("STRAYTRACE_LIBRARY"):
         return [chosen]
-    near = (HERE / "bin" / "libstraytrace.so", HERE.parents[1] / "build" / "src" / "libstraytrace.so")
+    near = [HERE / "bin" / "libstraytrace.so", HERE.parents[1] / "build" / "src" / "libstraytrace.so"]
+    try:
+        near.append(pathlib.Path(program()).resolve().parents[1] / "lib" / "libstraytrace.so.0")       # of a package
+    except InputError:
+        pass
     return [str(place) for place in near if place.is_file()] + ["libstraytrace.so.0"]
 
 

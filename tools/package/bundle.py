@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Copies programs with the shared libraries that they load, and what starts them, into a folder; lists their licences.
 
-Usage: bundle.py STARTER FOLDER PROGRAM...
+Usage: bundle.py STARTER FOLDER PROGRAM|LIBRARY...
        bundle.py --licences FOLDER          only of what is compiled in, for a package that takes the libraries of the system
 
 FOLDER/bin gets STARTER under the name of each program, and the loader; FOLDER/lib the libraries, without symbols;
-FOLDER/lib/programs the programs; FOLDER/licences the texts, and LICENCES.spdx, which lists all in SPDX 2.3."""
+FOLDER/lib/system those of the C and C++ language, which a process that loads LIBRARY takes from its system; FOLDER/lib/programs the
+programs; FOLDER/licences the texts, and LICENCES.spdx, which lists all in SPDX 2.3."""
 import datetime
+import functools
 import hashlib
 import os
 import pathlib
@@ -48,6 +50,7 @@ LICENCES = {package: licence for licence, packages in {
     "OLDAP-2.8": "libldap-2.5-0",
 }.items() for package in packages.split()}
 LOADER = "ld-linux-x86-64.so.2"
+SYSTEM = ("libc6", "libgcc-s1", "libstdc++6")      # packages whose libraries must be those of the process
 
 
 def output(*words):
@@ -63,6 +66,7 @@ def libraries(programs):
     return found
 
 
+@functools.cache
 def package_of(file):
     """Of Debian, with its version; also where /lib is a link to /usr/lib."""
     real = str(pathlib.Path(file).resolve())
@@ -134,9 +138,12 @@ def main(starter, place, *programs):
     if starter == "--licences":
         licences(folder, version, epoch, {})
         return
-    for part in ("bin", "lib/programs"):
+    for part in ("bin", "lib/programs", "lib/system"):
         (folder / part).mkdir(parents=True)
     for program in map(pathlib.Path, programs):
+        if ".so" in program.name:
+            subprocess.run(["strip", "--strip-unneeded", "-o", folder / "lib" / program.name, program.resolve()], check=True)
+            continue
         subprocess.run(["strip", "-o", folder / "lib/programs" / program.name, program], check=True)
         shutil.copyfile(starter, folder / "bin" / program.name)
         (folder / "bin" / program.name).chmod(0o755)
@@ -145,7 +152,8 @@ def main(starter, place, *programs):
     (folder / "bin" / LOADER).chmod(0o755)
     files = libraries(programs)
     for name, path in files.items():
-        subprocess.run(["strip", "--strip-unneeded", "-o", folder / "lib" / name, path.resolve()], check=True)
+        place = folder / "lib/system" if package_of(path)[0] in SYSTEM else folder / "lib"
+        subprocess.run(["strip", "--strip-unneeded", "-o", place / name, path.resolve()], check=True)
     licences(folder, version, epoch, {**files, LOADER: loader})
     sums = hashlib.sha256(b"".join(sorted(p.read_bytes() for p in folder.rglob("*") if p.is_file()))).hexdigest()
     print(f"bundle: {len(files)} libraries, {sum(p.stat().st_size for p in folder.rglob('*') if p.is_file()) / 1e6:.0f} MB, sha256 {sums[:16]}")
