@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "noise/bands/inversion.hpp"
 
+#include <boost/math/tools/toms748_solve.hpp>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
 #include "base/errors.hpp"
@@ -108,11 +111,14 @@ void admit_unknown(Inversion& out, std::vector<Powers> const& bins, Doubles cons
     out.all = {.verdict = Verdict::unknown, .rest = out.all.rest};
 }
 
+// Where noise first exceeds the line of a bin.
 struct Crossed {
-  double below = 0, above = 0;  // scales around the first crossing; above 0: none
+  double below = 0, above = 0;    // scales about it; above 0: nowhere
+  double exactly = not_a_number;  // where noise is a polynomial of the scale
 };
 
-// Noise against the strength of the motion: a coarse scan, then refinement.
+// Noise against the strength of the motion. Below the scale at which fringes begin to wrap, the PSD of every bin is
+// A + B s + C s^2: three projections give it, a fourth confirms it. Above, a scan, then refinement.
 class MotionInversion {
  public:
   MotionInversion(Projected const& projected, Doubles const& line)
@@ -120,21 +126,24 @@ class MotionInversion {
 
   Inversion answer() {
     NoiseTrace const &still = at(0), &as_is = at(1);
-    find_crossings();
+    for (std::size_t i = 0; i < line_.size(); ++i)
+      if (still.asd[i] > line_[i]) crossed_[i].above = scale_of(first);
+    scan(cross_linear());
     Inversion out;
     for (std::size_t i = 0; i < line_.size(); ++i) {
-      out.bins.push_back(between_steps(i, still));
+      out.bins.push_back(of_bin(i, still));
       if (line_[i] > 0 && as_is.asd[i] > 0)
         out.touched = std::max(out.touched, 1 - std::pow(still.asd[i] / as_is.asd[i], 2));
     }
     decide(out);
-    if (out.all.verdict == Verdict::found) refine(out);
+    if (out.all.verdict == Verdict::found && !(crossed_[out.decides].exactly > 0)) refine(out);
     return out;
   }
 
  private:
   static constexpr int steps = 8, first = -4 * steps, last = 2 * steps;  // per decade
 
+  static double scale_of(int step) { return std::pow(10, double(step) / steps); }
   NoiseTrace const& at(double scale) {
     auto const hit = seen_.find(scale);
     return hit != seen_.end() ? hit->second : seen_.emplace(scale, projected_(scale)).first->second;
@@ -147,45 +156,124 @@ class MotionInversion {
     }
     return true;
   }
+  bool done() const {
+    for (std::size_t i = 0; i < line_.size(); ++i)
+      if (line_[i] > 0 && crossed_[i].above == 0) return false;
+    return true;
+  }
 
-  void find_crossings() {
-    for (int k = first; k <= last; ++k) {
-      double const scale = std::pow(10, double(k) / steps), before = std::pow(10, double(k - 1) / steps);
-      if (std::ranges::all_of(crossed_, [](Crossed const& c) { return c.above > 0; })) return;
-      if (scale > 1 && !can(scale)) return;
-      NoiseTrace const& t = at(scale);
-      for (std::size_t i = 0; i < line_.size(); ++i)
-        if (crossed_[i].above == 0 && t.asd[i] > line_[i]) crossed_[i] = {k == first ? 0 : before, scale};
+  // S - A = B s + C s^2 through two scales.
+  struct Quadratic {
+    double b, c;
+    double at(double s) const { return s * (b + s * c); }
+  };
+  Quadratic fitted(std::size_t i, int step) {
+    double const s1 = scale_of(step - steps / 2), s2 = scale_of(step), still = at(0).psd(i);
+    double const y1 = (at(s1).psd(i) - still) / s1, y2 = (at(s2).psd(i) - still) / s2, c = (y2 - y1) / (s2 - s1);
+    return {y1 - c * s1, c};
+  }
+  // Whether noise is a polynomial up to here: it predicts that of a tenth.
+  bool linear(int step) {
+    constexpr double accuracy = 1e-3, faint = 1e-3;  // of the PSD; of that of the line
+    NoiseTrace const& tenth = at(scale_of(step - steps));
+    for (std::size_t i = 0; i < line_.size(); ++i) {
+      if (!(line_[i] > 0)) continue;
+      double const psd = tenth.psd(i), predicted = at(0).psd(i) + fitted(i, step).at(scale_of(step - steps));
+      if (!(std::fabs(predicted - psd) <= accuracy * std::max(psd, faint * line_[i] * line_[i]))) return false;
+    }
+    return true;
+  }
+  // Crossings up to the largest scale at which noise is a polynomial; that scale as a step, or `first`.
+  int cross_linear() {
+    int step = 0;
+    while (step > first + steps && !linear(step)) step -= steps / 2;
+    if (!linear(step)) return first;
+    for (;; step += steps / 2) {
+      cross_below(step);
+      if (done() || step >= last || !can(scale_of(step + steps / 2)) || !linear(step + steps / 2)) return step;
+    }
+  }
+  void cross_below(int step) {
+    for (std::size_t i = 0; i < line_.size(); ++i) {
+      double const room = line_[i] * line_[i] - at(0).psd(i);
+      if (crossed_[i].above > 0 || !(room >= 0) || !(at(scale_of(step)).psd(i) - at(0).psd(i) > room)) continue;
+      Quadratic const q = fitted(i, step);
+      double const root = std::sqrt(std::max(0.0, q.b * q.b + 4 * q.c * room));
+      double const scale = 2 * room / (q.b + root);
+      crossed_[i] = {scale_of(step - steps / 2), scale_of(step), std::min(scale, scale_of(step))};
     }
   }
 
-  // By the straight line of the logarithms: exact where noise is proportional to motion.
-  Allowed between_steps(std::size_t i, NoiseTrace const& still) {
+  // Half decades, with all their steps where a bin may come near its line.
+  void scan(int from) {
+    constexpr double near = 0.5;  // of the line: a PSD has no peak of four times its ends within half a decade
+    auto const cross = [&](int step) {
+      NoiseTrace const& t = at(scale_of(step));
+      for (std::size_t i = 0; i < line_.size(); ++i)
+        if (crossed_[i].above == 0 && t.asd[i] > line_[i])
+          crossed_[i] = {step == first ? 0 : scale_of(step - 1), scale_of(step)};
+    };
+    auto const may_cross = [&](int step) {
+      NoiseTrace const& t = at(scale_of(step));
+      for (std::size_t i = 0; i < line_.size(); ++i)
+        if (crossed_[i].above == 0 && t.asd[i] > near * line_[i]) return true;
+      return false;
+    };
+    if (from == first) cross(first);
+    for (int step = from; step < last && !done(); step += steps / 2) {
+      bool const ends = can(scale_of(step + steps / 2));
+      if (ends && !may_cross(step) && !may_cross(step + steps / 2)) continue;
+      for (int k = step + 1; k <= step + steps / 2 && !done(); ++k) {
+        if (!can(scale_of(k))) return;
+        cross(k);
+      }
+    }
+  }
+
+  // Between two steps by the straight line of the logarithms.
+  Allowed of_bin(std::size_t i, NoiseTrace const& still) {
     Allowed a;
     if (!(line_[i] > 0)) return a;
-    double const above = crossed_[i].above;
+    auto const& [below, above, exactly] = crossed_[i];
     a.rest = still.asd[i] / line_[i];
     a.verdict = still.asd[i] > line_[i] ? Verdict::never : above > 0 ? Verdict::found : Verdict::always;
     a.scale = a.verdict == Verdict::never ? 0 : infinity;
     if (a.verdict != Verdict::found) return a;
-    double const lower = crossed_[i].below > 0 ? crossed_[i].below : above / std::pow(10, 1.0 / steps);
+    double const lower = below > 0 ? below : above / scale_of(1);
     double const low = at(lower).asd[i], high = at(above).asd[i];
-    double const slope = std::log(high / low) / std::log(above / lower);
+    double slope = std::log(high / low) / std::log(above / lower);
     a.scale = above * std::pow(line_[i] / high, 1 / slope);
-    a.sigma = a.scale * (at(above).sigma[i] / high) / slope;
+    if (exactly > 0) {
+      int const step = int(std::lround(steps * std::log10(above)));
+      Quadratic const q = fitted(i, step);
+      a.scale = exactly;
+      slope = exactly * (q.b + 2 * q.c * exactly) / (2 * line_[i] * line_[i]);
+    }
+    double const relative = at(above).sigma[i] / high, relative_below = at(lower).sigma[i] / low;
+    double const part = std::log(above / a.scale) / std::log(above / lower);
+    a.sigma = a.scale * (relative + std::clamp(part, 0.0, 1.0) * (relative_below - relative)) / slope;
     return a;
   }
 
-  void refine(Inversion& out) const {
-    double low = crossed_[out.decides].below, high = crossed_[out.decides].above;
-    auto const meets = [&](double scale) {
-      NoiseTrace const t = projected_(scale);
+  // The first scale at which any bin crosses, in the interval in which the deciding one does.
+  void refine(Inversion& out) {
+    Crossed const interval = crossed_[out.decides];
+    if (!(interval.below > 0)) return;
+    auto const excess = [&](double scale) {
+      NoiseTrace const& t = at(scale);
+      double largest = -infinity;
       for (std::size_t i = 0; i < line_.size(); ++i)
-        if (t.asd[i] > line_[i]) return false;
-      return true;
+        if (line_[i] > 0) largest = std::max(largest, std::log(std::max(t.asd[i], 1e-300) / line_[i]));
+      return largest;
     };
-    for (int i = 0; i < 12 && low > 0; ++i) (meets(std::sqrt(low * high)) ? low : high) = std::sqrt(low * high);
-    if (low > 0) out.all.scale = std::sqrt(low * high);
+    std::uintmax_t most = 20;
+    auto const close = [](double a, double b) { return std::fabs(a - b) < 1e-4; };
+    double const at_low = excess(interval.below), at_high = excess(interval.above);
+    if (!(at_low < 0 && at_high > 0)) return;
+    auto const [a, b] = boost::math::tools::toms748_solve([&](double log_scale) { return excess(std::exp(log_scale)); },
+                                                          std::log(interval.below), std::log(interval.above), at_low,
+                                                          at_high, close, most);
+    out.all.scale = std::exp(0.5 * (a + b));
   }
 
   Projected const& projected_;

@@ -40,8 +40,8 @@ Inversion invert_scatter(NoiseBudget const&, Composition const&, std::vector<dou
 
 // The ASD of the total, with its standard error, with the motion of a body multiplied by `scale`.
 using Projected = std::function<NoiseTrace(double scale)>;
-// Largest factor below which ALL factors meet the line: fringe-wrapped noise is not monotonic in the motion. Scans 1e-4
-// to 100 in 8 steps per decade and refines the crossing.
+// Largest factor below which ALL factors meet the line, up to 100: fringe-wrapped noise is not monotonic in the motion.
+// The fewer projections the weaker the motion (docs/theory/errors.md).
 Inversion invert_motion(Projected const&, std::vector<double> const& line);
 
 // Motion with the gains of one body times `scale`: both its own motion and that of its carrier.

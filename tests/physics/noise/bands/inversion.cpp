@@ -172,20 +172,29 @@ TEST(Inversion, SeesEveryGhostOfACoherentRow) {
   EXPECT_EQ(answer({1, 3}, false).all.verdict, Verdict::always) << "control";
 }
 
-Inversion by_motion(Case const& c, MotionSet const& motion, std::vector<double> const& line) {
-  return invert_motion(
-      [&](double scale) {
-        return project_noise(c.table, with_scaled_body(motion, BodyId{0}, scale), UnitDetector(), on({9.8, 10.2, 10.6}))
-            .total;
-      },
-      line);
+NoiseTrace with_motion(Case const& c, MotionSet const& motion, double scale) {
+  return project_noise(c.table, with_scaled_body(motion, BodyId{0}, scale), UnitDetector(), on({9.8, 10.2, 10.6}))
+      .total;
+}
+struct ByMotion : Inversion {
+  int projections = 0;
+};
+ByMotion by_motion(Case const& c, MotionSet const& motion, std::vector<double> const& line) {
+  int projections = 0;
+  auto const projected = [&](double scale) {
+    ++projections;
+    return with_motion(c, motion, scale);
+  };
+  return {invert_motion(projected, line), projections};
 }
 
 TEST(Inversion, LinearMotionIsProportional) {  // h ~ x
   Case const c = of({by_steel(1, 1, 1e-20)});
-  Inversion const i = by_motion(c, linear_motion(), times(5, c.budget.total.asd));
-  EXPECT_LT(deviation(i.all.scale, 5), 2e-3);
-  EXPECT_LT(deviation(i.bins[0].scale, 5), 2e-3);
+  ByMotion const i = by_motion(c, linear_motion(), times(5, c.budget.total.asd));
+  EXPECT_LT(deviation(i.all.scale, 5), 1e-4);
+  EXPECT_LT(deviation(i.bins[0].scale, 5), 1e-4);
+  EXPECT_LE(i.projections, 7);
+  EXPECT_EQ(by_motion(c, linear_motion(), times(1e5, c.budget.total.asd)).projections, 8) << "no limit";
 }
 
 TEST(Inversion, LightOnOtherBodiesStays) {
@@ -202,8 +211,19 @@ TEST(Inversion, WrappedNoiseHasALargestValue) {
   MotionSet const motion = moving({gaussian_line(0.35, 0.05, 3e-6), power_law_asd(1e-13, 10, -2, 1, 100)});
   NoiseBudget const wrapped = project_noise(c.table, motion, UnitDetector(), on({9.8, 10.2, 10.6}));
   EXPECT_EQ(by_motion(c, motion, times(3, wrapped.total.asd)).all.verdict, Verdict::always);
-  Inversion const i = by_motion(c, motion, times(0.5, wrapped.total.asd));
+  ByMotion const i = by_motion(c, motion, times(0.5, wrapped.total.asd));
   ASSERT_EQ(i.all.verdict, Verdict::found);
+  EXPECT_LE(i.projections, 20);
+  // The first of all factors in steps of 0.2 % that exceeds the line.
+  double first = 0.1;
+  auto const meets = [&](double scale) {
+    NoiseTrace const t = with_motion(c, motion, scale);
+    for (std::size_t k = 0; k < t.asd.size(); ++k)
+      if (t.asd[k] > 0.5 * wrapped.total.asd[k]) return false;
+    return true;
+  };
+  while (first < 1 && meets(first)) first *= 1.002;
+  EXPECT_LT(deviation(i.all.scale, first), 2e-3);
   EXPECT_GT(i.all.scale, 0.2);
   EXPECT_LT(i.all.scale, 0.95);  // the first crossing, though larger motion comes below the line again
   Inversion const much = by_motion(c, with_scaled_body(motion, BodyId{0}, 10), times(0.5, wrapped.total.asd));
