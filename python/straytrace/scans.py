@@ -213,6 +213,7 @@ class Optimum:
     text: str                         # as the command prints it
     # Of the best, by the text of each limit: d cost/d ln limit, or d(h/line) of the least noise; 0: it does not bind, NaN: not known.
     prices_of_limits: dict[str, float] = field(default_factory=dict)
+    sigmas_of_prices: dict[str, float] = field(default_factory=dict)     # one standard error, Monte Carlo
     scratch: Scratch | None = field(default=None, repr=False)
 
     def table(self) -> pandas.DataFrame:
@@ -262,7 +263,8 @@ def optimise(model: Model | Mapping[str, Any] | str | os.PathLike[str], *, minim
     found = json.loads(answer.output)
     chosen = None if found["best"] is None else found["finalists"][found["best"]]
     best = _candidate(chosen) if chosen else None
-    prices = {p["limit"]: float("nan") if p["per_ln_limit"] is None else p["per_ln_limit"] for p in (chosen or {}).get("prices_of_limits", [])}
+    prices, sigmas = ({p["limit"]: float("nan") if p[key] is None else p[key] for p in (chosen or {}).get("prices_of_limits", [])}
+                      for key in ("per_ln_limit", "sigma"))
     run = open_run(folder / "best" / "run.h5") if best else None
     return Optimum([_candidate(c) for c in found["candidates"]], best, run, answer.complete,
-                   (folder / "optimise.txt").read_text(encoding="utf-8"), prices, scratch)
+                   (folder / "optimise.txt").read_text(encoding="utf-8"), prices, sigmas, scratch)

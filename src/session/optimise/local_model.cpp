@@ -127,11 +127,13 @@ Quadratic fitted(std::vector<Vector> const& steps, std::vector<double> const& va
   return out;
 }
 
-double Subproblem::merit(Vector const& step) const {
-  double slack = 0;
-  for (Quadratic const& limit : limits) slack = std::max(slack, limit.at(step));
-  return objective.at(step) + penalty * slack;
+double Subproblem::slack(Vector const& step) const {
+  double largest = 0;
+  for (Quadratic const& limit : limits) largest = std::max(largest, limit.at(step));
+  return largest;
 }
+
+double Subproblem::merit(Vector const& step) const { return objective.at(step) + penalty * slack(step); }
 
 Vector Subproblem::least() const {
   Vector best = Vector::Zero(low.size()).cwiseMax(low).cwiseMin(high);

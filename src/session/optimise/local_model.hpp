@@ -31,6 +31,7 @@ struct Subproblem {
   Eigen::VectorXd low, high;  // of the step
   double penalty = 10;
 
+  double slack(Eigen::VectorXd const& step) const;  // of the models: largest excess, at least 0
   double merit(Eigen::VectorXd const& step) const;  // of the models
   Eigen::VectorXd least() const;                    // SLSQP; COBYLA where that fails
 };

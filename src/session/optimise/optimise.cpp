@@ -97,7 +97,7 @@ class Optimisation {
     if (Candidate const* const best = result.best(); best && allowance == 0) {
       auto& found = report_.multipliers[best->number] = result.multipliers;
       if (report_.order.least_noise())
-        for (double& m : found) m *= std::exp(best->objective);
+        for (WithError& m : found) m = m.over(std::exp(-best->objective));
     }
   }
 
@@ -110,6 +110,9 @@ class Optimisation {
       c.sigma = v->ratio.sigma / v->ratio.value;
       c.deviations = v->deviations;
     }
+    if (report_.order.least_noise() && !o.limits.empty()) c.objective_deviations = o.limits.back().deviations;
+    c.excess_deviations.resize(report_.order.relations.size());
+    for (LineVerdict const& v : o.limits) c.excess_deviations.push_back(v.deviations);
     return c;
   }
 

@@ -36,7 +36,7 @@ struct OptimiseReport {
   std::vector<Outcome> outcomes;   // the first: the values of the scene, as near as the ranges allow
   std::vector<std::string> ended;  // how each search ended
   // By outcome, of the best ones of searches: what the limits cost, as of SearchResult; the relations first.
-  std::map<std::size_t, std::vector<double>> multipliers;
+  std::map<std::size_t, std::vector<WithError>> multipliers;
   std::vector<Finalist> finalists;
   std::optional<std::size_t> chosen;  // among the finalists
   std::size_t closest = 0;            // outcome, where no finalist is chosen

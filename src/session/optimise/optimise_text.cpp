@@ -120,9 +120,11 @@ std::vector<std::string> bounds_of(OptimiseOrder const& order) {
 }
 
 // Of a bound of the finalist: d objective/d ln limit, at most 0; NaN: not known.
-double price_of_bound(OptimiseReport const& r, Finalist const& f, std::size_t bound) {
+WithError price_of_bound(OptimiseReport const& r, Finalist const& f, std::size_t bound) {
   auto const found = r.multipliers.find(f.number);
-  return found == r.multipliers.end() || bound >= found->second.size() ? not_a_number : 0.0 - found->second[bound];
+  if (found == r.multipliers.end() || bound >= found->second.size()) return {not_a_number, not_a_number};
+  WithError const& multiplier = found->second[bound];
+  return {0.0 - multiplier.value, multiplier.sigma};
 }
 
 std::string binding_text(OptimiseReport const& r, Finalist const& f) {
@@ -132,12 +134,13 @@ std::string binding_text(OptimiseReport const& r, Finalist const& f) {
   std::vector<std::string> const bounds = bounds_of(r.order);
   for (std::size_t k = 0; k < best.excess.size(); ++k) {
     double const room = k < r.order.relations.size() ? -best.excess[k] : 1 - std::exp(best.excess[k]);
-    double const price = price_of_bound(r, f, k);
+    WithError const price = price_of_bound(r, f, k);
     text += fmt::format("{}: {}, {:.2g} % of room", bounds[k], room < near ? "binds" : "does not bind",
                         100 * std::max(0.0, room));
-    if (price < 0)
-      text += fmt::format("; 1 % more of it lowers the {} by about {:.2g}",
-                          r.order.least_noise() ? "ratio h/line" : "cost", -0.01 * price);
+    if (price.value < 0)
+      text += fmt::format("; 1 % more of it lowers the {} by about {}", r.order.least_noise() ? "ratio h/line" : "cost",
+                          price.sigma > 0 ? with_brackets({-0.01 * price.value, 0.01 * price.sigma})
+                                          : fmt::format("{:.2g}", -0.01 * price.value));
     text += "\n";
   }
   if (Outcome const* const next = r.order.least_noise() ? nullptr : next_cheaper(r, best))
@@ -208,8 +211,9 @@ Json prices_json(OptimiseReport const& r, Finalist const& f) {
   std::vector<std::string> const bounds = bounds_of(r.order);
   Json all = Json::array();
   for (std::size_t k = 0; k < bounds.size(); ++k) {
-    double const price = price_of_bound(r, f, k);
-    all.push_back({{"limit", bounds[k]}, {"per_ln_limit", std::isfinite(price) ? Json(price) : Json(nullptr)}});
+    WithError const price = price_of_bound(r, f, k);
+    auto const number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
+    all.push_back({{"limit", bounds[k]}, {"per_ln_limit", number(price.value)}, {"sigma", number(price.sigma)}});
   }
   return all;
 }

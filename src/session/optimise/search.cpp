@@ -36,12 +36,13 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-constexpr double first_radius = 0.25, largest_radius = 0.5, penalty = 10;
+constexpr double first_radius = 0.25, largest_radius = 0.5;
+constexpr double first_penalty = 10, largest_penalty = 1e6;
 constexpr double hidden = 0.25;                       // of the predicted gain: largest error of a difference (eq. O.10)
 constexpr double accepted = 0.1, trusted = 0.75;      // of the predicted gain (eq. O.6)
 constexpr double margin = 1e-6;                       // below a limit that is aimed at
 constexpr double finest = 1e-5;                       // of a range: accuracy of the edges of the steps of a price
-constexpr double unmeasured = 1e3;                    // above the merit of what is measured
+constexpr double unmeasured = 1e2;                    // excess above that of what is measured
 constexpr double near_limit = 0.1, near_best = 0.05;  // of an excess; of the ranges: where multipliers are fitted
 constexpr double stationary = 0.2;                    // of the slope of the objective that limits leave at an optimum
 constexpr int most_steps = 40;                        // of the price that are walked along an axis
@@ -130,10 +131,10 @@ class RegionSearch {
   }
   // A candidate that breaks a relation is not measured: it ranks behind all others, by what is known of it.
   double merit(Candidate const& c) const {
-    if (std::isfinite(c.worst()) || c.excess.empty()) return scaled(c.objective) + penalty * std::max(0.0, c.worst());
+    if (std::isfinite(c.worst()) || c.excess.empty()) return scaled(c.objective) + penalty_ * std::max(0.0, c.worst());
     double known = 0;
     for (double const e : c.excess) known = std::isnan(e) ? known : std::max(known, e);
-    return known > 0 ? unmeasured + penalty * known : infinity;
+    return known > 0 ? penalty_ * (unmeasured + known) : infinity;
   }
   bool in_slice(Candidate const& c) const {
     return c.level == level_ && (!fixed_ || c.at[std::size_t(fixed_->axis)] == fixed_->value);
@@ -190,7 +191,7 @@ class RegionSearch {
       objective.push_back(scaled(c.objective));
       for (std::size_t k = 0; k < excess.size(); ++k) excess[k].push_back(c.excess[k]);
     }
-    Subproblem out{fitted(steps, objective, radius), {}, {}, {}, penalty};
+    Subproblem out{fitted(steps, objective, radius), {}, {}, {}, penalty_};
     for (auto const& values : excess) {
       out.limits.push_back(fitted(steps, values, radius));
       out.limits.back().value += margin + 0.1 * result_.all[centre()].sigma;
@@ -199,6 +200,17 @@ class RegionSearch {
     out.high = (Vector::Ones(u.size()) - u).cwiseMin(reach);
     if (fixed_) out.low[fixed_->axis] = out.high[fixed_->axis] = 0;
     return out;
+  }
+
+  // Doubles the penalty while the step of the models breaks limits for the sake of the objective: it must take away at
+  // least half of what any step in the region could (eq. O.3).
+  bool raised_penalty(Subproblem model) {
+    double const before = penalty_, here = model.slack(Vector::Zero(model.low.size()));
+    Subproblem feasible = model;
+    feasible.objective = {0, Vector::Zero(model.low.size()), 0 * model.objective.curvature};
+    double const wanted = 0.5 * (here + std::min(here, feasible.slack(feasible.least()))) + 10 * margin;
+    while (penalty_ < largest_penalty && model.slack(model.least()) > wanted) model.penalty = penalty_ *= 2;
+    return penalty_ > before;
   }
 
   // The least of the models; whole numbers are rounded either way, one after the other, and the rest solved again.
@@ -253,6 +265,7 @@ class RegionSearch {
       if (!surround(radius)) break;
       Candidate const middle = result_.all[centre()];
       Subproblem const model = models(radius);
+      if (raised_penalty(model)) continue;  // another candidate may be the best one now
       Vector const step = step_of(model, middle.at);
       double const predicted = model.merit(Vector::Zero(step.size())) - model.merit(step);
       if (refined(middle, coordinates_.of(middle.at) + step, predicted)) continue;
@@ -383,33 +396,60 @@ class RegionSearch {
     high[std::size_t(axis)] = problem_.ranges[std::size_t(axis)].high;
     return problem_.price(low) != problem_.price(x) || problem_.price(high) != problem_.price(x);
   }
-  // The multipliers that make the slope of the objective and those of the limits cancel along the free axes.
-  std::vector<double> multipliers(Candidate const& best) const {
-    std::vector<double> out(best.excess.size(), 0);
+  // The multipliers that make the slope of the objective and those of the limits cancel along the free axes; their
+  // errors are the changes by the replicas that all candidates share.
+  std::vector<WithError> multipliers(Candidate const& best) const {
+    std::vector<WithError> out(best.excess.size());
     std::vector<std::size_t> binding;
     for (std::size_t k = 0; k < out.size(); ++k)
       if (best.excess[k] > -near_limit) binding.push_back(k);
-    auto const give = [&](Vector const& values) {
-      for (std::size_t k = 0; k < binding.size(); ++k) out[binding[k]] = values[Eigen::Index(k)];
+    auto const unknown = [&] {
+      for (std::size_t const k : binding) out[k] = {not_a_number, not_a_number};
       return out;
     };
-    Vector const none = Vector::Constant(Eigen::Index(binding.size()), not_a_number), u = coordinates_.of(best.at);
+    Vector const u = coordinates_.of(best.at);
     std::vector<Eigen::Index> free;
     for (Eigen::Index i = 0; i < u.size(); ++i) {
-      if (coordinates_.whole(i) || jumps(best.at, i)) return give(none);
+      if (coordinates_.whole(i) || jumps(best.at, i)) return unknown();
       if (u[i] > finest && u[i] < 1 - finest) free.push_back(i);
     }
     Near const near = around(best, near_best);
-    if (binding.empty() || free.empty() || !(near.radius > 0)) return give(none);
-    auto const slopes = [&](auto const& of) -> Vector { return near.model(of).slope(free); };
-    Vector const objective = slopes([&](Candidate const& c) { return scaled(c.objective); });
-    Eigen::MatrixXd limits(objective.size(), Eigen::Index(binding.size()));
+    if (binding.empty() || free.empty() || !(near.radius > 0)) return unknown();
+    Slopes const mean = slopes(near, binding, free, {});
+    Vector const found = not_negative(mean.limits, -mean.objective);
+    if ((mean.objective + mean.limits * found).norm() > stationary * mean.objective.norm()) return unknown();
+    Vector square = Vector::Zero(found.size());
+    std::size_t replicas = best.objective_deviations.size();
+    for (auto const& of_limit : best.excess_deviations) replicas = std::max(replicas, of_limit.size());
+    for (std::size_t r = 0; r < replicas; ++r) {
+      Slopes const changed = slopes(near, binding, free, r);
+      square += (not_negative(changed.limits, -changed.objective) - found).cwiseAbs2();
+    }
+    double const unit = !problem_.price ? 1 : logarithmic() ? best.objective : std::fabs(result_.all.front().objective);
     for (std::size_t k = 0; k < binding.size(); ++k)
-      limits.col(Eigen::Index(k)) = slopes([&](Candidate const& c) { return c.excess[binding[k]]; });
-    Vector const found = not_negative(limits, -objective);
-    if ((objective + limits * found).norm() > stationary * objective.norm()) return give(none);
-    double const first = std::fabs(result_.all.front().objective);
-    return give((!problem_.price ? 1 : logarithmic() ? best.objective : first) * found);
+      out[binding[k]] = {unit * found[Eigen::Index(k)], unit * std::sqrt(square[Eigen::Index(k)])};
+    return out;
+  }
+  struct Slopes {
+    Vector objective;
+    Eigen::MatrixXd limits;  // [axis, limit]
+  };
+  // Of the models about a candidate along the free axes; with the deviations of one replica.
+  Slopes slopes(Near const& near, std::vector<std::size_t> const& binding, std::vector<Eigen::Index> const& free,
+                std::optional<std::size_t> replica) const {
+    auto const deviation = [&](std::vector<double> const& of) {
+      return replica && *replica < of.size() ? of[*replica] : 0;
+    };
+    Slopes out{near.model([&](Candidate const& c) { return scaled(c.objective) + deviation(c.objective_deviations); })
+                   .slope(free),
+               Eigen::MatrixXd(Eigen::Index(free.size()), Eigen::Index(binding.size()))};
+    for (std::size_t k = 0; k < binding.size(); ++k) {
+      auto const excess = [&, limit = binding[k]](Candidate const& c) {
+        return c.excess[limit] + (limit < c.excess_deviations.size() ? deviation(c.excess_deviations[limit]) : 0);
+      };
+      out.limits.col(Eigen::Index(k)) = near.model(excess).slope(free);
+    }
+    return out;
   }
   // Least squares without negative numbers: the most negative one is left out until none is.
   static Vector not_negative(Eigen::MatrixXd matrix, Vector const& right) {
@@ -431,6 +471,7 @@ class RegionSearch {
   std::optional<Slice> fixed_;  // only candidates with this value
   bool exhausted_ = false;
   int level_ = 0;
+  double penalty_ = first_penalty;  // on the largest excess; never lowered
 };
 
 }  // namespace

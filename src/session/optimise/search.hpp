@@ -12,6 +12,7 @@
 
 #include "base/math/constants.hpp"
 #include "base/namespaces.hpp"
+#include "results/results.hpp"
 
 namespace straytrace::session {
 
@@ -28,8 +29,10 @@ struct Candidate {
       excess;              // of every limit, in logarithms or relative: at most 0 where it is met; NaN: not measured
   double sigma = 0;        // standard error of the largest, Monte Carlo
   std::size_t number = 0;  // of the evaluation; a caller keeps more under it
-  std::vector<double> deviations{};  // of the logarithm of what decides, by replica; empty: without error
-  int level = 0;                     // of the accuracy
+  std::vector<double> deviations{};            // of the logarithm of what decides, by replica; empty: without error
+  std::vector<double> objective_deviations{};  // by replica; empty: without error
+  std::vector<std::vector<double>> excess_deviations{};  // of every limit, by replica; empty: without error
+  int level = 0;                                         // of the accuracy
 
   double worst() const;  // largest excess; infinite where one was not measured
   bool met() const { return worst() <= 0; }
@@ -53,8 +56,9 @@ struct SearchResult {
   std::string ended;           // why: "the region is below the tolerance"
   bool stopped = false;
   // Of the limits at the best candidate: by how much the objective falls where the excess of one may be 1 higher (eq.
-  // O.9). 0: it does not bind. NaN: not known, as where the objective has steps. Empty: none meets the limits.
-  std::vector<double> multipliers;
+  // O.9), with the Monte-Carlo error of the slopes. 0: it does not bind. NaN: not known, as where the objective has
+  // steps. Empty: none meets the limits.
+  std::vector<WithError> multipliers;
   Candidate const* best() const;  // none where no limit is met
   Candidate const* closest() const;
 };

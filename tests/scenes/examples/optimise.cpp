@@ -79,6 +79,9 @@ TEST_F(Optimise, AgreesWithAScan) {
   // The cost is 1e-3/black and h^2 ~ black: d cost/d ln limit = -2 cost (eq. O.9).
   double const price = j["finalists"][best]["prices_of_limits"][0]["per_ln_limit"];
   EXPECT_NEAR(price / searched["objective"].get<double>(), -2, 0.1);
+  double const sigma = j["finalists"][best]["prices_of_limits"][0]["sigma"];
+  EXPECT_GT(sigma, 0);  // the traces differ by more than a factor
+  EXPECT_LT(sigma, -0.1 * price);
   EXPECT_THAT(r.out, HasSubstr("; 1 % more of it lowers the cost by about "));
   EXPECT_EQ(j["finalists"][best]["seed"], 2 + best);
   EXPECT_EQ(j["finalists"][best]["histories"].get<double>() / searched["histories"].get<double>(), 4);

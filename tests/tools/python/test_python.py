@@ -277,6 +277,7 @@ class Runs(unittest.TestCase):
             # The cost is 1/rim and the largest rim is the limit: d cost/d ln limit = -cost (eq. O.9).
             self.assertAlmostEqual(found.prices_of_limits["rim < 48 cm"] / found.best.objective, -1, delta=0.1)
             self.assertEqual(found.prices_of_limits["h_total < 1e9 x line"], 0)
+            self.assertEqual(found.sigmas_of_prices["rim < 48 cm"], 0)                     # a relation is known without a trace
         none = straytrace.optimise(self.model, subject=["h_total < 1e-9 x line"], **words)
         self.assertTrue(none.best is None and none.run is None and not any(c.met for c in none.candidates))
         with self.assertRaisesRegex(straytrace.InputError, "did you mean 'rim'"):
