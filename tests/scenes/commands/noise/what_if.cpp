@@ -175,6 +175,35 @@ TEST_F(WhatIf, ShapeOfALawHasTheClosedFormOfA11) {
   EXPECT_THAT(flat.err, HasSubstr("'mirror' would scatter most where the run kept no path"));
 }
 
+// Two rings before a mirror with a point-like spot: the derivative with respect to their rim is an integral over the
+// rims (eq. D.17), with the shadow of the near ring on the far one. Control: without the shadow.
+TEST_F(WhatIf, TracedRimsHaveTheirClosedForm) {
+  std::string scene = edited(text_of(et_hf), "  rings: 1500", "  rings: 2\n  rim: 50 cm");
+  scene = edited(scene, "inner_radius: R_t/sqrt(step), outer_radius: R_t*sqrt(step)",
+                 "inner_radius: rim, outer_radius: 70 cm");
+  write_text(folder / "rings.yaml", edited(scene, "from: near*sqrt(step), ratio: step", "from: 100 m, to: 120 m"));
+  Finished const made =
+      straytrace({"run", folder / "rings.yaml", "-o", folder / "rings", "--histories", "131072", "--quiet"});
+  ASSERT_EQ(made.code, 0) << made.err;
+  Finished const done = straytrace({"sensitivity", folder / "rings/run.h5", "--trace", "rim", "--step", "2%", "--only",
+                                    "traced", "--quiet", "--format", "json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const in = Json::parse(done.out).at("inputs").at(0);
+  double const e = in.at("elasticity").at(100), sigma = in.at("elasticity_sigma").at(100);
+  double const rim = 0.5, near = 100, far = 120, power = 2 - 2 * 2.3986;
+  auto const lit = [&](double from, double to) { return (std::pow(to, power) - std::pow(from, power)) / power; };
+  double const all = lit(rim / near, 0.7 / near) / (near * near) + lit(rim / far, rim / near) / (far * far);
+  auto const elasticity = [&](bool shadow) {
+    double const behind = shadow ? 1 / (far * far) : 0;
+    return -0.5 *
+           (std::pow(rim / near, power) * (1 / (near * near) - behind) + std::pow(rim / far, power) / (far * far)) /
+           all;
+  };
+  EXPECT_LT(sigma, 0.03);
+  EXPECT_LT(std::fabs(e - elasticity(true)), 4 * sigma + 2e-3) << e;
+  EXPECT_GT(std::fabs(e - elasticity(false)), 10 * sigma) << "control";
+}
+
 // All light of a bench behind the end mirror passes it twice, scattered or as a ghost: e = 1 (eq. 1.1, 5.4). Controls:
 // a ghost of one coating of its lens; the glass of the sensor, which a part of the light meets once, has at most 1/2.
 TEST_F(WhatIf, TransmissionOfAMirrorActsOnAllLightBehindIt) {
