@@ -9,7 +9,7 @@ files, for loops over many small projections::
         print(factor, noise.at(30))
 
 The numbers have the bits of the commands. The rest of the package needs neither this module nor the library: where it is missing,
-or where it was built for a newer system, `native.available()` is False."""
+or where the system is older than that for which it was built (glibc 2.36 for packages), `native.available()` is False."""
 
 from __future__ import annotations
 
