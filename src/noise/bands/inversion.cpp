@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <ranges>
 
 #include "base/errors.hpp"
 
@@ -121,8 +122,8 @@ struct Crossed {
 // A + B s + C s^2: three projections give it, a fourth confirms it. Above, a scan, then refinement.
 class MotionInversion {
  public:
-  MotionInversion(Projected const& projected, Doubles const& line)
-      : projected_(projected), line_(line), crossed_(line.size()) {}
+  MotionInversion(Projected const& projected, Doubles const& line, bool every_bin)
+      : projected_(projected), line_(line), every_bin_(every_bin), crossed_(line.size()) {}
 
   Inversion answer() {
     NoiseTrace const &still = at(0), &as_is = at(1);
@@ -157,9 +158,10 @@ class MotionInversion {
     return true;
   }
   bool done() const {
-    for (std::size_t i = 0; i < line_.size(); ++i)
-      if (line_[i] > 0 && crossed_[i].above == 0) return false;
-    return true;
+    auto const known = [&](std::size_t i) { return crossed_[i].above > 0; };
+    auto const bins = std::views::iota(std::size_t(0), line_.size());
+    if (!every_bin_) return std::ranges::any_of(bins, known);
+    return std::ranges::all_of(bins, [&](std::size_t i) { return known(i) || !(line_[i] > 0); });
   }
 
   // S - A = B s + C s^2 through two scales.
@@ -278,6 +280,7 @@ class MotionInversion {
 
   Projected const& projected_;
   Doubles const& line_;
+  bool every_bin_;
   std::vector<Crossed> crossed_;
   std::map<double, NoiseTrace> seen_;
 };
@@ -303,8 +306,8 @@ Inversion invert_scatter(NoiseBudget const& b, Composition const& composition, D
   return out;
 }
 
-Inversion invert_motion(Projected const& projected, Doubles const& line) {
-  return MotionInversion(projected, line).answer();
+Inversion invert_motion(Projected const& projected, Doubles const& line, bool every_bin) {
+  return MotionInversion(projected, line, every_bin).answer();
 }
 
 MotionSet with_scaled_body(MotionSet const& motion, BodyId body, double scale) {

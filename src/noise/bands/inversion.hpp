@@ -42,7 +42,8 @@ Inversion invert_scatter(NoiseBudget const&, Composition const&, std::vector<dou
 using Projected = std::function<NoiseTrace(double scale)>;
 // Largest factor below which ALL factors meet the line, up to 100: fringe-wrapped noise is not monotonic in the motion.
 // The fewer projections the weaker the motion (docs/theory/errors.md).
-Inversion invert_motion(Projected const&, std::vector<double> const& line);
+// Without `every_bin` only the first bin to exceed its line is looked for; the others may say `always`.
+Inversion invert_motion(Projected const&, std::vector<double> const& line, bool every_bin = true);
 
 // Motion with the gains of one body times `scale`: both its own motion and that of its carrier.
 MotionSet with_scaled_body(MotionSet const&, BodyId, double scale);

@@ -123,7 +123,7 @@ Answer scatter_answer(Traced const& t, std::size_t material, ScanOptions const& 
   return a;
 }
 
-Answer motion_answer(Traced const& t, std::size_t moved, ScanOptions const& options) {
+Answer motion_answer(Traced const& t, std::size_t moved, ScanOptions const& options, bool every_bin) {
   BodyId const body{std::uint32_t(moved)};
   NoiseBudget const budget = t.model.project(t.coupling);
   print_warnings(budget, options);
@@ -131,7 +131,7 @@ Answer motion_answer(Traced const& t, std::size_t moved, ScanOptions const& opti
     return project_noise(t.coupling, with_scaled_body(t.model.motion, body, scale), *t.model.detector, t.model.noise)
         .total;
   };
-  Answer a = answer_about(t.model, budget, invert_motion(at, line_of(t.model)));
+  Answer a = answer_about(t.model, budget, invert_motion(at, line_of(t.model), every_bin));
   a.subject = Answer::Subject::motion;
   a.motion = root_spectrum(t.model.motion, body, t.model.noise.grid);
   return a;
@@ -162,7 +162,8 @@ int invert(ScanOptions const& options, Requirement const& requirement, InvertOrd
   }
   Traced const t = traced(question, options, requirement, std::move(errors));
   std::size_t const subject = subject_of(*question, t.model);
-  Answer answer = question->kind == "brdf" ? scatter_answer(t, subject, options) : motion_answer(t, subject, options);
+  Answer answer = question->kind == "brdf" ? scatter_answer(t, subject, options)
+                                           : motion_answer(t, subject, options, order.per_frequency || options.json());
   answer.what = order.what;
   answer.complete = t.complete;
   print(answer, options, order.per_frequency);

@@ -179,13 +179,13 @@ NoiseTrace with_motion(Case const& c, MotionSet const& motion, double scale) {
 struct ByMotion : Inversion {
   int projections = 0;
 };
-ByMotion by_motion(Case const& c, MotionSet const& motion, std::vector<double> const& line) {
+ByMotion by_motion(Case const& c, MotionSet const& motion, std::vector<double> const& line, bool every_bin = true) {
   int projections = 0;
   auto const projected = [&](double scale) {
     ++projections;
     return with_motion(c, motion, scale);
   };
-  return {invert_motion(projected, line), projections};
+  return {invert_motion(projected, line, every_bin), projections};
 }
 
 TEST(Inversion, LinearMotionIsProportional) {  // h ~ x
@@ -224,6 +224,9 @@ TEST(Inversion, WrappedNoiseHasALargestValue) {
   };
   while (first < 1 && meets(first)) first *= 1.002;
   EXPECT_LT(deviation(i.all.scale, first), 2e-3);
+  ByMotion const one = by_motion(c, motion, times(0.5, wrapped.total.asd), false);
+  EXPECT_EQ(one.all.scale, i.all.scale);
+  EXPECT_LE(one.projections, i.projections);
   EXPECT_GT(i.all.scale, 0.2);
   EXPECT_LT(i.all.scale, 0.95);  // the first crossing, though larger motion comes below the line again
   Inversion const much = by_motion(c, with_scaled_body(motion, BodyId{0}, 10), times(0.5, wrapped.total.asd));
