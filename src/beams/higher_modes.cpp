@@ -27,91 +27,6 @@ double hermite_function(int n, double x) {
   return value;
 }
 
-std::complex<double> hermite_field(Mode const& basis, int n, int m, Vec3 p) {
-  refuse_turned(basis);
-  double const z = dot(p - basis.origin, basis.travel), k = basis.wave_number();
-  Mode const here = propagated(basis, z);
-  auto const lag = axis_gouy(basis, z);
-  Vec3 const r = p - here.origin;
-  double const x = dot(r, basis.e1), y = dot(r, basis.e2);
-  double const sx = std::sqrt(k * here.q11.imag()), sy = std::sqrt(k * here.q22.imag());  // sqrt(2)/w
-  double const size = std::sqrt(sx * sy) * hermite_function(n, sx * x) * hermite_function(m, sy * y);
-  double const bend = 0.5 * k * (here.q11.real() * x * x + here.q22.real() * y * y);
-  return std::polar(1.0, k * z + bend - (n + 0.5) * lag[0] - (m + 0.5) * lag[1]) * size;
-}
-
-ModeCoefficients hermite_coefficients(Mode const& beam, Mode const& basis, int order) {
-  refuse_turned(basis);
-  return coefficients(generating_gaussian(beam, basis), order);
-}
-
-namespace {
-
-void refuse_elliptic(Mode const& basis) {
-  if (std::abs(basis.q12) + std::abs(basis.q11 - basis.q22) > 1e-9 * basis.q11.imag())
-    throw NumericalError("Laguerre-Gauss modes need a circular beam; this one is astigmatic");
-}
-
-}  // namespace
-
-double laguerre_function(int p, int l, double x) {
-  double before = 0, value = std::exp(-0.5 * x);
-  for (int i = 1; i <= l; ++i) value *= std::sqrt(x / i);
-  for (int i = 0; i < p; ++i) {
-    double const up = std::sqrt((i + 1.0) * (i + 1 + l)), down = std::sqrt(double(i) * (i + l));
-    double const next = ((2 * i + 1 + l - x) * value - down * before) / up;
-    before = value;
-    value = next;
-  }
-  return value;
-}
-
-std::complex<double> laguerre_field(Mode const& basis, int p, int l, Vec3 point) {
-  refuse_elliptic(basis);
-  double const z = dot(point - basis.origin, basis.travel), k = basis.wave_number();
-  Mode const here = propagated(basis, z);
-  Vec3 const r = point - here.origin;
-  double const x = dot(r, basis.e1), y = dot(r, basis.e2), rho2 = x * x + y * y, scale = k * here.q11.imag();  // 2/w^2
-  double const size = std::sqrt(scale / pi) * laguerre_function(p, std::abs(l), scale * rho2);
-  double const lag = (2 * p + std::abs(l) + 1) * gouy(basis, z), bend = 0.5 * k * here.q11.real() * rho2;
-  return std::polar(1.0, k * z + bend - lag + l * std::atan2(y, x)) * size;
-}
-
-LaguerreCoefficients laguerre_coefficients(Mode const& beam, Mode const& basis, int order) {
-  refuse_elliptic(basis);
-  return LaguerreCoefficients(hermite_coefficients(beam, basis, order));
-}
-
-namespace {
-
-// One quantum more along x (`y` false) or along y, in terms of those that turn with +phi and -phi: amplitudes of
-// 0, 1, ... quanta turning with +phi. `quanta`: those along this axis afterwards.
-std::vector<std::complex<double>> raised(std::vector<std::complex<double>> const& state, bool y, int quanta) {
-  std::complex<double> const forward = y ? std::complex<double>{0, -1} : 1, backward = std::conj(forward);
-  auto const total = state.size();
-  std::vector<std::complex<double>> next(total + 1);
-  for (std::size_t a = 0; a <= total; ++a) {
-    if (a > 0) next[a] += forward * std::sqrt(double(a)) * state[a - 1];
-    if (a < total) next[a] += backward * std::sqrt(double(total - a)) * state[a];
-    next[a] /= std::sqrt(2.0 * quanta);
-  }
-  return next;
-}
-
-}  // namespace
-
-LaguerreCoefficients::LaguerreCoefficients(ModeCoefficients const& hermite) : circular_(hermite.order()) {
-  std::vector<std::complex<double>> along_x{1};
-  for (int n = 0; n <= hermite.order(); ++n) {
-    std::vector<std::complex<double>> state = along_x;
-    for (int m = 0; n + m <= hermite.order(); ++m) {
-      for (int a = 0; a <= n + m; ++a) circular_(a, n + m - a) += hermite(n, m) * state[std::size_t(a)];
-      state = raised(state, true, m + 1);
-    }
-    along_x = raised(along_x, false, n + 1);
-  }
-}
-
 ModeCoefficients::ModeCoefficients(int order)
     : order_(order), values_(static_cast<std::size_t>((order + 1) * (order + 2) / 2)) {}
 
@@ -121,6 +36,15 @@ double ModeCoefficients::power() const {
   return sum;
 }
 
+namespace {
+
+// sum over a, b of c(a, b) s^a t^b / sqrt(a! b!) = c(0, 0) exp((s, t).bend (s, t)/2 + tilt.(s, t)).
+struct GeneratingGaussian {
+  std::complex<double> middle;  // c(0, 0)
+  Eigen::Matrix2cd bend;
+  Eigen::Vector2cd tilt;
+};
+// Overlap of `beam` with the Hermite-Gauss modes of `basis`, whose principal axes must be e1 and e2.
 GeneratingGaussian generating_gaussian(Mode const& beam, Mode const& basis) {
   Plane const plane{basis.origin, basis.e1, basis.e2};
   FieldProduct const p = product(on_plane(beam, plane), on_plane(basis, plane));
@@ -155,6 +79,55 @@ ModeCoefficients coefficients(GeneratingGaussian const& series, int order) {
       c(a, b) = sum / std::sqrt(n + 1.0);
     }
   return c;
+}
+
+}  // namespace
+
+ModeCoefficients hermite_coefficients(Mode const& beam, Mode const& basis, int order) {
+  refuse_turned(basis);
+  return coefficients(generating_gaussian(beam, basis), order);
+}
+
+double laguerre_function(int p, int l, double x) {
+  double before = 0, value = std::exp(-0.5 * x);
+  for (int i = 1; i <= l; ++i) value *= std::sqrt(x / i);
+  for (int i = 0; i < p; ++i) {
+    double const up = std::sqrt((i + 1.0) * (i + 1 + l)), down = std::sqrt(double(i) * (i + l));
+    double const next = ((2 * i + 1 + l - x) * value - down * before) / up;
+    before = value;
+    value = next;
+  }
+  return value;
+}
+
+namespace {
+
+// One quantum more along x (`y` false) or along y, in terms of those that turn with +phi and -phi: amplitudes of
+// 0, 1, ... quanta turning with +phi. `quanta`: those along this axis afterwards.
+std::vector<std::complex<double>> raised(std::vector<std::complex<double>> const& state, bool y, int quanta) {
+  std::complex<double> const forward = y ? std::complex<double>{0, -1} : 1, backward = std::conj(forward);
+  auto const total = state.size();
+  std::vector<std::complex<double>> next(total + 1);
+  for (std::size_t a = 0; a <= total; ++a) {
+    if (a > 0) next[a] += forward * std::sqrt(double(a)) * state[a - 1];
+    if (a < total) next[a] += backward * std::sqrt(double(total - a)) * state[a];
+    next[a] /= std::sqrt(2.0 * quanta);
+  }
+  return next;
+}
+
+}  // namespace
+
+LaguerreCoefficients::LaguerreCoefficients(ModeCoefficients const& hermite) : circular_(hermite.order()) {
+  std::vector<std::complex<double>> along_x{1};
+  for (int n = 0; n <= hermite.order(); ++n) {
+    std::vector<std::complex<double>> state = along_x;
+    for (int m = 0; n + m <= hermite.order(); ++m) {
+      for (int a = 0; a <= n + m; ++a) circular_(a, n + m - a) += hermite(n, m) * state[std::size_t(a)];
+      state = raised(state, true, m + 1);
+    }
+    along_x = raised(along_x, false, n + 1);
+  }
 }
 
 }  // namespace straytrace::beams

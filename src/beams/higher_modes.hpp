@@ -11,8 +11,6 @@
 
 namespace straytrace::beams {
 
-// A Gaussian beam as a sum over the higher modes of another one (R2.11).
-
 // Amplitudes c(a, b) for a + b <= order. With the powers of all orders they sum to 1.
 class ModeCoefficients {
  public:
@@ -28,25 +26,12 @@ class ModeCoefficients {
   std::vector<std::complex<double>> values_;
 };
 
-// sum over a, b of c(a, b) s^a t^b / sqrt(a! b!) = c(0, 0) exp((s, t).bend (s, t)/2 + tilt.(s, t)).
-struct GeneratingGaussian {
-  std::complex<double> middle;  // c(0, 0)
-  Eigen::Matrix2cd bend;
-  Eigen::Vector2cd tilt;
-};
-// Overlap of `beam` with the Hermite-Gauss modes of `basis`, whose principal axes must be e1 and e2.
-GeneratingGaussian generating_gaussian(Mode const& beam, Mode const& basis);
-ModeCoefficients coefficients(GeneratingGaussian const&, int order);
-
 // exp(-x^2/2) H_n(x) / sqrt(2^n n! sqrt(pi)): the integral of the product of two is 1 for equal orders, else 0.
 double hermite_function(int n, double x);
 
-// u_nm [1/m] at a point of space, of order n along e1 and m along e2 of the fundamental mode `basis`, for which q12 = 0
-// (NumericalError otherwise). The phase lags by (n + 1/2) and (m + 1/2) times the Gouy phases of the axes.
-std::complex<double> hermite_field(Mode const& basis, int n, int m, Vec3 p);
-
-// Amplitudes of a Gaussian beam in these modes, n + m <= order; (0, 0) is their overlap. The beam may be tilted,
-// shifted and mismatched in any way. The rest of the power is in higher orders.
+// Amplitudes of a Gaussian beam in the modes of `basis`, of order n along e1 and m along e2, n + m <= order; (0, 0) is
+// their overlap. The beam may be tilted, shifted and mismatched in any way. The rest of the power is in higher orders.
+// NumericalError unless q12 = 0 for `basis`.
 ModeCoefficients hermite_coefficients(Mode const& beam, Mode const& basis, int order);
 
 // Laguerre-Gauss modes about a circular beam (R2.11).
@@ -54,10 +39,6 @@ ModeCoefficients hermite_coefficients(Mode const& beam, Mode const& basis, int o
 // sqrt(p!/(p + l)!) x^(l/2) exp(-x/2) L_p^l(x), l >= 0: the integral over x > 0 of the product of two of one l is 1 for
 // equal p, else 0.
 double laguerre_function(int p, int l, double x);
-
-// u_pl [1/m] at a point of space: 2p + |l| is the order, exp(i l phi) with phi from e1 towards e2. `basis` is circular
-// (NumericalError otherwise). The phase lags by 2p + |l| + 1 times the Gouy phase.
-std::complex<double> laguerre_field(Mode const& basis, int p, int l, Vec3 point);
 
 // Amplitudes in these modes.
 class LaguerreCoefficients {
@@ -75,7 +56,5 @@ class LaguerreCoefficients {
  private:
   ModeCoefficients circular_;
 };
-// Of a Gaussian beam.
-LaguerreCoefficients laguerre_coefficients(Mode const& beam, Mode const& basis, int order);
 
 }  // namespace straytrace::beams

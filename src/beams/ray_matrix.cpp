@@ -8,13 +8,6 @@
 
 namespace straytrace::beams {
 
-AxisMatrix axis_flight(double length, double n) { return AxisMatrix{{1, length / n}, {0, 1}}; }
-AxisMatrix axis_mirror(double roc) { return axis_lens(roc / 2); }
-AxisMatrix axis_lens(double focal_length) { return AxisMatrix{{1, 0}, {-1 / focal_length, 1}}; }
-AxisMatrix axis_face(double roc, double n_before, double n_after) {
-  return AxisMatrix{{1, 0}, {(n_after - n_before) / roc, 1}};
-}
-
 RayMatrix both_axes(AxisMatrix const& x, AxisMatrix const& y) {
   RayMatrix m = RayMatrix::Zero();
   for (int i = 0; i < 2; ++i)
@@ -25,7 +18,14 @@ RayMatrix both_axes(AxisMatrix const& x, AxisMatrix const& y) {
   return m;
 }
 
-RayMatrix ray_flight(double length, double n) { return both_axes(axis_flight(length, n), axis_flight(length, n)); }
+namespace {
+
+constexpr double miss = 1e-7;  // of the distance flown: the curvature is that at the point
+
+RayMatrix ray_flight(double length, double n) {
+  AxisMatrix const axis{{1, length / n}, {0, 1}};
+  return both_axes(axis, axis);
+}
 
 RayMatrix ray_face(FaceMap const& face) {
   Eigen::Matrix2d const from = face.before.inverse(), to = face.after.inverse().transpose();
@@ -36,11 +36,7 @@ RayMatrix ray_face(FaceMap const& face) {
   return m;
 }
 
-BeamParameter transformed(AxisMatrix const& m, BeamParameter q) {
-  return (m(0, 0) * q + m(0, 1)) / (m(1, 0) * q + m(1, 1));
-}
-double beam_radius(BeamParameter q, double wavelength) { return std::sqrt(-wavelength / (pi * std::imag(1.0 / q))); }
-double wavefront_curvature(BeamParameter q) { return std::real(1.0 / q); }
+}  // namespace
 
 Eigen::Matrix2cd transformed(RayMatrix const& m, Eigen::Matrix2cd const& n_q) {
   Eigen::Matrix2cd const offset = m.topLeftCorner<2, 2>() + m.topRightCorner<2, 2>() * n_q;
@@ -48,24 +44,9 @@ Eigen::Matrix2cd transformed(RayMatrix const& m, Eigen::Matrix2cd const& n_q) {
   return slope * offset.inverse();
 }
 
-namespace {
-
-constexpr double miss = 1e-7;  // of the distance flown: the curvature is that at the point
-
-OpticalElement spherical(Vec3 point, Vec3 normal, double roc) {
+OpticalElement spherical_mirror(Vec3 point, Vec3 normal, double roc) {
   Frame const f = Frame::around(normal);
   return {point, normal, {f.e1, f.e2, 1 / roc, 0, 1 / roc}, true, 1};
-}
-
-}  // namespace
-
-OpticalElement spherical_mirror(Vec3 point, Vec3 normal, double roc) { return spherical(point, normal, roc); }
-
-OpticalElement spherical_face(Vec3 point, Vec3 normal, double roc, double index_after) {
-  OpticalElement face = spherical(point, normal, roc);
-  face.reflects = false;
-  face.index_after = index_after;
-  return face;
 }
 
 std::vector<OpticalElement> mirrors_through(std::span<Vec3 const> points, std::span<double const> roc, bool closed) {

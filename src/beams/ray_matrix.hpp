@@ -18,22 +18,12 @@ namespace straytrace::beams {
 using AxisMatrix = Eigen::Matrix2d;
 using RayMatrix = Eigen::Matrix4d;
 
-AxisMatrix axis_flight(double length, double n = 1);                // through a medium of index n
-AxisMatrix axis_mirror(double roc);                                 // RoC > 0: concave
-AxisMatrix axis_lens(double focal_length);                          // thin; positive when it focuses
-AxisMatrix axis_face(double roc, double n_before, double n_after);  // RoC > 0: concave seen from where the light comes
-
-RayMatrix ray_flight(double length, double n = 1);
-RayMatrix ray_face(FaceMap const&);
 // Two uncoupled axes.
 RayMatrix both_axes(AxisMatrix const& x, AxisMatrix const& y);
 
 // Beam parameter q = z + i z_R over the index of the medium (docs/theory/conventions.md): with the vacuum wavelength it
 // gives the radius in every medium.
 using BeamParameter = std::complex<double>;
-BeamParameter transformed(AxisMatrix const&, BeamParameter);  // eq. 6.2
-double beam_radius(BeamParameter, double wavelength);         // 1/e^2 intensity radius, m
-double wavefront_curvature(BeamParameter);                    // 1/m, positive when diverging
 
 // Complex curvature times the index, n Q, 1/m.
 Eigen::Matrix2cd transformed(RayMatrix const&, Eigen::Matrix2cd const& n_q);
@@ -47,9 +37,8 @@ struct OpticalElement {
   bool reflects = true;
   double index_after = 1;  // of the medium behind a refracting face
 };
-// Spherical mirror or face; RoC > 0: concave seen from the side that `normal` points to, infinite: flat.
+// RoC > 0: concave seen from the side that `normal` points to, infinite: flat.
 OpticalElement spherical_mirror(Vec3 point, Vec3 normal, double roc);
-OpticalElement spherical_face(Vec3 point, Vec3 normal, double roc, double index_after);
 // Mirrors that send a ray from point to point, each concave towards it for RoC > 0. `closed`: from the last back to the
 // first, whose mirror is the last element; the ray starts there. Otherwise the first and the last point have no mirror
 // and their RoC is not used.

@@ -5,7 +5,6 @@
 #include <iostream>
 #include <memory>
 
-#include "base/errors.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "session/diagnostics.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <stdexcept>
 
-#include "base/errors.hpp"
 #include "ifo/network.hpp"
 #include "ifo/network_ways.hpp"
 

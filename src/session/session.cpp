@@ -17,7 +17,6 @@
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
-#include "base/text/words.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/route_table/route_sums.hpp"
 #include "results/run_file/run_part.hpp"

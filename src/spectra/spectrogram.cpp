@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/errors.hpp"
-#include "base/math/constants.hpp"
 #include "spectra/fourier.hpp"
 
 namespace straytrace::spectra {

@@ -64,8 +64,6 @@ RoundTrip const& CavityWaves::trip() const { return parts_->trip; }
 Transform const& CavityWaves::transform() const { return parts_->trip.transform(); }
 int CavityWaves::threads() const { return parts_->trip.threads(); }
 Mask const& CavityWaves::mask(std::size_t baffle) const { return parts_->trip.mask(baffle); }
-Mask const& CavityWaves::outline1() const { return parts_->trip.mask(parts_->trip.trip().stops.size() - 1); }
-Mask const& CavityWaves::outline2() const { return parts_->trip.mask(parts_->cavity.baffles.size()); }
 SpectrumDisc const& CavityWaves::band() const { return parts_->trip.band(); }
 
 void CavityWaves::set_heights(std::array<std::vector<double>, 2> heights) {

@@ -69,8 +69,6 @@ class CavityWaves {
   Transform const& transform() const;
   int threads() const;
   Mask const& mask(std::size_t baffle) const;
-  Mask const& outline1() const;
-  Mask const& outline2() const;
   // Other heights of both mirrors, on the grid; empty: none.
   void set_heights(std::array<std::vector<double>, 2>);
 

@@ -24,6 +24,28 @@ inline Wavefront wavefront(Mode const& m) {
   return {mean + half, mean - half, std::cos(angle) * m.e1 + std::sin(angle) * m.e2};
 }
 
+// Ray matrices of one axis. RoC > 0: concave seen from where the light comes.
+inline AxisMatrix axis_flight(double length, double n = 1) { return AxisMatrix{{1, length / n}, {0, 1}}; }
+inline AxisMatrix axis_mirror(double roc) { return AxisMatrix{{1, 0}, {-2 / roc, 1}}; }
+inline AxisMatrix axis_face(double roc, double n_before, double n_after) {
+  return AxisMatrix{{1, 0}, {(n_after - n_before) / roc, 1}};
+}
+// eq. 6.2
+inline BeamParameter transformed_q(AxisMatrix const& m, BeamParameter q) {
+  return (m(0, 0) * q + m(0, 1)) / (m(1, 0) * q + m(1, 1));
+}
+inline double beam_radius(BeamParameter q, double wavelength) {  // 1/e^2 intensity radius, m
+  return std::sqrt(-wavelength / (pi * std::imag(1.0 / q)));
+}
+inline double wavefront_curvature(BeamParameter q) { return std::real(1.0 / q); }  // 1/m, positive when diverging
+
+inline OpticalElement spherical_face(Vec3 point, Vec3 normal, double roc, double index_after) {
+  OpticalElement face = spherical_mirror(point, normal, roc);
+  face.reflects = false;
+  face.index_after = index_after;
+  return face;
+}
+
 class Dice {
  public:
   explicit Dice(unsigned seed) : engine_(seed) {}

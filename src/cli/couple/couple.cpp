@@ -4,7 +4,6 @@
 
 #include "cli/commands.hpp"
 #include "cli/couple/couple_data.hpp"
-#include "session/options.hpp"
 
 namespace straytrace::cli {
 

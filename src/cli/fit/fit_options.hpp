@@ -7,7 +7,6 @@
 
 #include "analysis/fringes/fringe_records.hpp"
 #include "cli/data_options.hpp"
-#include "session/options.hpp"
 #include "session/records/route_predictions.hpp"
 
 namespace straytrace::cli {

@@ -10,7 +10,6 @@
 #include <numeric>
 
 #include "base/errors.hpp"
-#include "base/math/constants.hpp"
 #include "cli/signal/signal.hpp"
 #include "results/results.hpp"
 #include "session/options.hpp"

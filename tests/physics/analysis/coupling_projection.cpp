@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "analysis/coupling/coupling.hpp"
-#include "base/errors.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 

@@ -13,6 +13,13 @@
 namespace straytrace::beams_cavities {
 namespace {
 
+using testing::axis_face;
+using testing::axis_flight;
+using testing::axis_mirror;
+using testing::beam_radius;
+using testing::spherical_face;
+using testing::transformed_q;
+using testing::wavefront_curvature;
 using testing::wavefront;
 
 using testing::deviation;
@@ -85,7 +92,7 @@ double solver_error(double length, double roc1, double roc2, double roc2_met) {
   BeamParameter const exact{-m.waist_position, m.rayleigh};  // leaving mirror 1
   double const two_way = 2 * m.gouy;
   return std::abs(found.q - exact) / std::abs(exact) + std::fabs(std::remainder(found.gouy - two_way, 2 * pi)) +
-         std::abs(transformed(round_trip, exact) - exact) / std::abs(exact);
+         std::abs(transformed_q(round_trip, exact) - exact) / std::abs(exact);
 }
 
 TEST(cavity, general_solver_agrees_with_two_mirrors) {
@@ -152,7 +159,7 @@ BeamParameter kagra_by_matrices(double pr2_roc) {
   AxisMatrix const chain = axis_flight(14.7615) * axis_mirror(pr2_roc) * axis_flight(11.0661) * axis_mirror(24.9165) *
                            axis_flight(26.6649 + 15.7638) * axis_face(infinity, n, 1) * axis_flight(0.15, n) *
                            axis_face(1900, 1, n);
-  return transformed(chain, {1500, 774.597});
+  return transformed_q(chain, {1500, 774.597});
 }
 
 // Back and forth on one line, the input mirror's face at the origin.
@@ -185,8 +192,8 @@ TEST(beams, kagra_recycling_telescope_b7) {
 TEST(beams, flat_plate_shortens_the_flight) {
   BeamParameter const q{3, 7};
   AxisMatrix const plate = axis_face(infinity, 1.5, 1) * axis_flight(0.6, 1.5) * axis_face(infinity, 1, 1.5);
-  EXPECT_LT(std::abs(transformed(plate, q) - (q + 0.4)), 1e-14);
-  EXPECT_GT(std::abs(transformed(plate, q) - (q + 0.6)), 0.1);
+  EXPECT_LT(std::abs(transformed_q(plate, q) - (q + 0.4)), 1e-14);
+  EXPECT_GT(std::abs(transformed_q(plate, q) - (q + 0.6)), 0.1);
 }
 
 // R2.10: w0 = 9.682 mm has z_R = 276.79 m; there w = 13.69 mm and the Gouy phase is pi/4. Power over the plane 1e-6.

@@ -13,9 +13,11 @@
 namespace straytrace::beams_eigenmodes {
 namespace {
 
-using testing::wavefront;
-
+using testing::axis_flight;
+using testing::axis_mirror;
 using testing::deviation;
+using testing::transformed_q;
+using testing::wavefront;
 
 constexpr double nd_yag = 1.064e-6;  // m
 // Closed ring over the points; the round trip starts at the first, e1 near `side`.
@@ -175,7 +177,7 @@ TEST(eigenmode, folded_telescope_by_axes) {
     auto const seen = [&](double roc, int i) { return in_plane ? roc * cosine(i) : roc / cosine(i); };
     AxisMatrix const chain = axis_flight(length(points[3] - points[2])) * axis_mirror(seen(-3, 2)) *
                              axis_flight(length(points[2] - points[1])) * axis_mirror(seen(5, 1)) * axis_flight(4);
-    BeamParameter const q = transformed(chain, std::conj(1.0 / start.q11));
+    BeamParameter const q = transformed_q(chain, std::conj(1.0 / start.q11));
     auto const found = in_plane ? end.q11 : end.q22, other = in_plane ? end.q22 : end.q11;
     EXPECT_LT(std::abs(found - std::conj(1.0 / q)), 1e-11 * std::abs(found));
     EXPECT_GT(std::abs(other - std::conj(1.0 / q)), 1e-3 * std::abs(found));

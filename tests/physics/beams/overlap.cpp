@@ -12,7 +12,7 @@
 namespace straytrace::beams_overlap {
 namespace {
 
-using testing::Dice, testing::ExactRay;
+using testing::Dice, testing::ExactRay, testing::spherical_face;
 constexpr double nd_yag = 1.064e-6;  // m
 constexpr Vec3 along_z{0, 0, 1};
 

@@ -11,7 +11,7 @@
 namespace straytrace::beams_rays {
 namespace {
 
-using testing::ExactRay, testing::through_sphere;
+using testing::ExactRay, testing::spherical_face, testing::through_sphere;
 constexpr Vec3 along_z{0, 0, 1};
 
 // Exact rays. The rays of a wavefront with Q real start normal to it and meet a lens of two spheres, tilted and

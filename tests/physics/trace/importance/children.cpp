@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Children at a hit (C2.1): N paths that share the power, whatever N; and a walk that splits and
 // ends paths by chance keeps its energy balance (docs/theory/sampling.md).
-#include "base/errors.hpp"
 #include "support/trace_support.hpp"
 #include "trace/importance/importance.hpp"
 
