@@ -319,7 +319,7 @@ void check_values(CLI::App& app, std::string const& named, OptionErrors& errors)
     }
 }
 
-// A missing option is not told beside its misspelt name.
+// A missing option is not reported where its name is only misspelt.
 void check_missing(CLI::App& command, std::set<std::string> const& meant, std::string const& named,
                    OptionErrors& errors) {
   for (CLI::Option const* option : command.get_options()) {

@@ -23,7 +23,7 @@ ProjectionModel projection_of(RunFile const&, std::vector<std::string> const& ov
 // The scene inside the file with the parameters of the run, then `overrides`. Refers to the texts in the file.
 Scene scene_of(RunFile const&, std::vector<std::string> const& overrides);
 
-// Throws InputError, which tells the way to a run, where this is a scene by its name.
+// Throws InputError, whose remedy makes a run, where this is a scene by its name.
 void refuse_scene(std::string const& path);
 RunFile read_run_file(std::string const& path);
 
@@ -60,7 +60,7 @@ class RunInput {
   std::optional<RunFile> file_;
 };
 
-// By its first bytes; whether it is sound read_run() tells.
+// By its first bytes; read_run() checks the rest.
 bool is_run_file(std::string const& file);
 // Where a command takes a scene or a run: also a name ending in .h5, so that the error of a missing or damaged run says
 // so.

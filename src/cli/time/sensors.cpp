@@ -343,7 +343,8 @@ void add_sensors(CLI::App& app, int& exit_code) {
   auto const options = std::make_shared<SensorOptions>();
   SensorOptions& o = *options;
   auto* const command = app.add_subcommand(
-      "sensors", "Signals of photodiodes and quadrants on the beams of a run: spectra by source, time series.");
+      "sensors",
+      "Compute the signals of photodiodes and quadrants on the beams of a run: spectra by source, time series.");
   command->add_option("run", o.time.run, "run file (HDF5)")->required();
   command->add_option("--kind", o.kind, "power (default), phase by a local oscillator, or quadrant");
   command->add_option("--at", o.at, "frequencies of the tables; default \"10 Hz, 30 Hz, 100 Hz\" in the band");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a live page is: told on stderr, and opened.
+// The address of a live page: printed on stderr, and opened in the browser.
 #pragma once
 
 #include <string>

@@ -127,7 +127,7 @@ void RankScheduler::serve(BlockQueue& block_queue, bool stop, std::function<void
 
 namespace {
 
-// What a rank hears from rank 0, also while its blocks are run.
+// What a rank receives from rank 0, also while its blocks are run.
 class Listener final : public RemoteWorkers {
  public:
   Listener(Ranks const& ranks, std::atomic<bool> const* stop)
