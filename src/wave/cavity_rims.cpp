@@ -12,6 +12,113 @@
 namespace straytrace::wave {
 namespace {
 
+// Height of a mirror and its slopes, on the grid and between its points.
+struct Relief {
+  Field height;
+  std::vector<double> slope_x, slope_y;  // on the grid
+
+  Relief(std::vector<double> const& on_grid, Grid const& grid, Transform const& transform) : height(grid) {
+    std::ranges::copy(on_grid, height.values.begin());
+    Field spectrum = height;
+    transform.forward(spectrum, grid.points, grid.points);
+    check_band(spectrum);
+    for (bool const along_x : {true, false}) {
+      Field slope = spectrum;
+      for (int row = 0; row < grid.points; ++row)
+        for (int column = 0; column < grid.points; ++column)
+          slope(row, column) *= Complex{0, 2 * pi * grid.frequency(along_x ? column : row)};
+      transform.inverse(slope, grid.points, grid.points);
+      for (Complex z : slope.values) (along_x ? slope_x : slope_y).push_back(z.real());
+    }
+  }
+};
+
+// The Laplacian across the axis.
+Field laplacian(Field field, Transform const& transform) {
+  Grid const& grid = field.grid;
+  transform.forward(field, grid.points, grid.points);
+  for (int row = 0; row < grid.points; ++row)
+    for (int column = 0; column < grid.points; ++column)
+      field(row, column) *= -4 * pi * pi * (std::pow(grid.frequency(row), 2) + std::pow(grid.frequency(column), 2));
+  transform.inverse(field, grid.points, grid.points);
+  return field;
+}
+
+// Integrals over a mirror with the factor M and the field psi that arrives, without their common divisor.
+struct MirrorIntegrals {
+  WaveMirror const& mirror;
+  Grid const& grid;
+  double wavelength;
+  std::array<Complex, 3> figure{};
+  Complex norm{}, x{}, y{}, bend{};  // of M psi^2, of it times x and y, and of M psi times the Laplacian of psi
+
+  // The outline as a rim (eq. W.14, passed once).
+  void add_outline(std::optional<Relief> const& relief, Sampler const& field, int count) {
+    RoundHole const& hole = mirror.outline;
+    for (RimPoint const& point : round_rim(hole.radius, {hole.x, hole.y, 0}, count)) {
+      Vec3 const p = point.place;
+      double const height = relief ? Sampler(relief->height).at(p.x, p.y).value.real() : 0;
+      double const path =
+          (p.x * p.x + p.y * p.y) * mirror.curvature + 2 * height - 2 * (mirror.tilt_x * p.x + mirror.tilt_y * p.y);
+      Complex const psi = field.at(p.x, p.y).value;
+      Complex const flux = std::sqrt(1 - mirror.scattered) * turned(-path / wavelength) * psi * psi;
+      figure[0] += point.step.y * flux;
+      figure[1] -= point.step.x * flux;
+      figure[2] -= (p.x * point.step.x + p.y * point.step.y) * flux;
+    }
+  }
+  void add_area(std::optional<Relief> const& relief, Field const& factor, Field const& psi, Field const& curved) {
+    double const area = grid.pitch() * grid.pitch();
+    Complex const phase{0, 4 * pi / wavelength};  // 2ik
+    for (int row = 0; row < grid.points; ++row)
+      for (int column = 0; column < grid.points; ++column) {
+        std::size_t const i = std::size_t(row) * std::size_t(grid.points) + std::size_t(column);
+        double const at_x = grid.at(column), at_y = grid.at(row);
+        Complex const once = area * factor.values[i] * psi.values[i], share = once * psi.values[i];
+        norm += share;
+        x += at_x * share;
+        y += at_y * share;
+        bend += once * curved.values[i];
+        if (!relief) continue;
+        double const slope_x = relief->slope_x[i], slope_y = relief->slope_y[i];
+        figure[0] += phase * slope_x * share;
+        figure[1] += phase * slope_y * share;
+        figure[2] += phase * (at_x * slope_y - at_y * slope_x) * share;
+      }
+  }
+};
+
+}  // namespace
+
+MirrorLevers mirror_levers(CavityWaves const& waves, Arrival const& arrival) {
+  WaveCavity const& cavity = waves.cavity();
+  Grid const& grid = cavity.grid;
+  bool const first = arrival.plane == 0;
+  WaveMirror const& mirror = first ? cavity.mirror1 : cavity.mirror2;
+  double const side = first ? 1 : -1;  // of the light, along z
+  std::optional<Relief> relief;
+  if (!mirror.height.empty()) relief.emplace(mirror.height, grid, waves.transform());
+  MirrorIntegrals sum{mirror, grid, cavity.wavelength};
+  sum.add_outline(relief, Sampler(arrival.field), points_along(2 * pi * mirror.outline.radius, grid.pitch()));
+  Field const factor = reflection(mirror, Mask(mirror.outline, grid, waves.transform()), cavity.wavelength, grid);
+  sum.add_area(relief, factor, arrival.field, laplacian(arrival.field, waves.transform()));
+
+  Complex const phase{0, 4 * pi / cavity.wavelength}, x = sum.x / sum.norm, y = sum.y / sum.norm;
+  MirrorLevers levers;
+  for (std::size_t i = 0; i < 3; ++i) levers.figure[i] = sum.figure[i] / sum.norm;
+  RimLevers& whole = levers.whole;
+  whole.displacement[0] = levers.figure[0] + phase * (x * mirror.curvature - mirror.tilt_x);
+  whole.displacement[1] = levers.figure[1] + phase * (y * mirror.curvature - mirror.tilt_y);
+  // Light that is not parallel to the axis gains less phase on a longer way.
+  whole.displacement[2] = -side * Complex{0, cavity.wavelength / (2 * pi)} * sum.bend / sum.norm;
+  whole.rotation[0] = -side * phase * y;
+  whole.rotation[1] = side * phase * x;
+  whole.rotation[2] = levers.figure[2] + phase * (mirror.tilt_x * y - mirror.tilt_y * x);
+  return levers;
+}
+
+namespace {
+
 // Of the field turned about the axis by `roll`.
 std::vector<WaveValue> values_at(Field const& field, std::vector<RimPoint> const& rim, double roll, int threads) {
   double const c = std::cos(roll), s = std::sin(roll);

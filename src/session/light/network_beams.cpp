@@ -12,7 +12,7 @@
 #include "ifo/layout/read_network.hpp"
 #include "ifo/ports.hpp"
 #include "ifo/stray_response.hpp"
-#include "session/light/drawn_optics.hpp"
+#include "session/light/optical_network.hpp"
 #include "world/build/network_powers.hpp"
 
 namespace straytrace::session {

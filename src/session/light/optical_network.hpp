@@ -3,12 +3,22 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "ifo/interferometer.hpp"
 #include "ifo/network_model.hpp"
 #include "scene/scene.hpp"
 #include "session/options.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::session {
+
+// Disks and caps with a name of their own; none where no mirror of the interferometer names an optic.
+std::vector<DrawnOptic> drawn_optics(Node const& interferometer, World const&);
+// The same from a second reading of the scene, before its beams are known.
+std::vector<DrawnOptic> drawn_optics(Scene const&);
+// Those that the interferometer names.
+std::vector<DrawnOptic> named_optics(Node const& interferometer, std::vector<DrawnOptic> const&);
 
 // An interferometer with a network and nothing to trace.
 bool only_network(Scene const&);

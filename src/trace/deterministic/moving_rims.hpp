@@ -1,20 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rims that clip the main beam and move: what they take from it changes with their place (docs/theory/diffraction.md,
-// eq. N.11 and N.21).
+// eq. N.11 for round rims, N.21 for flat ones of any outline, as integrals along their edges).
 #pragma once
+
+#include <Eigen/Core>
 
 #include <string>
 #include <vector>
 
 #include "trace/coupling.hpp"
-#include "trace/deterministic/rim_edges.hpp"
 #include "world/ghosts/apertures.hpp"
 
 namespace straytrace::trace {
 
-RimDerivatives rim_derivatives(world::BeamAperture::Round const&, Vec3 pivot);
+using CoordinateGradient = Eigen::Vector<double, 6>;
+using CoordinateCurvature = Eigen::Matrix<double, 6, 6>;
 
-constexpr double least_removed = 1e-12;  // of the field: rims that take less have no route
+// The field that passes, K_00 = 1 - removed, and its derivatives by the coordinates of the body of the rim: world axes,
+// then rotations about its pivot; per m, per rad. The beam is at rest.
+struct RimDerivatives {
+  double removed = 0;
+  CoordinateGradient slope = CoordinateGradient::Zero();
+  CoordinateCurvature curvature = CoordinateCurvature::Zero();
+};
+
+RimDerivatives rim_derivatives(world::BeamAperture::Flat const&, Vec3 pivot);
+RimDerivatives rim_derivatives(world::BeamAperture::Round const&, Vec3 pivot);
 
 struct MovingRimClasses {
   std::vector<CouplingClass> classes;

@@ -19,8 +19,8 @@ using testing::axis_mirror;
 using testing::beam_radius;
 using testing::spherical_face;
 using testing::transformed_q;
-using testing::wavefront_curvature;
 using testing::wavefront;
+using testing::wavefront_curvature;
 
 using testing::deviation;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Hermite- and Laguerre-Gauss modes (R2.11): orthonormal to 1e-9 up to order 30, Gouy phases against
 // the diffraction integral, and Gaussian beams expanded in them against eq. 5.1-5.3.
+#include "beams/higher_modes.hpp"
+
 #include <Eigen/Core>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <gtest/gtest.h>
@@ -8,7 +10,6 @@
 #include <functional>
 
 #include "base/errors.hpp"
-#include "beams/higher_modes.hpp"
 #include "beams/overlap.hpp"
 #include "support/beams_support.hpp"
 #include "support/recorded.hpp"
