@@ -2,6 +2,7 @@
 """The Python package: models, runs and what goes wrong. Needs what scripts/setup --test installs."""
 import concurrent.futures
 import json
+import multiprocessing
 import os
 import pathlib
 import signal
@@ -287,7 +288,9 @@ class Runs(unittest.TestCase):
         params = {"rim": ["49 cm", "50 cm"]}
         options = {"histories": BLOCK, "threads": 1, "progress": False}
         alone = straytrace.scan(self.model, params, **options)
-        with concurrent.futures.ThreadPoolExecutor(2) as threads, concurrent.futures.ProcessPoolExecutor(1) as processes:
+        alone_in_process = multiprocessing.get_context("spawn")     # a copy of a process with threads may lock up (Python 3.12)
+        with (concurrent.futures.ThreadPoolExecutor(2) as threads,
+              concurrent.futures.ProcessPoolExecutor(1, mp_context=alone_in_process) as processes):
             for executor, values in ((threads, ["49 cm", "50 cm"]), (processes, ["49 cm"])):
                 other = straytrace.scan(self.model, {"rim": values}, executor=executor, **options)
                 self.assertEqual([p.params["rim"] for p in other.points], values)
