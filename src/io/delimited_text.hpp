@@ -17,8 +17,7 @@
 
 namespace straytrace::io {
 
-// --- lines and cells
-// ---------------------------------------------------------------------------------------------------
+// Lines and cells.
 
 struct TextLine {
   std::string_view text;  // without comment and line end
@@ -55,8 +54,7 @@ std::string surplus_remedy(std::span<TextCell const>);
 // "'ten' is not a number; the angle is expected here", with the remedy.
 void complain_of_number(std::vector<Problem>&, TextCell const&, std::string const& what);
 
-// --- tables with a header
-// ----------------------------------------------------------------------------------------------
+// Tables with a header.
 
 struct CsvTable {
   struct Column {
@@ -87,8 +85,7 @@ CsvTable parse_csv_table(std::string_view text, Comments, std::string const& exa
 // The same for a data file next to the scene, with the problems at its lines.
 CsvTable read_csv_table(Node const& owner, std::string const& file, Comments, std::string const& example);
 
-// --- columns of numbers
-// ------------------------------------------------------------------------------------------------
+// Columns of numbers.
 
 // Numbers between blanks, tabs, commas or semicolons; '#' and '%' start comments; lines without numbers are left out.
 // A name and a unit of each column may stand in a first row of words, where it is allowed, or in a comment above the
@@ -115,8 +112,7 @@ NumberTable parse_numbers(std::string_view text, NonFinite = NonFinite::refused,
 // it is no such table; `remedy` states what to write there.
 std::optional<NumberTable> read_numbers(Node const& file, std::size_t columns, std::string const& remedy);
 
-// --- texts of keywords and numbers
-// -------------------------------------------------------------------------------------
+// Texts of keywords and numbers.
 
 // Reads words one after the other. The first mismatch is a problem and clears `sound`; later calls do nothing.
 class WordReader {

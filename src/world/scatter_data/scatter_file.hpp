@@ -63,7 +63,7 @@ void check_scatter_points(std::vector<ScatterPoint> const&, std::vector<Problem>
 // As SSDD, on the grid of the measured directions. Empty, with `why`, if they form neither a grid nor planes.
 std::string ssdd_text(ScatterFile const&, std::string_view beyond, std::string& why);
 
-// --- readers of single formats ---------------------------------------------------------------------------------------
+// Readers of single formats.
 ScatterDeclared read_declarations(std::string_view text, std::vector<Problem>&);
 void read_scatter_columns(std::string_view text, ScatterFile&, std::vector<Problem>&);
 void read_zemax_table(std::string_view text, ScatterFile&, std::vector<Problem>&);
