@@ -215,8 +215,8 @@ std::vector<double> mesh_edges(TriangleMesh const& mesh, std::size_t meshes) {
   return edges;
 }
 
-// A ring: rings of four times the width each, from its inner rim outwards. What is seen of a ring behind others is next to
-// its rim.
+// A ring: rings of four times the width each, from its inner rim outwards. What is seen of a ring behind others is next
+// to its rim.
 std::vector<double> ring_edges(double inner, double outer) {
   std::vector<double> edges{0};
   for (double const part : {1.0 / 16, 1.0 / 4}) {
