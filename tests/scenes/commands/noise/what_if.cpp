@@ -183,7 +183,7 @@ TEST_F(WhatIf, TracedRimsHaveTheirClosedForm) {
                  "inner_radius: rim, outer_radius: 70 cm");
   write_text(folder / "rings.yaml", edited(scene, "from: near*sqrt(step), ratio: step", "from: 100 m, to: 120 m"));
   Finished const made =
-      straytrace({"run", folder / "rings.yaml", "-o", folder / "rings", "--histories", "131072", "--quiet"});
+      straytrace({"run", folder / "rings.yaml", "-o", folder / "rings", "--histories", "262144", "--quiet"});
   ASSERT_EQ(made.code, 0) << made.err;
   Finished const done = straytrace({"sensitivity", folder / "rings/run.h5", "--trace", "rim", "--step", "2%", "--only",
                                     "traced", "--quiet", "--format", "json"});
