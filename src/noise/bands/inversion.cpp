@@ -206,30 +206,16 @@ class MotionInversion {
     }
   }
 
-  // Half decades, with all their steps where a bin may come near its line.
+  // Every step: at a fixed frequency the lines of a tone come and go within half a decade.
   void scan(int from) {
-    constexpr double near = 0.5;  // of the line: a PSD has no peak of four times its ends within half a decade
     auto const cross = [&](int step) {
       NoiseTrace const& t = at(scale_of(step));
       for (std::size_t i = 0; i < line_.size(); ++i)
         if (crossed_[i].above == 0 && t.asd[i] > line_[i])
           crossed_[i] = {step == first ? 0 : scale_of(step - 1), scale_of(step)};
     };
-    auto const may_cross = [&](int step) {
-      NoiseTrace const& t = at(scale_of(step));
-      for (std::size_t i = 0; i < line_.size(); ++i)
-        if (crossed_[i].above == 0 && t.asd[i] > near * line_[i]) return true;
-      return false;
-    };
     if (from == first) cross(first);
-    for (int step = from; step < last && !done(); step += steps / 2) {
-      bool const ends = can(scale_of(step + steps / 2));
-      if (ends && !may_cross(step) && !may_cross(step + steps / 2)) continue;
-      for (int k = step + 1; k <= step + steps / 2 && !done(); ++k) {
-        if (!can(scale_of(k))) return;
-        cross(k);
-      }
-    }
+    for (int step = from + 1; step <= last && !done() && can(scale_of(step)); ++step) cross(step);
   }
 
   // Between two steps by the straight line of the logarithms.

@@ -205,6 +205,25 @@ TEST(Inversion, LightOnOtherBodiesStays) {
   EXPECT_LT(deviation(i.touched, 0.2), 1e-3);
 }
 
+// A line of a fringe-wrapped tone rises within an eighth of a decade of the motion and leaves a tenth of its height:
+// the first crossing is on the flank.
+TEST(Inversion, FindsAPeakWithinHalfADecade) {
+  auto const tone = [](double scale) {
+    double const from_peak = std::log10(scale) - 0.25;
+    return std::max(2 * std::exp(-200 * from_peak * from_peak), from_peak > 0 ? 0.2 : 0);
+  };
+  auto const projected = [&](double scale) {
+    NoiseTrace t;
+    t.asd = {scale > 0 ? 1e-3 * scale + tone(scale) : 0};
+    t.sigma = {0.01 * t.asd[0]};
+    return t;
+  };
+  Inversion const i = invert_motion(projected, {1});
+  ASSERT_EQ(i.all.verdict, Verdict::found);
+  EXPECT_LT(deviation(i.all.scale, std::pow(10, 0.25 - std::sqrt(std::log(2) / 200))), 2e-3);
+  EXPECT_EQ(invert_motion(projected, {3}).all.verdict, Verdict::always) << "control: a line above the peak";
+}
+
 // h saturates once fringes wrap: S has its largest value near sigma_f = f, and falls beyond (eq. 7.8).
 TEST(Inversion, WrappedNoiseHasALargestValue) {
   Case const c = of({by_steel(1, 1, 1e-20)});
