@@ -88,7 +88,7 @@ class Library(unittest.TestCase):
         other.mkdir()
         (other / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.20)\nproject(other LANGUAGES CXX)\n"
                                               "find_package(straytrace 7.0 REQUIRED)\n")
-        told = output("cmake", "-S", other, "-B", other / "build", f"-DCMAKE_PREFIX_PATH={self.folder / 'installed'}", code=1)
+        told = output("cmake", "-G", "Ninja", "-S", other, "-B", other / "build", f"-DCMAKE_PREFIX_PATH={self.folder / 'installed'}", code=1)
         self.assertIn("7.0", told)
 
 
