@@ -24,7 +24,8 @@ enum class Stream : std::uint32_t {
   motion = 9,
   static_phase = 10,
   height = 11,
-  halo = 12
+  halo = 12,
+  choice = 13
 };
 
 class Rng {

@@ -32,20 +32,28 @@ class Builder {
       learn();
       choose_targets();
     }
+    choose_connections();
     return std::move(tables_);
   }
 
  private:
+  // All light of a goal, by its adjoints.
+  double total_of(std::vector<double> const& adjoint) const {
+    double total = 0;
+    bool lit = false;
+    for (std::size_t i = 0; i < sides_.size(); ++i) {
+      if (sides_[i].by_law.empty()) continue;
+      lit = true;
+      total += forward_score(i, adjoint);
+    }
+    return lit ? total : *std::ranges::max_element(adjoint);  // only free beams: any unit will do
+  }
   // In units of the total light of each goal; goals that no light reaches are omitted.
   std::vector<Worth> in_own_units() const {
     std::vector<Worth> all;
-    bool const lit = std::ranges::any_of(sides_, [](Exchange const& e) { return !e.by_law.empty(); });
     for (Worth worth : worths_) {
       std::vector<double>& adjoint = worth.adjoint;
-      double total = 0;
-      for (std::size_t i = 0; i < sides_.size(); ++i)
-        if (!sides_[i].by_law.empty()) total += forward_score(i, adjoint);
-      if (!lit) total = *std::ranges::max_element(adjoint);  // only free beams: any unit will do
+      double const total = total_of(adjoint);
       if (!(total > 0)) continue;
       for (double& a : adjoint) a /= total;
       all.push_back(std::move(worth));
@@ -135,6 +143,34 @@ class Builder {
       tables_.targets.insert(tables_.targets.end(), list.begin(), list.end());
     }
     tables_.level = settings_.window ? level : 0;
+  }
+
+  // Connections worth much less than all that light does from there are made more rarely (eq. 1.27). Eight lines
+  // between two mirrors do not show how bright the axis is.
+  void choose_connections() {
+    constexpr double certain = 1.0 / 8, least = 1.0 / 8;
+    WorldView const view = world_.view();
+    std::vector<double> totals, all(sides_.size(), 0);
+    for (auto const& [adjoint, hops] : worths_) {
+      totals.push_back(total_of(adjoint));
+      for (std::size_t i = 0; i < sides_.size() && totals.back() > 0; ++i)
+        all[i] = std::max(all[i], adjoint[i] / totals.back());
+    }
+    tables_.modes = std::uint32_t(view.lit.size);
+    tables_.connections.assign(sides_.size() * view.lit.size, 1);
+    for (std::size_t g = 0; g < goals_.size(); ++g) {
+      if (is_receiver(view, goals_[g]) || !(totals[g] > 0)) continue;
+      for (std::size_t i = 0; i < sides_.size(); ++i) {
+        bool const emits = !sides_[i].by_law.empty();
+        if (!(all[i] > 0) || (emits && !(surface_of_side(i) == view.lit[goals_[g]].surface))) continue;
+        double const share = sides_[i].direct[g] / totals[g] / all[i];
+        tables_.connections[i * view.lit.size + goals_[g]] = float(std::clamp(share / certain, least, 1.0));
+      }
+    }
+  }
+  // Of the first member: lit surfaces are not joined with others.
+  SurfaceId surface_of_side(std::size_t side) const {
+    return tables_.strips[tables_.members[tables_.patches[side / 2].first].strip].surface;
   }
 
   World const& world_;

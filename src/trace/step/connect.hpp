@@ -34,10 +34,10 @@ STRAY_HD void score_hit(WorldView const& world, PathState const& path, Vertex co
       arrive_at(world, path, vertex, i, sink);
 }
 
-// One connection from the vertex to one lit surface.
+// One connection from the vertex to one lit surface, made with this probability.
 template <class Sink>
 STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex const& vertex, std::uint32_t index,
-                         double u, double v, Sink& sink) {
+                         double u, double v, double probability, Sink& sink) {
   Footprint const& lit = world.lit[index];
   Ray const line = lit.sample(u, v);
   Crossing const met = world.cross(lit.surface.value, line, {});
@@ -52,8 +52,8 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
     y.n_in = way.wo.z < 0 ? vertex.n_out : vertex.n_in;
     y.n_out = lit.index;
   }
-  double coupling = path.power * way.bsdf * way.kept * way.geometry(y.cosine()) * rejoin_bsdf(world, y, lit) *
-                    accepted(world, lit);  // |u|^2 cos over the density of y is 1
+  double coupling = path.power / probability * way.bsdf * way.kept * way.geometry(y.cosine()) *
+                    rejoin_bsdf(world, y, lit) * accepted(world, lit);  // |u|^2 cos over the density of y is 1
   if (world.polarised)
     coupling *=
         mode_share(world, scattered(path.polarisation, path.ray.dir, way.out, way.wo.z < 0, vertex.optic->depolarise),
@@ -73,10 +73,13 @@ STRAY_HD void connect(WorldView const& world, std::uint64_t seed, PathState cons
                       Sink& sink) {
   if (!(vertex.albedo > 0) || !hears(sink, path)) return;
   Rng rng(seed, path.history, path.event, Stream::connection);
+  double const choice = Rng(seed, path.history, path.event, Stream::choice).uniform();
   for (std::uint32_t i = 0; i < world.lit.size; ++i) {
     double const u = rng.uniform(), v = rng.uniform();
     bool const counted = path.from_halo && first_of_mirror(path, path.order, i);  // by the classes `halo`
-    if (world.lit[i].receives && !counted) connect_to(world, path, vertex, i, u, v, sink);
+    double const probability = connection_probability(world, vertex.side(), i);
+    if (world.lit[i].receives && !counted && choice < probability)
+      connect_to(world, path, vertex, i, u, v, probability, sink);
   }
 }
 

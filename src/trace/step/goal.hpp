@@ -92,6 +92,12 @@ STRAY_HD double area_density(WorldView const& world, SurfaceId id) {
 // Density per area with which a connection draws its point.
 STRAY_HD double receiver_density(WorldView const& world, Receiver const& r) { return area_density(world, r.surface); }
 
+// Probability with which a vertex on this side of a patch is connected to a goal (docs/theory/sampling.md, eq. 1.27).
+STRAY_HD double connection_probability(WorldView const& world, std::uint32_t side, std::uint32_t goal) {
+  if (side == WorldView::none || is_receiver(world, goal) || sub_paths_of(world, goal) > 0) return 1;
+  return world.steering.connection(side, goal);
+}
+
 // Density per area with which a connection draws the point y of a goal.
 STRAY_HD double density_on(WorldView const& world, std::uint32_t goal, Vertex const& y) {
   if (is_receiver(world, goal)) return receiver_density(world, receiver_of(world, goal));
@@ -143,7 +149,8 @@ STRAY_HD Ends ends_on(WorldView const& world, std::uint32_t goal, Vertex const& 
 STRAY_HD Shares shares_of_hit(WorldView const& world, PathState const& path, Vertex const& y, std::uint32_t goal) {
   if (!(sub_paths_of(world, goal) > 0)) {
     double const walk = per_area(path.hop.pdf, y.leg, y.cosine());
-    return Shares(path.hop.pdf > 0 ? weight_of(walk, density_on(world, goal, y)) : 1);
+    if (!(path.hop.pdf > 0)) return Shares(1);
+    return Shares(weight_of(walk, connection_probability(world, path.hop.side, goal) * density_on(world, goal, y)));
   }
   if (path.trail.count == 0) return Shares(1);
   Ends ends = ends_on(world, goal, y, path.ray.dir);
@@ -169,7 +176,7 @@ STRAY_HD void append_walk(WorldView const& world, PathState const& path, Vertex 
 STRAY_HD Shares shares_of_connection(WorldView const& world, PathState const& path, Vertex const& vertex,
                                      Way const& way, Vertex const& y, double walk, std::uint32_t goal) {
   if (!(sub_paths_of(world, goal) > 0)) {
-    return Shares(weight_of(density_on(world, goal, y), walk));
+    return Shares(weight_of(connection_probability(world, vertex.side(), goal) * density_on(world, goal, y), walk));
   }
   Ends ends = ends_on(world, goal, y, way.out);
   append_walk(world, path, vertex, way, y.cosine(), walk, 1, ends);

@@ -51,6 +51,8 @@ struct Steering {
   View<PatchSide const> sides;                 // two per patch: front, back
   View<std::uint32_t const> first_of_surface;  // strips of surface i: [first_of_surface[i], first_of_surface[i + 1])
   View<Target const> targets;
+  View<float const> connections;  // per side and mode; empty: all are made
+  std::uint32_t modes = 0;
   double level = 0;  // mean of power x adjoint at first vertices; 0: no weight window
 
   STRAY_HD bool on() const { return strips.size > 0; }
@@ -86,6 +88,10 @@ struct Steering {
     std::uint32_t const at = first_where(side.first, end, [&](std::uint32_t i) { return !(targets[i].patch < patch); });
     return at < end && targets[at].patch == patch ? targets[at].share / patches[patch].area : 0;
   }
+  // Probability with which a vertex on `side` is connected to a mode.
+  STRAY_HD double connection(std::uint32_t side, std::uint32_t mode) const {
+    return connections.size == 0 ? 1 : double(connections[std::size_t(side) * modes + mode]);
+  }
   // The target whose interval of cumulative shares holds x in (0, 1).
   STRAY_HD std::uint32_t draw(PatchSide const& side, double x) const {
     return first_where(side.first, side.first + side.count - 1,
@@ -101,6 +107,8 @@ struct SteeringTables {
   std::vector<PatchSide> sides;
   std::vector<std::uint32_t> first_of_surface;
   std::vector<Target> targets;
+  std::vector<float> connections;
+  std::uint32_t modes = 0;
   double level = 0;
   Steering view() const {
     return {{strips.data(), strips.size()},
@@ -109,6 +117,8 @@ struct SteeringTables {
             {sides.data(), sides.size()},
             {first_of_surface.data(), first_of_surface.size()},
             {targets.data(), targets.size()},
+            {connections.data(), connections.size()},
+            modes,
             level};
   }
 };

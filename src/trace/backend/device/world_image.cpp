@@ -84,6 +84,7 @@ void arrays_of(Steering const& x, F const& f) {
   f(x.sides);
   f(x.first_of_surface);
   f(x.targets);
+  f(x.connections);
 }
 template <class F>
 void arrays_of(Halo const& x, F const& f) {

@@ -3,6 +3,7 @@
 // Lambertian scatters on one cap give f = lambda^2 beta^2/(4 R^2) at any position of the cap
 // (docs/theory/path_integral.md, eq. 1.2).
 #include "support/trace_support.hpp"
+#include "trace/importance/importance.hpp"
 
 namespace straytrace::testing::trace_self_connection {
 namespace {
@@ -37,6 +38,62 @@ TEST(SelfConnection, ConcaveMirrorCouplesToItselfFarFromTheOriginEq1_2) {
 TEST(SelfConnection, AFactorOfTwoWouldBeFound) {
   double const control = 0.5 * lambda * lambda * beta * beta / (4 * roc * roc);
   EXPECT_GT(std::abs(self_exchange(2999.8).mean - control), 0.4 * control);
+}
+
+// A deep bowl under even light, in which the walk meets the lit surface too. A connection is made with this
+// probability; 0: that of the tables.
+SampleMean in_a_bowl(double probability) {
+  World world;
+  BodyId const body = world.add_body("bowl", {});
+  Cap bowl;
+  bowl.curvature = 1;
+  bowl.outer_radius = 0.9;
+  bowl.place(facing_along({}, {0, 0, -1}));
+  SurfaceId const s =
+      world.add_surface(bowl, lambertian_optic(world, 0.5), black_optic(world), body, world.add_group("bowl"));
+  Footprint lit = spot(s, {}, {0, 0, 1}, Profile::even, 0.9, world.add_port("bowl"));
+  lit.standing = true;
+  world.add_footprint(lit);
+  world.finish();
+  SteeringTables tables = make_importance(world);
+  for (float& each : tables.connections)
+    if (probability > 0) each = float(probability);
+  world.steer(tables);
+  return scaled(route_coupling(run_histories(world, 1 << 17), "bowl·S > bowl·S"), 16 * pi * pi / (lambda * lambda));
+}
+
+TEST(SelfConnection, RareConnectionsKeepTheMeanEq1_27) {
+  expect_mean("probability 1/8", in_a_bowl(0.125), 1, 3e-2);
+  expect_mean("as the tables say", in_a_bowl(0), 1, 3e-2);
+  expect_rejected("hits of the walk left out", in_a_bowl(0.125), 0.8);
+}
+
+// The light of one mirror on a baffle before it is worth nothing against that of the other mirror.
+TEST(SelfConnection, TablesMakeFaintConnectionsRareEq1_27) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const glossy = power_law_optic(world, 1e-3, 2, 1e-4), black = black_optic(world);
+  for (double const z : {0.0, 1000.0}) {
+    double const way = z > 0 ? 1 : -1;
+    Cap mirror;
+    mirror.curvature = 1 / roc;
+    mirror.outer_radius = 0.2;
+    mirror.place(facing_along({0, 0, z}, {0, 0, -way}));
+    std::string const name = z > 0 ? "far" : "near";
+    SurfaceId const s = world.add_surface(mirror, glossy, black, body, world.add_group(name));
+    Footprint lit = spot(s, {0, 0, z}, {0, 0, way}, Profile::gaussian, 0.05, world.add_port(name), z > 0 ? 1 : 0);
+    lit.standing = true;
+    world.add_footprint(lit);
+  }
+  SurfaceId const baffle = world.add_surface(disk(0.3, 0.4, {{0, 0, 20}, {0, 0, 1}}), lambertian_optic(world, 0.1),
+                                             lambertian_optic(world, 0.1), body, world.add_group("baffle"));
+  world.finish();
+  SteeringTables const tables = make_importance(world);
+  Steering const view = tables.view();
+  auto const side = [&](SurfaceId id) { return 2 * view.strips[view.first_of_surface[id.value]].patch; };
+  EXPECT_EQ(view.connection(side(SurfaceId{0}), 0), 0.125);  // of a mirror with itself
+  EXPECT_EQ(view.connection(side(SurfaceId{0}), 1), 1);
+  EXPECT_EQ(view.connection(side(baffle) + 1, 0), 1);  // its back sees the near mirror
 }
 
 }  // namespace
