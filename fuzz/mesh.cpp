@@ -5,7 +5,7 @@
 #include "fuzz.hpp"
 #include "geometry/mesh/triangle_mesh.hpp"
 #include "world/import/cad_file.hpp"
-#include "world/import/mesh_doctor.hpp"
+#include "world/import/geometry_file.hpp"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include "optics/scatter/shift_invariant.hpp"
 #include "scene/scene.hpp"
 #include "scenes.hpp"
-#include "spectra/shapes.hpp"
+#include "spectra/spectrum.hpp"
 #include "trace/backend/backend.hpp"
 #include "trace/importance/importance.hpp"
 

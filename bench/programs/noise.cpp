@@ -16,7 +16,7 @@
 #include "base/every_module.hpp"
 #include "base/math/rng.hpp"
 #include "noise/interpolate/spectrum_interpolator.hpp"
-#include "spectra/shapes.hpp"
+#include "spectra/spectrum.hpp"
 
 namespace straytrace::bench {
 namespace {

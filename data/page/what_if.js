@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The noise with other strengths of BSDFs and other motion of one body, from the terms that the program stored
-// (src/session/decide/what_if_terms.hpp; docs/theory/decisions.md, eq. D.8 to D.11).
+// (src/session/decide/what_if.hpp; docs/theory/decisions.md, eq. D.8 to D.11).
 "use strict";
 
 // The stored arrays, unpacked. All PSDs are over that of the total as traced.

@@ -3,7 +3,7 @@
 
 #include <Eigen/LU>
 
-#include "beams/face.hpp"
+#include "beams/eigenmode.hpp"
 
 namespace straytrace::beams {
 

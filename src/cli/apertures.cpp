@@ -18,8 +18,8 @@
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/text/columns.hpp"
-#include "session/diagnostics.hpp"
 #include "session/model.hpp"
+#include "session/open_run.hpp"
 
 namespace straytrace::cli {
 namespace {

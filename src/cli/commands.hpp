@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The commands. Each function adds one with its options, examples and help; the chosen command runs when the command
-// line has been parsed and sets `exit_code`. The order in help and the task of each: tasks() in cli/help.cpp.
+// line has been parsed and sets `exit_code`. The order in help and the task of each: tasks() in cli/options.cpp.
 #pragma once
 
 #include "base/namespaces.hpp"

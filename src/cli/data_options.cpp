@@ -12,7 +12,6 @@
 #include "scene/expression.hpp"
 #include "session/build_info.hpp"
 #include "spectra/files/gps.hpp"
-#include "spectra/files/segment_file.hpp"
 #include "spectra/welch.hpp"
 
 namespace straytrace::cli {

@@ -16,11 +16,10 @@
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/text/picture.hpp"
-#include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
-#include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
-#include "session/light/network_beams.hpp"
+#include "session/light/optical_network.hpp"
+#include "session/open_run.hpp"
 #include "session/session.hpp"
 
 namespace straytrace::cli {

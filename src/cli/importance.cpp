@@ -15,9 +15,8 @@
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/text/columns.hpp"
-#include "session/diagnostics.hpp"
-#include "session/light/importance_map.hpp"
-#include "session/light/network_beams.hpp"
+#include "session/light/lit_table.hpp"
+#include "session/light/optical_network.hpp"
 #include "session/open_run.hpp"
 
 namespace straytrace::cli {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace library: the materials, parts and detectors that come with the program.
-#include "scene/library.hpp"
-
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,12 +8,12 @@
 #include <iostream>
 #include <memory>
 
-#include "base/files/embedded.hpp"
 #include "base/files/read_write.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
+#include "scene/model_tree.hpp"
 #include "session/library_entries.hpp"
 
 namespace straytrace::cli {

@@ -10,13 +10,12 @@
 
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
-#include "cli/help.hpp"
 #include "cli/options.hpp"
 #include "results/results.hpp"
 #include "scene/scene_document.hpp"
 #include "session/backend.hpp"
 #include "session/build_info.hpp"
-#include "session/diagnostics.hpp"
+#include "session/open_run.hpp"
 #include "session/options.hpp"
 
 namespace straytrace::cli {

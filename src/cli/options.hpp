@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Declares options common to several commands.
+// Options common to several commands, and the help of the program.
 #pragma once
 
 #include <CLI/CLI.hpp>
 
 #include <string>
+#include <vector>
 
 #include "base/errors.hpp"
+#include "base/namespaces.hpp"
 #include "session/options.hpp"
 
 namespace straytrace::cli {
+
+// Declares options common to several commands.
 
 void add_scene_options(CLI::App&, SceneOptions&,
                        char const* input = "scene file (YAML)");  // SCENE, -p, --quiet, --format
@@ -43,5 +47,17 @@ InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::Parse
 // The error that ended the parsing, and those of the other options: wrong values, unknown and missing options.
 // `complete`: all words were parsed.
 InputError with_further_errors(InputError const& first, CLI::App& app, bool complete);
+
+// The layout of --help: purpose, examples, usage, options in groups, notes.
+
+// Adds every command, under its task.
+void add_commands(CLI::App&, int& exit_code);
+
+// Gives the program and each of its commands the layout, and each option its group: the one named where the option is
+// declared, otherwise that of its name. Call it when all commands have been added.
+void lay_out_help(CLI::App&);
+
+// The groups of options, in the order in which help prints them.
+std::vector<std::string> const& option_groups();
 
 }  // namespace straytrace::cli

@@ -8,13 +8,12 @@
 #include <memory>
 #include <regex>
 
-#include "base/process/library.hpp"
+#include "base/process/child_process.hpp"
 #include "base/text/bounded_regex.hpp"
 #include "base/text/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
-#include "results/run_file/run_part.hpp"
-#include "session/diagnostics.hpp"
+#include "results/run_file/run_file.hpp"
 #include "session/jobs/job_files.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"

@@ -26,13 +26,13 @@
 #include <tuple>
 
 #include "geometry/cad/cad_face.hpp"
-#include "geometry/common/shape.hpp"
 #include "geometry/mesh/triangle_mesh.hpp"
 #include "geometry/shapes/cone.hpp"
 #include "geometry/shapes/conic.hpp"
 #include "geometry/shapes/cuboid.hpp"
 #include "geometry/shapes/cylinder.hpp"
 #include "geometry/shapes/flat.hpp"
+#include "geometry/shapes/shape.hpp"
 #include "geometry/shapes/sphere.hpp"
 #include "geometry/shapes/torus.hpp"
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/input/table.hpp"
+#include "ifo/network_interferometer.hpp"
 #include "ifo/network_model.hpp"
-#include "ifo/stray_response.hpp"
 
 namespace straytrace::ifo {
 

@@ -6,11 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ifo/cavity.hpp"
 #include "ifo/control_loops.hpp"
+#include "ifo/fabry_perot_michelson.hpp"
 #include "ifo/layout/read_network.hpp"
 #include "ifo/network_interferometer.hpp"
-#include "ifo/stray_response.hpp"
 
 namespace straytrace::ifo {
 namespace {

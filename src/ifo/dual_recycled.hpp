@@ -21,9 +21,9 @@
 #include "base/input/table.hpp"
 #include "ifo/interferometer.hpp"
 #include "ifo/network.hpp"
+#include "ifo/network_interferometer.hpp"
 #include "ifo/network_model.hpp"
 #include "ifo/ports.hpp"
-#include "ifo/stray_response.hpp"
 
 namespace straytrace::ifo {
 // Lengths of a dual-recycled interferometer and the degrees of freedom that light and loops see (R2.13).

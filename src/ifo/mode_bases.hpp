@@ -12,10 +12,59 @@
 #include <vector>
 
 #include "base/errors.hpp"
-#include "ifo/cavities.hpp"
 #include "ifo/network.hpp"
 
 namespace straytrace::ifo {
+
+// Coupling of Hermite-Gauss modes where a beam meets another basis, a tilted or curved mirror or a stop
+// (docs/theory/interferometer.md, eq. N.6 to N.11).
+
+// Modes u_nm with n + m <= order, by rising n + m, of one sum by rising m: 00, 10, 01, 20, 11, 02, ...
+inline int mode_count(int order) { return (order + 1) * (order + 2) / 2; }
+inline int mode_index(int n, int m) { return (n + m) * (n + m + 1) / 2 + m; }
+
+// One axis. Complex curvatures 1/RoC + i wavelength/(pi w^2) in 1/m at the surface, for fields that run as
+// exp(i k z - i omega t): RoC > 0 diverges.
+struct AxisCoupling {
+  std::complex<double> in, out;
+  double kick =
+      0;  // kappa, rad/m: transverse wave number that the surface adds (2 k alpha of a mirror tilted by alpha)
+  double shift = 0;  // d, m: of the axis of the incoming basis from that of the outgoing one
+};
+
+// K(n, m) for n, m <= order: amplitude of the outgoing mode n for the incoming mode m (N.6). The modes of an axis are
+// real but for the curvature of the wavefront: no Gouy phase is in K. `wave_number` in rad/m, in the medium.
+// NumericalError unless both curvatures have a positive imaginary part.
+Eigen::MatrixXcd axis_coupling(AxisCoupling const&, double wave_number, int order);
+
+// Product of two axes for the modes n + m <= order.
+Eigen::MatrixXcd mode_coupling(AxisCoupling const& x, AxisCoupling const& y, double wave_number, int order);
+
+// Stop of radius `radius`, open inside, its centre at `offset` along x and y from the axis of the beam; all in m.
+struct CircularStop {
+  double radius = 0;
+  std::array<double, 2> offset{};
+};
+
+// Amplitudes that pass the stop, for radii w of the beam along x and y in m, at the same basis on both sides (N.11).
+Eigen::MatrixXd stop_coupling(CircularStop const&, std::array<double, 2> w, int order);
+
+// Resonators of a network: closed ways of light with at most two reflections at normal incidence.
+
+struct NetworkCavity {
+  std::string name{};                  // components in the order in which light meets them first: "PRM-BS-ITMx"
+  std::vector<std::uint32_t> beams{};  // ports that light leaves on a round trip
+  double length = 0;                   // m, of a round trip
+  double round_trip = 0;               // amplitude that is left of the carrier after one, without other light
+  double phase = 0;                    // rad, of the carrier after one; 0: resonant. Both in plane waves
+  double free_spectral_range() const;  // Hz; infinite without length
+  double finesse() const;              // eq. 6.5
+  double pole() const;                 // Hz, eq. 6.5: half width at half power
+};
+
+// Those of at most 24 spaces with a finesse of at least 1, shortest ways first. Either direction of a ring counts once.
+// The search ends after 200000 steps: in a network of very many loops there may be more.
+std::vector<NetworkCavity> cavities_of(Network const&);
 
 // Complex curvatures 1/RoC + i wavelength/(pi w^2) along x and y of a beam in its own frame, 1/m. x lies in the planes
 // of incidence; the frame of the light that runs back has x turned round.

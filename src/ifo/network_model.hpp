@@ -11,7 +11,7 @@
 #include "base/units/quantity.hpp"
 #include "ifo/network.hpp"
 #include "spectra/curve.hpp"
-#include "spectra/transfer_function.hpp"
+#include "spectra/filters.hpp"
 
 namespace straytrace::ifo {
 

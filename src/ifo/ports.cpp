@@ -10,7 +10,7 @@
 
 #include "base/text/words.hpp"
 #include "ifo/layout/read_network.hpp"
-#include "ifo/stray_response.hpp"
+#include "ifo/network_interferometer.hpp"
 
 namespace straytrace::ifo {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "ifo/interferometer.hpp"
 #include "ifo/network_model.hpp"
-#include "spectra/transfer_function.hpp"
+#include "spectra/filters.hpp"
 
 namespace straytrace::ifo {
 

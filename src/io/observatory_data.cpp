@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/files/read_write.hpp"
-#include "base/process/python_child.hpp"
+#include "base/process/child_process.hpp"
 
 namespace straytrace::io {
 namespace {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/input/table.hpp"
-#include "motion/chain.hpp"
 #include "motion/motion_files.hpp"
 #include "spectra/series.hpp"
 #include "spectra/spectrum.hpp"

@@ -6,14 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/files/text_file.hpp"
+#include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
 #include "io/observatory_data.hpp"
 #include "motion/axis_motion.hpp"
-#include "spectra/files/segment_file.hpp"
+#include "spectra/curve.hpp"
+#include "spectra/files/gps.hpp"
 #include "spectra/files/series_file.hpp"
 #include "spectra/fourier.hpp"
-#include "spectra/integration.hpp"
 #include "spectra/welch.hpp"
 
 namespace straytrace::motion {

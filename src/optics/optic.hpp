@@ -50,7 +50,7 @@ struct Optic {
   Vec3 lay_direction;
   int laws = 0;
   PoolRef law[most_laws];                     // in LawTypes
-  bool through[most_laws] = {};               // scatters to the other side (optics/scatter/through.hpp)
+  bool through[most_laws] = {};               // scatters to the other side (optics/scatter/mixture.hpp)
   View<AngleWeight const> weight[most_laws];  // none, or one
   // Light reflected within this angle of the specular direction is left to the field of a cavity (docs/theory/wave.md,
   // eq. W.20); `below`: its share of all light at normal incidence.

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "report/ray_paths.hpp"
 #include "report/scene_drawing.hpp"
 #include "results/results.hpp"
 

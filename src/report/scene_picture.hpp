@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pictures of a scene as a camera sees it: their colours, and their meaning.
+// Pictures of a scene as a camera sees it, and lines of its beams.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "results/results.hpp"
-#include "results/text/image.hpp"
+#include "results/text/picture.hpp"
 #include "trace/camera/camera.hpp"
 #include "trace/deterministic/halo_light.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::report {
+
+// Pictures of a scene as a camera sees it: their colours, and their meaning.
 
 struct LegendEntry {
   std::string colour, name, what;  // "#1f77b4", "blue", "tube"
@@ -57,5 +59,17 @@ struct HaloScale {
   double low = 0, high = 0;
 };
 HaloScale halo_scale(std::vector<HaloSurface> const&);
+
+// Main beams of a scene in its pictures.
+
+struct BeamLine {
+  Vec3 from, to;  // m, of the chief ray
+};
+// Modes of cavities between their mirrors, and every launched beam at order 0 (world/ghosts/beam_tree.hpp), up to where
+// it ends; light that leaves the scene ends at its box.
+std::vector<BeamLine> beam_lines(World const&);
+
+// Draws them into a picture of the scene, red, dotted behind what hides them, and adds them to the legend.
+void draw_beams(Drawn&, World const&, Camera const&, LookSettings const&, std::vector<BeamLine> const&);
 
 }  // namespace straytrace::report

@@ -11,14 +11,36 @@
 #include <string>
 #include <vector>
 
-#include "base/files/sha256.hpp"
+#include "base/files/read_write.hpp"
 #include "base/memory/storage.hpp"
+#include "ifo/interferometer.hpp"
 #include "motion/motion.hpp"
+#include "noise/bands/input_band.hpp"
 #include "noise/noise.hpp"
-#include "results/projection_inputs.hpp"
 #include "scene/scene.hpp"
 #include "trace/result.hpp"
 #include "world/model/receiver.hpp"
+
+namespace straytrace::results {
+
+// Inputs of the projection of noise from the traced model, besides the coupling table. With it in the run file, no
+// surface and no search structure is built again (docs/develop/architecture.md, Walk: one displacement).
+
+struct ProjectionInputs {
+  std::vector<std::string> bodies;  // names; BodyId = position. Elastic modes follow the bodies
+  std::vector<bool> meets_light;    // by body: it, or the body of the mode, has surfaces
+  double wavelength = 0;            // m
+  std::vector<TracedPort> ports;    // in the order of PortId
+  std::vector<DrawnOptic> optics;   // that the interferometer may name; of a run: that it names
+  std::vector<MaterialSpread> materials;
+  std::vector<double> scattered;  // by material: share of the light at normal incidence, to both sides together
+  // Lines of the reports: assumptions and results of building the model; light that is not counted, and sources of
+  // materials without status.
+  std::vector<std::string> notes, limits;
+  std::string warnings, warnings_json;  // of the scene: as text; for editors, JSON lists
+};
+
+}  // namespace straytrace::results
 
 namespace straytrace::wave {
 struct RingRecord;
@@ -73,7 +95,7 @@ struct RunContent {
   std::vector<std::string> warnings;  // of the scene; those of the trace are added by the writer
   std::vector<Receiver> receivers;    // in the order of CouplingTable::receivers
   Storage cells;                      // of their maps, where they were read from a file
-  // By receiver, of each pixel or cell of its map within the rim of its surface, m^2 (world/model/map_areas.hpp);
+  // By receiver, of each pixel or cell of its map within the rim of its surface, m^2 (world/model/world.hpp);
   // empty: not known, as in files before schema 2.1.
   std::vector<std::vector<double>> map_areas;
   ImportanceMap importance;

@@ -6,7 +6,6 @@
 
 #include "base/units/media_presets.hpp"
 #include "io/delimited_text.hpp"
-#include "scene/merge.hpp"
 #include "scene/parts.hpp"
 #include "scene/scope.hpp"
 

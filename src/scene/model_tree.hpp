@@ -5,10 +5,12 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/input/document.hpp"
 #include "scene/scene.hpp"
+#include "scene/scene_document.hpp"
 
 namespace straytrace::scene {
 
@@ -49,5 +51,18 @@ std::string resolved_text(Node const& root, std::vector<Scene::Instance> const&)
 
 std::string si_text(std::optional<Value> const&);  // "0.35 m", "1e-05 m peak"; what reads back as the same value
 std::string yaml_text(std::string const&);         // plain where YAML reads it back as the same text, otherwise quoted
+
+// Entries that a model takes from the built-in library (docs/reference/library.md): files below "library/".
+
+inline bool is_library(std::string_view file_name) { return file_name.starts_with("library/"); }
+
+// Removes unused materials, media, parts and bodies of library files from the model, so that they cost nothing and
+// cause no messages. A model that names an unknown material or part keeps all except bodies, so that a message can
+// suggest one.
+void drop_unused(SceneDocument const&, NodeData& model);
+
+// "parameter first_baffle = 10 m: assumed; SOURCE" for each parameter marked so that something in the model names and
+// that the command line does not set.
+std::vector<std::string> assumed_parameters(Scene const&);
 
 }  // namespace straytrace::scene

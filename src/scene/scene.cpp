@@ -3,9 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "scene/diagnostics.hpp"
-#include "scene/merge.hpp"
 #include "scene/model_tree.hpp"
+#include "scene/parts.hpp"
 #include "scene/scene_document.hpp"
 #include "scene/scope.hpp"
 

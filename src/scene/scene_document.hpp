@@ -98,4 +98,14 @@ void forget_unsaved(std::filesystem::path const& file);
 std::optional<std::string> unsaved_text(std::filesystem::path const& file);
 std::vector<std::string> unread_unsaved();  // names that no model has read so far
 
+// Problems as text for people (docs/reference/scene.md).
+
+std::string rendered_errors(SceneDocument const&);    // with the closing line "5 errors. Nothing was run."
+std::string rendered_warnings(SceneDocument const&);  // one sentence per kind: count and first place
+// Throws InputError when the document has errors.
+void throw_errors(SceneDocument const&);
+
+// Every warning of the scene with its place, as a JSON list (problems_as_json); empty when there is none.
+std::string warnings_as_json(Scene const&);
+
 }  // namespace straytrace::scene

@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "base/text/words.hpp"
-#include "scene/merge.hpp"
+#include "scene/parts.hpp"
 
 namespace straytrace::scene {
 namespace {

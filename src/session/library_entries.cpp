@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "base/files/embedded.hpp"
+#include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
-#include "scene/library.hpp"
+#include "scene/model_tree.hpp"
 #include "scene/scene.hpp"
 #include "world/build/read_parts.hpp"
 
@@ -106,7 +106,7 @@ std::string part_in_brief(LibraryEntry const& part) {
   return value;
 }
 
-LibraryEntry entry_of(std::string kind, NodeData::Entry const& e, EmbeddedFile const& file, std::uint32_t line) {
+LibraryEntry library_entry(std::string kind, NodeData::Entry const& e, EmbeddedFile const& file, std::uint32_t line) {
   NodeData const& about = *e.value;
   NodeData::Entry const* preset = about.find("preset");
   NodeData const& facts = preset && preset->value->kind == Node::Kind::table ? *preset->value : about;
@@ -183,7 +183,7 @@ void add_file(EmbeddedFile const& file, std::vector<LibraryEntry>& all) {
     if (!table) continue;
     for (NodeData::Entry const& e : table->value->entries)
       if ((e.place.file == root.place.file) != builtin)
-        all.push_back(entry_of(kind, e, file, builtin ? e.place.line : e.place.line + 1 - first));
+        all.push_back(library_entry(kind, e, file, builtin ? e.place.line : e.place.line + 1 - first));
   }
 }
 
@@ -203,5 +203,50 @@ std::vector<LibraryEntry> library_entries() {
   std::stable_sort(all.begin(), all.end(), [&](auto const& a, auto const& b) { return rank(a) < rank(b); });
   return all;
 }
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view part_entry = "scene entry with part ";
+
+void add_keys(Json const& whole, Json const& table, std::string const& name, std::vector<LanguageKey>& into) {
+  std::string const about = table.value("description", name);
+  for (auto const& [key, value] : table.at("properties").items()) {
+    bool const refers = value.contains("$ref") && !value.contains("x-straytrace");
+    Json const& schema = refers ? whole.at(Json::json_pointer(value["$ref"].get<std::string>().substr(1))) : value;
+    if (schema.contains("x-straytrace")) into.push_back({name, about, key, schema});
+  }
+}
+
+std::vector<LanguageKey> read_keys_of_schema() {
+  Json const whole = Json::parse(language_schema());
+  std::vector<LanguageKey> all;
+  add_keys(whole, whole, "model", all);
+  for (auto const& [context, table] : whole.at("$defs").items()) {
+    if (!table.contains("properties")) continue;
+    if (context.starts_with(part_entry))
+      add_keys(whole, table, context.substr(part_entry.size()), all);
+    else if (table.contains("title"))
+      add_keys(whole, table, table["title"], all);
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string LanguageKey::text() const {
+  std::string const whole = schema.value("description", "");
+  return whole.substr(0, whole.find("\n\n"));
+}
+
+std::string LanguageKey::fact(std::string const& name) const { return schema.at("x-straytrace").value(name, ""); }
+
+std::vector<LanguageKey> const& language_keys() {
+  static std::vector<LanguageKey> const all = read_keys_of_schema();
+  return all;
+}
+
+std::string_view language_schema() { return embedded_file("schema/straytrace-1.schema.json"); }
 
 }  // namespace straytrace::session

@@ -14,7 +14,7 @@
 #include "motion/motion.hpp"
 #include "noise/bands/input_band.hpp"
 #include "noise/noise.hpp"
-#include "results/projection_inputs.hpp"
+#include "results/results.hpp"
 #include "scene/model_tree.hpp"
 #include "scene/scene.hpp"
 #include "wave/arm/arm_cavity.hpp"

@@ -7,17 +7,13 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
-#include "report/html/html.hpp"
 #include "report/html/page_json.hpp"
-#include "report/html/surface_maps.hpp"
 #include "report/scene_drawing.hpp"
 #include "results/text/columns.hpp"
 #include "results/text/picture.hpp"
 #include "session/build_info.hpp"
-#include "session/decide/what_if_terms.hpp"
-#include "session/light/computed_paths.hpp"
+#include "session/decide/what_if.hpp"
 #include "session/light/first_order.hpp"
-#include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
 #include "session/session.hpp"
 #include "trace/camera/first_order.hpp"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "report/html/html.hpp"
-#include "report/ray_paths.hpp"
+#include "report/html/page_json.hpp"
+#include "report/scene_drawing.hpp"
 #include "results/ghosts/ghost_table.hpp"
 #include "results/results.hpp"
 #include "session/model.hpp"

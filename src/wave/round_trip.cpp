@@ -1,15 +1,232 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "wave/round_trip.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <boost/math/special_functions/bessel.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/errors.hpp"
-#include "beams/higher_modes.hpp"
+#include "base/math/constants.hpp"
+#include "base/math/functions.hpp"
+#include "base/process/threads.hpp"
+#include "beams/overlap.hpp"
 
 namespace straytrace::wave {
+namespace {
+
+// Transform of a disc of radius a, 2 pi a J1(qa)/q with q = 2 pi sqrt(m^2 + n^2)/W, for 0 <= n <= m < N/2; of an
+// ellipse of half axes a c and a: c times that with q = 2 pi sqrt((c m)^2 + n^2)/W, for 0 <= m, n < N/2. m^2
+class DiscSpectrum {
+ public:
+  DiscSpectrum(RoundHole const& hole, Grid const& grid) : half_(hole.cosine == 1 ? 0 : grid.points / 2) {
+    double const radius = hole.radius;
+    for (int m = 0; m < grid.points / 2; ++m)
+      for (int n = 0; n <= (half_ ? half_ - 1 : m); ++n) {
+        double const q = 2 * pi * std::hypot(m * hole.cosine, n) / grid.window;
+        double const disc =
+            m || n ? 2 * pi * radius * boost::math::cyl_bessel_j(1, q * radius) / q : pi * radius * radius;
+        values_.push_back(hole.cosine * disc);
+      }
+  }
+  double operator()(int m, int n) const {
+    m = std::abs(m);
+    n = std::abs(n);
+    if (half_) return values_[std::size_t(m) * std::size_t(half_) + std::size_t(n)];
+    int const small = std::min(m, n), large = std::max(m, n);
+    return values_[std::size_t(large) * std::size_t(large + 1) / 2 + std::size_t(small)];
+  }
+
+ private:
+  int half_;  // 0: symmetric in m and n
+  std::vector<double> values_;
+};
+
+constexpr int ripple_reach = 24;  // points
+constexpr int taper_steps = 8192;
+
+}  // namespace
+
+Mask::Mask(RoundHole const& hole, Grid const& grid, Transform const& transform) : values_(grid.size()) {
+  int const N = grid.points;
+  DiscSpectrum const disc(hole, grid);
+  Field spectrum(grid);
+  for (int row = 0; row < N; ++row)
+    for (int column = 0; column < N; ++column) {
+      int const n = row < N / 2 ? row : row - N, m = column < N / 2 ? column : column - N;
+      if (n == -N / 2 || m == -N / 2) continue;  // without partner of opposite frequency
+      // The axis is at point N/2: a sign for odd frequencies.
+      double const turns = 0.5 * ((m + n) & 1) - (m * hole.x + n * hole.y) / grid.window;
+      spectrum(row, column) = disc(m, n) / (grid.pitch() * grid.pitch()) * turned(turns);
+    }
+  transform.inverse(spectrum, N, N);
+  std::ranges::transform(spectrum.values, values_.begin(), [](Complex z) { return z.real(); });
+  auto const across = [&](double reach) {
+    return int(std::min(2 * (std::ceil(reach / grid.pitch()) + ripple_reach), double(N)));
+  };
+  rows_ = across(std::abs(hole.y) + hole.radius);
+  columns_ = across(std::abs(hole.x) + hole.cosine * hole.radius);
+}
+
+double Mask::clipped(Field const& field) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < values_.size(); ++i) sum += (1 - values_[i]) * std::norm(field.values[i]);
+  return sum;
+}
+
+Field reflection(WaveMirror const& mirror, Mask const& outline, double wavelength, Grid const& grid, double wavefront) {
+  Field factor(grid);
+  double const kept = std::sqrt(1 - mirror.scattered), cosine = mirror.outline.cosine;
+  for (int row = 0; row < grid.points; ++row)
+    for (int column = 0; column < grid.points; ++column) {
+      double const x = grid.at(column), y = grid.at(row);
+      std::size_t const i = std::size_t(row) * std::size_t(grid.points) + std::size_t(column);
+      double const height = mirror.height.empty() ? 0 : mirror.height[i];
+      double const on_mirror = x / cosine;
+      double const path = (on_mirror * on_mirror + y * y) * (mirror.curvature * cosine) + 2 * height * cosine -
+                          2 * (mirror.tilt_x * x + mirror.tilt_y * y) - (x * x + y * y) * (wavefront / 2);
+      factor.values[i] = kept * outline.values()[i] * turned(-path / wavelength);
+    }
+  return factor;
+}
+
+Leg::Leg(double length, double reach, double wavelength, Grid const& grid) : length_(length) {
+  double const k = 2 * pi / wavelength, nyquist = grid.largest_angle(wavelength);
+  double const fresnel = std::sqrt(wavelength / length);
+  keep_ = std::min(reach / length + fresnel, 0.6 * nyquist);
+  cut_ = std::min({keep_ + 4 * fresnel, 0.7 * nyquist, (grid.window - reach) / length});
+  if (!(cut_ > keep_))
+    throw InputError(fmt::format(
+        "a window of {:g} m is too narrow for a leg of {:g} m: light within {:.3g} m of the axis at both ends wraps "
+        "around it",
+        grid.window, length, reach / 2));
+  angle_step_ = wavelength / grid.window;
+  columns_ = std::min(2 * (int(std::floor(cut_ / angle_step_)) + 1), grid.points);
+  for (int i = 0; i < grid.points; ++i) {
+    double const angle = grid.frequency(i) * wavelength;
+    Complex const factor = turned(-length * angle * angle / (2 * wavelength));
+    paraxial_.insert(paraxial_.end(), {factor.real(), factor.imag()});
+  }
+  double const largest = k * std::pow(cut_, 4) * length / 8;
+  quartic_ = largest > 1e-7 ? k * length / 8 : 0;
+  for (int i = 0; i <= taper_steps; ++i) {
+    double const angle = std::sqrt(keep_ * keep_ + (cut_ * cut_ - keep_ * keep_) * i / taper_steps);
+    taper_.push_back(0.5 * std::erfc(4 * ((angle - keep_) / (cut_ - keep_) - 0.5)));
+  }
+  taper_.push_back(taper_.back());
+}
+
+LegTables Leg::tables() const {
+  double const keep2 = keep_ * keep_, cut2 = cut_ * cut_;
+  return {paraxial_.data(), taper_.data(), taper_steps, keep2, cut2, taper_steps / (cut2 - keep2),
+          angle_step_,      quartic_};
+}
+
+void Leg::apply(Field& spectrum, int threads) const {
+  int const N = spectrum.grid.points, half = columns_ / 2;
+  LegTables const tables = this->tables();
+  for_rows(0, N, threads, [&](int row) {
+    Complex* const line = &spectrum(row, 0);
+    std::fill(line + half, line + N - half, Complex{});
+    line_kernels->leg_row(tables, N, row < N / 2 ? row : row - N, half, reinterpret_cast<double*>(line));
+  });
+}
+
+namespace {
+
+constexpr double rounding = 1e-14;    // of an image with nothing new in it
+constexpr double least_start = 1e-6;  // of a start beside the others
+constexpr Eigen::Index slice = 1024;  // elements of a vector that stay in the cache
+
+}  // namespace
+
+SpectrumDisc::SpectrumDisc(Grid const& grid, double largest_frequency) {
+  for (int row = 0; row < grid.points; ++row)
+    for (int column = 0; column < grid.points; ++column)
+      if (std::hypot(grid.frequency(row), grid.frequency(column)) < largest_frequency)
+        at_.push_back(std::size_t(row) * std::size_t(grid.points) + std::size_t(column));
+}
+
+Eigen::VectorXcd SpectrumDisc::pack(Field const& spectrum) const {
+  Eigen::VectorXcd packed(Eigen::Index(at_.size()));
+  for (std::size_t i = 0; i < at_.size(); ++i) packed[Eigen::Index(i)] = spectrum.values[at_[i]];
+  return packed;
+}
+
+void SpectrumDisc::unpack(Eigen::VectorXcd const& packed, Field& spectrum) const {
+  std::ranges::fill(spectrum.values, Complex{});
+  for (std::size_t i = 0; i < at_.size(); ++i) spectrum.values[at_[i]] = packed[Eigen::Index(i)];
+}
+
+Krylov::Krylov(std::vector<Eigen::VectorXcd> const& starts, int threads) : threads_(unsigned(std::max(0, threads))) {
+  for (Eigen::VectorXcd const& start : starts) {
+    Eigen::VectorXcd rest = start.normalized();
+    orthogonalise(rest);
+    if (rest.norm() > least_start) vectors_.push_back(rest.normalized());
+  }
+  starts_ = int(vectors_.size());
+}
+
+// Classical Gram-Schmidt, twice: the second removes the rounding of the first. Slice by slice, so that the vectors are
+// read from memory three times in all.
+Eigen::VectorXcd Krylov::orthogonalise(Eigen::VectorXcd& image) const {
+  auto const count = Eigen::Index(vectors_.size());
+  Eigen::MatrixXcd parts(count, (image.size() + slice - 1) / slice);  // of the shares, by slice
+  auto const sweep = [&](Eigen::VectorXcd const* subtracted, bool measured) {
+    in_parallel(std::size_t(parts.cols()), threads_, [&](std::size_t s) {
+      Eigen::Index const first = Eigen::Index(s) * slice, size = std::min(slice, image.size() - first);
+      auto here = image.segment(first, size);
+      for (Eigen::Index i = 0; subtracted && i < count; ++i)
+        here -= (*subtracted)[i] * vectors_[std::size_t(i)].segment(first, size);
+      for (Eigen::Index i = 0; measured && i < count; ++i)
+        parts(i, Eigen::Index(s)) = vectors_[std::size_t(i)].segment(first, size).dot(here);
+    });
+  };
+  auto const summed = [&] {
+    Eigen::VectorXcd sum = Eigen::VectorXcd::Zero(count);
+    for (Eigen::Index s = 0; s < parts.cols(); ++s) sum += parts.col(s);
+    return sum;
+  };
+  sweep(nullptr, true);
+  Eigen::VectorXcd const shares = summed();
+  sweep(&shares, true);
+  Eigen::VectorXcd const rounded = summed();
+  sweep(&rounded, false);
+  return shares + rounded;
+}
+
+bool Krylov::extend(Eigen::VectorXcd image) {
+  Eigen::Index const m = matrix_.cols();
+  Eigen::VectorXcd const shares = orthogonalise(image);
+  double const rest = image.norm();
+  if (rest > rounding) vectors_.emplace_back(image / rest);
+  matrix_.conservativeResizeLike(Eigen::MatrixXcd::Zero(Eigen::Index(vectors_.size()), m + 1));
+  matrix_.col(m).head(shares.size()) = shares;
+  if (rest > rounding) matrix_(shares.size(), m) = rest;
+  return m + 1 < Eigen::Index(vectors_.size());
+}
+
+std::vector<RitzPair> Krylov::ritz() const {
+  Eigen::Index const m = matrix_.cols(), in_starts = std::min(Eigen::Index(starts_), m);
+  Eigen::ComplexEigenSolver<Eigen::MatrixXcd> const solved(matrix_.topRows(m));
+  std::vector<RitzPair> pairs;
+  for (Eigen::Index i = 0; i < m; ++i) {
+    Eigen::VectorXcd const y = solved.eigenvectors().col(i).normalized();
+    double const residual = (matrix_.bottomRows(matrix_.rows() - m) * y).norm();
+    pairs.push_back({solved.eigenvalues()[i], residual, y.head(in_starts).norm(), y});
+  }
+  std::ranges::stable_sort(pairs, std::ranges::greater{}, &RitzPair::overlap);
+  return pairs;
+}
+
+Eigen::VectorXcd Krylov::vector(RitzPair const& pair) const {
+  Eigen::VectorXcd sum = Eigen::VectorXcd::Zero(vectors_.front().size());
+  for (Eigen::Index i = 0; i < pair.coordinates.size(); ++i) sum += pair.coordinates[i] * vectors_[std::size_t(i)];
+  return sum;
+}
+
 namespace {
 
 double sum_of_squares(Field const& field) {

@@ -3,17 +3,135 @@
 // (docs/theory/wave.md, eq. W.8, W.9, W.24, W.53 to W.55).
 #pragma once
 
+#include <Eigen/Core>
+
 #include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "wave/krylov.hpp"
-#include "wave/passages.hpp"
-#include "wave/plane.hpp"
+#include "wave/field.hpp"
+#include "wave/lines/line_kernels.hpp"
+#include "wave/transform.hpp"
 #include "wave/wave_device.hpp"
 
 namespace straytrace::wave {
+
+// What a field meets on its way: openings, mirrors and the free space between planes (docs/theory/wave.md, eq. W.1 to
+// W.7).
+
+struct RoundHole {
+  double radius = 0;    // m
+  double x = 0, y = 0;  // of its centre, m
+  double cosine = 1;    // of the angle by which its plane is turned about y: seen along the axis, its half axis along x
+                        // is radius * cosine
+  bool operator==(RoundHole const&) const = default;
+};
+
+// Transmission of amplitude of an opening: its Fourier series, cut at Nyquist's frequency, so that it overshoots by a
+// few percent next to the rim (eq. W.7).
+class Mask {
+ public:
+  Mask(RoundHole const&, Grid const&, Transform const&);
+  // Sum of |values|^2 beyond the rim, exact for a field below Nyquist's frequency over sqrt(2): the power on the
+  // screen, without the ripple of the series.
+  double clipped(Field const&) const;
+  std::vector<double> const& values() const { return values_; }
+  // Rows and columns about the axis beyond which nothing passes: the opening and the reach of the ripple, which changes
+  // losses by less than 1e-6 of themselves.
+  int rows() const { return rows_; }
+  int columns() const { return columns_; }
+
+ private:
+  std::vector<double> values_;
+  int rows_, columns_;
+};
+
+// A mirror, seen by the light that falls on it. Left out: its reflectivity, which multiplies the eigenvalue.
+struct WaveMirror {
+  double curvature = 0;           // 1/RoC, positive when concave. 1/m
+  RoundHole outline;              // clear aperture; its cosine is that of the angle of incidence (eq. W.55)
+  double tilt_x = 0, tilt_y = 0;  // turns the reflected beam by twice this towards +x, +y. rad
+  std::vector<double> height;     // towards the light, without the curvature, on the grid across it; empty: none. m
+  double scattered = 0;           // power that it scatters beyond the crossover angle (eq. W.2)
+  double lit = 0;                 // m, distance from the axis up to which light around it is wanted
+};
+// eq. W.1, W.55: its factor on the grid. `wavefront`: curvature of the wave that the grid follows to it less that of
+// the wave from it (eq. W.54), 1/m.
+Field reflection(WaveMirror const&, Mask const& outline, double wavelength, Grid const&, double wavefront = 0);
+
+// Free space with a smooth limit of angles: 1 below `keep`, 0 from `cut` on (eq. W.3 to W.6). The limit lies some
+// widths sqrt(lambda/length) of Fresnel diffraction beyond the largest angle between points that matter at both ends.
+class Leg {
+ public:
+  // `reach`: sum of the radii of the two planes up to which light matters, m. InputError if the window is too
+  // narrow for it.
+  Leg(double length, double reach, double wavelength, Grid const&);
+
+  double length() const { return length_; }
+  double cut() const { return cut_; }       // rad
+  int columns() const { return columns_; }  // for Transform: all frequencies below `cut`
+  LegTables tables() const;                 // as long as the leg exists
+  void apply(Field& spectrum, int threads = 1) const;
+
+ private:
+  double length_, keep_, cut_;
+  double angle_step_;  // rad per element of the spectrum
+  double quartic_;     // of the exponent beyond the paraxial one, per rad^4; 0 where it does not matter
+  int columns_;
+  std::vector<double> paraxial_;  // cos, sin by frequency
+  std::vector<double> taper_;     // w_j of eq. W.4, of the angle squared between keep^2 and cut^2
+};
+
+// Eigenvalues of the round trip of a field, from the field after each of a few round trips (docs/theory/wave.md, eq.
+// W.9).
+
+// The elements of a spectrum below a frequency [1/m], as a vector.
+class SpectrumDisc {
+ public:
+  SpectrumDisc() = default;
+  SpectrumDisc(Grid const&, double largest_frequency);
+  Eigen::VectorXcd pack(Field const& spectrum) const;
+  void unpack(Eigen::VectorXcd const&, Field& spectrum) const;
+
+ private:
+  std::vector<std::size_t> at_;
+};
+
+// An eigenvalue with its eigenvector.
+struct RitzPair {
+  Complex value;
+  double residual = 0, overlap = 0;  // eq. W.9; share of amplitude in the starts
+  Eigen::VectorXcd coordinates;      // of the eigenvector, in the basis of Arnoldi
+};
+
+// Arnoldi's orthonormal vectors of one or several starts s, G s, G^2 s, ... and the matrix of G between them. With
+// several starts, eigenvalues of one size keep as many eigenvectors apart.
+class Krylov {
+ public:
+  explicit Krylov(Eigen::VectorXcd const& start, int threads = 1)
+      : Krylov(std::vector<Eigen::VectorXcd>{start}, threads) {}
+  explicit Krylov(std::vector<Eigen::VectorXcd> const& starts, int threads = 1);
+
+  int steps() const { return int(matrix_.cols()); }
+  int starts() const { return starts_; }  // that are independent
+  std::vector<Eigen::VectorXcd> const& vectors() const { return vectors_; }
+  Eigen::VectorXcd const& next() const { return vectors_[std::size_t(steps())]; }  // whose image `extend` takes
+  // `image` is G times `next()`. False when nothing new is left to map.
+  bool extend(Eigen::VectorXcd image);
+  Eigen::MatrixXcd const& matrix() const { return matrix_; }
+  std::vector<RitzPair> ritz() const;  // by overlap with the starts, largest first
+  Eigen::VectorXcd vector(RitzPair const&) const;
+
+ private:
+  // Takes the shares of the vectors out of one; the shares. The same bits for any number of threads.
+  Eigen::VectorXcd orthogonalise(Eigen::VectorXcd&) const;
+
+  unsigned threads_;
+  std::vector<Eigen::VectorXcd> vectors_;
+  int starts_ = 0;
+  Eigen::MatrixXcd matrix_;  // Hessenberg with as many subdiagonals as starts; rows: vectors, columns: steps
+};
 
 // What the light meets at the end of a leg: an opening, or a mirror with this outline. Coordinates are those of the
 // light that comes; a mirror leaves them as they are, so that behind it they are those of the image of the frame.

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/every_module.hpp"
+#include "beams/eigenmode.hpp"
 #include "beams/mode.hpp"
-#include "beams/ray_matrix.hpp"
 #include "optics/coating/fresnel.hpp"
 
 namespace straytrace::testing {

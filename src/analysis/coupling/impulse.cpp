@@ -8,7 +8,6 @@
 #include <cmath>
 #include <utility>
 
-#include "analysis/coupling/band_coupling.hpp"
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lines driven by a shaker or loudspeaker: frequency, amplitude and phase over time, with errors (R6.03).
+// Couplings from driven lines and from stretches with an injection, and a measured coupling over a predicted one.
 #pragma once
 
 #include <cmath>
 #include <complex>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "analysis/coupling/coupling.hpp"
 #include "spectra/series.hpp"
 
 namespace straytrace::analysis {
+
+// Lines driven by a shaker or loudspeaker: frequency, amplitude and phase over time, with errors (R6.03).
 
 // A stretch under a Hann window. Line: x = Re[a exp(2 pi i f (t - middle))], |a| its PEAK amplitude.
 class LineWindow {
@@ -91,5 +95,80 @@ std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries con
 // flag by flag. Upper limits at 95 %.
 CouplingFunction coupling_of_ridge(std::vector<RidgePoint> const&, TimeSeries const& witness, TimeSeries const& target,
                                    double resolution, double significance);
+
+// A coupling function from stretches with an injection and one without: their spectra, the witness in metres, all
+// injections together (R6.01).
+
+// A stretch as found in a record. Two stretches must not overlap: quiet data would contain the injection, or one
+// injection would count twice. Records of different files share their time only where that is GPS.
+struct FoundStretch {
+  std::string name, file;   // "--quiet 0..24"
+  double from = 0, to = 0;  // GPS s
+};
+void refuse_overlaps(std::vector<FoundStretch> const&);
+
+// Conversion of a witness to metres: divide by (2 pi f)^times.
+struct ToMetres {
+  int times = 0;
+  double scale = 1;  // of its unit to SI
+  std::string unit;  // "m", or the original unit
+};
+ToMetres to_metres(bool displacement, std::string const& unit);
+void in_metres(ToMetres const&, std::vector<LinePoint>&);
+void in_metres(ToMetres const&, std::vector<RidgePoint>&);
+
+// Cross spectra of witness and target in one stretch.
+struct StretchSpectra {
+  CrossSpectra cross;
+  std::string witness, target, witness_unit, target_unit;
+  WelchSettings welch;
+};
+
+// One witness over all injections.
+struct InjectionCoupling {
+  CouplingFunction coupling;
+  CrossSpectra quiet;                 // witness in the unit of the coupling
+  TransferEstimate linear;            // H1 of all injections
+  std::optional<BandCoupling> whole;  // where single lines are not linear
+
+  std::size_t line_at(double hz) const;
+  // Contribution of the quiet witness to the quiet target, as a share of amplitudes.
+  double share(CouplingPoint const&) const;
+};
+// On the lines from low to high, Hz. `displacement`: the witness becomes metres.
+InjectionCoupling couple_injections(StretchSpectra const& quiet, std::span<StretchSpectra const> injections,
+                                    bool displacement, CouplingThresholds const&, double low, double high);
+
+// Positions of values above zero that no neighbour exceeds.
+std::vector<std::size_t> peaks_of(std::span<double const> heights);
+
+// A measured coupling over a predicted one.
+
+struct OverlayPoint {
+  CouplingPoint measured;  // factor and error in the unit of the prediction
+  double predicted = 0, predicted_sigma = 0;
+  double ratio = 0;         // measured over predicted; of a limit: limit over predicted
+  double error = 0;         // standard error of ln(ratio); 0 where none is known
+  double significance = 0;  // of ln(ratio), standard deviations; of a limit: how far the prediction lies above it, or 0
+  std::size_t bin = 0;      // of the prediction
+};
+struct Overlay {
+  std::string unit;
+  std::vector<OverlayPoint> points;                       // measured and limits within the band of the prediction
+  double mean_ratio = 0, mean_sigma = 0, chi_square = 0;  // of ln(ratio), weighted; of the measured points against it
+  std::size_t measured = 0,
+              above_limit = 0;  // limits that the prediction, no upper bound, exceeds by 3 standard deviations
+};
+
+// The coupling predicted in bins: value and one standard error; zero where nothing couples.
+struct PredictedCurve {
+  std::vector<double> const &edges, &factor, &sigma;  // Hz; of each bin
+  std::string unit;
+  std::vector<bool> at_most = {};  // of each bin: upper bounds make a part of its factor; empty: of none
+};
+// Throws InputError for another dimension or a coupling that is fringe wrapped all over the band.
+Overlay overlay_of(CouplingFunction const&, PredictedCurve const&);
+// The most significant point in each bin of the prediction, a measured one before a limit; null: none.
+std::vector<OverlayPoint const*> points_by_bin(Overlay const&, std::size_t bins);
 
 }  // namespace straytrace::analysis

@@ -8,10 +8,9 @@
 #include <map>
 #include <set>
 
-#include "analysis/coupling/band_coupling.hpp"
 #include "analysis/coupling/coupling.hpp"
 #include "analysis/coupling/lines.hpp"
-#include "base/files/text_file.hpp"
+#include "base/files/read_write.hpp"
 #include "io/delimited_text.hpp"
 #include "spectra/files/gps.hpp"
 #include "spectra/welch.hpp"

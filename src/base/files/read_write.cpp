@@ -2,9 +2,11 @@
 #include "base/files/read_write.hpp"
 
 #include <fmt/format.h>
+#include <openssl/evp.h>
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -227,6 +229,75 @@ void check_writable(std::string const& file) {
     throw InputError(fmt::format("there is no folder '{}' to write to", folder.string()),
                      "create it first, or choose another one");
   AtomicFile const probe(file);
+}
+
+InputError errors_in(std::string const& file, std::vector<Problem> problems) {
+  std::string text;
+  for (Problem const& p : problems) text += (text.empty() ? "" : "\n") + placed_message(p, file);
+  return {std::move(problems), std::move(text), {file}};
+}
+
+bool is_binary(std::string_view bytes) {
+  std::string_view const start = bytes.substr(0, 4096);
+  auto const controls = std::count_if(start.begin(), start.end(), [](char c) {
+    auto const byte = static_cast<unsigned char>(c);
+    return (byte < 0x20 && (byte < '\t' || byte > '\r')) || byte == 0x7f;
+  });
+  return start.find('\0') != start.npos || std::size_t(controls) * 10 > start.size();
+}
+
+Problem binary_problem(std::string_view bytes, std::uint32_t file) {
+  if (bytes.starts_with("straytrace-run "))
+    return {{file}, "this is a run file, but a text file is needed here", "see straytrace paths or straytrace report"};
+  return {{file}, "this is a binary file, but a text file is needed here", "name a text file, or export it as text"};
+}
+
+void refuse_binary(std::string_view bytes, std::string const& file) {
+  if (is_binary(bytes)) throw errors_in(file, {binary_problem(bytes)});
+}
+
+std::string read_text(std::string const& file) {
+  FileBytes read = bytes_of_file(file);
+  if (!read.why.empty())
+    throw InputError(fmt::format("cannot read '{}': {}", file, read.why), remedy_for_unreadable(file));
+  refuse_binary(read.bytes, file);
+  return std::move(read.bytes);
+}
+
+namespace {
+
+void check(int ok) {
+  if (ok != 1) throw NumericalError("sha256 is not available in this OpenSSL");
+}
+
+EVP_MD_CTX* digest(std::shared_ptr<void> const& context) { return static_cast<EVP_MD_CTX*>(context.get()); }
+
+}  // namespace
+
+Sha256::Sha256() : context_(EVP_MD_CTX_new(), [](void* c) { EVP_MD_CTX_free(static_cast<EVP_MD_CTX*>(c)); }) {
+  check(EVP_DigestInit_ex(digest(context_), EVP_sha256(), nullptr));
+}
+
+void Sha256::add(std::string_view bytes) { check(EVP_DigestUpdate(digest(context_), bytes.data(), bytes.size())); }
+
+void Sha256::add_counted(std::string_view bytes) {
+  add(fmt::format("{}:", bytes.size()));
+  add(bytes);
+}
+
+std::string Sha256::hex() {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> bytes = {};
+  unsigned length = 0;
+  check(EVP_DigestFinal_ex(digest(context_), bytes.data(), &length));
+  std::string text;
+  for (unsigned i = 0; i < length; ++i) text += fmt::format("{:02x}", bytes[i]);
+  return text;
+}
+
+std::string sha256(std::string_view bytes) {
+  Sha256 sum;
+  sum.add(bytes);
+  return sum.hex();
 }
 
 }  // namespace straytrace

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Other programs, started without a shell, and copies of this process that run libraries on untrusted files.
+// Other programs, started without a shell, copies of this process that run libraries on untrusted files, the Python
+// side, and libraries loaded on request.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -12,8 +15,11 @@
 #include <vector>
 
 #include "base/errors.hpp"
+#include "base/namespaces.hpp"
 
 namespace straytrace {
+
+// Other programs, started without a shell, and copies of this process that run libraries on untrusted files.
 
 // Whether this build has sanitizers, which are slow and reserve terabytes of addresses.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -102,5 +108,49 @@ class Unpacker {
   void copy(void* to, std::size_t size) { std::memcpy(to, next(size, 1).data(), size); }
   std::string_view left_;
 };
+
+// A variable of the environment; empty: not set.
+inline std::string environment_variable(char const* name) {
+  char const* const value = std::getenv(name);
+  return value ? value : "";
+}
+
+// Modules of python/straytrace, run as programs.
+
+// $STRAYTRACE_PYTHON, or else: `system` the Python of the system, which has Debian's packages; otherwise that of PATH,
+// which an active environment of conda or venv replaces.
+enum class PythonChoice : bool { path, system };
+
+struct PythonChild : FinishedChild {
+  std::string python;       // the interpreter
+  bool has_package = true;  // false: the folder python/straytrace was not found, and nothing was started
+};
+// python -m words[0] words[1] ...
+PythonChild run_python(std::vector<std::string> words, PythonChoice);
+
+// A temporary folder, gone with the object. InputError where none can be made.
+class TemporaryFolder {
+ public:
+  explicit TemporaryFolder(std::string const& purpose);  // for the message: "the picture"
+  ~TemporaryFolder();
+  TemporaryFolder(TemporaryFolder const&) = delete;
+  TemporaryFolder& operator=(TemporaryFolder const&) = delete;
+  std::string path(std::string const& name) const { return folder_ + "/" + name; }
+
+ private:
+  std::string folder_;
+};
+
+// Shared libraries that the program loads on request.
+
+// By which this program is started: its own file; of packages that bring their own loader, the starter next to that.
+std::filesystem::path program_file();
+
+// One of this build: in the folder of the program or in ../lib/straytrace. Empty: there is none.
+std::string installed_library(std::string const& name);
+
+// A symbol of a library, which is never unloaded: objects of its classes may outlive the loader. InputError with this
+// remedy if the library cannot be loaded or has no such symbol.
+void* library_symbol(std::string const& library, std::string const& symbol, std::string const& remedy);
 
 }  // namespace straytrace

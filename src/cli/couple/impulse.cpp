@@ -9,8 +9,8 @@
 
 #include "analysis/coupling/taps.hpp"
 #include "base/errors.hpp"
-#include "base/files/text_file.hpp"
-#include "cli/couple/couple_data.hpp"
+#include "base/files/read_write.hpp"
+#include "cli/couple/couple.hpp"
 #include "cli/options.hpp"
 #include "results/text/columns.hpp"
 #include "spectra/files/gps.hpp"

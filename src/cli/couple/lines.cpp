@@ -9,7 +9,7 @@
 
 #include "analysis/fringes/fringe_lines.hpp"
 #include "base/errors.hpp"
-#include "cli/couple/couple_data.hpp"
+#include "cli/couple/couple.hpp"
 #include "cli/options.hpp"
 #include "results/text/columns.hpp"
 

@@ -10,7 +10,7 @@
 #include <memory>
 
 #include "base/errors.hpp"
-#include "cli/couple/couple_data.hpp"
+#include "cli/couple/couple.hpp"
 #include "cli/options.hpp"
 #include "results/text/columns.hpp"
 #include "spectra/welch.hpp"

@@ -8,13 +8,13 @@
 #include <cmath>
 #include <memory>
 
-#include "analysis/coupling/overlay.hpp"
+#include "analysis/coupling/lines.hpp"
 #include "base/errors.hpp"
-#include "base/files/text_file.hpp"
+#include "base/files/read_write.hpp"
 #include "base/text/words.hpp"
-#include "cli/couple/couple_data.hpp"
+#include "cli/couple/couple.hpp"
 #include "cli/options.hpp"
-#include "noise/project/predicted_coupling.hpp"
+#include "noise/project/sensor_noise.hpp"
 #include "results/curves/band.hpp"
 #include "results/text/columns.hpp"
 #include "scene/expression.hpp"

@@ -13,15 +13,14 @@
 #include <utility>
 
 #include "base/errors.hpp"
-#include "base/files/text_file.hpp"
+#include "base/files/read_write.hpp"
 #include "base/text/words.hpp"
-#include "cli/couple/couple_data.hpp"
+#include "cli/couple/couple.hpp"
 #include "cli/options.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
-#include "session/diagnostics.hpp"
+#include "session/open_run.hpp"
 #include "spectra/files/gps.hpp"
-#include "spectra/files/segment_file.hpp"
 
 namespace straytrace::cli {
 namespace {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <numeric>
 
-#include "cli/fit/fit_options.hpp"
+#include "cli/fit/fit_report.hpp"
 #include "cli/options.hpp"
 #include "results/text/columns.hpp"
 #include "session/light/baffle_fit.hpp"

@@ -10,7 +10,6 @@
 #include "analysis/fringes/shelf_edge.hpp"
 #include "base/errors.hpp"
 #include "cli/commands.hpp"
-#include "cli/fit/fit_options.hpp"
 #include "cli/fit/fit_report.hpp"
 #include "cli/options.hpp"
 #include "results/results.hpp"

@@ -3,13 +3,10 @@
 #pragma once
 
 #include "ifo/control_loops.hpp"
-#include "ifo/layout/mode_table.hpp"
-#include "ifo/layout/noise_budget.hpp"
 #include "ifo/layout/operating_point.hpp"
-#include "ifo/layout/parameters.hpp"
 #include "ifo/layout/signals.hpp"
-#include "ifo/stray_response.hpp"
-#include "results/text/sheets.hpp"
+#include "ifo/network_interferometer.hpp"
+#include "results/text/table.hpp"
 
 namespace straytrace::cli {
 

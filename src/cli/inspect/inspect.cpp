@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -14,24 +15,164 @@
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
-#include "base/files/text_file.hpp"
+#include "base/input/document.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
-#include "io/hdf5/reader.hpp"
+#include "io/delimited_text.hpp"
+#include "io/hdf5/read_write.hpp"
+#include "noise/classes/motion_classes.hpp"
 #include "report/html/page_json.hpp"
 #include "results/curves/curve_file.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"
-#include "session/diagnostics.hpp"
+#include "results/text/scatter_text.hpp"
 #include "session/library_entries.hpp"
+#include "session/model.hpp"
 #include "session/open_run.hpp"
 #include "world/build/read_materials.hpp"
 #include "world/build/read_parts.hpp"
 #include "world/import/geometry_file.hpp"
 #include "world/import/newmtl.hpp"
 #include "world/model/material.hpp"
+#include "world/scatter_data/scatter_file.hpp"
 
 namespace straytrace::cli {
+namespace {
+
+constexpr std::array<double, 3> bands_from = {0.1, 1, 10};  // Hz
+
+void print_json(std::vector<CoordinateMotion> const& rows) {
+  nlohmann::json out = nlohmann::json::array();
+  for (CoordinateMotion const& r : rows) {
+    nlohmann::json above = nlohmann::json::object();
+    for (std::size_t b = 0; b < bands_from.size(); ++b) above[fmt::format("{:g}", bands_from[b])] = r.above[b];
+    out.push_back({{"body", r.body},
+                   {"coordinate", r.axis},
+                   {"unit", r.unit},
+                   {"rms", r.rms},
+                   {"rms_above_Hz", above},
+                   {"rms_rate_per_s", r.rate},
+                   {"drift_per_s", r.drift}});
+  }
+  std::cout << nlohmann::json{{"motion", out}}.dump() << '\n';
+}
+
+void print_table(std::vector<CoordinateMotion> const& rows) {
+  std::cout << fmt::format("{:<20}{:<6}{:>12}", "body", "", "rms");
+  for (double const f : bands_from) std::cout << fmt::format("{:>13}", fmt::format("> {:g} Hz", f));
+  std::cout << fmt::format("{:>14}{:>14}\n", "rms per s", "drift per s");
+  for (CoordinateMotion const& r : rows) {
+    std::cout << fmt::format("{:<20}{:<6}{:>12}", r.body, r.axis, fmt::format("{:.3e}", r.rms));
+    for (double const a : r.above) std::cout << fmt::format("{:>13}", fmt::format("{:.3e}", a));
+    std::cout << fmt::format("{:>14}{:>14}  {}\n", fmt::format("{:.3e}", r.rate),
+                             r.drift > 0 ? fmt::format("{:.3e}", r.drift) : "-", r.unit);
+  }
+}
+
+// ASDs on 200 frequencies a decade; tones and drifts have none.
+CurveSheet sheet_of(std::vector<CoordinateMotion> const& rows, std::vector<MotionClass> const& classes) {
+  double low = infinity, high = 0;
+  for (MotionClass const& c : classes) {
+    if (c.tone_frequency > 0 || c.drift) continue;
+    low = std::min(low, c.reference.lowest());
+    high = std::max(high, c.reference.highest());
+  }
+  if (!(low < high)) throw InputError("no motion of this file has a spectrum to draw", "remove --plot");
+  CurveSheet sheet;
+  sheet.title = "Motion of bodies, amplitude spectral density";
+  sheet.notes = {"tones and drifts are not drawn"};
+  sheet.x = {"frequency", "Hz", {}};
+  auto const n = static_cast<std::size_t>(200 * std::log10(high / low)) + 2;
+  for (std::size_t i = 0; i < n; ++i) sheet.x.values.push_back(low * std::pow(high / low, double(i) / double(n - 1)));
+  for (CoordinateMotion const& r : rows) {
+    CurveColumn curve{r.body + " " + r.axis, r.unit + "/sqrt(Hz)", {}};
+    for (double const f : sheet.x.values) curve.values.push_back(r.asd(classes, f));
+    sheet.y.push_back(std::move(curve));
+  }
+  return sheet;
+}
+
+}  // namespace
+
+bool shows_motion(Scene const& scene) { return scene.table("bodies") && !scene.root().has("materials"); }
+
+int inspect_motion(Scene const& scene, std::string const& plot, PrintOptions const& options) {
+  if (!plot.empty()) check_curve_ending(plot, "--plot");
+  MotionSet const motion = read_motion_file(scene);
+  print_warnings(scene, options);
+  std::vector<MotionClass> const classes = group_by_shape(motion);
+  std::vector<CoordinateMotion> const rows = coordinate_motions(motion, classes, bands_from);
+  if (options.json())
+    print_json(rows);
+  else
+    print_table(rows);
+  if (plot.empty()) return done;
+  write_curves({plot}, sheet_of(rows, classes));
+  if (!options.json()) std::cout << "\npicture: " << plot << '\n';
+  return done;
+}
+
+namespace {
+
+// "1064 nm" of the command line.
+double length_of(std::string const& text) {
+  auto const number = leading_number(text);
+  auto const unit = number ? parse_unit(number->rest) : std::nullopt;
+  double const length = unit && unit->dimension == dim::length ? to_si(number->value, *unit) : 0;
+  if (!(length > 1e-8 && length < 1e-3))
+    throw InputError(fmt::format("'{}' is not a wavelength", text), "write --wavelength \"1064 nm\"");
+  return length;
+}
+
+ScatterFile read(ScatterRequest const& r) {
+  auto const [text, why] = bytes_of_file(r.file);
+  if (!why.empty()) throw InputError(fmt::format("cannot read '{}': {}", r.file, why), "name a file");
+  ScatterDeclared given;
+  given.angles = r.angles;
+  given.entry = r.entry;
+  if (!r.wavelength.empty()) given.wavelength = length_of(r.wavelength);
+  std::vector<Problem> problems;
+  ScatterFile file = read_scatter_file(text, given, problems);
+  if (problems.empty()) check_scatter_points(file.points, problems);
+  if (problems.empty()) return file;
+  throw errors_in(r.file, std::move(problems));
+}
+
+void draw(nlohmann::json const& data, std::string const& png) {
+  std::string message;
+  std::string const picture = picture_of(data.dump(), "scatter", message);
+  if (picture.empty()) throw InputError(message, "or remove --plot");
+  write_file(png, picture);
+}
+
+}  // namespace
+
+int inspect_scatter(ScatterRequest const& r) {
+  if (!r.plot.empty()) check_ending(r.plot, {".png"}, "--plot");
+  ScatterFile const file = read(r);
+  std::string const name = std::filesystem::path(r.file).filename().string();
+  ScatterAudit const audit = audit_scatter(file, r.beyond);
+  std::vector<ScatterFit> const fits = fit_scatter(file, name);
+  std::string ssdd, why;
+  if (!r.write.empty()) {
+    if (!r.write.ends_with(".ssdd"))
+      throw InputError(fmt::format("'{}' is not an SSDD file", r.write), "write --write NAME.ssdd");
+    ssdd = ssdd_text(file, r.beyond, why);
+    if (!why.empty()) throw InputError(fmt::format("cannot convert '{}' to SSDD: {}", r.file, why), "remove --write");
+  }
+  nlohmann::json const data = scatter_json(name, file, audit, fits);
+  if (!r.plot.empty()) draw(data, r.plot);
+  if (!r.write.empty()) write_file(r.write, ssdd);
+  if (r.json()) {
+    std::cout << data.dump() << '\n';
+    return done;
+  }
+  std::cout << scatter_text(name, file, audit, fits, r.beyond);
+  if (!r.plot.empty()) std::cout << "\npicture: " << r.plot << '\n';
+  if (!r.write.empty()) std::cout << "written: " << r.write << '\n';
+  return done;
+}
+
 namespace {
 
 struct InspectOptions : ScatterRequest {

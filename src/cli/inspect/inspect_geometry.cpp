@@ -13,9 +13,8 @@
 #include "cli/inspect/inspect.hpp"
 #include "report/scene_picture.hpp"
 #include "results/curves/curve_file.hpp"
-#include "results/text/image.hpp"
+#include "results/text/picture.hpp"
 #include "world/import/geometry_file.hpp"
-#include "world/import/mesh_doctor.hpp"
 
 namespace straytrace::cli {
 namespace {

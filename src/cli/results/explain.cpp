@@ -13,14 +13,13 @@
 #include <set>
 
 #include "base/errors.hpp"
-#include "base/files/embedded.hpp"
+#include "base/files/read_write.hpp"
 #include "base/input/table.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/route_table/route_columns.hpp"
-#include "results/route_table/strain_factors.hpp"
-#include "session/language.hpp"
+#include "results/route_table/route_sums.hpp"
 #include "session/library_entries.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"

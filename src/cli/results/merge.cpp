@@ -10,8 +10,7 @@
 #include "base/text/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
-#include "session/diagnostics.hpp"
-#include "session/jobs/merge_parts.hpp"
+#include "session/jobs/job_files.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 

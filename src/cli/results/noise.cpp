@@ -13,7 +13,6 @@
 #include "cli/options.hpp"
 #include "results/curves/band.hpp"
 #include "session/decide/what_if.hpp"
-#include "session/diagnostics.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
 

@@ -12,7 +12,6 @@
 #include "cli/data_options.hpp"
 #include "cli/options.hpp"
 #include "results/receivers/receivers.hpp"
-#include "results/route_table/port_census.hpp"
 #include "results/route_table/route_choice.hpp"
 #include "session/light/first_order.hpp"
 #include "session/open_run.hpp"

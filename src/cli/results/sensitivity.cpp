@@ -12,7 +12,7 @@
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/text/picture.hpp"
-#include "session/diagnostics.hpp"
+#include "session/open_run.hpp"
 
 namespace straytrace::cli {
 namespace {

@@ -13,9 +13,9 @@
 #include "cli/signal/signal.hpp"
 #include "results/results.hpp"
 #include "session/options.hpp"
+#include "spectra/curve.hpp"
 #include "spectra/files/unit_text.hpp"
 #include "spectra/filters.hpp"
-#include "spectra/integration.hpp"
 #include "spectra/welch.hpp"
 
 namespace straytrace::cli {

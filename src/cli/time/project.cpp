@@ -11,7 +11,7 @@
 
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
-#include "base/files/text_file.hpp"
+#include "base/files/read_write.hpp"
 #include "base/text/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/data_options.hpp"

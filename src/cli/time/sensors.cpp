@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace sensors: what photodiodes and quadrants on the beams of a run read of its stray light.
-#include "session/records/sensors.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,8 +16,9 @@
 #include "noise/project/sensor_noise.hpp"
 #include "noise/project/static_phase.hpp"
 #include "results/results.hpp"
-#include "results/text/sheets.hpp"
-#include "session/diagnostics.hpp"
+#include "results/text/table.hpp"
+#include "session/open_run.hpp"
+#include "session/records/time_inputs.hpp"
 #include "spectra/files/series_file.hpp"
 
 namespace straytrace::cli {

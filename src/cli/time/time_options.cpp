@@ -10,7 +10,7 @@
 #include "cli/options.hpp"
 #include "spectra/files/series_file.hpp"
 #include "spectra/files/unit_text.hpp"
-#include "spectra/spectrogram.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace::cli {
 

@@ -11,16 +11,13 @@
 #include "base/errors.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
-#include "cli/wave/driven_output.hpp"
 #include "cli/wave/wave_output.hpp"
-#include "cli/wave/wave_ring.hpp"
 #include "results/curves/curve_file.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"
-#include "session/diagnostics.hpp"
 #include "session/light/cavity_waves.hpp"
-#include "session/light/seam.hpp"
 #include "session/model.hpp"
+#include "session/open_run.hpp"
 #include "session/session.hpp"
 
 namespace straytrace::cli {

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "base/memory/storage.hpp"
-#include "geometry/common/numerics.hpp"
 #include "geometry/shapes/cone.hpp"
 #include "geometry/shapes/cylinder.hpp"
 #include "geometry/shapes/flat.hpp"
+#include "geometry/shapes/shape.hpp"
 #include "geometry/shapes/sphere.hpp"
 #include "geometry/shapes/torus.hpp"
 

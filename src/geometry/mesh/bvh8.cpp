@@ -8,7 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "geometry/mesh/triangle.hpp"
+#include "geometry/mesh/triangle_mesh.hpp"
 
 namespace straytrace::geometry {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "base/math/functions.hpp"
 #include "base/math/vec3.hpp"
-#include "geometry/common/shape.hpp"
+#include "geometry/shapes/shape.hpp"
 
 namespace straytrace::geometry {
 

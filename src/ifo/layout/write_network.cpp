@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "ifo/network_interferometer.hpp"
 #include "ifo/network_model.hpp"
 #include "ifo/ports.hpp"
-#include "ifo/stray_response.hpp"
 
 namespace straytrace::ifo {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "noise/bands/band_shares.hpp"
-
 #include <Eigen/Dense>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/random/sobol.hpp>
@@ -11,6 +9,7 @@
 #include <numeric>
 
 #include "base/math/constants.hpp"
+#include "noise/bands/input_band.hpp"
 
 namespace straytrace::noise {
 namespace {
@@ -19,7 +18,7 @@ using Matrix = Eigen::MatrixXd;
 using Spectra = UncertainPsd::Spectra;
 
 constexpr double faintest = 1e-30, quadratic = 1e-3;  // of a PSD: its largest value; its own
-constexpr int points = 1 << 13, block = 256;
+constexpr int draws = 1 << 13, draws_at_once = 256;
 constexpr double together = 0.05;                    // of the root of squares: below it motions add
 constexpr double farthest = 4, widest = 0.35;        // nodes of a motion: standard deviations; step of t
 constexpr double bent = 0.2, bent_by_motion = 0.02;  // of the band: second order beyond which first order fails
@@ -133,11 +132,11 @@ class LogNoise {
 Matrix normal_points(std::size_t dimensions) {
   boost::random::sobol sequence(dimensions);
   boost::math::normal const gauss;
-  Matrix out(points, Eigen::Index(dimensions));
+  Matrix out(draws, Eigen::Index(dimensions));
   for (Eigen::Index p = 0; p < out.rows(); ++p)
     for (Eigen::Index d = 0; d < out.cols(); ++d) {
-      double const u = double(sequence() >> 11) * 0x1p-53 + 0.5 / points;
-      out(p, d) = boost::math::quantile(gauss, std::min(u, 1 - 0.5 / points));
+      double const u = double(sequence() >> 11) * 0x1p-53 + 0.5 / draws;
+      out(p, d) = boost::math::quantile(gauss, std::min(u, 1 - 0.5 / draws));
     }
   return out;
 }
@@ -162,7 +161,7 @@ std::vector<bool> bent_bins(UncertainPsd const& psd, LogNoise const& ln_h, std::
   return out;
 }
 
-// Sums over points of Saltelli's estimator (eq. D.14).
+// Sums over draws of Saltelli's estimator (eq. D.14).
 class Sums {
  public:
   Sums(LogNoise const& ln_h, std::size_t inputs, std::size_t bins)
@@ -180,7 +179,7 @@ class Sums {
       Eigen::Index const column = Eigen::Index(k);
       Matrix changed = a;
       changed.col(column) = b.col(column);
-      parts_[k] += at_b.cwiseProduct(ln_h_.at(changed) - at_a).colwise().sum() / points;
+      parts_[k] += at_b.cwiseProduct(ln_h_.at(changed) - at_a).colwise().sum() / draws;
       changed.col(column) = 0.5 * a.col(column);
       add_moments(ln_h_.at(changed), halved_mean_[k], halved_square_[k]);
     }
@@ -196,8 +195,8 @@ class Sums {
  private:
   using Row = Eigen::RowVectorXd;
   static void add_moments(Matrix const& values, Row& mean, Row& square) {
-    mean += values.colwise().sum() / points;
-    square += values.array().square().matrix().colwise().sum() / points;
+    mean += values.colwise().sum() / draws;
+    square += values.array().square().matrix().colwise().sum() / draws;
   }
   static double deviation(Row const& mean, Row const& square, std::size_t bin) {
     Eigen::Index const i = Eigen::Index(bin);
@@ -323,7 +322,8 @@ BandShares sampled_shares(UncertainPsd const& psd, std::vector<double> const& li
   Eigen::Index const n = Eigen::Index(inputs);
   Matrix t = normal_points(2 * inputs);
   for (Eigen::Index k = 0; k < t.cols(); ++k) t.col(k) *= psd.sigma[std::size_t(k % n)];
-  for (int p = 0; p < points; p += block) sums.add(t.block(p, 0, block, n), t.block(p, n, block, n));
+  for (int p = 0; p < draws; p += draws_at_once)
+    sums.add(t.block(p, 0, draws_at_once, n), t.block(p, n, draws_at_once, n));
   for (std::size_t j = 0; j < bins.size(); ++j) {
     out.band[bins[j]] = sums.band(j);
     for (std::size_t k = 0; k < inputs; ++k) {

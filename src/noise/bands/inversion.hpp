@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "noise/bands/composition.hpp"
+#include "noise/bands/elasticity.hpp"
 
 namespace straytrace::noise {
 

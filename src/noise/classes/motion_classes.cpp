@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "motion/axis_motion.hpp"
-#include "spectra/shapes.hpp"
+#include "spectra/spectrum.hpp"
 
 namespace straytrace::noise {
 namespace {

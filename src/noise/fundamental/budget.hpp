@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Noise budgets: the sum, and which noises are small enough (docs/theory/sensitivity.md, R2.22, R2.23).
+// Noise budgets and design curves (docs/theory/sensitivity.md).
 #pragma once
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "noise/fundamental/detector.hpp"
+#include "base/namespaces.hpp"
+#include "noise/fundamental/fundamental.hpp"
 
 namespace straytrace::noise {
+
+// Noise budgets: the sum, and which noises are small enough (docs/theory/sensitivity.md, R2.22, R2.23).
 
 // Uncertainties of stray light besides its Monte-Carlo error, 1/sqrt(Hz); empty where not computed.
 struct BudgetBands {
@@ -65,5 +69,19 @@ FundamentalEntries fundamental_entries(Detector const&, std::span<double const> 
 // Requirement of LIGO on stray light (G0900670): a tenth of the thermal noise of suspensions and test masses; strain
 // ASD, empty when one of them is not known.
 std::vector<double> thermal_requirement(NoiseTable const&);
+
+// Built-in design sensitivities (docs/theory/sensitivity.md). The name states the source: curves of one detector differ
+// by factors.
+
+// "adv-lal", "kagra-lal" (formulas), "et-d-points" (seven points), and the tables of data/curves: "et-d",
+// "aligo-gwinc", "aplus-gwinc", "ce1-gwinc", "ce2-silica-gwinc".
+std::span<std::string const> built_in_designs();
+
+// Budgets (data/detectors) of the detectors that the curve is of, whose numbers it depends on; of xylophones each.
+// Empty for a name that is not built in.
+std::vector<std::string> detectors_of_design(std::string_view name);
+
+// Strain ASD in 1/sqrt(Hz); NaN outside the range of a table and for an unknown name.
+double design_asd(std::string_view name, double hz);
 
 }  // namespace straytrace::noise

@@ -9,7 +9,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "noise/interpolate/mixture_lattice.hpp"
 #include "noise/interpolate/strength_sample.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
 

@@ -15,13 +15,11 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "noise/classes/delayed_paths.hpp"
-#include "noise/classes/modulated_light.hpp"
 #include "noise/interpolate/spectrum_interpolator.hpp"
 #include "noise/noise.hpp"
-#include "noise/project/rim_noise.hpp"
 #include "noise/project/route_noise.hpp"
 #include "noise/project/static_phase.hpp"
-#include "noise/time_domain/motion_series.hpp"
+#include "noise/time_domain/phase_sum.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
 
 namespace straytrace::noise {

@@ -12,9 +12,8 @@
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 #include "noise/classes/delayed_paths.hpp"
-#include "noise/classes/modulated_light.hpp"
-#include "noise/project/rim_noise.hpp"
-#include "noise/time_domain/motion_series.hpp"
+#include "noise/project/static_phase.hpp"
+#include "noise/time_domain/phase_sum.hpp"
 #include "spectra/fourier.hpp"
 
 namespace straytrace::noise {

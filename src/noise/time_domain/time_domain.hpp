@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "ifo/interferometer.hpp"
-#include "noise/time_domain/motion_series.hpp"
 #include "noise/time_domain/phase_sum.hpp"
 #include "trace/coupling.hpp"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The motion is made periodic with period 1/spacing: exact power in every line, hence no leakage and no need for
 // the motion to decay. Motion slower than half a spacing is a static phase.
-#include "noise/wrapped/wrapped_spectrum.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include <numeric>
 
 #include "base/math/constants.hpp"
+#include "noise/wrapped/phase_spectra.hpp"
 #include "spectra/fourier.hpp"
 
 namespace straytrace::noise {

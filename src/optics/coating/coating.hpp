@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/memory/storage.hpp"
-#include "optics/amplitudes.hpp"
+#include "optics/polarisation.hpp"
 
 namespace straytrace::optics {
 

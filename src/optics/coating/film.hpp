@@ -5,7 +5,7 @@
 #pragma once
 
 #include "base/memory/storage.hpp"
-#include "optics/amplitudes.hpp"
+#include "optics/polarisation.hpp"
 
 namespace straytrace::optics {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/math/vec3.hpp"
-#include "optics/amplitudes.hpp"
+#include "optics/polarisation.hpp"
 
 namespace straytrace::optics {
 

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/html.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <regex>
 
 #include "base/errors.hpp"
-#include "base/files/embedded.hpp"
+#include "base/files/read_write.hpp"
 #include "io/markup.hpp"
 #include "report/html/page_json.hpp"
 #include "results/route_table/route_columns.hpp"

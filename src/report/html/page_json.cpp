@@ -8,13 +8,12 @@
 
 #include "io/markup.hpp"
 #include "results/curves/band.hpp"
-#include "results/curves/input_sources.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/route_table/route_columns.hpp"
 #include "results/route_table/route_filter.hpp"
 #include "results/route_table/route_sums.hpp"
 #include "results/text/columns.hpp"
-#include "world/model/map_areas.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::report {
 

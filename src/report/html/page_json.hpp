@@ -7,15 +7,95 @@
 #include <nlohmann/json.hpp>
 
 #include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "report/html/surface_maps.hpp"
-#include "report/ray_paths.hpp"
 #include "report/scene_drawing.hpp"
 #include "results/results.hpp"
 #include "scene/scene.hpp"
+#include "world/model/receiver.hpp"
 #include "world/model/world.hpp"
+
+namespace straytrace::report {
+
+// One self-contained HTML file: it loads nothing, and its content security policy forbids loading. A page of a program
+// that runs may ask that program alone.
+
+struct HtmlPage {
+  std::string title, body;            // body: HTML shown without scripts
+  nlohmann::json data;                // for the scripts
+  std::vector<std::string> scripts;   // of data/page, in order
+  bool plots = false, scene = false;  // libraries that they need
+  bool live = false;                  // served by the program itself (io/loopback_server.hpp)
+};
+std::string html_text(HtmlPage const&);
+
+// Summary sentence, picture, table and text of a run as HTML, for browsers without scripts.
+struct Picture {
+  std::string type, bytes;  // "png", "svg+xml"; no bytes: none
+};
+struct StaticReport {
+  std::string verdict, headline, text;
+  Picture picture;  // of the budget
+  std::size_t most_rows = 5000;
+};
+std::string static_head(StaticReport const&);
+std::string static_body(StaticReport const&, PathTable const&);
+
+// Third-party scripts inside pages, from packages that CMake found.
+
+struct PageScript {
+  std::string_view name, licence, text;
+};
+PageScript const& d3_script();  // https://d3js.org, BSD-3-Clause
+// https://threejs.org, MIT: the library, then its orbit controls; `text`: gzip as base64.
+std::span<PageScript const> three_scripts();
+
+// Maps of surfaces: the square centimetres that cause the noise, and the light arriving on them.
+
+struct CellValues {
+  std::vector<MapCell> cells;
+  std::vector<double> value, error;  // one standard error
+  std::vector<double> area;          // m^2 of the map, of one surface on average: what lies beyond its rim is left out
+  std::vector<std::uint32_t> count;  // of paths or arrivals; 0: none seen
+};
+
+// All instances of a name are laid over one another, in the frame of their shapes: polar about the axis of round ones,
+// in x and y across the axis of others, unrolled where the shape is longer than wide or a cylinder. Areas are those of
+// the map. Cells and values are functions of the run alone, independent of how it was traced.
+struct SurfaceMap {
+  std::string name;
+  GroupId group;
+  Chart chart = Chart::plane;
+  MapCell whole;
+  Vec3 x_axis, y_axis;       // of the first instance, in the scene; unrolled: the arc begins at x and grows towards y
+  std::size_t surfaces = 0;  // laid over one another
+  // Noise: share of the strain noise power of the band that is made in a cell [1], by weight of kept paths. The error
+  // is that of their number, sqrt(sum of squares). A path that meets the moving body twice counts half at each place.
+  CellValues noise;
+  double noise_sum = 0;  // over all cells
+  // Light: power arriving per area over the power of the main mode [1/m^2], of `histories` of the run; the cells were
+  // made with others of its histories.
+  CellValues light;
+  std::uint64_t histories = 0;
+  // The same noise along the scene: by surface, with the place of its reference point.
+  std::vector<Vec3> places;
+  std::vector<double> noise_by_place, noise_by_place_error;
+};
+
+// A path with its part of the noise, which is made where it meets the moving body.
+struct NoisyPath {
+  DrawnPath path;
+  double noise = 0;  // share of the strain noise power of the band [1]
+  BodyId body = {};  // whose motion contributes most
+};
+std::vector<SurfaceMap> noise_maps(World const&, std::vector<NoisyPath> const&, std::size_t most);
+// Adds the light of the first histories of the run.
+void add_light(SteeredWorld const&, std::uint64_t seed, std::uint64_t histories, std::vector<SurfaceMap>&);
+
+}  // namespace straytrace::report
 
 namespace straytrace::wave {
 struct ArmCavity;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/surface_maps.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <set>
 
+#include "report/html/page_json.hpp"
 #include "trace/step/step.hpp"
 
 namespace straytrace::report {

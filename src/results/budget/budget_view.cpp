@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "results/curves/band.hpp"
-#include "results/pygwinc/pygwinc_trace.hpp"
+#include "results/pygwinc/pygwinc_ifo.hpp"
 #include "results/results.hpp"
 
 namespace straytrace::results {

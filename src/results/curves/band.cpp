@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "results/curves/input_sources.hpp"
 #include "results/text/columns.hpp"
 #include "spectra/curve.hpp"
 

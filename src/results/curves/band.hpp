@@ -1,12 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reading values off noise curves.
+// Reading values off noise curves, and the table of inputs that are not exactly known.
 #pragma once
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "results/results.hpp"
+#include "results/text/table.hpp"
 
 namespace straytrace::results {
+
+// Reading values off noise curves.
+
+// The table of inputs that are not exactly known: the one list of its columns behind text, JSON and pages.
+
+struct SourceRow {
+  InputSource const& source;
+  std::string status;  // of its material, or "assumed"; empty: not known
+};
+
+std::vector<SourceRow> source_rows(NoiseBands const&, ProjectionInputs const* = nullptr);
+TableWriter<SourceRow> const& source_table();
 
 constexpr double wrapped_from = 1;  // rad rms; above, fringes wrap (docs/theory/spectra.md, eq. 1.11)
 

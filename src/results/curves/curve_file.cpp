@@ -10,7 +10,7 @@
 #include <filesystem>
 
 #include "base/errors.hpp"
-#include "io/hdf5/writer.hpp"
+#include "io/hdf5/read_write.hpp"
 #include "io/markup.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"

@@ -9,7 +9,7 @@
 
 #include "base/text/words.hpp"
 #include "results/ghosts/ghost_table.hpp"
-#include "results/route_table/route_names.hpp"
+#include "results/route_table/route_columns.hpp"
 #include "results/text/table.hpp"
 
 namespace straytrace::results {

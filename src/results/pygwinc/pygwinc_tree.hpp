@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/errors.hpp"
-#include "noise/fundamental/detector.hpp"
+#include "noise/fundamental/fundamental.hpp"
 
 namespace YAML {
 class Node;

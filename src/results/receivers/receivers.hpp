@@ -74,7 +74,7 @@ std::string receiver_json(ReceiverTable const&, RunContent const&);
 nlohmann::ordered_json receiver_page_list(ReceiverTable const&);  // of each its light and the table of its routes
 
 // Maps of all receivers as NAME_image.csv, .npy and so on in a folder that exists; returns the names of the files.
-// `areas`: of the pixels or cells of each receiver within the rim of its surface, m^2 (world/model/map_areas.hpp).
+// `areas`: of the pixels or cells of each receiver within the rim of its surface, m^2 (world/model/world.hpp).
 std::vector<std::string> write_maps(std::string const& folder, RunContent const&,
                                     std::vector<std::vector<double>> const& areas);
 

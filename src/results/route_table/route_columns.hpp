@@ -11,9 +11,21 @@
 #include <vector>
 
 #include "results/results.hpp"
+#include "results/text/columns.hpp"
 #include "results/text/table.hpp"
 
 namespace straytrace::results {
+
+// Names of routes in tables of text, whose columns must stay narrow.
+
+// Each name with whole steps left out around "…" until it has at most `width` characters; its first and last step
+// always stay. Different names look different where that is possible.
+std::vector<std::string> shortened_routes(std::vector<std::string> const& names, std::size_t width);
+
+// In the column `route`, to a width for terminals; whether one had to be shortened.
+bool shorten_routes(Columns&);
+inline constexpr char const* explanation_of_shortened =
+    "…: steps of a long route that are left out here; CSV and JSON list all of them.\n";
 
 struct RouteRow {
   PathTable const& table;

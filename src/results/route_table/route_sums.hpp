@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Path tables of some of the routes: those that pass a filter, or those that remain without an object.
+// Path tables of some of the routes, and factors from the stray field of a route to strain.
 #pragma once
 
 #include <string>
@@ -8,6 +8,8 @@
 #include "results/results.hpp"
 
 namespace straytrace::results {
+
+// Path tables of some of the routes: those that pass a filter, or those that remain without an object.
 
 // Ranks, statuses and sums of `rows`. With `shares`, shares of their own noise power; else those they have.
 void rank_and_sum(PathTable&, bool shares);
@@ -80,5 +82,29 @@ struct Merit {
 std::vector<Merit> merits(RunContent const&);
 // A line each for all ends and the first `routes` routes; those without a value are left out.
 std::string merit_text(std::vector<Merit> const&, std::size_t routes);
+
+// The factors that make the strain noise of a route at one frequency: h^2(f) = C C_rev N (|T_phase|^2 +
+// |T_amplitude|^2) S(f) (docs/theory/spectra.md, eq. 7.2, section 9).
+
+struct StrainFactor {
+  char const* name;
+  double value;
+  char const *unit, *meaning;
+  bool upper_bound = false;
+};
+
+struct StrainFactors {
+  double centre = 0, low = 0, high = 0;  // Hz, of the bin
+  std::vector<StrainFactor> factors;     // from the coupling C to h
+  WithError h;                           // 1/sqrt(Hz)
+  bool sampled = true;                   // with a Monte-Carlo error
+  bool resolved = true;
+  std::string why_not;
+  double linear_share = 0;  // of the power, to first order in the motion of the bin
+};
+
+// Throws InputError for a frequency outside the grid of the budget.
+StrainFactors strain_factors(CouplingTable const&, NoiseBudget const&, PathRow const&, Interferometer const&,
+                             double hz);
 
 }  // namespace straytrace::results

@@ -10,7 +10,6 @@
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
 #include "results/curves/band.hpp"
-#include "results/curves/input_sources.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/results.hpp"
 #include "results/route_table/route_columns.hpp"

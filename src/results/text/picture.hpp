@@ -1,17 +1,46 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The picture of a run, drawn by the Python side in a child process.
+// Pictures: arrays of colours as files, and plots that the Python side draws in a child process.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "base/namespaces.hpp"
 
 namespace straytrace::results {
 
+// The picture of a run, drawn by the Python side in a child process.
+
+// Pictures as PNG files.
+
+struct Image {
+  std::uint32_t columns = 0, rows = 0;
+  std::vector<std::uint8_t> rgb;  // three bytes per pixel, row by row from the upper left, sRGB
+};
+
+std::string png_bytes(Image const&);  // throws NumericalError when libpng fails
+// Complete or not at all; throws InputError with the reason of the system.
+void write_png(std::string const& file, Image const&);
+
+// Scale of a picture whose colours represent a number.
+
+struct ColourBar {
+  double low = 0, high = 0;  // ends, above 0; logarithmic between
+  std::string title;         // name of the number, with its unit: lower case, digits and :+-./
+  std::function<std::array<std::uint8_t, 3>(double)> colour;  // of 0 (low) to 1 (high)
+};
+
+// Adds it below the picture, with labelled decades; false: the picture is too narrow and unchanged.
+bool add_colour_bar(Image&, ColourBar const&);
+
 struct RunContent;
 
 // Draws `png_file` from `run_file`; band of the shares in Hz, the whole grid when high <= low; `measured`: strain over
-// it, JSON of session/records/measured_strain.hpp. False, and `message`
+// it, JSON of session/records/route_predictions.hpp. False, and `message`
 // explains what happened and what to install, on failure. Interpreter: STRAYTRACE_PYTHON, /usr/bin/python3, python3 in
 // PATH. Folder of the package: STRAYTRACE_PYTHONPATH, then python/ or share/straytrace/python/ in a folder above the
 // program.

@@ -15,6 +15,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/namespaces.hpp"
 #include "results/text/columns.hpp"
 
 namespace straytrace::results {
@@ -163,5 +164,26 @@ class TableWriter {
   std::vector<TableColumn<Row> const*> text_ = of(&TableColumn<Row>::text), csv_ = of(&TableColumn<Row>::csv),
                                        json_ = of(&TableColumn<Row>::json);
 };
+
+// Tables that are printed as text, CSV or JSON.
+
+struct Sheet {
+  struct Column {
+    std::string key, unit;  // "power", "W"; without unit: text or a plain number
+    int digits = 6;         // of a number in the text
+    double scale = 1;       // of the text, to the unit `shown`
+    std::string shown{};
+  };
+  using Cell = std::variant<std::string, double>;  // not a number: unknown
+  std::string name, heading;                       // key of the JSON; line above the text
+  std::vector<Column> columns;
+  std::vector<std::vector<Cell>> rows;
+};
+
+std::string text_of(std::vector<Sheet> const&);
+std::string csv_of(std::vector<Sheet> const&);  // "# NAME" before each of several
+// Titles, cells as in the text and which columns are text, for a page.
+nlohmann::ordered_json page_of(std::vector<Sheet> const&);
+nlohmann::ordered_json json_of(std::vector<Sheet> const&);
 
 }  // namespace straytrace::results

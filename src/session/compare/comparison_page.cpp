@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "session/compare/comparison_page.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,7 +9,6 @@
 
 #include "base/errors.hpp"
 #include "io/markup.hpp"
-#include "report/html/html.hpp"
 #include "report/html/page_json.hpp"
 #include "session/compare/model_diff.hpp"
 #include "session/compare/run_diff.hpp"

@@ -46,7 +46,7 @@ WithError band_rms(NoiseTrace const& t, FrequencyGrid const& grid, double low, d
   return {h, sigma, h > 0 && at_most(h, t.resolved ? sigma : 0, bound / power), !t.resolved};
 }
 
-struct Band {
+struct SharedBand {
   double low = 0, high = 0;  // Hz
 };
 
@@ -63,7 +63,7 @@ std::size_t routes_of(RunFile const& run) {
 
 // Of the total. What replicas of the routes leave of the error of its curve is `rest`, except in projections of one
 // run.
-ReplicatedPower total_power(RunFile const& run, WithError const& total, Band band, Histories common) {
+ReplicatedPower total_power(RunFile const& run, WithError const& total, SharedBand band, Histories common) {
   ReplicatedPower all;
   for (std::size_t r = 0; r < routes_of(run); ++r)
     all.add(power_of(run, r, band_rms(run.noise->routes[r], run.noise->grid, band.low, band.high), common));
@@ -146,7 +146,7 @@ void hold(Change& change, Histories common) {
 struct InBand {
   RunFile const &b, &a;
   Histories common = Histories::other;
-  Band band;
+  SharedBand band;
   RunFile const& of(bool after) const { return after ? a : b; }
   WithError rms(Listed const& row, bool after) const {
     return band_rms(*row.noise, of(after).noise->grid, band.low, band.high);
@@ -360,7 +360,7 @@ std::vector<Change> route_changes(InBand const& in) {
 
 Change band_change(InBand const& in) {
   NoiseBudget const &b = *in.b.noise, &a = *in.a.noise;
-  Band const band = in.band;
+  SharedBand const band = in.band;
   WithError const x = band_rms(b.total, b.grid, band.low, band.high),
                   y = band_rms(a.total, a.grid, band.low, band.high);
   ReplicatedPower p, q;
@@ -397,7 +397,7 @@ nlohmann::ordered_json as_json(std::vector<Change> const& all) {
   return out;
 }
 
-Band common_band(RunFile const& before, RunFile const& after) {
+SharedBand common_band(RunFile const& before, RunFile const& after) {
   auto const &b = before.noise->grid.edges, &a = after.noise->grid.edges;
   return {std::max(b.front(), a.front()), std::min(b.back(), a.back())};
 }
@@ -453,7 +453,7 @@ void require_comparable(RunFile const& before, RunFile const& after) {
     throw InputError("one of the runs has no noise to compare",
                      "give runs of scenes with an 'interferometer'; for a run without noise use "
                      "'straytrace noise RUN -o DIR'");
-  if (Band const band = common_band(before, after); !(band.low < band.high))
+  if (SharedBand const band = common_band(before, after); !(band.low < band.high))
     throw InputError("the bands of the two runs do not overlap", "project one again with another 'band' in 'noise'");
 }
 
@@ -461,7 +461,7 @@ void require_comparable(RunFile const& before, RunFile const& after) {
 
 RunDifference run_differences(RunFile const& before, RunFile const& after) {
   require_comparable(before, after);
-  Band const all = common_band(before, after);
+  SharedBand const all = common_band(before, after);
   RunDifference d;
   d.common = common_histories(before, after);
   d.low = all.low;
@@ -481,12 +481,12 @@ RunDifference run_differences(RunFile const& before, RunFile const& after) {
 
 std::vector<Change> changes_by_frequency(RunFile const& before, RunFile const& after) {
   require_comparable(before, after);
-  Band const all = common_band(before, after);
+  SharedBand const all = common_band(before, after);
   Histories const common = common_histories(before, after);
   FrequencyGrid const& grid = before.noise->grid;
   std::vector<Change> bins;
   for (std::size_t i = 0; i < grid.size(); ++i) {
-    Band const bin{std::max(all.low, grid.edges[i]), std::min(all.high, grid.edges[i + 1])};
+    SharedBand const bin{std::max(all.low, grid.edges[i]), std::min(all.high, grid.edges[i + 1])};
     bins.push_back(bin.low < bin.high ? band_change({before, after, common, bin}) : Change{});
   }
   return bins;

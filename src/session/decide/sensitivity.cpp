@@ -8,10 +8,8 @@
 #include <cmath>
 
 #include "base/errors.hpp"
-#include "noise/bands/band_shares.hpp"
+#include "noise/bands/elasticity.hpp"
 #include "noise/bands/input_band.hpp"
-#include "noise/bands/traced_elasticity.hpp"
-#include "session/decide/reweighted.hpp"
 #include "session/decide/what_if.hpp"
 #include "session/session.hpp"
 

@@ -103,10 +103,10 @@ std::string band_text(Sensitivity const& s) {
   return text;
 }
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json numbers(std::vector<double> const& values) {
   Json all = Json::array();
-  for (double const v : values) all.push_back(number(v));
+  for (double const v : values) all.push_back(json_number(v));
   return all;
 }
 
@@ -121,7 +121,7 @@ Json json_of(Sensitivity const& s, SensitiveInput const& in) {
          {"bracket", {in.low, in.high}}};
   j["share"] = numbers(in.share);
   j["narrowing"] = numbers(in.halving);
-  if (!in.share.empty()) j["gain_of_halving"] = number(gain_of_halving(in, s.decides));
+  if (!in.share.empty()) j["gain_of_halving"] = json_number(gain_of_halving(in, s.decides));
   if (std::isfinite(in.correlation)) j["correlation"] = in.correlation;
   if (std::isfinite(in.step)) j["step"] = in.step;
   if (!in.extrapolated.value.empty()) {

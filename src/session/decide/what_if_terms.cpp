@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "session/decide/what_if_terms.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,12 +9,12 @@
 #include <utility>
 
 #include "io/markup.hpp"
-#include "noise/bands/composition.hpp"
 #include "noise/bands/elasticity.hpp"
 #include "noise/bands/inversion.hpp"
 #include "report/html/page_json.hpp"
 #include "results/route_table/route_sums.hpp"
 #include "results/text/columns.hpp"
+#include "session/decide/what_if.hpp"
 #include "world/model/material.hpp"
 
 namespace straytrace::session {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files for batch systems: texts to read and edit. From the user they contain only the program and the account; scene
-// and parameters are in input.h5, so that no name of a file can become a command.
+// Batch jobs: files to submit, and merging of the parts that they trace.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +9,12 @@
 #include <vector>
 
 #include "base/namespaces.hpp"
+#include "results/run_file/run_file.hpp"
 
 namespace straytrace::session {
+
+// Files for batch systems: texts to read and edit. From the user they contain only the program and the account; scene
+// and parameters are in input.h5, so that no name of a file can become a command.
 
 struct Jobs {
   std::uint64_t slices = 1;
@@ -44,5 +47,27 @@ inline std::string shell_word(std::string_view text) {
   for (char const c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";
 }
+
+// Parts of one run, and the reasons why they cannot be merged.
+
+// Sorted by their first block; empty ones come last.
+struct RunParts {
+  std::vector<PartHead> heads;
+  std::uint64_t all_blocks = 0;
+  std::vector<BlockRange> missing;
+};
+
+// Reads the heads. Throws one InputError with all reasons why these files are not parts of one run that this program
+// could have traced: another model, seed or program, or blocks that two of them hold.
+RunParts read_parts(std::vector<std::string> const& files);
+
+// Blocks of a run file that no part holds.
+std::vector<BlockRange> lost_with(PartHead const& there, RunParts const&);
+
+// Missing slices, and the commands to trace them, a line each.
+std::string missing_text(RunParts const&);
+
+// Adds up one file after the other: only one of them and the sums are in memory at a time.
+SumTree merged_sums(RunParts const&);
 
 }  // namespace straytrace::session

@@ -11,14 +11,14 @@
 #include <optional>
 
 #include "base/errors.hpp"
-#include "base/files/text_file.hpp"
+#include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
 #include "io/delimited_text.hpp"
 #include "scene/scene_document.hpp"
-#include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
 #include "session/model.hpp"
-#include "wave/arm/arm_diodes.hpp"
+#include "session/open_run.hpp"
+#include "wave/arm/irradiance.hpp"
 
 namespace straytrace::session {
 namespace {

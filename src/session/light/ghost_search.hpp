@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All ghosts of one launched beam, summed up.
+// Ghosts of the beams of a scene: their search, sums, and noise.
 #pragma once
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "results/ghosts/ghost_table.hpp"
 #include "session/model.hpp"
 
 namespace straytrace::session {
+
+// All ghosts of one launched beam, summed up.
 
 struct GhostSearch {
   Model const& model;
@@ -36,5 +39,27 @@ void require_strain(GhostSearch const&, std::vector<BeamLaunch> const&);
 // For a scene without `ghosts` where some return to a port: a warning with the power and the strain of a quick search.
 // `ghosts: off` suppresses it.
 void warn_of_uncounted_ghosts(Model const&);
+
+// Ghosts through the same noise stage as scattered light.
+
+// The key `ghosts` of a scene, a table or on: limits of the ghosts in the noise of a run; nothing without it or
+// when it is off.
+std::optional<GhostSettings> read_ghosts(Scene const&);
+
+struct GhostClasses {
+  std::vector<CouplingClass> classes;
+  std::vector<std::string> warnings;
+};
+
+// Classes of all beams of a world, added to the scattered light of its trace.
+GhostClasses ghosts_beside(World const&, GhostSettings const&);
+
+// A deterministic class for each route of each family of equal phase sensitivities, the weakest of many together;
+// powers of classes add. With GhostSum::coherent one class for the `most_coherent` strongest families of the beam,
+// whose fields add (eq. 10.5); a warning states the omitted light.
+GhostClasses ghost_classes(World const&, GhostFamilies const&);
+
+// Strain of each family for the motion and the interferometer of the model, into the families; returns that of all.
+GhostStrain project_ghosts(Model const&, GhostFamilies&);
 
 }  // namespace straytrace::session

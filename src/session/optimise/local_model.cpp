@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "session/optimise/local_model.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlopt.h>
 
 #include "base/errors.hpp"
+#include "session/optimise/search.hpp"
 
 namespace straytrace::session {
 namespace {

@@ -13,7 +13,7 @@
 #include "base/files/read_write.hpp"
 #include "results/text/picture.hpp"
 #include "scene/model_tree.hpp"
-#include "scene/set_values.hpp"
+#include "scene/scope.hpp"
 #include "session/interrupt.hpp"
 
 namespace straytrace::session {

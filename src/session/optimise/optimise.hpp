@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "report/html/html.hpp"
+#include "report/html/page_json.hpp"
 #include "results/text/columns.hpp"
 #include "session/optimise/evaluator.hpp"
 

@@ -13,10 +13,9 @@
 #include "base/errors.hpp"
 #include "base/text/bounded_regex.hpp"
 #include "base/text/words.hpp"
-#include "noise/fundamental/design.hpp"
+#include "noise/fundamental/budget.hpp"
 #include "scene/expression.hpp"
 #include "scene/scope.hpp"
-#include "scene/set_values.hpp"
 
 namespace straytrace::session {
 namespace {

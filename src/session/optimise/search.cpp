@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "session/optimise/local_model.hpp"
-
 namespace straytrace::session {
 
 double Candidate::worst() const {

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Predictions of a run for the routes of its path table: coupling, fringes per metre of a body, response of the port.
+// Predictions of a run next to measured records: for the routes of its path table, and for a measured strain.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "analysis/fringes/fringe_fit.hpp"
+#include "base/namespaces.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace::session {
+
+// Predictions of a run for the routes of its path table: coupling, fringes per metre of a body, response of the port.
 
 // Prediction of a run for a route, for the witness of one body along one axis.
 struct RoutePrediction {
@@ -35,5 +39,20 @@ struct AgainstPrediction {
   bool within = false;       // with two standard errors of the ratio
 };
 AgainstPrediction against(FittedPath const&, RoutePrediction const&);
+
+// A measured strain, drawn over the noise of a run.
+
+struct MeasuredStrain {
+  std::string name, source;       // in the legend; file, span and averages
+  std::vector<double> hz, asd;    // 1/sqrt(Hz)
+  std::vector<double> low, high;  // one standard error; NaN where it is not known
+};
+
+// Lines of an averaged spectrum of strain, joined to some 200 points per decade; their power is kept.
+MeasuredStrain measured_from(WelchSpectrum const&, WelchSettings const&, double low_hz, double high_hz);
+// Columns of text: frequency [Hz], ASD [1/sqrt(Hz)], and the standard error of the ASD where there is a third.
+MeasuredStrain parse_measured(std::string const& text, std::string const& file, double low_hz, double high_hz);
+
+std::string measured_json(std::vector<MeasuredStrain> const&);  // for pages and pictures
 
 }  // namespace straytrace::session

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "noise/time_domain/motion_series.hpp"
+#include "noise/project/sensor_noise.hpp"
+#include "noise/time_domain/phase_sum.hpp"
+#include "scene/scene.hpp"
 #include "session/open_run.hpp"
 #include "spectra/series.hpp"
 
@@ -33,5 +35,16 @@ struct TimeInputs : OpenRun {
 // The motion drawn for fringe frequencies, at this rate in Hz; 0: a rate that suits the motion. With `channels` it
 // contains recordings only: other motion would mask their fringes.
 MotionSeries fringe_motion(TimeInputs&, bool channels, double rate, std::uint64_t seed);
+
+// The table `sensors` of a scene: sizes of the sensors on the beams of ports, and where their watts are counted.
+
+// Problems go to the document of the scene. Names in the order of ids.
+std::vector<Sensor> read_sensors(Scene const&, std::vector<std::string> const& ports,
+                                 std::vector<std::string> const& receivers);
+
+// One for each port of a run, in their order: those of the table, and else sensors larger than their beam. Throws where
+// the table has problems. `power`: of the beam of each port, W; `main_power`: that of the main mode. 0: not stated.
+std::vector<Sensor> sensors_of_ports(Scene const&, CouplingTable const&, std::vector<double> const& power,
+                                     double main_power);
 
 }  // namespace straytrace::session

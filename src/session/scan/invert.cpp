@@ -15,7 +15,6 @@
 #include "base/text/words.hpp"
 #include "noise/bands/inversion.hpp"
 #include "results/text/columns.hpp"
-#include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
 #include "session/open_run.hpp"
 #include "session/scan/scan_points.hpp"

@@ -8,7 +8,6 @@
 #include "noise/bands/inversion.hpp"
 #include "results/results.hpp"
 #include "session/model.hpp"
-#include "session/scan/scan_axes.hpp"
 #include "session/scan/scan_points.hpp"
 
 namespace straytrace::session {

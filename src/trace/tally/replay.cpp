@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "trace/tally/history_tally.hpp"
-#include "world/model/body.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::trace {
 namespace {

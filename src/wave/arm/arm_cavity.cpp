@@ -11,7 +11,7 @@
 #include "base/math/gauss_points.hpp"
 #include "optics/scatter/mixture.hpp"
 #include "wave/arm/arm_checks.hpp"
-#include "wave/arm/arm_diodes.hpp"
+#include "wave/arm/irradiance.hpp"
 #include "wave/heights/defects.hpp"
 #include "world/model/vertex.hpp"
 #include "world/model/world.hpp"

@@ -11,11 +11,10 @@
 #include <vector>
 
 #include "wave/arm/arm_cavity.hpp"
-#include "wave/arm/expected_levers.hpp"
-#include "wave/arm/frequency_bands.hpp"
-#include "wave/arm/grid_check.hpp"
+#include "wave/arm/arm_solver.hpp"
 #include "wave/arm/irradiance.hpp"
-#include "wave/modes/mode_table.hpp"
+#include "wave/arm/speckled_rim.hpp"
+#include "wave/modes/driven.hpp"
 
 namespace straytrace::wave {
 
@@ -93,5 +92,19 @@ ArmWaves solve_arm(World const&, WaveSettings const&, ArmCavity planned, ArmOpti
 inline ArmWaves solve_arm(World const& world, WaveSettings const& settings, ArmOptions const& options = {}) {
   return solve_arm(world, settings, planned_arm(world, settings), options);
 }
+
+// The field that the input beam of a scene builds up in its cavity, at a list of detunings (docs/theory/wave.md,
+// eq. W.50 to W.52).
+
+struct DriveOptions {
+  int threads = 0;                       // 0: all
+  std::shared_ptr<WaveDevice> device{};  // none: the host
+  int highest_order = 2;
+  std::function<void(std::string const& what)> progress;
+};
+DrivenOptions solve_options(DriveOptions const&);
+// `coatings` of both mirrors; `detunings` in free spectral ranges from the resonance of the mode.
+DrivenScan drive_arm(WaveSettings const&, ArmWaves const&, std::vector<MirrorCoating> const& coatings,
+                     std::vector<double> const& detunings, DriveOptions const& = {});
 
 }  // namespace straytrace::wave

@@ -57,4 +57,24 @@ struct RingCavity {
 // Planes, crossover angle and grid, with all that is wrong with them; no field and no heights.
 RingCavity planned_ring(World const&, WaveSettings const&);
 
+// The grid of a ring or folded cavity (docs/theory/wave.md, eq. W.5, W.6, W.54).
+
+// Chooses the crossover angle, window, points and scales that the settings do not state, with problems where those
+// stated do not carry the light.
+void choose_ring_grid(RingCavity&, WaveSettings const&);
+// Curvature of the spherical wave that the grid follows behind a stop, and of that which comes to it (eq. W.54). 1/m
+double followed_behind(Trip const&, std::size_t stop);
+double followed_before(Trip const&, std::size_t stop);
+double needed_memory(RingCavity const&);  // bytes, of the fields
+
+// Heights of the mirrors of a ring or folded cavity, as the light that falls on them at an angle sees them
+// (docs/theory/wave.md, eq. W.20, W.55).
+
+// The power that its mirrors scatter beyond the crossover angle, and the measured maps, with problems of maps and
+// defects.
+void plan_ring_heights(RingCavity&, World const&, WaveSettings const&);
+// Heights of each mirror below the crossover angle, as its settings have them: measured, random with the spectrum of
+// its BSDF, or none; with defects.
+void add_ring_heights(RingCavity&, World const&, WaveSettings const&);
+
 }  // namespace straytrace::wave

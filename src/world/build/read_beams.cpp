@@ -11,7 +11,6 @@
 #include "base/input/document.hpp"
 #include "base/text/words.hpp"
 #include "beams/cavity_mode.hpp"
-#include "beams/round_cavity.hpp"
 #include "world/build/read_parts.hpp"
 
 namespace straytrace::world {

@@ -8,8 +8,8 @@
 
 #include "base/input/document.hpp"
 #include "base/text/words.hpp"
-#include "geometry/mesh/smooth_normals.hpp"
-#include "world/import/mesh_doctor.hpp"
+#include "geometry/mesh/triangle_mesh.hpp"
+#include "world/import/geometry_file.hpp"
 
 namespace straytrace::world {
 

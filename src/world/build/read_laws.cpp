@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "world/build/read_laws.hpp"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -10,6 +8,7 @@
 #include "base/input/document.hpp"
 #include "io/delimited_text.hpp"
 #include "optics/scatter/model_keys.hpp"
+#include "world/build/read_materials.hpp"
 
 namespace straytrace::world {
 namespace {

@@ -9,7 +9,7 @@
 #include "base/text/words.hpp"
 #include "beams/overlap.hpp"
 #include "world/build/read_parts.hpp"
-#include "world/ghosts/lit_surfaces.hpp"
+#include "world/ghosts/apertures.hpp"
 
 namespace straytrace::world {
 namespace {

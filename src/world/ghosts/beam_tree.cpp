@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "geometry/common/shape.hpp"
+#include "geometry/shapes/shape.hpp"
 #include "optics/coating/specular.hpp"
 #include "world/ghosts/obstacle.hpp"
 

@@ -8,13 +8,30 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "beams/overlap.hpp"
 #include "world/ghosts/beam_tree.hpp"
-#include "world/ghosts/moved_rays.hpp"
 
 namespace straytrace::world {
+
+// Chief rays of a beam when the bodies on its way move: first order, by rigid motion (docs/theory/ghosts.md, eq. N.27).
+
+// Per metre or radian of a coordinate: of the point where the ray crosses a plane across it, and of its direction. Both
+// lie across the ray.
+struct RayShift {
+  Vec3 shift, turn;  // m, rad
+};
+
+struct MovedRay {
+  BodyId body;
+  std::array<RayShift, 6> by{};  // coordinates as in PhaseSensitivity::d
+};
+
+// Of the ray that leaves the last surface of a way, at a point of it. Snell's law on the moved, turned and curved
+// surface, n_in a - n_out b along its normal; elastic modes do not move the ray. Nothing without a way.
+std::vector<MovedRay> moved_rays(World const&, std::span<BeamStep const> way, Vec3 at);
 
 // Where the main beam meets a surface, and the beams in which it leaves: one or two, at a grating several.
 struct MainNode {

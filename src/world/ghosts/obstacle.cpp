@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "beams/aperture.hpp"
+#include "beams/overlap.hpp"
 
 namespace straytrace::world {
 

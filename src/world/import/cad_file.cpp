@@ -14,9 +14,7 @@
 #include <unistd.h>
 
 #include "base/files/read_write.hpp"
-#include "base/files/sha256.hpp"
 #include "base/process/child_process.hpp"
-#include "base/process/environment.hpp"
 #include "base/text/words.hpp"
 
 namespace straytrace::world {

@@ -21,7 +21,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "base/files/text_file.hpp"
+#include "base/files/read_write.hpp"
 #include "base/process/child_process.hpp"
 #include "base/text/words.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/mesh/triangle.hpp"
+#include "geometry/mesh/triangle_mesh.hpp"
 
 namespace straytrace::world {
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "base/math/constants.hpp"
-#include "base/math/first_where.hpp"
 #include "base/math/functions.hpp"
 #include "base/math/vec3.hpp"
 #include "base/memory/ids.hpp"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/math/first_where.hpp"
+#include "base/math/functions.hpp"
 #include "base/memory/ids.hpp"
 
 namespace straytrace::world {

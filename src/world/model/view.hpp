@@ -8,12 +8,11 @@
 #include "base/memory/storage.hpp"
 #include "beams/footprint.hpp"
 #include "geometry/shape_types.hpp"
-#include "optics/coating/specular_types.hpp"
+#include "optics/coating/specular.hpp"
 #include "optics/scatter/mixture.hpp"
 #include "world/model/halo.hpp"
 #include "world/model/receiver.hpp"
 #include "world/model/steering.hpp"
-#include "world/search/hit.hpp"
 #include "world/search/search.hpp"
 #include "world/search/search_kernels.hpp"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
-#include "world/search/surface_pack.hpp"
+#include "world/search/search.hpp"
 
 namespace straytrace::world {
 namespace {

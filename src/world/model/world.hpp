@@ -3,14 +3,55 @@
 // bodies, materials, and how beams reached their footprints.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "base/math/vec3.hpp"
+#include "base/memory/ids.hpp"
 #include "base/memory/storage.hpp"
-#include "world/model/body.hpp"
 #include "world/model/material.hpp"
+#include "world/model/receiver.hpp"
 #include "world/model/view.hpp"
 #include "world/model/wave_settings.hpp"
+
+namespace straytrace::world {
+
+// Bodies and their elastic modes, and the contribution of one hit on a body to the phase of a path
+// (docs/theory/motion.md, eq. 2.1, 2.3).
+
+class World;
+
+// psi(r), without unit: displacement of a point per displacement of the mode's coordinate q.
+class ModeShape {
+ public:
+  virtual ~ModeShape() = default;
+  virtual Vec3 at(Vec3 point) const = 0;  // relative to the origin of the shape, m, along the world axes
+};
+
+struct ElasticMode {
+  BodyId id;  // the coordinate counts as a body of its own, with d[0] of its phase sensitivities
+  Vec3 origin;
+  bool origin_given = false;  // otherwise the pivot of the body
+  std::shared_ptr<ModeShape const> shape;
+  std::string description;  // all parameters of the shape
+};
+
+struct Body {
+  std::string name;
+  Vec3 pivot;               // m, rotations are about it
+  bool pivot_given = true;  // NaN given: the place of the body's first surface
+  std::vector<ElasticMode> modes = {};
+};
+
+// The entry of a body; adds one where there is none.
+PhaseSensitivity& phase_sensitivity_of(std::vector<PhaseSensitivity>&, BodyId);
+
+// Adds kappa [rad/m], its moment about the pivot of the body, and kappa . psi for each elastic mode of it. A surface
+// without a body (a measuring plane) adds nothing. `delay` [s]: weighs the part of PhaseSensitivity::moment.
+void add_hit(std::vector<PhaseSensitivity>&, World const&, SurfaceId, Vec3 point, Vec3 kappa, double delay = 0);
+
+}  // namespace straytrace::world
 
 namespace straytrace::scene {
 class Scene;
@@ -238,5 +279,17 @@ class World {
 
 // Reads materials, bodies (pivots), parts, beams, ports and trace limits; problems go to the scene's document.
 World build_world(Scene const&);
+
+// Areas of surfaces, and of the cells of maps within the rim of their surface.
+
+// As filled_share(), of a map that stands in `frame`.
+double filled_share(WorldView const&, SurfaceId, Chart, MapCell const&, Pose const& frame);
+
+// Of each pixel or cell of a receiver's map on this surface, m^2: what lies beyond the rim does not count. A cell that
+// the rim leaves nothing of has its whole area.
+std::vector<double> map_areas(WorldView const&, SurfaceId, Receiver const&);
+
+// Of all surfaces of each group, m^2; a surface has one side.
+std::vector<double> group_areas(WorldView const&, std::size_t groups);
 
 }  // namespace straytrace::world

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "contract/geometry/instances.hpp"
-#include "geometry/common/shape.hpp"
+#include "geometry/shapes/shape.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::testing {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scatter to the other side (optics/scatter/through.hpp) out of any law, and angle-dependent weights: reciprocity
+// Scatter to the other side (optics/scatter/mixture.hpp) out of any law, and angle-dependent weights: reciprocity
 // across the interface (docs/theory/surfaces.md, eq. 3.2), albedo = integral of eval cos over the far side, sample
 // follows pdf.
 #include <gtest/gtest.h>

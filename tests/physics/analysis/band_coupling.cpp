@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coupling of a band where slow motion of the same surface spreads what fast small motion makes (C.13).
-#include "analysis/coupling/band_coupling.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -6,7 +6,6 @@
 
 #include <cmath>
 
-#include "analysis/coupling/band_coupling.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "analysis/coupling/band_coupling.hpp"
+#include "analysis/coupling/coupling.hpp"
 #include "spectra/welch.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"

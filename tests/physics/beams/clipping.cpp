@@ -2,8 +2,8 @@
 // Loss of a Gaussian beam at an aperture (docs/theory/beams.md, eq. 5.5, 5.6; cases A8, B8; R2.26).
 #include <gtest/gtest.h>
 
-#include "beams/aperture.hpp"
 #include "beams/cavity_mode.hpp"
+#include "beams/overlap.hpp"
 #include "support/beams_support.hpp"
 #include "support/statistics.hpp"
 

@@ -9,7 +9,7 @@
 #include "base/errors.hpp"
 #include "base/every_module.hpp"
 #include "beams/cavity_mode.hpp"
-#include "beams/closed_axis.hpp"
+#include "beams/eigenmode.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::beams_closed_axes {

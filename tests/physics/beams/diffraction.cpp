@@ -7,7 +7,7 @@
 #include "base/errors.hpp"
 #include "base/every_module.hpp"
 #include "base/math/constants.hpp"
-#include "beams/aperture.hpp"
+#include "beams/overlap.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::testing::beams_diffraction {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Hermite- and Laguerre-Gauss modes (R2.11): orthonormal to 1e-9 up to order 30, Gouy phases against
 // the diffraction integral, and Gaussian beams expanded in them against eq. 5.1-5.3.
-#include "beams/higher_modes.hpp"
-
 #include <Eigen/Core>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <gtest/gtest.h>

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
+#include "beams/eigenmode.hpp"
 #include "beams/mode.hpp"
-#include "beams/ray_matrix.hpp"
 #include "support/beams_support.hpp"
 #include "support/recorded.hpp"
 

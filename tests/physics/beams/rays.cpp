@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
-#include "beams/ray_matrix.hpp"
+#include "beams/eigenmode.hpp"
 #include "support/beams_support.hpp"
 #include "support/recorded.hpp"
 

@@ -6,9 +6,8 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
-#include "beams/aperture.hpp"
 #include "beams/cavity_mode.hpp"
-#include "beams/round_cavity.hpp"
+#include "beams/overlap.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::beams_round_cavities {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "ifo/layout/noise_budget.hpp"
+#include "ifo/layout/operating_point.hpp"
 #include "ifo/layout/signals.hpp"
 #include "physics/ifo/network_support.hpp"
 #include "physics/ifo/support.hpp"

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "base/every_module.hpp"
-#include "ifo/cavity.hpp"
+#include "ifo/fabry_perot_michelson.hpp"
 #include "physics/ifo/demodulated.hpp"
 #include "support/recorded.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "base/every_module.hpp"
 #include "base/math/constants.hpp"
-#include "ifo/cavity.hpp"
+#include "ifo/fabry_perot_michelson.hpp"
 
 namespace straytrace {
 

@@ -7,10 +7,9 @@
 #include <cmath>
 
 #include "base/every_module.hpp"
-#include "ifo/cavity.hpp"
 #include "ifo/dual_recycled.hpp"
+#include "ifo/fabry_perot_michelson.hpp"
 #include "ifo/layout/operating_point.hpp"
-#include "ifo/layout/parameters.hpp"
 #include "ifo/layout/signals.hpp"
 #include "physics/ifo/network_support.hpp"
 #include "support/recorded.hpp"

@@ -8,7 +8,7 @@
 #include "base/every_module.hpp"
 #include "ifo/network.hpp"
 #include "physics/ifo/demodulated.hpp"
-#include "spectra/transfer_function.hpp"
+#include "spectra/filters.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_loops {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coupling of higher modes: docs/theory/interferometer.md, eq. N.6 to N.11.
-#include "ifo/modes/mode_coupling.hpp"
-
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
@@ -10,7 +8,8 @@
 
 #include "base/errors.hpp"
 #include "base/every_module.hpp"
-#include "beams/higher_modes.hpp"
+#include "beams/overlap.hpp"
+#include "ifo/mode_bases.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_mode_coupling {

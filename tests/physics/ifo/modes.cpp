@@ -7,14 +7,11 @@
 
 #include "base/errors.hpp"
 #include "base/every_module.hpp"
-#include "ifo/cavities.hpp"
 #include "ifo/dual_recycled.hpp"
-#include "ifo/layout/mode_table.hpp"
 #include "ifo/layout/operating_point.hpp"
 #include "ifo/mode_bases.hpp"
-#include "ifo/modes/mode_coupling.hpp"
+#include "ifo/network_interferometer.hpp"
 #include "ifo/network_ways.hpp"
-#include "ifo/stray_response.hpp"
 #include "network_support.hpp"
 #include "support/recorded.hpp"
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Noise of read-outs: docs/theory/interferometer.md, eq. N.32, and closed forms of shot and laser noise.
-#include "ifo/layout/noise_budget.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "ifo/layout/operating_point.hpp"
 #include "ifo/layout/signals.hpp"
 #include "physics/ifo/network_support.hpp"
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stray light between any two beams of a network (docs/theory/interferometer.md, eq. N.12 to N.19). Numbers without a
 // closed form are full solutions of FINESSE 3 with a weak pick-off in Advanced Virgo.
-#include "ifo/stray_response.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
+#include "ifo/network_interferometer.hpp"
 #include "physics/ifo/support.hpp"
 
 namespace straytrace {

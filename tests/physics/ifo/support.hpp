@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "base/every_module.hpp"
-#include "ifo/cavity.hpp"
 #include "ifo/control_loops.hpp"
 #include "ifo/dual_recycled.hpp"
+#include "ifo/fabry_perot_michelson.hpp"
 
 namespace straytrace {
 

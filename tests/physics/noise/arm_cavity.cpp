@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Arm cavities and injection points (docs/theory/interferometer.md, eq. 6.4, 6.5, 6.8, 6.11, 9.1, 9.3, 9.5, 9.10; cases
 // A10, A14, B6).
-#include "ifo/cavity.hpp"
+#include "ifo/fabry_perot_michelson.hpp"
 #include "physics/ifo/exact_arm.hpp"
 #include "physics/noise/support.hpp"
 

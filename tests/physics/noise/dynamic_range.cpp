@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A quiet body under strong slow motion: the transform alone would show its own rounding (docs/theory/spectra.md,
 // eq. 7.14).
-#include "noise/wrapped/wrapped_spectrum.hpp"
+#include "noise/wrapped/phase_spectra.hpp"
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Modulated beams: docs/theory/phase.md, eq. N.25.
-#include "noise/classes/modulated_light.hpp"
-
+#include "noise/classes/delayed_paths.hpp"
 #include "noise/project/sensor_noise.hpp"
 #include "noise/time_domain/time_domain.hpp"
 #include "physics/noise/support.hpp"

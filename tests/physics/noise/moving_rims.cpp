@@ -2,7 +2,7 @@
 // Noise of rims that move in the main beam: docs/theory/diffraction.md, eq. N.21.
 #include <cmath>
 
-#include "noise/project/rim_noise.hpp"
+#include "noise/project/static_phase.hpp"
 #include "noise/time_domain/time_domain.hpp"
 #include "physics/noise/support.hpp"
 

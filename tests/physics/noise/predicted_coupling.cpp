@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Couplings that a table predicts (docs/theory/spectra.md, eq. 7.2, 7.9, 10.1; docs/theory/commissioning.md C.11).
-#include "noise/project/predicted_coupling.hpp"
-
+#include "noise/project/sensor_noise.hpp"
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing::noise_predicted_coupling {

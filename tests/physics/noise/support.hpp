@@ -9,7 +9,7 @@
 #include "base/every_module.hpp"
 #include "noise/noise.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
-#include "spectra/shapes.hpp"
+#include "spectra/spectrum.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::testing {

@@ -7,7 +7,6 @@
 #include "support/test_backend.hpp"
 #include "trace/importance/steering_tables.hpp"
 #include "trace/run/trace.hpp"
-#include "world/model/map_areas.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::testing {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Accelerometer to displacement (docs/theory/motion.md, eq. 11.3; R6.05).
-#include "spectra/integration.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "base/errors.hpp"
+#include "spectra/curve.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 

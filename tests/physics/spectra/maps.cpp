@@ -6,7 +6,6 @@
 
 #include "base/errors.hpp"
 #include "spectra/filters.hpp"
-#include "spectra/spectrogram.hpp"
 #include "spectra/welch.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"

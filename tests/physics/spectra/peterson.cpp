@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/every_module.hpp"
-#include "spectra/shapes.hpp"
+#include "spectra/spectrum.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::signal_peterson {

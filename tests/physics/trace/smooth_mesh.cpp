@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "geometry/mesh/smooth_normals.hpp"
+#include "geometry/mesh/triangle_mesh.hpp"
 #include "support/mesh_shapes.hpp"
 #include "support/trace_support.hpp"
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "beams/round_cavity.hpp"
+#include "beams/cavity_mode.hpp"
 #include "physics/wave/kilometre_arm.hpp"
 #include "support/recorded.hpp"
 #include "wave/heights/height_map.hpp"

@@ -11,7 +11,6 @@
 #include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "beams/cavity_mode.hpp"
-#include "beams/round_cavity.hpp"
 #include "support/recorded.hpp"
 #include "wave/cavity.hpp"
 

@@ -12,7 +12,6 @@
 #include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "beams/cavity_mode.hpp"
-#include "beams/higher_modes.hpp"
 #include "beams/overlap.hpp"
 #include "support/recorded.hpp"
 

@@ -15,7 +15,7 @@
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 #include "wave/diodes/diode_fit.hpp"
-#include "wave/diodes/halo.hpp"
+#include "wave/diodes/photodiode.hpp"
 #include "wave/heights/height_map.hpp"
 
 namespace straytrace::testing::end_baffle {

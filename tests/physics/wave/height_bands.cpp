@@ -8,7 +8,6 @@
 #include "physics/wave/kilometre_arm.hpp"
 #include "support/recorded.hpp"
 #include "wave/arm/arm_solver.hpp"
-#include "wave/arm/frequency_bands.hpp"
 
 namespace straytrace::wave_height_bands {
 namespace {

@@ -2,8 +2,6 @@
 // Higher modes of a cavity (docs/theory/wave.md, Higher modes): validation cases V2 and V3, and modes of high order
 // with tilted and rough mirrors, against losses of the Hankel transform (eq. W.10) and the Gouy phase
 // (eq. W.8).
-#include "wave/modes/mode_table.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,8 +9,9 @@
 
 #include "base/every_module.hpp"
 #include "base/math/constants.hpp"
-#include "beams/round_cavity.hpp"
+#include "beams/cavity_mode.hpp"
 #include "support/recorded.hpp"
+#include "wave/modes/driven.hpp"
 
 namespace straytrace::wave_mode_table {
 namespace {

@@ -7,7 +7,6 @@
 #include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "support/recorded.hpp"
-#include "wave/diodes/halo.hpp"
 #include "wave/diodes/photodiode.hpp"
 #include "wave/heights/height_map.hpp"
 

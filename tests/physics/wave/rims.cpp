@@ -2,8 +2,6 @@
 // Levers of rims (docs/theory/wave.md, eq. W.13, W.14 and W.22) against two spherical waves, eq. 8.11 to 8.13 of
 // docs/theory/diffraction.md, moved openings and random fields: validation cases V5 and V7. The negative controls are
 // waves without a gradient, another reference point and a spot radius taken for a standard deviation.
-#include "wave/rims.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +15,8 @@
 #include "support/recorded.hpp"
 #include "support/statistics.hpp"
 #include "wave/arm/speckled_rim.hpp"
-#include "wave/sampler.hpp"
+#include "wave/cavity_rims.hpp"
+#include "wave/transform.hpp"
 
 namespace straytrace::wave_rims {
 namespace {

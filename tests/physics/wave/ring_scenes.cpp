@@ -16,8 +16,7 @@
 #include "support/recorded.hpp"
 #include "wave/arm/arm_waves.hpp"
 #include "wave/heights/defects.hpp"
-#include "wave/ring/ring_heights.hpp"
-#include "wave/ring/ring_levers.hpp"
+#include "wave/ring/ring_cavity.hpp"
 #include "wave/ring/ring_waves.hpp"
 
 namespace straytrace::wave_ring_scenes {

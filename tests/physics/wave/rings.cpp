@@ -9,8 +9,8 @@
 
 #include "base/every_module.hpp"
 #include "base/math/constants.hpp"
-#include "beams/closed_axis.hpp"
-#include "beams/round_cavity.hpp"
+#include "beams/cavity_mode.hpp"
+#include "beams/eigenmode.hpp"
 #include "support/recorded.hpp"
 #include "wave/round_trip.hpp"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Interpolation of a band-limited field against its Fourier sum, and the levers of a rim from it (docs/theory/wave.md,
 // eq. W.14). The negative controls are a field beyond the limit and another place.
-#include "wave/sampler.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,8 +12,8 @@
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 #include "support/recorded.hpp"
+#include "wave/cavity_rims.hpp"
 #include "wave/lines/line_kernels.hpp"
-#include "wave/rims.hpp"
 #include "wave/transform.hpp"
 
 namespace straytrace::wave_sampler {

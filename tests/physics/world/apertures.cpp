@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "beams/aperture.hpp"
+#include "beams/overlap.hpp"
 #include "support/ghost_support.hpp"
 #include "world/ghosts/obstacle.hpp"
 

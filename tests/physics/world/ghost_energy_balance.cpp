@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <unistd.h>
 
-#include "beams/aperture.hpp"
+#include "beams/overlap.hpp"
 #include "support/ghost_support.hpp"
 #include "world/ghosts/obstacle.hpp"
 

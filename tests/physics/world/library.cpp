@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The library as geometry and optics: every part and material is sound, and baffles by the shadow rule hide the wall of
 // every arm from both of its mirrors (docs/theory/arm.md, eq. 8.16, E.1).
-#include "scene/library.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/errors.hpp"
 #include "base/every_module.hpp"
-#include "base/files/embedded.hpp"
+#include "base/files/read_write.hpp"
 #include "base/math/rng.hpp"
+#include "scene/model_tree.hpp"
 #include "world/build/read_materials.hpp"
 #include "world/model/world.hpp"
 

@@ -3,11 +3,11 @@
 // R2.26).
 #include <gtest/gtest.h>
 
-#include "beams/aperture.hpp"
+#include "beams/overlap.hpp"
 #include "support/beams_support.hpp"
 #include "support/ghost_support.hpp"
 #include "support/shapes.hpp"
-#include "world/ghosts/lit_surfaces.hpp"
+#include "world/ghosts/apertures.hpp"
 
 namespace straytrace::testing::world_screens {
 namespace {

@@ -54,7 +54,7 @@ report: {pictures: [maps]}
 
 
 def total_of(part, chart):
-    """Sum over the cells of a map with its error; u, v as in src/world/model/cell_map.hpp."""
+    """Sum over the cells of a map with its error; u, v as in src/world/model/receiver.hpp."""
     total = error2 = 0
     for i, (value, error) in enumerate(zip(part["values"], part["errors"])):
         u0, u1, v0, v1 = part["cells"][4 * i:4 * i + 4]

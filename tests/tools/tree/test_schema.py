@@ -22,8 +22,8 @@ BLOCK = re.compile(r"^```yaml\n(straytrace:.*?)^```$", re.MULTILINE | re.DOTALL)
 ASKED = re.compile(r'\b\w+(?:\.|->)(?:number|whole|amplitude|word|choice|flag|table|list|has)\("([a-z][\w-]*)"')
 ROW = re.compile(r'^\s*\{"([a-z]\w*)", (?:&\w+(?:<\w+>)?::\w+, )?(?:dim::|Dimension)', re.MULTILINE)
 READERS = ("src/world/build/*.cpp", "src/motion/*.cpp", "src/ifo/*.cpp", "src/scene/instances.cpp", "src/noise/project/project.cpp",
-           "src/noise/fundamental/design.cpp", "src/spectra/transfer_function.cpp", "src/trace/**/*.cpp", "src/session/model.cpp",
-           "src/session/light/ghost_noise.cpp", "src/geometry/**/*.cpp", "src/optics/scatter/*.cpp")
+           "src/noise/fundamental/budget.cpp", "src/spectra/filters.cpp", "src/trace/**/*.cpp", "src/session/model.cpp",
+           "src/session/light/ghost_search.cpp", "src/geometry/**/*.cpp", "src/optics/scatter/*.cpp")
 NOT_KEYS = {"scan"}          # an error with a hint, src/session/model.cpp
 
 

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What couplings from injections are made of: stretches that lie apart, a witness in metres, peaks; units of motion.
-#include "analysis/coupling/injections.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "analysis/coupling/overlay.hpp"
+#include "analysis/coupling/lines.hpp"
 #include "base/errors.hpp"
 #include "base/every_module.hpp"
-#include "spectra/integration.hpp"
+#include "spectra/curve.hpp"
 
 namespace straytrace {
 namespace {

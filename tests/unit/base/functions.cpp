@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "base/math/bessel.hpp"
-#include "base/math/first_where.hpp"
 #include "base/math/rng.hpp"
 #include "support/chi_square.hpp"
 

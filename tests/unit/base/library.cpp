@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Libraries that are loaded on request: what is not there, cannot be loaded or is another one is an error with a
 // remedy.
-#include "base/process/library.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 
 #include "base/errors.hpp"
 #include "base/every_module.hpp"
+#include "base/process/child_process.hpp"
 
 namespace straytrace::library_test {
 namespace {

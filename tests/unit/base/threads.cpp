@@ -10,8 +10,6 @@
 #include <thread>
 #include <vector>
 
-#include "base/process/thread_team.hpp"
-
 namespace straytrace::testing::base_threads {
 namespace {
 

@@ -7,7 +7,7 @@
 #include "base/every_module.hpp"
 #include "base/math/rng.hpp"
 #include "beams/cavity_mode.hpp"
-#include "beams/ray_matrix.hpp"
+#include "beams/eigenmode.hpp"
 #include "geometry/shapes/sphere.hpp"
 #include "support/chi_square.hpp"
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every command explains itself: a task, one sentence of purpose, two examples that parse, each option in a group.
-#include "cli/help.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "base/every_module.hpp"
+#include "cli/options.hpp"
 #include "support/help_examples.hpp"
 
 namespace straytrace {

@@ -12,8 +12,7 @@
 
 #include "base/every_module.hpp"
 #include "base/math/rng.hpp"
-#include "io/hdf5/reader.hpp"
-#include "io/hdf5/writer.hpp"
+#include "io/hdf5/read_write.hpp"
 #include "support/message_of.hpp"
 
 namespace straytrace::io::hdf5 {

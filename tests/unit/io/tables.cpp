@@ -6,7 +6,7 @@
 #include <array>
 
 #include "base/every_module.hpp"
-#include "base/files/text_file.hpp"
+#include "base/files/read_write.hpp"
 #include "io/delimited_text.hpp"
 
 namespace straytrace::testing {

@@ -2,7 +2,7 @@
 // The key `modulation` of beams (docs/theory/phase.md, eq. N.25).
 #include <cmath>
 
-#include "motion/light_modulation.hpp"
+#include "motion/motion.hpp"
 #include "support/scene_tables.hpp"
 
 namespace straytrace::testing::light_of_beams {

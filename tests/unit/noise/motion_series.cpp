@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Motion drawn, recorded, filtered (R4.04; docs/theory/conventions.md).
-#include "noise/time_domain/motion_series.hpp"
-
 #include <numbers>
 
-#include "noise/time_domain/motion_series.hpp"
+#include "noise/time_domain/phase_sum.hpp"
 #include "physics/noise/support.hpp"
 #include "spectra/fourier.hpp"
 #include "support/statistics.hpp"

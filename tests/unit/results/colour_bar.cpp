@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/every_module.hpp"
-#include "results/text/image.hpp"
+#include "results/text/picture.hpp"
 
 namespace straytrace::testing {
 namespace {

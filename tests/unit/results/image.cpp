@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // PNG files hold what they were given.
-#include "results/text/image.hpp"
-
 #include <gtest/gtest.h>
 
 #include <png.h>
 
 #include "base/errors.hpp"
 #include "base/every_module.hpp"
+#include "results/text/picture.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The library describes a detector for scenes, data/detectors and ifo/interferometer.cpp describe it for budgets and
 // networks. Common values must agree, except for the differences listed here.
-#include "scene/library.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,9 +8,10 @@
 #include <cmath>
 
 #include "base/every_module.hpp"
-#include "base/files/embedded.hpp"
+#include "base/files/read_write.hpp"
 #include "ifo/dual_recycled.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"
+#include "scene/model_tree.hpp"
 
 namespace straytrace::report_library {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Objects met by the light that rejoins the mode, by noise (R3.31).
-#include "results/route_table/port_census.hpp"
-
 #include <gmock/gmock.h>
 
 #include <cmath>
+
+#include "results/route_table/route_choice.hpp"
 
 namespace straytrace::testing::port_census {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "base/every_module.hpp"
 #include "ifo/dual_recycled.hpp"
-#include "noise/fundamental/design.hpp"
+#include "noise/fundamental/budget.hpp"
 #include "noise/fundamental/fundamental.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"
 #include "support/recorded.hpp"

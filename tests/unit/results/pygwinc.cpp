@@ -10,11 +10,9 @@
 
 #include "base/errors.hpp"
 #include "base/every_module.hpp"
-#include "io/hdf5/reader.hpp"
-#include "io/hdf5/writer.hpp"
-#include "noise/fundamental/design.hpp"
+#include "io/hdf5/read_write.hpp"
+#include "noise/fundamental/budget.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"
-#include "results/pygwinc/pygwinc_trace.hpp"
 #include "results/results.hpp"
 
 namespace straytrace {

@@ -16,7 +16,7 @@
 
 #include "base/errors.hpp"
 #include "io/hdf5/contents.hpp"
-#include "io/hdf5/writer.hpp"
+#include "io/hdf5/read_write.hpp"
 #include "support/message_of.hpp"
 #include "unit/results/same.hpp"
 #include "unit/results/synthetic.hpp"

@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "io/hdf5/reader.hpp"
+#include "io/hdf5/read_write.hpp"
 #include "results/run_file/run_file.hpp"
 #include "unit/results/synthetic.hpp"
 

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "results/curves/band.hpp"
-#include "results/route_table/route_names.hpp"
+#include "results/route_table/route_columns.hpp"
 #include "results/text/columns.hpp"
 #include "unit/results/synthetic.hpp"
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The library that comes with the program as scenes take from it (docs/reference/library.md).
-#include "scene/library.hpp"
-
 #include <filesystem>
 #include <fstream>
 
-#include "base/files/embedded.hpp"
+#include "base/files/read_write.hpp"
+#include "scene/model_tree.hpp"
 #include "unit/scene/support.hpp"
 
 namespace straytrace::test::scene_library {

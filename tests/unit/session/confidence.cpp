@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whether a curve lies below a line in all bins at once (docs/theory/optimisation.md, eq. O.2).
-#include "session/optimise/confidence.hpp"
-
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <gtest/gtest.h>
@@ -9,6 +7,7 @@
 #include <cmath>
 
 #include "base/math/rng.hpp"
+#include "session/optimise/evaluator.hpp"
 
 namespace straytrace::session {
 namespace {

@@ -8,7 +8,6 @@
 #include "base/every_module.hpp"
 #include "base/math/constants.hpp"
 #include "spectra/curve.hpp"
-#include "spectra/shapes.hpp"
 
 namespace straytrace {
 namespace {

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "base/errors.hpp"
-#include "results/run_file/run_part.hpp"
+#include "results/run_file/run_file.hpp"
 #include "support/small_tube.hpp"
 
 namespace straytrace::testing::trace_ranks {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/every_module.hpp"
-#include "io/hdf5/writer.hpp"
+#include "io/hdf5/read_write.hpp"
 #include "support/message_of.hpp"
 #include "wave/heights/height_map.hpp"
 

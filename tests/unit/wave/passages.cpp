@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A round trip in blocks of columns and rows against the same one plane by plane, with transforms of whole fields.
-#include "wave/passages.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 
 #include "base/every_module.hpp"
 #include "unit/wave/uneven_cavity.hpp"
+#include "wave/wave_device.hpp"
 
 namespace straytrace {
 namespace {

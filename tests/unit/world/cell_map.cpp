@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cells of surface maps: they fill the chart, are fine where the light is, and hold a number of places in proportion to
 // their area.
-#include "world/model/cell_map.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 
 #include "base/every_module.hpp"
 #include "base/math/functions.hpp"
+#include "world/model/receiver.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace {

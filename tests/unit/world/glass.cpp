@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/files/embedded.hpp"
-#include "scene/library.hpp"
+#include "base/files/read_write.hpp"
+#include "scene/model_tree.hpp"
 #include "support/ghost_support.hpp"
 #include "support/message_of.hpp"
 #include "unit/world/built_scene.hpp"

@@ -7,7 +7,7 @@
 
 #include "support/message_of.hpp"
 #include "unit/world/built_scene.hpp"
-#include "world/ghosts/lit_surfaces.hpp"
+#include "world/ghosts/apertures.hpp"
 
 namespace straytrace::world_lit {
 namespace {

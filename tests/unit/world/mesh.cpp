@@ -6,7 +6,7 @@
 
 #include "support/mesh_shapes.hpp"
 #include "unit/world/mesh_texts.hpp"
-#include "world/import/mesh_doctor.hpp"
+#include "world/import/geometry_file.hpp"
 
 namespace straytrace::test {
 namespace {

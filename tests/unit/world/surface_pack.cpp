@@ -2,8 +2,6 @@
 // Sorting out surfaces by the rings they lie in loses no hit: at rims, at grazing incidence, from afar
 // (docs/develop/performance.md). The control without widening loses hits; and the test is worth its time: nearly all it
 // lets pass is hit.
-#include "world/search/surface_pack.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,6 +9,7 @@
 
 #include "base/math/rng.hpp"
 #include "support/shapes.hpp"
+#include "world/search/search.hpp"
 
 namespace straytrace::world_surface_pack {
 namespace {

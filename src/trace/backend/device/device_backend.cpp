@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
-#include "base/process/library.hpp"
+#include "base/process/child_process.hpp"
 #include "trace/backend/device/world_image.hpp"
 #include "trace/step/step.hpp"
 #include "trace/tally/block_sink.hpp"

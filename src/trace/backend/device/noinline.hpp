@@ -10,17 +10,15 @@
 // Headers included by those below are unaffected.
 #include "base/math/vec3.hpp"
 #include "beams/footprint.hpp"
-#include "optics/coating/specular_types.hpp"
+#include "optics/coating/specular.hpp"
 #include "optics/optic.hpp"
 #include "optics/scatter/law_types.hpp"
-#include "optics/scatter/through.hpp"
+#include "optics/scatter/mixture.hpp"
 
 #pragma push_macro("STRAY_HD")
 #undef STRAY_HD
 #define STRAY_HD STRAY_CALLED
-#include "geometry/common/shape.hpp"
-#include "optics/coating/specular.hpp"
-#include "optics/scatter/mixture.hpp"
+#include "geometry/shapes/shape.hpp"
 #pragma pop_macro("STRAY_HD")
 
 #include "base/math/rng.hpp"
@@ -32,7 +30,6 @@
 #include "world/model/halo.hpp"
 #include "world/model/receiver.hpp"
 #include "world/model/steering.hpp"
-#include "world/search/hit.hpp"
 #include "world/search/search.hpp"
 #include "world/search/search_kernels.hpp"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Shares of uncertain inputs in the band of ln h, by samples (docs/theory/decisions.md, eq. D.12 to D.14).
-#include "noise/bands/band_shares.hpp"
-
+#include "noise/bands/input_band.hpp"
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing::noise_band_shares {

@@ -2,7 +2,6 @@
 // Derivatives of h and ratios of curves of the same histories, against closed forms (docs/theory/decisions.md).
 #include "noise/bands/elasticity.hpp"
 
-#include "noise/bands/composition.hpp"
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing::noise_elasticity {

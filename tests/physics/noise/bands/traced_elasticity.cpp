@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The step of traces with common random numbers (docs/theory/decisions.md, eq. D.15 and D.16).
-#include "noise/bands/traced_elasticity.hpp"
-
 #include "base/math/rng.hpp"
+#include "noise/bands/elasticity.hpp"
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing::noise_traced_elasticity {

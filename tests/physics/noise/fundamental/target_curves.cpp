@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Design sensitivities in closed form (docs/theory/environment.md, eq. 12.1, table of 12.2; cases A22, B12).
-#include "noise/fundamental/design.hpp"
+#include "noise/fundamental/budget.hpp"
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing {

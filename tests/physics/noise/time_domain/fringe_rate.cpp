@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Predicted fringe frequencies against published arches (docs/theory/spectra.md, eq. 7.1, cases B1 to B3; R2.39, R2.41,
 // R6.10).
-#include "motion/chain.hpp"
+#include "motion/motion_files.hpp"
 #include "noise/time_domain/phase_sum.hpp"
 #include "physics/noise/support.hpp"
 

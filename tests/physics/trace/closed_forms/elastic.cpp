@@ -8,7 +8,7 @@
 #include "support/trace_support.hpp"
 #include "trace/tally/replay.hpp"
 #include "world/build/read_parts.hpp"
-#include "world/model/body.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::testing::trace_elastic {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "support/trace_support.hpp"
 #include "trace/tally/replay.hpp"
-#include "world/ghosts/lit_surfaces.hpp"
+#include "world/ghosts/apertures.hpp"
 
 namespace straytrace::testing::trace_lit {
 namespace {

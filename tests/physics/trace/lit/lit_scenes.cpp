@@ -8,7 +8,7 @@
 #include "scene/scene.hpp"
 #include "support/trace_support.hpp"
 #include "trace/tally/replay.hpp"
-#include "world/ghosts/lit_surfaces.hpp"
+#include "world/ghosts/apertures.hpp"
 
 namespace straytrace::testing::trace_lit_scenes {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "base/every_module.hpp"
 #include "scenes/answers.hpp"
-#include "session/compare/comparison_page.hpp"
 #include "session/compare/run_diff.hpp"
 
 namespace straytrace::testing::app_comparison {

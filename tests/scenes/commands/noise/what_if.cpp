@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace noise --set and straytrace sensitivity: other inputs of a run, against traces of them
 // (docs/theory/decisions.md, eq. D.1 to D.6).
+#include "session/decide/what_if.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <map>
 
 #include "base/every_module.hpp"
-#include "base/files/text_file.hpp"
+#include "base/files/read_write.hpp"
 #include "base/math/rng.hpp"
 #include "noise/bands/elasticity.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
-#include "session/decide/what_if_terms.hpp"
 #include "session/open_run.hpp"
 
 namespace straytrace::testing::app_what_if {
