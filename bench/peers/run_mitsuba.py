@@ -23,10 +23,11 @@ def bsdf(finish):
 
 
 def blend(finish):
-    """A perfect mirror with the weight of the specular share, else diffuse."""
-    diffuse = finish.albedo / (1 - finish.specular)
-    return {"type": "blendbsdf", "weight": 1 - finish.specular, "first": {"type": "conductor", "material": "none"},
-            "second": {"type": "diffuse", "reflectance": {"type": "spectrum", "value": diffuse}}}
+    """A mirror and a diffuse surface of one reflectance: `blendbsdf` of 3.9 mixes both lobes in a mirror direction, which changes other pairs."""
+    total = finish.albedo + finish.specular
+    return {"type": "blendbsdf", "weight": finish.albedo / total,
+            "first": {"type": "conductor", "material": "none", "specular_reflectance": {"type": "spectrum", "value": total}},
+            "second": {"type": "diffuse", "reflectance": {"type": "spectrum", "value": total}}}
 
 
 def glass(lens):

@@ -18,6 +18,7 @@ import straytrace_scene  # noqa: E402
 from problems import Finish, Tube  # noqa: E402
 
 CODES = {"Mitsuba 3": ["run_mitsuba.py", "--way", "scalar_rgb:path"], "Raysect": ["run_raysect.py"]}
+TRACER = "tracer of this case"                           # for the receiver whose other values have been in doubt
 WRONG = {  # what a wrong scene has in place of a surface
     "bench_behind": (real.Lens, {"index": 1.5}),
     "baffles_wall": (Tube, {"finish": Finish(0.4)}),
@@ -44,6 +45,14 @@ def theirs(name, words, seconds):
         return found["value"], found["error"]
 
 
+def traced(paths):
+    """(value, error) of trap_wall by tools/codes/trap.cpp."""
+    with tempfile.TemporaryDirectory() as folder:
+        binary = Path(folder) / "trap"
+        subprocess.run(["c++", "-std=c++20", "-O3", "-o", binary, Path(__file__).parent / "trap.cpp"], check=True, capture_output=True)
+        return tuple(map(float, subprocess.run([binary, "1", str(paths)], check=True, capture_output=True, text=True).stdout.split()))
+
+
 def wrong(name):
     """The scene with the first surface of a kind changed; of a trap the wall, which its finish names."""
     kind, change = WRONG[name]
@@ -67,6 +76,7 @@ def measure(program, d):
                 tasks[name, "wrong"] = pool.submit(ours, program, wrong(name), d["histories"])
             for code, words in CODES.items():
                 tasks[name, code] = pool.submit(theirs, name, words, d["seconds"])
+        tasks["trap_wall", TRACER] = pool.submit(traced, d["tracer_paths"])
         found = {}
         for (name, code), task in tasks.items():
             found.setdefault(name, {})[code] = task.result()
@@ -75,12 +85,14 @@ def measure(program, d):
 
 
 def draw(axis, found):
-    for i, code in enumerate(CODES):
+    for i, code in enumerate((*CODES, TRACER)):
         for k, values in enumerate(found.values()):
+            if code not in values:
+                continue
             mean, error = values["straytrace"]
             other, theirs_error = values[code]
-            axis.errorbar(k + 0.16 * i - 0.08, mean / other, math.hypot(error / other, mean * theirs_error / other ** 2), fmt="o", color=f"C{i}", capsize=3,
-                          label=code if not k else None)
+            axis.errorbar(k + 0.16 * i - 0.16, mean / other, math.hypot(error / other, mean * theirs_error / other ** 2), fmt="o", color=f"C{i}", capsize=3,
+                          label=code if not k or code == TRACER else None)
     axis.axhline(1, color="#444444", linewidth=0.8)
     axis.set_xticks(range(len(found)), [name.replace("_", "\n") for name in found])
     axis.set_ylabel("straytrace / other code")
@@ -94,7 +106,7 @@ def run(program, d):
     pulls, controls = [], {}
     for name, values in found.items():
         mean, error = values["straytrace"]
-        for code in CODES:
+        for code in (c for c in (*CODES, TRACER) if c in values):
             other, theirs_error = values[code]
             pulls.append(pull(values["straytrace"], values[code]))
             lines.append(f"| `{name}` | {mean:.4g} ± {error:.1g} | {code} | {other:.4g} ± {theirs_error:.1g} | {mean / other:.3f} ± "
