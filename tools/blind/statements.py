@@ -113,7 +113,7 @@ def band(trials):
 def speckle(trials):
     """Static phases and motion are drawn by `project`, in time; a tone has the same power in each draw, a spectrum hundreds of lines in the bin."""
     for what, scene, seconds, bound in (("a tone", arm(along(TONE)), 8, False), ("one body", arm(along(WEAK)), 64, False),
-                                        ("two bodies", arm(along(WEAK), along(WEAK)), 64, False), ("wrapped fringes", arm(along(SWING)), 128, True)):
+                                        ("two bodies", arm(along(WEAK), along(WEAK)), 64, False), ("wrapped fringes", arm(along(SWING)), 256, True)):
         found = trials.run(scene, "speckle")
         i = at(found, 12)
         low, high = found["frequency_edges"][i:i + 2]
