@@ -195,10 +195,10 @@ CASES = {f.__name__: f for f in (band, speckle, scatter, baffle, bounds)}
 
 
 def judged(stated, inside, bound):
-    """(share, its binomial error, whether it is the stated one within three errors, or not below it)."""
-    share, n = np.mean(inside), len(inside)
+    """(share, its binomial error, whether so few or so many are likelier than 0.27 %, three standard errors)."""
+    n = len(inside)
     error = np.sqrt(max(stated * (1 - stated), 1 / (4 * n)) / n)
-    return share, error, share > stated - 3 * error if bound else abs(share - stated) < 3 * error
+    return np.mean(inside), error, stats.binomtest(int(np.sum(inside)), n, stated, "less" if bound else "two-sided").pvalue > 0.0027
 
 
 def main():
