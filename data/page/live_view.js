@@ -13,6 +13,7 @@ function cameraOf(stage) {
 }
 function setCamera(stage, before) {
   if (before.scale.some((s, i) => s !== stage.world.scale.getComponent(i))) return;
+  stage.side = null;
   stage.camera.position.fromArray(before.place);
   stage.controls.target.fromArray(before.to);
   stage.controls.update();

@@ -84,6 +84,7 @@ class Stage {
     this.three.add(this.camera);
     this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("start", () => { this.side = null; });
     this.renderer.domElement.addEventListener("pointerdown", e => { this.pressed = [e.clientX, e.clientY]; });
     this.renderer.domElement.addEventListener("pointerup", e => {
       if (this.pressed && Math.hypot(e.clientX - this.pressed[0], e.clientY - this.pressed[1]) < 4) this.pick(e);

@@ -21,6 +21,7 @@ Object.assign(Stage.prototype, {
     if (!entry) return this.say("choose a part first: click on it, or on its name in the list");
     const radius = entry.radius;
     this.focus = entry.part.places[0];
+    this.side = null;
     this.stretch = 1;
     this.restretch();
     const size = radius * this.world.scale.x;
@@ -32,8 +33,9 @@ Object.assign(Stage.prototype, {
     this.controls.update();
     this.draw();
   },
-  // From a side, with the long axis from left to right.
+  // From a side, with the long axis from left to right. As long as the reader has not turned it, the scene fits any window.
   look(from = "side") {
+    this.side = from;
     const wide = this.long === 0 ? [0, 0, 1] : [-1, 0, 0];
     const directions = {side: [wide[0] * 0.95, 0.22, wide[2] * 0.95], oblique: [wide[0] * 0.7 - 0.35 * wide[2], 0.45, wide[2] * 0.7 - 0.5 * Math.abs(wide[0])],
                         top: [wide[0] * 0.01, 1, wide[2] * 0.01], front: [0, 0.02, 0].map((x, i) => i === this.long ? -1 : x)};
@@ -89,7 +91,8 @@ Object.assign(Stage.prototype, {
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    this.draw();
+    if (this.side) this.look(this.side);
+    else this.draw();
   },
   // Three edges of the box with ticks in metres.
   addAxes() {

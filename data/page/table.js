@@ -162,10 +162,13 @@ class PathTable {
   side(key) { return this.isText(key) ? "text" : null; }
   cell(key, i) {
     const values = this.columns.get(key), errors = this.columns.get(key + "_sigma");
+    if (errors && this.isStill(key, i)) return "still";
     if (errors) return this.isBound(key, i) ? "at most " + roundedUp(values[i]) : withError(values[i], errors[i]);
     const x = values[i];
     return typeof x === "number" ? (Number.isInteger(x) ? String(x) : digits(x, 4)) : x === null ? "–" : x;
   }
+  // Nothing on the route moves, so it makes exactly no noise.
+  isStill(key, i) { return this.columns.get(key)[i] === 0 && this.columns.get("share")[i] === 0 && (key === "share" || isStrain({key})); }
   // Rims are computed as the most there can be.
   isBound(key, i) {
     return this.columns.get("kind")[i] === "edge" && this.columns.get(key)[i] > 0 && (key === "coupling" || key === "share" || isStrain({key}));
