@@ -197,7 +197,7 @@ def draw_frames():
     arrow(part, tuple(at), tuple(at + 2.1 * along), MOVES)
     part.plot(*at, "o", color=STRAY, ms=7, zorder=5)
     word(part, *(at + 1.9 * along + (-0.25, 0.42)), "facing", MOVES)
-    word(part, at[0] + 0.32, at[1] - 0.28, "at", STRAY)
+    word(part, at[0] - 0.1, at[1] - 0.5, "at", STRAY)
     word(part, *(at - 0.55 * along + (-0.05, 0.1)), "back", MATTER)
     word(part, *(at + 0.75 * along - 0.5 * across), "front", MATTER)
     word(part, 0.9, -1.4, "a part: its front looks along 'facing'")
