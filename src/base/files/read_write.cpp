@@ -248,7 +248,9 @@ bool is_binary(std::string_view bytes) {
 
 Problem binary_problem(std::string_view bytes, std::uint32_t file) {
   if (bytes.starts_with("straytrace-run "))
-    return {{file}, "this is a run file, but a text file is needed here", "see straytrace paths or straytrace report"};
+    return {{file},
+            "this is a run file, but a text file is needed here",
+            "name the text file; straytrace paths, noise and report read run files"};
   return {{file}, "this is a binary file, but a text file is needed here", "name a text file, or export it as text"};
 }
 
