@@ -142,12 +142,12 @@ MapSheet overlay_of(FringesOptions const& o, FringePrediction const& p) {
 int fringes(FringesOptions const& o) {
   check_outputs(o.data);
   double const above = o.above.empty() ? 0 : option_quantity(o.above, dim::frequency, "--above", "10 Hz");
+  double stride = o.stride.empty() ? 0 : positive_quantity(o.stride, dim::time, "--stride", "60 s");
   FringePrediction const p = o.time.run.empty() ? from_channel(o) : from_run(o);
   std::string text = fmt::format("{:g} s from GPS {}, wavelength {:g} nm: fringe frequency |dphi/dt|/2pi (eq. 7.1)\n{}",
                                  p.times.duration(), gps_text(p.times.start), p.wavelength * 1e9, lines_text(p));
   if (!o.stride.empty() || above > 0) {
-    double const stride =
-        o.stride.empty() ? p.times.duration() / 10 : option_quantity(o.stride, dim::time, "--stride", "60 s");
+    if (o.stride.empty()) stride = p.times.duration() / 10;
     std::vector<FringeStride> const strides = by_stride(p.largest, p.times, stride, above);
     text += "\nlargest of these routes, by stride\n" + strides_text(strides, above);
     if (above > 0) {

@@ -179,6 +179,7 @@ TEST_F(Projected, ErrorsOfTheCommandLineAreExplained) {
   EXPECT_EQ(names.find("missing.hdf5"), std::string::npos) << "names are checked before files are read";
   EXPECT_NE(error(project({"--asd", "h.doc"})).find("--asd"), std::string::npos);
   EXPECT_NE(error({"fringes", "--channel", "x.hdf5"}).find("--wavelength"), std::string::npos);
+  EXPECT_NE(error({"fringes", "x.h5", "--stride", "0 s"}).find("--stride: '0 s' is not positive"), std::string::npos);
   std::string const of_coupling = error({"project", "c.csv", "--witness", "x.hdf5::x", "-o", "h.png", "--rate", "64"});
   EXPECT_NE(of_coupling.find("error: -o: "), std::string::npos) << of_coupling;
   EXPECT_NE(of_coupling.find("error: --rate: "), std::string::npos) << of_coupling;
