@@ -117,7 +117,7 @@ void add_budget(CLI::App& app, int& exit_code) {
                    "detector (preset or pygwinc ifo.yaml), run files, pygwinc budgets (HDF5), in any order")
       ->required();
   command->add_option("--at", o.at, "frequencies of the table")->default_str(o.at);
-  command->add_option("--band", o.band, "of curves and picture (default: of the run, or \"5 Hz, 5 kHz\")");
+  command->add_option("--band", o.band, "of curves and picture (default: of the run, or \"5 Hz..5 kHz\")");
   command->add_option("--points", r.points, "of the curves (default: the bins of the run, or 300)")
       ->check(whole_between(2, 100000, "300"));
   command

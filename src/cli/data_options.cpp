@@ -136,13 +136,14 @@ CLI::Validator is_quantity(Dimension dimension, std::string const& option, std::
 }
 
 FrequencyBand option_band(std::string const& text, std::string const& option) {
-  auto const mark = text.find("..");
+  bool const dots = text.find("..") != text.npos;
+  auto const mark = dots ? text.find("..") : text.find(',');
   std::string const example = "20 Hz..80 Hz";
   if (mark == text.npos)
     throw InputError(fmt::format("{}: '{}' is not a band", option, text),
                      fmt::format("write {} \"{}\"", option, example));
   FrequencyBand const band{option_quantity(text.substr(0, mark), dim::frequency, option, example),
-                           option_quantity(text.substr(mark + 2), dim::frequency, option, example)};
+                           option_quantity(text.substr(mark + (dots ? 2 : 1)), dim::frequency, option, example)};
   if (!(band.low >= 0 && band.low < band.high))
     throw InputError(fmt::format("{}: '{}' is not a rising range from 0 or more", option, text),
                      fmt::format("write {} \"{}\"", option, example));

@@ -81,9 +81,11 @@ std::vector<double> parse_frequencies(std::string const& list, char const* optio
 
 std::vector<double> parse_band(std::string const& text) {
   if (text.empty()) return {};
-  std::vector<double> ends = parse_frequencies(text, "--band");
+  std::string list = text;
+  if (auto const dots = list.find(".."); dots != list.npos) list.replace(dots, 2, ",");
+  std::vector<double> ends = parse_frequencies(list, "--band");
   if (ends.size() != 2 || !(ends[0] < ends[1]))
-    throw InputError(fmt::format("--band: '{}' is not a band", text), "write --band \"5 Hz, 5 kHz\"");
+    throw InputError(fmt::format("--band: '{}' is not a rising range", text), "write --band \"5 Hz..5 kHz\"");
   return ends;
 }
 
@@ -280,6 +282,29 @@ std::optional<Complaint> rewritten(std::string const& text, std::string const& n
 
 std::string help_of(std::string const& named) { return fmt::format("see straytrace {}--help", named); }
 
+// The commands that have an option, as one writes them.
+std::vector<std::string> commands_with(CLI::App const& app, std::string const& option, std::string const& named = "") {
+  std::vector<std::string> found;
+  for (CLI::App const* command : app.get_subcommands(nullptr)) {
+    std::string const name = named + command->get_name();
+    if (command->get_option_no_throw(option) != nullptr) found.push_back(name);
+    for (std::string const& below : commands_with(*command, option, name + " ")) found.push_back(below);
+  }
+  return found;
+}
+
+// Where an option belongs that this command does not have; empty where no command has it.
+std::string owners_of(CLI::App const& command, std::string const& option) {
+  constexpr std::size_t most = 4;
+  CLI::App const* top = &command;
+  while (top->get_parent() != nullptr) top = top->get_parent();
+  std::vector<std::string> owners = option.starts_with("--") ? commands_with(*top, option) : std::vector<std::string>();
+  if (owners.empty()) return {};
+  bool const more = owners.size() > most;
+  if (more) owners.resize(most);
+  return fmt::format("it is an option of {}{}; ", fmt::join(owners, ", "), more ? " and others" : "");
+}
+
 InputError of_word(CLI::App const& command, std::string const& name, std::string const& named) {
   std::string const help = help_of(named);
   bool const takes_commands = !command.get_subcommands(nullptr).empty();
@@ -289,8 +314,9 @@ InputError of_word(CLI::App const& command, std::string const& name, std::string
                       fmt::format("write straytrace {}... {}; {}", named, name, help));
   std::string const near = nearest_word(name, known);
   std::string const what = name.starts_with('-') ? "an option" : takes_commands ? "a command" : "expected";
-  return InputError(fmt::format("'{}' is not {} here", name, what),
-                    near.empty() ? help : fmt::format("did you mean '{}'? {}", near, help));
+  std::string owners = owners_of(command, name);
+  if (owners.empty() && !near.empty()) owners = fmt::format("did you mean '{}'? ", near);
+  return InputError(fmt::format("'{}' is not {} here", name, what), owners + help);
 }
 
 InputError of_value(CLI::ParseError const& e, std::string const& named) {

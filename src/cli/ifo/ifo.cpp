@@ -478,7 +478,7 @@ void add_ifo(CLI::App& app, int& exit_code) {
       ->add_option("--points", o.points,
                    "of a scan (of each axis where there are two) or a curve; default 201, of two axes 41 each")
       ->check(whole_between(2, 100000, "201"));
-  command->add_option("--band", o.band, "of a response, a noise or the margins of loops; default \"1 Hz, 10 kHz\"");
+  command->add_option("--band", o.band, "of a response, a noise or the margins of loops; default \"1 Hz..10 kHz\"");
   command->add_option("--at", o.at, "frequencies of the sensing matrix, the loops and stray light; default \"10 Hz\"");
   command->add_option("--referred-to", o.referred, "noise as the displacement of this degree of freedom");
   command->add_flag("--csv", o.csv, "all digits, SI");
