@@ -9,6 +9,7 @@ import sys
 import tempfile
 
 import matplotlib.pyplot as plt
+from PIL import Image, ImageChops, PngImagePlugin
 
 # Okabe and Ito: distinguishable with every common kind of colour vision. Black is the total, grey the design curve.
 ROUTE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -35,6 +36,19 @@ def plain_number(x, _position=None):
     return f"{x:g}"
 
 
+def shrink(name):
+    """Lines, bands and text keep their look with 256 colours, in a third of the bytes; a picture that would change visibly stays."""
+    with Image.open(name) as picture:
+        full, text, dpi = picture.convert("RGB"), picture.info.get("Software"), picture.info.get("dpi")
+    few = full.quantize(256, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    if max(most for _, most in ImageChops.difference(few.convert("RGB"), full).getextrema()) > 16:
+        return
+    origin = PngImagePlugin.PngInfo()
+    if text:
+        origin.add_text("Software", text)
+    few.save(name, format="PNG", pnginfo=origin, dpi=dpi)
+
+
 def save(figure, path):
     """Appears complete or not at all. A PNG file also states its origin in a text chunk."""
     path = pathlib.Path(path)
@@ -42,7 +56,10 @@ def save(figure, path):
     os.close(handle)
     try:
         made_by = next((text.get_text() for text in figure.texts if "straytrace " in text.get_text()), None)
-        figure.savefig(name, format=path.suffix[1:] or "png", metadata={"Software": made_by} if path.suffix == ".png" else None)
+        as_png = {"metadata": {"Software": made_by}, "pil_kwargs": {"compress_level": 1}} if path.suffix == ".png" else {}
+        figure.savefig(name, format=path.suffix[1:] or "png", **as_png)
+        if path.suffix == ".png":
+            shrink(name)
         mask = os.umask(0)
         os.umask(mask)
         os.chmod(name, 0o666 & ~mask)
