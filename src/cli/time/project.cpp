@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <iostream>
@@ -240,7 +241,17 @@ std::string positions_text(PositionRuns const& p) {
   return text;
 }
 
-std::string project_text(TimeDomainSummary const& r) {
+// Realisations draw one motion of each body for all copies of a port; the bands of `noise` have copies move apart.
+std::string copies_text(TimeInputs const& in, TimeDomainSummary const& r) {
+  auto const copied = [&](std::size_t route) {
+    return in.model.detector->copies(in.coupling().classes[route].port) > 1;
+  };
+  if (r.realisations < 2 || std::ranges::none_of(in.routes, copied)) return "";
+  return "equal arms move alike here: percentiles are wider than those of 'noise', whose arms move independently; "
+         "'arms: 1' has those of one arm\n";
+}
+
+std::string project_text(TimeInputs const& in, TimeDomainSummary const& r) {
   std::string text =
       fmt::format("{:g} s at {:g} Hz from GPS {}, seed {}: {}, {}\n", r.times.duration(), r.times.rate,
                   gps_text(r.times.start), r.seed, counted(r.routes, "route"), counted(r.paths, "field"));
@@ -263,6 +274,7 @@ std::string project_text(TimeDomainSummary const& r) {
                         r.delay_error);
   text += fmt::format("h(t) covers {:g} to {:g} Hz; {}\n", r.band_low, r.band_high, welch_text(r));
   for (BandLevel const& b : r.levels) text += level_text(b, r.realisations) + "\n";
+  text += copies_text(in, r);
   if (r.recorded) text += "mean by spectra: as if the recorded motion were stationary and Gaussian\n";
   text.pop_back();
   return text;
@@ -445,7 +457,7 @@ int project(ProjectOptions const& o) {
   for (Realisations const& run : positions.runs)
     if (run.size() > 0)
       positions.summaries.push_back(summarise(in.coupling(), in.model.motion, in.exact, settings, first, run));
-  std::cout << (o.data.json() ? project_json(result, positions) : project_text(result) + positions_text(positions))
+  std::cout << (o.data.json() ? project_json(result, positions) : project_text(in, result) + positions_text(positions))
             << '\n';
   for (std::string const& name : write_time_files(o.files, in, first, result, positions))
     if (!o.data.quiet) std::cerr << "wrote " << name << '\n';
