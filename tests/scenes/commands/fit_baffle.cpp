@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace wave with photodiodes, and straytrace fit baffle (docs/theory/wave.md, eq. W.40 to W.44).
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>

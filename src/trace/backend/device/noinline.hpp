@@ -10,22 +10,23 @@
 // Headers included by those below are unaffected.
 #include "base/math/vec3.hpp"
 #include "beams/footprint.hpp"
-#include "optics/coating/specular.hpp"
+#include "optics/coating/coating.hpp"
 #include "optics/optic.hpp"
+#include "optics/polarisation.hpp"
 #include "optics/scatter/law_types.hpp"
-#include "optics/scatter/mixture.hpp"
 
 #pragma push_macro("STRAY_HD")
 #undef STRAY_HD
 #define STRAY_HD STRAY_CALLED
 #include "geometry/shapes/shape.hpp"
+#include "optics/coating/specular.hpp"
+#include "optics/scatter/mixture.hpp"
 #pragma pop_macro("STRAY_HD")
 
 #include "base/math/rng.hpp"
 #include "geometry/shape_types.hpp"
 #include "optics/coating/fresnel.hpp"
 #include "optics/media_stack.hpp"
-#include "optics/polarisation.hpp"
 #include "trace/result.hpp"
 #include "world/model/halo.hpp"
 #include "world/model/receiver.hpp"
