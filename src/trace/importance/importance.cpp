@@ -145,8 +145,9 @@ class Builder {
     tables_.level = settings_.window ? level : 0;
   }
 
-  // Connections worth much less than all that light does from there are made more rarely (eq. 1.27). Eight lines
-  // between two mirrors do not show how bright the axis is.
+  // Connections of a mirror with itself are made more rarely where they are worth much less than all that light does
+  // from there (eq. 1.27). The other tables are too coarse for that: a part in sight that eight lines miss, or the axis
+  // between two mirrors, would have few and large scores.
   void choose_connections() {
     constexpr double certain = 1.0 / 8, least = 1.0 / 8;
     WorldView const view = world_.view();
@@ -161,8 +162,8 @@ class Builder {
     for (std::size_t g = 0; g < goals_.size(); ++g) {
       if (is_receiver(view, goals_[g]) || !(totals[g] > 0)) continue;
       for (std::size_t i = 0; i < sides_.size(); ++i) {
-        bool const emits = !sides_[i].by_law.empty();
-        if (!(all[i] > 0) || (emits && !(surface_of_side(i) == view.lit[goals_[g]].surface))) continue;
+        bool const with_itself = !sides_[i].by_law.empty() && surface_of_side(i) == view.lit[goals_[g]].surface;
+        if (!with_itself || !(all[i] > 0)) continue;
         double const share = sides_[i].direct[g] / totals[g] / all[i];
         tables_.connections[i * view.lit.size + goals_[g]] = float(std::clamp(share / certain, least, 1.0));
       }

@@ -82,8 +82,8 @@ TEST_F(Projected, SensorsReadTheSameFringes) {
 // Unresolved routes that h(t) leaves out are a warning, in text and JSON; controls: routes that are named, all
 // resolved.
 TEST_F(Projected, RoutesLeftOutAreAWarning) {
-  Finished const few =
-      straytrace({"run", source_folder + "/examples/virgo_arm.yaml", "-o", at("few"), "--histories", "300", "--quiet"});
+  Finished const few = straytrace(
+      {"run", source_folder + "/examples/virgo_arm.yaml", "-o", at("few"), "--histories", "2048", "--quiet"});
   ASSERT_EQ(few.code, 0) << few.err;
   Words const words{"project", at("few/run.h5"), "--duration", "8s"};
   EXPECT_THAT(straytrace(words).err, HasSubstr("unresolved and left out of h(t), so its level is a lower bound"));

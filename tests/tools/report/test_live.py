@@ -214,7 +214,8 @@ def check_view(browser, folder):
     browser.driver.get(live.address)
     shown = "return document.body.dataset.shown"
     wait_for(lambda: browser.run(shown) == "1", "the first picture")
-    browser.run("const s = document.querySelector('iframe').contentWindow.stage; s.camera.position.x += 0.125; s.controls.update()")
+    browser.run("const s = document.querySelector('iframe').contentWindow.stage; s.controls.dispatchEvent({type: 'start'});"
+                " s.camera.position.x += 0.125; s.controls.update()")
     place = "return document.querySelector('iframe').contentWindow.stage.camera.position.toArray()"
     before = browser.run(place)
     scene.write_text(good.replace("brdf: sensor", "brfd: sensor"))
