@@ -62,9 +62,9 @@ struct CellValues {
   std::vector<std::uint32_t> count;  // of paths or arrivals; 0: none seen
 };
 
-// All instances of a name are laid over one another, in the frame of their shapes: polar about the axis of round ones,
-// in x and y across the axis of others, unrolled where the shape is longer than wide or a cylinder. Areas are those of
-// the map. Cells and values are functions of the run alone, independent of how it was traced.
+// One map for all instances of a name, laid over one another in the frame of their shape. Round shapes are mapped in
+// polar coordinates about their axis, others in x and y perpendicular to it. Cylinders, and shapes longer than wide,
+// are unrolled. Areas are those of the map. Cells and values depend on the run alone, not on how it was traced.
 struct SurfaceMap {
   std::string name;
   GroupId group;

@@ -73,13 +73,13 @@ STRAY_HD void connect(WorldView const& world, std::uint64_t seed, PathState cons
                       Sink& sink) {
   if (!(vertex.albedo > 0) || !hears(sink, path)) return;
   Rng rng(seed, path.history, path.event, Stream::connection);
-  double const choice = Rng(seed, path.history, path.event, Stream::choice).uniform();
   for (std::uint32_t i = 0; i < world.lit.size; ++i) {
     double const u = rng.uniform(), v = rng.uniform();
     bool const counted = path.from_halo && first_of_mirror(path, path.order, i);  // by the classes `halo`
+    if (!world.lit[i].receives || counted) continue;
     double const probability = connection_probability(world, vertex.side(), i);
-    if (world.lit[i].receives && !counted && choice < probability)
-      connect_to(world, path, vertex, i, u, v, probability, sink);
+    if (probability < 1 && !(Rng(seed, path.history, path.event, Stream::choice).uniform() < probability)) continue;
+    connect_to(world, path, vertex, i, u, v, probability, sink);
   }
 }
 
