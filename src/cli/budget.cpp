@@ -13,6 +13,7 @@
 #include "base/input/document.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
+#include "cli/data_options.hpp"
 #include "cli/options.hpp"
 #include "results/budget/budget_view.hpp"
 #include "results/results.hpp"
@@ -56,7 +57,10 @@ BudgetView view_of(BudgetOptions const& options) {
   BudgetRequest request = options.request;
   request.margin = parse_margin(options.margin);
   request.at = parse_frequencies(options.at, "--at");
-  request.band = parse_band(options.band);
+  if (!options.band.empty()) {
+    FrequencyBand const band = option_band(options.band, "--band", curve_band);
+    request.band = {band.low, band.high};
+  }
   BudgetView view = gather_budget(request);
   view.version = build_info::version;
   view.commit = build_info::commit;

@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 
 #include "base/errors.hpp"
-#include "cli/options.hpp"
+#include "io/observatory_data.hpp"
 #include "scene/expression.hpp"
 #include "session/build_info.hpp"
 #include "spectra/files/gps.hpp"
@@ -39,16 +40,6 @@ double overlap_in(std::string const& text) {
   return overlap;
 }
 
-// Refuses a word, before any work, as the function does that reads it.
-template <class Read>
-CLI::Validator readable(Read read) {
-  return {[read](std::string const& text) -> std::string {
-            read(text);
-            return {};
-          },
-          ""};
-}
-
 void say_written(DataOptions const& o) {
   if (o.quiet) return;
   for (std::string const& file : o.out) std::cerr << fmt::format("wrote {}\n", file);
@@ -62,18 +53,23 @@ void add_span_options(CLI::App& command, DataOptions& o) {
 }
 
 void add_gps_options(CLI::App& command, std::string& gps, std::string& segments, std::string const& otherwise) {
-  command.add_option("--gps", gps, "stretch A..B in GPS seconds or UTC; default: " + otherwise);
+  command.add_option("--gps", gps, "stretch A..B in GPS seconds or UTC; default: " + otherwise)
+      ->check(readable(parse_gps));
   add_segments_option(command, segments);
 }
 
 void add_segments_option(CLI::App& command, std::string& segments) {
-  command.add_option("--segments", segments,
-                     "FILE or FILE::FLAG of data quality: use data only where it is active; columns of text, LIGO_LW, "
-                     "HDF5 or JSON");
+  command
+      .add_option("--segments", segments,
+                  "FILE or FILE::FLAG of data quality: use data only where it is active; columns of text, LIGO_LW, "
+                  "HDF5 or JSON")
+      ->check(is_record("--segments"));
 }
 
 void add_band_option(CLI::App& command, DataOptions& o, std::string const& meaning) {
-  command.add_option("--band", o.band, meaning);
+  command.add_option("--band", o.band, meaning)->check(readable([](std::string const& text) {
+    option_band(text, "--band");
+  }));
 }
 
 void add_welch_options(CLI::App& command, DataOptions& o) {
@@ -135,7 +131,18 @@ CLI::Validator is_quantity(Dimension dimension, std::string const& option, std::
   return readable([=](std::string const& text) { option_quantity(text, dimension, option, example); });
 }
 
-FrequencyBand option_band(std::string const& text, std::string const& option) {
+CLI::Validator is_record(std::string const& option, bool or_channel) {
+  return readable([=](std::string const& text) {
+    auto const colons = text.find("::");
+    std::string const file = text.substr(0, colons);
+    std::error_code unknown;
+    if ((or_channel && colons == text.npos) || is_observatory_data(file) || std::filesystem::exists(file, unknown))
+      return;
+    throw InputError(fmt::format("{}: file '{}' does not exist", option, file), "check the name and the folder");
+  });
+}
+
+FrequencyBand option_band(std::string const& text, std::string const& option, FrequencyBand allowed) {
   bool const dots = text.find("..") != text.npos;
   auto const mark = dots ? text.find("..") : text.find(',');
   std::string const example = "20 Hz..80 Hz";
@@ -144,8 +151,12 @@ FrequencyBand option_band(std::string const& text, std::string const& option) {
                      fmt::format("write {} \"{}\"", option, example));
   FrequencyBand const band{option_quantity(text.substr(0, mark), dim::frequency, option, example),
                            option_quantity(text.substr(mark + (dots ? 2 : 1)), dim::frequency, option, example)};
-  if (!(band.low >= 0 && band.low < band.high))
-    throw InputError(fmt::format("{}: '{}' is not a rising range from 0 or more", option, text),
+  if (!(band.low < band.high))
+    throw InputError(fmt::format("{}: '{}' is not a rising range", option, text),
+                     fmt::format("write {} \"{}\"", option, example));
+  if (!(band.low >= allowed.low && band.high <= allowed.high))
+    throw InputError(allowed.low > 0 ? fmt::format("{}: '{}' is not between 1 uHz and 1 MHz", option, text)
+                                     : fmt::format("{}: '{}' begins below 0", option, text),
                      fmt::format("write {} \"{}\"", option, example));
   return band;
 }

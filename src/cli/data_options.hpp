@@ -5,10 +5,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "base/units/quantity.hpp"
+#include "cli/options.hpp"
 #include "results/curves/curve_file.hpp"
 #include "spectra/files/series_file.hpp"
 #include "spectra/welch.hpp"
@@ -39,12 +41,25 @@ void add_output_options(CLI::App&, DataOptions&, char const* quiet = "--quiet");
 double option_quantity(std::string const& text, Dimension, std::string const& option, std::string const& example);
 // The same; InputError unless it is above zero.
 double positive_quantity(std::string const& text, Dimension, std::string const& option, std::string const& example);
-// Refuses other texts before any work.
+// Refuses, before any work and together with the errors of other options, a text that `read` throws InputError for.
+template <class Read>
+CLI::Validator readable(Read read) {
+  return {[read](std::string const& text) -> std::string {
+            read(text);
+            return {};
+          },
+          ""};
+}
 CLI::Validator is_quantity(Dimension, std::string const& option, std::string const& example);
+// FILE or FILE::CHANNEL of a file that exists. A word without colons may be a channel of another file.
+CLI::Validator is_record(std::string const& option, bool or_channel = false);
 struct FrequencyBand {
   double low = 0, high = 0;  // Hz
 };
-FrequencyBand option_band(std::string const& text, std::string const& option);  // "20 Hz..80 Hz"; low < high
+constexpr FrequencyBand any_band{0, std::numeric_limits<double>::infinity()};
+constexpr FrequencyBand curve_band{lowest_frequency, highest_frequency};  // curves over the logarithm of frequency
+// "20 Hz..80 Hz", or with a comma; low < high. InputError names the option, also where an end is not within `allowed`.
+FrequencyBand option_band(std::string const& text, std::string const& option, FrequencyBand allowed = any_band);
 
 // --gps, or the stretch in it where --segments are active without interruption.
 GpsSpan requested_span(std::string const& gps, std::string const& segments);

@@ -49,8 +49,6 @@ CLI::Validator whole_between(double low, double high, std::string const& example
 
 namespace {
 
-constexpr double lowest_hz = 1e-6, highest_hz = 1e6;  // of --at and --band
-
 std::string trimmed(std::string text) {
   text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
   text.erase(text.find_last_not_of(" \t") + 1);
@@ -71,22 +69,12 @@ std::vector<double> parse_frequencies(std::string const& list, char const* optio
       throw InputError(
           fmt::format("{}: '{}' is not a frequency", option, item),
           fmt::format("write {} \"10.5 Hz, 1 kHz\": a unit for each, and decimal points, not commas", option));
-    if (double const hz = to_si(number->value, *unit); !(hz >= lowest_hz && hz <= highest_hz))
+    if (double const hz = to_si(number->value, *unit); !(hz >= lowest_frequency && hz <= highest_frequency))
       throw InputError(fmt::format("{}: '{}' is not between 1 uHz and 1 MHz", option, item),
                        fmt::format("write {} \"10 Hz, 1 kHz\"", option));
     all.push_back(to_si(number->value, *unit));
   }
   return all;
-}
-
-std::vector<double> parse_band(std::string const& text) {
-  if (text.empty()) return {};
-  std::string list = text;
-  if (auto const dots = list.find(".."); dots != list.npos) list.replace(dots, 2, ",");
-  std::vector<double> ends = parse_frequencies(list, "--band");
-  if (ends.size() != 2 || !(ends[0] < ends[1]))
-    throw InputError(fmt::format("--band: '{}' is not a rising range", text), "write --band \"5 Hz..5 kHz\"");
-  return ends;
 }
 
 void add_format_option(CLI::App& command, PrintOptions& options) {

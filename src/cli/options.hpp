@@ -26,9 +26,9 @@ void add_param_option(CLI::App&, SceneOptions&);                                
 void add_format_option(CLI::App&, PrintOptions&);
 void refuse_two_formats(bool csv, PrintOptions const&);  // InputError for --csv with --format json
 
+constexpr double lowest_frequency = 1e-6, highest_frequency = 1e6;  // Hz, of points and curves
 // "10 Hz, 1 kHz" in Hz; `option` for the message. Throws InputError.
 std::vector<double> parse_frequencies(std::string const& list, char const* option);
-std::vector<double> parse_band(std::string const&);  // of --band: two ends, or nothing
 
 // Marks an option for a file that the command writes. A file that cannot be written, or that another option or argument
 // of the command names as its input, is an error before any work.

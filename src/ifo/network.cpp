@@ -48,7 +48,7 @@ std::string Network::Component::port_name(std::uint32_t number) const {
 
 Eigen::MatrixXcd Network::scattering(Component const& c, double hz) const {
   Eigen::MatrixXcd s = c.scattering;
-  if (polarisation_ == Polarisation::p)
+  if (polarisation_ == LinearPolarisation::p)
     for (std::uint32_t out = 0; out < c.ports; ++out)
       for (std::uint32_t in = 0; in < c.ports; ++in)
         if (c.reflects(out, in)) s(out, in) = -s(out, in);

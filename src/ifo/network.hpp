@@ -86,7 +86,7 @@ struct ModulatorParameters {
   Of of = Of::all;
   double phase = 0;  // rad, of the drive: cos(2 pi hz t + phase)
 };
-enum class Polarisation : std::uint8_t { s, p };  // p: every reflection changes its sign (eq. N.10)
+enum class LinearPolarisation : std::uint8_t { s, p };  // p: every reflection changes its sign (eq. N.10)
 
 // Hermite-Gauss modes instead of plane waves.
 struct ModeSettings {
@@ -99,7 +99,7 @@ struct ModeSettings {
 
 class Network {
  public:
-  explicit Network(double wavelength, Polarisation polarisation = Polarisation::s)  // m, in vacuum
+  explicit Network(double wavelength, LinearPolarisation polarisation = LinearPolarisation::s)  // m, in vacuum
       : wavelength_(wavelength), polarisation_(polarisation) {}
 
   // For the solvers. Ports are numbered through all components.
@@ -168,7 +168,7 @@ class Network {
   std::optional<ModeSettings> const& modes() const { return modes_; }
 
   double wavelength() const { return wavelength_; }
-  Polarisation polarisation() const { return polarisation_; }
+  LinearPolarisation polarisation() const { return polarisation_; }
   double wavenumber() const { return 2 * pi / wavelength_; }
   double wavenumber(double hz) const { return wavenumber() + 2 * pi * hz / speed_of_light; }  // hz from the laser
 
@@ -192,7 +192,7 @@ class Network {
 
  private:
   double wavelength_;
-  Polarisation polarisation_;
+  LinearPolarisation polarisation_;
   std::uint32_t ports_ = 0;
   std::vector<Component> components_;
   std::vector<Space> spaces_;

@@ -298,7 +298,7 @@ struct RoundTrip::Parts {
   std::vector<Leg> legs;
   std::vector<Stop> stops;
   SpectrumDisc disc;  // of the first leg: the fields of which modes are made
-  std::optional<Passages> passages;
+  std::optional<HostTrip> host_trip;
   std::unique_ptr<DeviceTrip> on_device;
 
   Parts(Trip t, Computing const& on)
@@ -307,7 +307,7 @@ struct RoundTrip::Parts {
     make_legs();
     make_factors();
     disc = SpectrumDisc(trip.grid, first_leg().cut() / trip.wavelength);
-    make_passages();
+    make_host_trip();
   }
 
   Leg const& first_leg() const { return legs[stops.front().leg]; }
@@ -369,8 +369,8 @@ struct RoundTrip::Parts {
                        : phase_mask(mask, wavefront(i), trip.wavelength, grid_at(stop));
   }
 
-  void make_passages() {
-    std::vector<Passage> all;
+  void make_host_trip() {
+    std::vector<LegAndPlane> all;
     for (Stop const& stop : stops) {
       Leg const& leg = legs[stop.leg];
       all.push_back({leg.tables(), leg.columns(), factor(stop), masks[stop.mask].rows()});
@@ -378,7 +378,7 @@ struct RoundTrip::Parts {
     if (device)
       on_device = prepared(*device, trip.grid, std::move(all));
     else
-      passages.emplace(transform.tables(), trip.grid, std::move(all), threads);
+      host_trip.emplace(transform.tables(), trip.grid, std::move(all), threads);
   }
   PlaneFactor factor(Stop const& stop) const {
     if (stop.factor == none) return {masks[stop.mask].values().data()};
@@ -390,7 +390,7 @@ struct RoundTrip::Parts {
     if (on_device)
       run(*on_device, spectrum, watch);
     else
-      passages->run(spectrum, watch);
+      host_trip->run(spectrum, watch);
     if (trip.mirrored) mirror_image(spectrum, threads);
   }
   double taken(std::size_t stop, Field const&) const;
@@ -439,7 +439,7 @@ Field RoundTrip::hermite_gauss(AxisBeam x_axis, AxisBeam y_axis, int n, int m) c
 void RoundTrip::set_height(std::size_t stop, std::vector<double> height) {
   WaveMirror& mirror = *parts_->trip.stops[stop].mirror;
   mirror.height = std::move(height);
-  // In place: the passages point to it.
+  // In place: the legs and planes point to it.
   std::ranges::copy(parts_of(parts_->factor_on_grid(stop)), parts_->factors[parts_->stops[stop].factor].begin());
   mirror.height = {};
   if (parts_->on_device) parts_->on_device->take_tables();

@@ -9,16 +9,16 @@
 
 namespace straytrace::wave {
 
-Passages::Passages(LineTables const& tables, Grid const& grid, std::vector<Passage> passages, int threads)
-    : tables_(tables), grid_(grid), passages_(std::move(passages)), threads_(unsigned(std::max(0, threads))) {
-  for (Passage& p : passages_) {
+HostTrip::HostTrip(LineTables const& tables, Grid const& grid, std::vector<LegAndPlane> legs, int threads)
+    : tables_(tables), grid_(grid), legs_(std::move(legs)), threads_(unsigned(std::max(0, threads))) {
+  for (LegAndPlane& p : legs_) {
     p.leg.scale = 1 / (double(grid.points) * grid.points);  // of the transforms there and back
     blocks_ = std::max(blocks_, blocks_of(p));
     rows_ = std::max(rows_, p.rows);
   }
 }
 
-void Passages::take(Field const& spectrum, BlockedField const& blocked) const {
+void HostTrip::take(Field const& spectrum, BlockedField const& blocked) const {
   int const N = grid_.points;
   for_rows(0, N, int(threads_), [&](int row) {
     for (int b = 0; b < blocked.blocks; ++b)
@@ -32,8 +32,8 @@ void Passages::take(Field const& spectrum, BlockedField const& blocked) const {
   });
 }
 
-void Passages::put(BlockedField const& blocked, Field& spectrum) const {
-  int const N = grid_.points, half = passages_.front().columns / 2;
+void HostTrip::put(BlockedField const& blocked, Field& spectrum) const {
+  int const N = grid_.points, half = legs_.front().columns / 2;
   for_rows(0, N, int(threads_), [&](int row) {
     std::fill_n(&spectrum(row, 0), N, Complex{});
     for (int b = 0; b < blocked.blocks; ++b)
@@ -45,33 +45,33 @@ void Passages::put(BlockedField const& blocked, Field& spectrum) const {
   });
 }
 
-void Passages::columns(ThreadTeam& team, Passage const& passage, BlockedField const& from, BlockedField const& to,
+void HostTrip::columns(ThreadTeam& team, LegAndPlane const& here, BlockedField const& from, BlockedField const& to,
                        RowRange given, RowRange wanted) const {
-  int const count = blocks_of(passage), unused_from = (from.blocks - count) / 2, unused_to = (to.blocks - count) / 2;
+  int const count = blocks_of(here), unused_from = (from.blocks - count) / 2, unused_to = (to.blocks - count) / 2;
   team.run(std::size_t(count), [&](std::size_t i) {
     tables_.with_work([&](double* work) {
-      line_kernels->leg(tables_.plan(), work, from, unused_from + int(i), to, unused_to + int(i), passage.leg, given,
+      line_kernels->leg(tables_.plan(), work, from, unused_from + int(i), to, unused_to + int(i), here.leg, given,
                         wanted);
     });
   });
 }
 
-void Passages::rows(ThreadTeam& team, Passage const& passage, Passage const& next, BlockedField const& field,
+void HostTrip::rows(ThreadTeam& team, LegAndPlane const& here, LegAndPlane const& next, BlockedField const& field,
                     Field* seen) const {
-  RowRange const passing = rows_of(passage, grid_.points), range = seen ? RowRange{0, grid_.points} : passing;
+  RowRange const passing = rows_of(here, grid_.points), range = seen ? RowRange{0, grid_.points} : passing;
   double* const out = seen ? reinterpret_cast<double*>(seen->values.data()) : nullptr;
-  int const given = (field.blocks - blocks_of(passage)) / 2, wanted = (field.blocks - blocks_of(next)) / 2;
+  int const given = (field.blocks - blocks_of(here)) / 2, wanted = (field.blocks - blocks_of(next)) / 2;
   team.run(std::size_t((range.last - range.first + block_lines - 1) / block_lines), [&](std::size_t i) {
     tables_.with_work([&](double* work) {
-      line_kernels->plane(tables_.plan(), work, field, range.first + int(i) * block_lines, range.last, passage.plane,
+      line_kernels->plane(tables_.plan(), work, field, range.first + int(i) * block_lines, range.last, here.plane,
                           given, wanted, out, passing);
     });
   });
 }
 
-void Passages::run(Field& spectrum, Watch const& watch) const {
+void HostTrip::run(Field& spectrum, Watch const& watch) const {
   int const N = grid_.points;
-  BlockedField frequencies{nullptr, 0, N, blocks_of(passages_.front()), true};
+  BlockedField frequencies{nullptr, 0, N, blocks_of(legs_.front()), true};
   // The last group of rows of a plane may reach beyond it.
   int const kept = watch.seen ? N : rows_;
   BlockedField field{nullptr, N / 2 - kept / 2, kept + block_lines, blocks_, false};
@@ -82,18 +82,18 @@ void Passages::run(Field& spectrum, Watch const& watch) const {
   take(spectrum, frequencies);
   ThreadTeam team(threads_);
   RowRange const all{0, N};
-  for (std::size_t i = 0; i < passages_.size(); ++i) {
-    Passage const& here = passages_[i];
+  for (std::size_t i = 0; i < legs_.size(); ++i) {
+    LegAndPlane const& here = legs_[i];
     bool const seen = watch.at(i);
     RowRange const wanted = seen ? all : rows_of(here, N);
     if (i == 0)
       columns(team, here, frequencies, field, all, wanted);
     else
-      columns(team, here, field, field, rows_of(passages_[i - 1], N), wanted);
-    rows(team, here, passages_[(i + 1) % passages_.size()], field, seen ? &arriving : nullptr);
+      columns(team, here, field, field, rows_of(legs_[i - 1], N), wanted);
+    rows(team, here, legs_[(i + 1) % legs_.size()], field, seen ? &arriving : nullptr);
     if (seen) watch.seen(i, arriving);
   }
-  columns(team, passages_.front(), field, frequencies, rows_of(passages_.back(), N), all);
+  columns(team, legs_.front(), field, frequencies, rows_of(legs_.back(), N), all);
   put(frequencies, spectrum);
 }
 
@@ -103,9 +103,9 @@ constexpr char const* on_host = "use --backend cpu, whose fields agree to roundi
 
 }  // namespace
 
-std::unique_ptr<DeviceTrip> prepared(WaveDevice& device, Grid const& grid, std::vector<Passage> passages) {
+std::unique_ptr<DeviceTrip> prepared(WaveDevice& device, Grid const& grid, std::vector<LegAndPlane> legs) {
   try {
-    return device.trip(grid, std::move(passages));
+    return device.trip(grid, std::move(legs));
   } catch (std::runtime_error const& e) {
     throw InputError("wave: " + device.name() + ": " + e.what(),
                      std::string("choose fewer 'points' of 'grid', or ") + on_host);

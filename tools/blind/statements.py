@@ -182,7 +182,7 @@ def bounds(trials):
     scene = SOURCE / "examples/virgo_arm.yaml"
     truth = trials.run(scene, "truth", histories=1 << 18)
     i = at(truth, 30)
-    for histories in (2048, 8192):
+    for histories in (2048, 8192, 32768):
         found = [trials.run(scene, f"short{s}", histories=histories, seed=100 + s) for s in range(max(20, trials.count // 2))]
         pulls = np.array([(f["total/mean"][i] - truth["total/mean"][i]) / np.hypot(f["total/sigma"][i], truth["total/sigma"][i]) for f in found])
         lower = np.array([len(f["unresolved"]) > 0 for f in found])

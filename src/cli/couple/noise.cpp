@@ -194,7 +194,7 @@ int run_noise(NoiseCoupling o) {
     throw InputError("--save writes one coupling, but there are several witnesses", "name one --witness");
   if (o.data.average == "median") throw InputError("--average median: a coupling needs means", "remove the option");
   settle_segment(o, witnesses);
-  FrequencyBand const band = o.data.band.empty() ? FrequencyBand{0, infinity} : option_band(o.data.band, "--band");
+  FrequencyBand const band = o.data.band.empty() ? any_band : option_band(o.data.band, "--band");
   std::vector<Coupled> all;
   std::vector<InputError> errors;
   for (std::string const& w : witnesses) try {
@@ -221,12 +221,19 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
   auto const options = std::make_shared<NoiseCoupling>();
   NoiseCoupling& o = *options;
   command->add_option("--witness", o.witness, "FILE::CHANNEL, or CHANNEL of the file of the stretch; may be repeated")
+      ->check(is_record("--witness", true))
       ->allow_extra_args(false);
-  command->add_option("--target", o.target, "the same for strain, or another disturbed signal")->required();
+  command->add_option("--target", o.target, "the same for strain, or another disturbed signal")
+      ->required()
+      ->check(is_record("--target", true));
   command->add_option("--injection", o.injection, "A..B in GPS or UTC, FILE or FILE@A..B; may be repeated")
       ->required()
+      ->check(readable([](std::string const& text) { parse_stretch(text, "--injection"); }))
       ->allow_extra_args(false);
-  command->add_option("--quiet", o.quiet, "the same, without injection")->required()->group("Data");
+  command->add_option("--quiet", o.quiet, "the same, without injection")
+      ->required()
+      ->check(readable([](std::string const& text) { parse_stretch(text, "--quiet"); }))
+      ->group("Data");
   command->add_option("--witness-unit", o.witness_unit,
                       "unit, where the file has none: m/s^2; of counts the calibration: \"2e-6 m/s^2\"");
   command->add_option("--target-unit", o.target_unit, "unit, where the file has none: 1 for strain");
@@ -237,8 +244,10 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
   command->add_flag("--accept-incoherent", o.accept_incoherent,
                     "skip the check for fringe wrapping: the witness need not sense all that reaches the target");
   add_band_option(*command, o.data, "LOW..HIGH of the result: \"20 Hz..400 Hz\"");
-  command->add_option("--segments", o.data.segments,
-                      "FILE or FILE::FLAG of data quality: use data only where it is active, in all stretches");
+  command
+      ->add_option("--segments", o.data.segments,
+                   "FILE or FILE::FLAG of data quality: use data only where it is active, in all stretches")
+      ->check(is_record("--segments"));
   add_welch_options(*command, o.data);
   command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
   mark_output(*command, *command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project"));

@@ -84,6 +84,15 @@ int fit(FitOptions const& o) {
   return done;
 }
 
+// Of --multiplicity: a length where the witness is an angle, which only its file tells.
+void number_or_length(std::string const& text) {
+  try {
+    option_range(text, dim::length, "--multiplicity", "1 mm..5 cm");
+  } catch (InputError const&) {
+    option_range(text, dim::plain, "--multiplicity", "0.5..6");
+  }
+}
+
 }  // namespace
 
 void add_fit(CLI::App& app, int& exit_code) {
@@ -103,11 +112,14 @@ void add_fit(CLI::App& app, int& exit_code) {
           "coordinate measured by the witness: x, y, z, or rx, ry, rz for an angle; default: the one with most phase")
       ->check(CLI::IsMember({"x", "y", "z", "rx", "ry", "rz"}));
   command->add_option("--paths", o.paths, "number of paths, without a run")->check(whole_between(1, 6, "2"));
-  command->add_option("--multiplicity", o.multiplicity,
-                      "W in units of 4 pi/lambda: a value, or the range to search; default 0.5..6; for an "
-                      "angle a length");
-  command->add_option("--delay", o.delay, "delay of the noise after the witness: a value, or a range -20 ms..20 ms");
-  command->add_option("--drift", o.drift, "drift of the static phase: a value, or a range \"-1 rad/s..1 rad/s\"");
+  command
+      ->add_option("--multiplicity", o.multiplicity,
+                   "W in units of 4 pi/lambda: a value, or the range to search; default 0.5..6; for an angle a length")
+      ->check(readable(number_or_length));
+  command->add_option("--delay", o.delay, "delay of the noise after the witness: a value, or a range -20 ms..20 ms")
+      ->check(is_range(dim::time, "--delay", "-20 ms..20 ms"));
+  command->add_option("--drift", o.drift, "drift of the static phase: a value, or a range \"-1 rad/s..1 rad/s\"")
+      ->check(is_range(*times(dim::angle, dim::frequency), "--drift", "-1 rad/s..1 rad/s"));
   command
       ->add_option(
           "--free", o.free,
@@ -115,17 +127,20 @@ void add_fit(CLI::App& app, int& exit_code) {
           "phase are always free")
       ->delimiter(',')
       ->check(CLI::IsMember({"multiplicity", "phase", "delay", "drift", "ratio"}));
-  command->add_option("--gain-per-field", o.gain,
-                      "strain per relative field of the detector, without a run: \"1.1e-16\"");
+  command
+      ->add_option("--gain-per-field", o.gain, "strain per relative field of the detector, without a run: \"1.1e-16\"")
+      ->check(readable([](std::string const& text) { strain_per_field(text); }));
   command->add_option("--train", o.train, "share of the record that is fitted; the rest tests the fit")
-      ->default_str(o.train);
+      ->default_str(o.train)
+      ->check(readable([](std::string const& text) { option_share(text, "--train", "70 %"); }));
   command->add_option("--method", o.method, "frequency: likelihood on lines; time: least squares of whitened samples")
       ->check(CLI::IsMember({"frequency", "time"}))
       ->default_str(o.method);
   command
       ->add_option("--false-alarm", o.false_alarm,
                    "largest false-alarm probability of a significant fringe, in the search and in the rest")
-      ->default_str(o.false_alarm);
+      ->default_str(o.false_alarm)
+      ->check(readable([](std::string const& text) { option_share(text, "--false-alarm", "1e-3"); }));
   mark_output(*command, *command->add_option("--subtract", o.subtract,
                                              "file for the target minus the fitted noise (gwpy HDF5), in the band"));
   add_fit_edge(*command, exit_code);
@@ -246,11 +261,14 @@ void add_fit_edge(CLI::App& fit, int& exit_code) {
   auto const options = std::make_shared<FitOptions>();
   FitOptions& o = *options;
   add_record_options(*command, o);
-  command->add_option("--stride", o.stride, "length of a stretch, which gives one edge")->default_str(o.stride);
+  command->add_option("--stride", o.stride, "length of a stretch, which gives one edge")
+      ->default_str(o.stride)
+      ->check(is_quantity(dim::time, "--stride", "10 s"));
   command
       ->add_option("--segment", o.segment,
                    "segment length of the spectra inside a stride; their resolution is 1/segment")
-      ->default_str(o.segment);
+      ->default_str(o.segment)
+      ->check(is_quantity(dim::time, "--segment", "1 s"));
   command
       ->add_option("--factor", o.factor,
                    "range of the effective motion over that of the witness; for an angle a length")

@@ -43,13 +43,6 @@ SearchRange multiplicity_of(FitOptions const& o, RoutePrediction const* route, F
   return usual_multiplicity(records, s);
 }
 
-double option_share(std::string const& text, std::string const& option, std::string const& example) {
-  double const share = option_quantity(text, dim::plain, option, example);
-  if (share > 0 && share <= 1) return share;
-  throw InputError(fmt::format("{}: '{}' is not between 0 and 1", option, text),
-                   fmt::format("write {} \"{}\"", option, example));
-}
-
 // m: of the run, of --wavelength, or 1064 nm.
 double wavelength_of(FitOptions const& o) {
   double const run = o.prediction.run.empty() ? 0 : read_run(o.prediction.run).trace.coupling.wavelength;
@@ -74,6 +67,21 @@ SearchRange option_range(std::string const& text, Dimension dimension, std::stri
   if (range.high > range.low) return range;
   throw InputError(fmt::format("{}: '{}' does not rise", option, text),
                    fmt::format("write {} \"{}\"", option, example));
+}
+
+double option_share(std::string const& text, std::string const& option, std::string const& example) {
+  double const share = option_quantity(text, dim::plain, option, example);
+  if (share > 0 && share <= 1) return share;
+  throw InputError(fmt::format("{}: '{}' is not between 0 and 1", option, text),
+                   fmt::format("write {} \"{}\"", option, example));
+}
+
+CLI::Validator is_range(Dimension dimension, std::string const& option, std::string const& example) {
+  return readable([=](std::string const& text) { option_range(text, dimension, option, example); });
+}
+
+double strain_per_field(std::string const& text) {
+  return positive_quantity(text, dim::plain, "--gain-per-field", "1.1e-16");
 }
 
 FringeRecords records_of(FitOptions const& o) {
@@ -125,7 +133,7 @@ FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
   // As far as a delay stays short against the taper of the stretch.
   if (!delay.free() && o.delay.empty()) s.clock = std::min(clock_range, s.train * records.target.duration() / 20);
   SearchRange const drift = range_or(o, o.drift, turning, "drift", "-1 rad/s..1 rad/s", {-1, 1}, 0);
-  double const gain = o.gain.empty() ? 0 : positive_quantity(o.gain, dim::plain, "--gain-per-field", "1.1e-16");
+  double const gain = o.gain.empty() ? 0 : strain_per_field(o.gain);
   for (std::size_t i = 0; i < std::max<std::size_t>(routes.size(), routes.empty() ? o.paths.value_or(1) : 0); ++i) {
     RoutePrediction const* const route = routes.empty() ? nullptr : &routes[i];
     FringePath path{route ? fmt::format("path {}", route->rank) : fmt::format("path {}", i + 1),
@@ -146,18 +154,27 @@ FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
 }
 
 void add_record_options(CLI::App& command, FitOptions& o) {
-  command.add_option("--target", o.target,
-                     "record with the noise: FILE or FILE::CHANNEL; h(t) before noise subtraction");
+  command
+      .add_option("--target", o.target, "record with the noise: FILE or FILE::CHANNEL; h(t) before noise subtraction")
+      ->check(is_record("--target"));
   command.add_option("--target-unit", o.target_unit, "unit, where the file has none: 1 for strain");
-  command.add_option("--witness", o.witness, "record of the motion, FILE or FILE::CHANNEL: m or rad, or per s or s^2");
-  command.add_option("--witness2", o.witness2, "motion of a second body: the fit uses x_1 - ratio x_2");
+  command.add_option("--witness", o.witness, "record of the motion, FILE or FILE::CHANNEL: m or rad, or per s or s^2")
+      ->check(is_record("--witness"));
+  command.add_option("--witness2", o.witness2, "motion of a second body: the fit uses x_1 - ratio x_2")
+      ->check(is_record("--witness2"));
   command.add_option("--witness-unit", o.witness_unit,
                      "unit, where the file has none: um; of counts the calibration: \"2e-6 m/s^2\"");
   command.add_option("--witness2-unit", o.witness2_unit, "the same for the second witness");
-  command.add_option("--corner", o.corner, "high pass of an integrated witness: \"0.05 Hz\"");
-  command.add_option("--ratio", o.ratio, "of the second witness: 1 (default), a range 0.5..1.5, or free: 0..2");
+  command.add_option("--corner", o.corner, "high pass of an integrated witness: \"0.05 Hz\"")
+      ->check(is_quantity(dim::frequency, "--corner", "0.05 Hz"));
+  command.add_option("--ratio", o.ratio, "of the second witness: 1 (default), a range 0.5..1.5, or free: 0..2")
+      ->check(readable([](std::string const& text) {
+        if (text != "free") option_range(text, dim::plain, "--ratio", "0.5..1.5");
+      }));
   add_gps_options(command, o.data.gps, o.data.segments, "all common data");
-  command.add_option("--wavelength", o.wavelength, "wavelength of the light; default: that of the run, else 1064 nm");
+  command.add_option("--wavelength", o.wavelength, "wavelength of the light; default: that of the run, else 1064 nm")
+      ->check(
+          readable([](std::string const& text) { positive_quantity(text, dim::length, "--wavelength", "1064 nm"); }));
   add_band_option(command, o.data, "band searched for fringes: \"20 Hz..80 Hz\"");
   add_output_options(command, o.data);
 }

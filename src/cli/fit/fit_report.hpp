@@ -32,6 +32,9 @@ struct FitOptions {
 FringeRecords records_of(FitOptions const&);
 // "1..6", "-20 ms..20 ms", or one value. InputError names the option.
 SearchRange option_range(std::string const& text, Dimension, std::string const& option, std::string const& example);
+CLI::Validator is_range(Dimension, std::string const& option, std::string const& example);
+double option_share(std::string const& text, std::string const& option, std::string const& example);  // above 0, to 1
+double strain_per_field(std::string const& text);  // of --gain-per-field
 // Common options of a fit of phases and one of edges: band (required), wavelength, and ratio of the second witness.
 struct FitGround {
   double low = 0, high = 0, wavelength = 0;  // Hz; m

@@ -17,6 +17,7 @@
 #include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
 #include "cli/commands.hpp"
+#include "cli/data_options.hpp"
 #include "cli/ifo/ifo_sheets.hpp"
 #include "cli/options.hpp"
 #include "results/curves/curve_file.hpp"
@@ -31,7 +32,7 @@ namespace straytrace::cli {
 // What the page of a network shows (straytrace.plots.ifo_page). Inside the module.
 
 // Suppression and gain of the loops, and the noise of the strain, over a band; of a model with strain.
-std::vector<Sheet> page_curves(NetworkModel const&, std::vector<double> const& band);
+std::vector<Sheet> page_curves(NetworkModel const&, FrequencyBand);
 
 // Components, spaces with their powers, and all tables that need no further words; `loops`, `curves`: empty without
 // strain.
@@ -70,10 +71,10 @@ void add_drawing(Network const& n, Json& json) {
 
 }  // namespace
 
-std::vector<Sheet> page_curves(NetworkModel const& model, std::vector<double> const& band) {
+std::vector<Sheet> page_curves(NetworkModel const& model, FrequencyBand band) {
   std::vector<double> hz;
   for (int i = 0; i < points_of_page; ++i)
-    hz.push_back(band[0] * std::pow(band[1] / band[0], double(i) / (points_of_page - 1)));
+    hz.push_back(band.low * std::pow(band.high / band.low, double(i) / (points_of_page - 1)));
   std::vector<Sheet> sheets;
   if (auto const curves = loop_curves(model, hz); !curves.empty()) sheets.push_back(suppression_sheet(hz, curves));
   sheets.push_back(strain_noise_sheet(strain_noise(model, hz)));
@@ -199,19 +200,19 @@ NetworkScan scanned(NetworkModel const& model, IfoOptions const& options) {
   return scan_network(model, std::move(axes));
 }
 
-std::vector<double> ends_of_band(IfoOptions const& options) {
-  return parse_band(options.band.empty() ? whole_band : options.band);
+FrequencyBand band_of(IfoOptions const& options) {
+  return option_band(options.band.empty() ? whole_band : options.band, "--band", curve_band);
 }
 std::vector<double> places_in_band(IfoOptions const& options) {
   return parse_frequencies(options.at.empty() ? usual_frequency : options.at, "--at");
 }
 
 std::vector<double> frequencies(IfoOptions const& options) {
-  std::vector<double> const ends = ends_of_band(options);
+  FrequencyBand const band = band_of(options);
   std::vector<double> hz;
   std::size_t const points = options.points ? options.points : points_of_curve;
   for (std::size_t i = 0; i < points; ++i)
-    hz.push_back(ends[0] * std::pow(ends[1] / ends[0], double(i) / double(points - 1)));
+    hz.push_back(band.low * std::pow(band.high / band.low, double(i) / double(points - 1)));
   return hz;
 }
 
@@ -299,10 +300,10 @@ std::vector<Sheet> loops_of(NetworkModel const& model, IfoOptions const& options
     throw InputError("the loops and the noise of h need a strain",
                      "add 'strain: {readout: AS, freedom: DARM, arm_length: 3 km}', or start from a preset");
   if (options.show.size() == 2) return {curve_of_loops(model, options)};
-  std::vector<double> const ends = ends_of_band(options);
+  FrequencyBand const band = band_of(options);
   std::vector<Sheet> all;
   for (double const hz : places_in_band(options)) {
-    std::vector<Sheet> const sheets = loop_sheets(loop_table(model, hz, {ends[0], ends[1]}));
+    std::vector<Sheet> const sheets = loop_sheets(loop_table(model, hz, {band.low, band.high}));
     all.insert(all.end(), sheets.begin(), sheets.end());
   }
   return all;
@@ -393,7 +394,7 @@ void write_page(OpticalNetwork const& network, IfoOptions const& options) {
   std::vector<Sheet> loops, curves;
   if (network.model.strain) {
     loops = loops_of(network.model, options);
-    curves = page_curves(network.model, ends_of_band(options));
+    curves = page_curves(network.model, band_of(options));
   }
   std::string message;
   std::string const page =

@@ -582,7 +582,7 @@ std::optional<NetworkModel> read_bare_network(Node const& interferometer, double
   constexpr std::array<std::string_view, 2> polarisations = {"s", "p"};
   double const used = read_wavelength(table, wavelength);
   bool const p = table.choice("polarisation", polarisations, "s") == "p";
-  NetworkModel model{.preset = "none", .network = Network(used, p ? Polarisation::p : Polarisation::s)};
+  NetworkModel model{.preset = "none", .network = Network(used, p ? LinearPolarisation::p : LinearPolarisation::s)};
   apply(read_network_changes(table, model.network, optics), model.network);
   bool const light = std::ranges::any_of(model.network.components(), [](Component const& c) { return c.emits != 0.0; });
   if (!light && table.healthy())

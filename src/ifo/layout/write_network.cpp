@@ -160,7 +160,7 @@ std::string network_text(NetworkModel const& model) {
   Network const& n = model.network;
   std::string text =
       fmt::format("straytrace: 1\ninterferometer:\n  preset: none\n  network:\n    wavelength: {} m\n", n.wavelength());
-  if (n.polarisation() == Polarisation::p) text += "    polarisation: p\n";
+  if (n.polarisation() == LinearPolarisation::p) text += "    polarisation: p\n";
   if (n.modes()) text += fmt::format("    modes: {}\n", modes_text(*n.modes()));
   text += "    components:\n";
   for (Component const& c : n.components())

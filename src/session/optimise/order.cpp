@@ -101,6 +101,10 @@ class OrderReader {
     if (!p.listed() && !(p.low < p.high))
       return complain(fmt::format("the range of '{}' does not go from a lower to a higher value", p.name),
                       "write for example [30 cm, 49 cm]", 0, 0);
+    if (auto const wanted = p.listed() ? std::nullopt : dimension_of(p.name); wanted && !(p.dimension == *wanted))
+      return complain(
+          fmt::format("'{}' is {}, but its range is {}", p.name, described(*wanted), described(p.dimension)),
+          fmt::format("write both ends with a unit, for example {}", with_unit("10", *wanted)), 0, 0);
     if (!p.price.empty() && p.price.size() != p.values.size())
       return complain(fmt::format("'{}' has {} and {}", p.name, counted(p.values.size(), "value"),
                                   counted(p.price.size(), "price")),
@@ -128,6 +132,17 @@ class OrderReader {
   OptimiseOrder order() && { return std::move(order_); }
 
  private:
+  // Of a parameter; nothing for a place, a word, or a zero without unit.
+  std::optional<Dimension> dimension_of(std::string const& name) const {
+    if (scene::names_place(name + "=x")) return {};
+    try {
+      auto const found = SceneValues(scene_, prices_, {}).value(name);
+      return found && !found->bare_zero ? std::optional(found->quantity.dimension) : std::nullopt;
+    } catch (scene::ExpressionProblem const&) {
+      return {};
+    }
+  }
+
   void limit(std::string const& text, std::smatch const& m, Complain const& complain) {
     NoiseLimit limit;
     limit.text = trimmed(text);

@@ -109,11 +109,11 @@ inline std::string gigabytes(std::size_t bytes) {
 template <class Machine>
 class TripBody final : public DeviceTrip {
  public:
-  TripBody(Grid const& grid, std::vector<Passage> passages)
-      : grid_(grid), passages_(std::move(passages)), machine_(grid.points) {
+  TripBody(Grid const& grid, std::vector<LegAndPlane> legs)
+      : grid_(grid), legs_(std::move(legs)), machine_(grid.points) {
     if (grid.size() > std::numeric_limits<std::uint32_t>::max())
       throw std::runtime_error("a grid of " + std::to_string(grid.points) + " points per side is too large");
-    for (Passage& p : passages_) {
+    for (LegAndPlane& p : legs_) {
       p.leg.scale = 1 / (double(grid.points) * grid.points);  // of the transforms there and back
       places_.push_back(places_of(p));
     }
@@ -133,8 +133,8 @@ class TripBody final : public DeviceTrip {
     auto* const host = reinterpret_cast<double*>(spectrum.values.data());
     Field arriving(watch.seen ? grid_ : Grid{});
     machine_.put(field_.get(), host, 2 * grid_.size());
-    for (std::size_t i = 0; i < passages_.size(); ++i) {
-      Passage const here = on_machine(i);
+    for (std::size_t i = 0; i < legs_.size(); ++i) {
+      LegAndPlane const here = on_machine(i);
       machine_.each(grid_.size(), LegWork{values(), here.leg, grid_.points, here.columns});
       machine_.transform(field_.get(), false);
       if (watch.at(i)) {
@@ -144,7 +144,7 @@ class TripBody final : public DeviceTrip {
       machine_.each(grid_.size(), PlaneWork{values(), here.plane, grid_.points, rows_of(here, grid_.points)});
       machine_.transform(field_.get(), true);
     }
-    machine_.each(grid_.size(), BandWork{values(), grid_.points, passages_.front().columns});
+    machine_.each(grid_.size(), BandWork{values(), grid_.points, legs_.front().columns});
     machine_.get(host, field_.get(), 2 * grid_.size());
   }
 
@@ -161,14 +161,14 @@ class TripBody final : public DeviceTrip {
 
   Value* values() const { return reinterpret_cast<Value*>(field_.get()); }
 
-  // Tables that several passages share are on the machine once.
+  // Tables that several legs share are on the machine once.
   std::size_t table_of(double const* host, std::size_t count) {
     auto const known = std::find_if(tables_.begin(), tables_.end(), [&](Table const& t) { return t.host == host; });
     if (known != tables_.end()) return std::size_t(known - tables_.begin());
     tables_.push_back({host, count});
     return tables_.size() - 1;
   }
-  Places places_of(Passage const& p) {
+  Places places_of(LegAndPlane const& p) {
     Places at{};
     at.paraxial = table_of(p.leg.paraxial, 2 * std::size_t(grid_.points));
     at.taper = table_of(p.leg.taper, std::size_t(p.leg.taper_steps) + 2);
@@ -176,8 +176,8 @@ class TripBody final : public DeviceTrip {
     if (p.plane.im) at.im = table_of(p.plane.im, grid_.size());
     return at;
   }
-  Passage on_machine(std::size_t i) const {
-    Passage p = passages_[i];
+  LegAndPlane on_machine(std::size_t i) const {
+    LegAndPlane p = legs_[i];
     Places const& at = places_[i];
     p.leg.paraxial = tables_[at.paraxial].memory.get();
     p.leg.taper = tables_[at.taper].memory.get();
@@ -196,7 +196,7 @@ class TripBody final : public DeviceTrip {
   }
 
   Grid grid_;
-  std::vector<Passage> passages_;
+  std::vector<LegAndPlane> legs_;
   Machine machine_;
   std::vector<Table> tables_;
   std::vector<Places> places_;

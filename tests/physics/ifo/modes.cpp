@@ -82,7 +82,7 @@ TEST(Modes, TiltedMirrorT10) {
 }
 
 struct CurvedRing : Ring {
-  explicit CurvedRing(Polarisation p = Polarisation::s) : Ring(0, p) {
+  explicit CurvedRing(LinearPolarisation p = LinearPolarisation::s) : Ring(0, p) {
     auto parameters = std::get<MirrorParameters>(network.at(third).stated);
     parameters.curvature = 1 / 185.0;
     network.replace(third, Network::splitter("M3", parameters));

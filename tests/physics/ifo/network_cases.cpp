@@ -155,7 +155,7 @@ TEST(NetworkCases, ResponseOfMichelsonT5) {
 
 TEST(NetworkCases, RingT6) {
   auto const powers = [](double moved, bool normal) {
-    Ring const r(moved, Polarisation::s, normal);
+    Ring const r(moved, LinearPolarisation::s, normal);
     SteadyField const f(r.network);
     return std::array{f.power_out(r.network.number_of({r.second, 1})), f.power_out(r.reflected()),
                       f.power_out(r.transmitted())};
@@ -171,16 +171,16 @@ TEST(NetworkCases, RingT6) {
 
 // Eq. N.10: three reflections of p light have the other sign, and the resonance is half a free spectral range further.
 TEST(NetworkCases, PolarisationOfRings) {
-  auto const inside = [](Polarisation polarisation, double moved) {
+  auto const inside = [](LinearPolarisation polarisation, double moved) {
     Ring const r(moved, polarisation);
     return SteadyField(r.network).power_out(r.inside());
   };
   double const half = light_wavelength / 4;
-  EXPECT_LT(deviation(inside(Polarisation::p, half), inside(Polarisation::s, 0)), 1e-4);
-  EXPECT_LT(inside(Polarisation::p, 0), 1e-2);
-  EXPECT_LT(inside(Polarisation::s, half), 1e-2) << "control: s light";
+  EXPECT_LT(deviation(inside(LinearPolarisation::p, half), inside(LinearPolarisation::s, 0)), 1e-4);
+  EXPECT_LT(inside(LinearPolarisation::p, 0), 1e-2);
+  EXPECT_LT(inside(LinearPolarisation::s, half), 1e-2) << "control: s light";
   ModulatedMichelson m(0.1);
-  Network p(light_wavelength, Polarisation::p);
+  Network p(light_wavelength, LinearPolarisation::p);
   for (Network::Component const& c : m.network.components()) p.add(c);
   for (std::size_t i = 0; i < m.network.spaces().size(); ++i) {
     Network::Space const& s = m.network.spaces()[i];

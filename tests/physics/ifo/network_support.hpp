@@ -60,7 +60,7 @@ struct ModulatedMichelson {
 struct Ring {
   Network network;
   ComponentId first, second, third;
-  explicit Ring(double moved, Polarisation polarisation = Polarisation::s, bool normal = false)
+  explicit Ring(double moved, LinearPolarisation polarisation = LinearPolarisation::s, bool normal = false)
       : network(light_wavelength, polarisation) {
     double const a = std::asin(0.2 / 143.226);
     ComponentId const laser = network.add_laser("laser", 1);

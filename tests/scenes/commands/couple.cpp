@@ -30,6 +30,15 @@ double mode(double hz) {
   return 4e-22 / 1e-6 / std::abs(1.0 - 2 * r * std::cos(turn) * z + r * r * z * z);
 }
 
+TEST(Couple, NoiseTellsAllMissingFilesAtOnce) {
+  Finished const f = straytrace({"couple", "noise", "--witness", "a.csv::ACC", "--target", "b.csv::H", "--injection",
+                                 "c.csv", "--quiet", "d.csv@0..24", "--segments", "e.txt", "--band", "4 Hz..2 Hz"});
+  EXPECT_EQ(f.code, 2);
+  for (char const* says :
+       {"'a.csv'", "'b.csv'", "'c.csv'", "'d.csv@0..24'", "'e.txt'", "'4 Hz..2 Hz' is not a rising range"})
+    EXPECT_THAT(f.err, HasSubstr(says));
+}
+
 TEST(Couple, NoiseFindsTheTrueCouplingAndIsReadBackR6_01) {
   Folder const folder;
   std::string const csv = folder / "acc.csv";

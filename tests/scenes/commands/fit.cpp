@@ -95,6 +95,18 @@ TEST(Fit, ImpossibleFitsAreErrors) {
   rejected({"--target-unit", "m", "--gain-per-field", "1e-16"}, "--target-unit");
 }
 
+TEST(Fit, TellsAllWrongOptionsAtOnce) {
+  Finished const done =
+      straytrace({"fit", "--target", "none.hdf5::h", "--witness", "no_more.csv", "--band", "80 Hz..20 Hz", "--delay",
+                  "20..30", "--train", "2", "--gps", "5..4", "--multiplicity", "1 s"});
+  EXPECT_EQ(done.code, 2);
+  for (char const* says : {"--target: file 'none.hdf5'", "--witness: file 'no_more.csv'", "--band: '80 Hz..20 Hz'",
+                           "--delay:", "--train: '2'", "'5..4' ends before", "--multiplicity: '1 s'"})
+    EXPECT_THAT(done.err, HasSubstr(says));
+  Finished const right = straytrace(words({"--delay", "-1 ms..1 ms", "--train", "60 %", "--multiplicity", "1.3"}));
+  EXPECT_EQ(right.code, 0) << right.err;  // control: the same options, as they should be
+}
+
 TEST(Fit, RecordsOfOtherTimesDoNotOverlap) {
   Folder const folder;
   write_witness(folder / "x.txt", 1187001000);

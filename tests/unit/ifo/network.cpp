@@ -51,7 +51,7 @@ TEST(NetworkTable, IsReadInSI) {
   ASSERT_TRUE(b.model) << b.problems;
   Network const& n = b.model->network;
   EXPECT_EQ(n.wavelength(), 1e-6);
-  EXPECT_EQ(n.polarisation(), Polarisation::s);
+  EXPECT_EQ(n.polarisation(), LinearPolarisation::s);
   MirrorParameters const etm = std::get<MirrorParameters>(n.at(n.find("ETM")).stated);
   EXPECT_NEAR(etm.displacement, 1e-7 + 1e-9, 1e-20) << "36 deg are a tenth of a wavelength";
   EXPECT_EQ(etm.suspension.mass, 42);

@@ -88,8 +88,8 @@ template <int sign>
 class HostDevice final : public WaveDevice {
  public:
   std::string name() const override { return "the host as a device"; }
-  std::unique_ptr<wave::DeviceTrip> trip(Grid const& grid, std::vector<wave::Passage> passages) override {
-    return std::make_unique<wave::device::TripBody<HostMachine<sign>>>(grid, std::move(passages));
+  std::unique_ptr<wave::DeviceTrip> trip(Grid const& grid, std::vector<wave::LegAndPlane> legs) override {
+    return std::make_unique<wave::device::TripBody<HostMachine<sign>>>(grid, std::move(legs));
   }
 };
 

@@ -122,8 +122,8 @@ class CudaWaves final : public WaveDevice {
     name_ = device.name;
   }
   std::string name() const override { return name_; }
-  std::unique_ptr<DeviceTrip> trip(Grid const& grid, std::vector<Passage> passages) override {
-    return std::make_unique<TripBody<Cuda>>(grid, std::move(passages));
+  std::unique_ptr<DeviceTrip> trip(Grid const& grid, std::vector<LegAndPlane> legs) override {
+    return std::make_unique<TripBody<Cuda>>(grid, std::move(legs));
   }
 
  private:

@@ -56,7 +56,7 @@ std::vector<Field> plane_by_plane(CavityWaves const& waves, Field field) {
   return arriving;
 }
 
-TEST(Passages, AreTheWayPlaneByPlane) {
+TEST(HostTrip, IsTheWayPlaneByPlane) {
   for (int const points : {90, 128, 250}) {
     CavityWaves const waves(uneven_cavity(points));
     Field const start = waves.hermite_gauss(1, 0);
@@ -76,7 +76,7 @@ TEST(Passages, AreTheWayPlaneByPlane) {
 }
 
 // Where somebody looks, and nowhere else.
-TEST(Passages, ShowOnlyWhatIsLookedAt) {
+TEST(HostTrip, ShowsOnlyWhatIsLookedAt) {
   CavityWaves const waves(uneven_cavity(90));
   Field const start = waves.hermite_gauss(1, 0);
   std::vector<Field> const expected = plane_by_plane(waves, start);
@@ -94,7 +94,7 @@ TEST(Passages, ShowOnlyWhatIsLookedAt) {
   EXPECT_LT(distance_of(field, expected.back()), 1e-13);
 }
 
-TEST(Passages, SameBitsOnAnyProcessorAndNumberOfThreads) {
+TEST(HostTrip, SameBitsOnAnyProcessorAndNumberOfThreads) {
   wave::LineKernels const* const chosen = wave::line_kernels;
   wave::line_kernels = wave::find_line_kernels("portable");
   for (int const points : {90, 128, 250}) {
@@ -115,7 +115,7 @@ TEST(Passages, SameBitsOnAnyProcessorAndNumberOfThreads) {
 }
 
 // Heights that are exchanged in a cavity that exists.
-TEST(Passages, TakeNewHeights) {
+TEST(HostTrip, TakesNewHeights) {
   WaveCavity cavity = uneven_cavity(90);
   CavityWaves waves(cavity);
   std::array<std::vector<double>, 2> heights;
