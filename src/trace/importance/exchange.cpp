@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "base/process/threads.hpp"
 #include "trace/importance/steering_tables.hpp"
@@ -89,6 +90,7 @@ class Quadrature {
     });
   }
 
+  bool scatters(std::size_t side) const { return mean_albedo(side) > 0; }
   double mean_albedo(std::size_t side) const {
     Patch const& patch = tables_.patches[side / 2];
     double sum = 0;
@@ -158,8 +160,14 @@ class Quadrature {
     }
   }
 
-  // Score per unit of diffuse power leaving `side` by connections to one goal. Where the first lines are all hidden,
-  // more of them look for the sliver that may be seen.
+  // Whether some of a patch may face what its first points do not.
+  bool curved(std::size_t patch) const {
+    Point const* const first = &starts_[points_each() * patch];
+    return std::any_of(first, first + samples_,
+                       [&](Point const& p) { return dot(p.normal, first->normal) < 1 - in_plane; });
+  }
+  // Score per unit of diffuse power leaving `side` by connections to one goal. Where no first line arrives, more of
+  // them look for the sliver that may be seen.
   double direct_score(std::size_t side, std::uint32_t goal, std::size_t number) const {
     bool dark = false;
     auto const mean_of = [&](unsigned begin, unsigned end) {  // those before `begin` score nothing
@@ -169,7 +177,7 @@ class Quadrature {
       return sum / end;
     };
     double const first = mean_of(0, samples_);
-    return first > 0 || !dark ? first : mean_of(samples_, lines_for_slivers);
+    return first > 0 || !(dark || curved(side / 2)) ? first : mean_of(samples_, lines_for_slivers);
   }
   // `dark` is set where the line is hidden.
   double score_of_line(std::size_t side, std::uint32_t goal, Pair const& at, bool& dark) const {
@@ -233,42 +241,50 @@ class Quadrature {
     exchange.by_law = Arriving(sums.size());
     for (std::size_t i = 0; i < sums.size(); ++i) exchange.by_law.set(i, sums[i], false);
   }
+  // More lines look for the sliver that may be seen of each side of `to` which the first lines do not reach.
   void emit_towards(std::vector<LineSum>& sums, std::size_t side, Footprint const& lit, std::size_t to) const {
     std::array<LineSum, 2> facing;  // by side of `to`
-    auto const add_lines = [&](unsigned begin, unsigned end) {
-      bool dark = false;
-      for (unsigned i = begin; i < end; ++i) emit_line(facing, side, lit, to, i, end, dark);
-      return dark && !(facing[0].first + facing[1].first > 0);
+    std::array<bool, 2> dark{curved(to), curved(to)};
+    auto const add_lines = [&](unsigned begin, unsigned end, std::array<bool, 2> wanted) {
+      for (unsigned i = begin; i < end && (wanted[0] || wanted[1]); ++i) {
+        auto const line = emit_line(side, lit, to, i, wanted);
+        if (line && line->hidden) dark[line->on] = true;
+        if (line && !line->hidden) facing[line->on].add(std::min(line->share, 1.0) / end, end);
+      }
     };
-    if (add_lines(0, samples_)) add_lines(samples_, lines_for_slivers);
+    add_lines(0, samples_, {true, true});
+    auto const unseen = [&](unsigned k) { return dark[k] && !(facing[k].first > 0) && scatters(2 * to + k); };
+    add_lines(samples_, lines_for_slivers, {unseen(0), unseen(1)});
     for (unsigned k = 0; k < 2; ++k) {
       sums[2 * to + k].first += facing[k].first;
       sums[2 * to + k].second += facing[k].second;
     }
   }
-  // The line i of `lines`. `dark` is set where it is hidden.
-  void emit_line(std::array<LineSum, 2>& facing, std::size_t side, Footprint const& lit, std::size_t to, unsigned i,
-                 unsigned lines, bool& dark) const {
+  // A line from a beam to a side of a patch, and the share of the power that would arrive if all lines were like it.
+  struct Emitted {
+    unsigned on = 0;
+    bool hidden = false;
+    double share = 0;
+  };
+  // Line i; nothing where no light leaves along it, or where it meets a side that is not wanted.
+  std::optional<Emitted> emit_line(std::size_t side, Footprint const& lit, std::size_t to, unsigned i,
+                                   std::array<bool, 2> wanted) const {
     Pair const at = pair_of_points(side + 1000003, to, i);
     Ray const ray = lit.sample(at.u1 > 0 ? at.u1 : 0.5, at.v1);
     Crossing const met = view_.cross(lit.surface.value, ray, {});
-    if (!(met.distance < infinity)) return;
+    if (!(met.distance < infinity)) return {};
     Vec3 const p = ray.origin + met.distance * ray.dir;
     Vertex const from = make_vertex(view_, lit.surface, p, lit.direction(p), met.piece);
     Point const x{from.point, from.normal(), lit.surface, met.piece, false}, y = point_on(to, at.u2, at.v2);
     Line const line = line_between(x, y);
     Vec3 const span = y.p - x.p;
     double const across = in_plane * length(span);
-    if (!(std::fabs(dot(span, x.normal)) > across && std::fabs(dot(span, y.normal)) > across)) return;
-    Vec3 const wo = from.frame.to_local(unit(span));
-    double const bsdf = scatter_eval(view_.laws, *from.optic, from.wi, wo);
-    if (!(bsdf > 0)) return;
-    if (hidden(line)) {
-      dark = true;
-      return;
-    }
-    double const arriving = lit.share * bsdf * pi * line.kernel * tables_.patches[to].area / lines;
-    facing[line.side_y].add(std::min(arriving, 1.0 / lines), lines);
+    if (!wanted[line.side_y] || !(std::fabs(dot(span, x.normal)) > across && std::fabs(dot(span, y.normal)) > across))
+      return {};
+    double const bsdf = scatter_eval(view_.laws, *from.optic, from.wi, from.frame.to_local(unit(span)));
+    if (!(bsdf > 0)) return {};
+    if (hidden(line)) return Emitted{line.side_y, true, 0};
+    return Emitted{line.side_y, false, lit.share * bsdf * pi * line.kernel * tables_.patches[to].area};
   }
 
   SteeringTables const& tables_;

@@ -3,6 +3,9 @@
 // patch; a patch is drawn, then a point of it. The mean is that of the BSDF model alone, the error is smaller.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <span>
+
 #include "base/errors.hpp"
 #include "support/baffled_tube.hpp"
 #include "support/mesh_shapes.hpp"
@@ -171,6 +174,39 @@ TEST(Patches, SliversBehindOthersGetLight) {
     SampleMean const aimed = received_share(run_histories(world, 1 << 17));
     EXPECT_LT(aimed.std_error, 0.04 * aimed.mean) << "0.06 for the disk without the lines that look for slivers";
     expect_mean("light by a sliver", aimed, expected, 0.3 * expected);
+  }
+}
+
+// A tube of which the source sees a sliver of the inside, and much of the black outside: each section is aimed at.
+TEST(Patches, SliversOfOneSideAreAimedAtThoughTheOtherIsInSight) {
+  constexpr double radius = 0.13, half_length = 0.45, tilt = 0.01;  // m, rad
+  for (bool const closed : {false, true}) {
+    World world;
+    BodyId const body = world.add_body("all", {});
+    std::uint32_t const black = black_optic(world), grey = lambertian_optic(world, 0.5);
+    SurfaceId const source =
+        world.add_surface(disk(0, 0.01), lambertian_optic(world, 1e-3), black, body, world.add_group("source"));
+    SurfaceId const tube =
+        world.add_surface(cylinder(radius, -half_length, half_length, {{0, 0, 20}, unit({0, tilt, 1})}), black, grey,
+                          body, world.add_group("tube"));
+    Vec3 const corner{closed ? 0.2 : 0.0935, 0.072, 15};  // of the screen
+    world.add_surface(placed(rectangle(2, 2), {corner - Vec3{1, 1, 0}, {0, 0, -1}}), black, black, body,
+                      world.add_group("screen"));
+    receive_on(world, "eye",
+               world.add_surface(disk(0, 1e-3, {{0.03, 0, 0}, {0, 0, 1}}), black, black, body, world.add_group("eye")));
+    world.add_footprint(spot(source, {}, {0, 0, -1}, Profile::even, 1e-4));
+    world.finish();
+    SteeringTables const tables = make_importance(world);
+    PatchSide const& emits = tables.sides.front();  // of the first surface
+    auto const aims = std::span(tables.targets).subspan(emits.first, emits.count);
+    std::size_t sections = 0, aimed_at = 0;
+    for (std::uint32_t patch = 0; patch < tables.patches.size(); ++patch) {
+      if (!(tables.strips[tables.members[tables.patches[patch].first].strip].surface == tube)) continue;
+      ++sections;
+      if (std::ranges::any_of(aims, [=](Target const& t) { return t.patch == patch; })) ++aimed_at;
+    }
+    EXPECT_GT(sections, 8u);
+    EXPECT_EQ(aimed_at, closed ? 0 : sections) << (closed ? "control: nothing of the inside is in sight" : "");
   }
 }
 
