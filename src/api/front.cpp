@@ -102,7 +102,7 @@ Model::Model(std::shared_ptr<Source const> source) : source_(std::move(source)) 
 Model Model::read(std::string const& file, std::vector<std::string> const& set) {
   return with_public_errors([&] {
     std::lock_guard const alone(working);
-    return Model(std::make_shared<Source const>(read_model(file, set)));
+    return Model(std::make_shared<Source const>(Source{read_model(file, set)}));
   });
 }
 
@@ -110,7 +110,7 @@ Model Model::of_text(std::string const& text, std::string const& name, std::vect
   return with_public_errors([&] {
     std::lock_guard const alone(working);
     TextInPlace const held(name, text);
-    return Model(std::make_shared<Source const>(read_model(name, set)));
+    return Model(std::make_shared<Source const>(Source{read_model(name, set)}));
   });
 }
 
@@ -141,7 +141,7 @@ Run Model::trace(TraceSettings const& settings) const {
     file.complete = !traced.result.checkpointed();
     file.trace = std::move(traced.result);
     if (!settings.run_file.empty()) write_run(settings.run_file, file.content());
-    return Run(std::make_shared<Run::Source const>(std::move(file)));
+    return Run(std::make_shared<Run::Source const>(Run::Source{std::move(file)}));
   });
 }
 
@@ -212,7 +212,7 @@ Noise as_public(NoiseBudget const& budget) {
 Run::Run(std::shared_ptr<Source const> source) : source_(std::move(source)) {}
 
 Run Run::open(std::string const& file) {
-  return with_public_errors([&] { return Run(std::make_shared<Source const>(read_run_file(file))); });
+  return with_public_errors([&] { return Run(std::make_shared<Source const>(Source{read_run_file(file)})); });
 }
 
 void Run::save(std::string const& file) const {

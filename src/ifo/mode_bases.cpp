@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <set>
 #include <utility>
 #include <vector>
@@ -269,8 +268,10 @@ NetworkCavity find_cavity(std::vector<NetworkCavity> const& all, Network const& 
     };
     if (std::ranges::all_of(names, meets)) return c;
   }
+  std::vector<std::string> known;
+  for (NetworkCavity const& c : all) known.push_back(c.name);
   throw ModeError(fmt::format("the network has no cavity with {}", fmt::join(names, ", ")),
-                  fmt::format("it has: {}", fmt::join(all | std::views::transform(&NetworkCavity::name), ", ")));
+                  fmt::format("it has: {}", fmt::join(known, ", ")));
 }
 
 std::vector<CavityMode> chosen(Network const& n, ModeSettings const& settings) {

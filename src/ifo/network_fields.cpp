@@ -33,10 +33,11 @@ Sparse steady_matrix(Network const& network, std::vector<double> const& carriers
                  [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Phasor amplitude) {
                    auto const [from, space] = other[c.first_port + in];
                    if (from == network.ports()) return;  // no light enters here
-                   for_each_mode_pair(bases, c, out, in, amplitude, [&](std::size_t p, std::size_t q, Phasor a) {
+                   auto const add = [&, from = from, space = space](std::size_t p, std::size_t q, Phasor a) {
                      entries.emplace_back(at(m, c.first_port + out, p), at(n, from, q),
                                           -a * turn_along(network, bases, space, carriers[n], q));
-                   });
+                   };
+                   for_each_mode_pair(bases, c, out, in, amplitude, add);
                  });
   Sparse matrix(size, size);
   matrix.setFromTriplets(entries.begin(), entries.end());

@@ -211,7 +211,7 @@ Drawn draw_halo(World const& world, Camera const& camera, LookSettings const& se
   std::vector<bool> visible;
   drawn.rgb = shaded(
       world.view(), camera, settings,
-      [&](Seen const& s) {
+      [&, low = low, high = high](Seen const& s) {
         double const e = light.on(s.surface, s.point, s.front);
         return e > 0 ? heat(high > low ? std::log(e / low) / std::log(high / low) : 1) : Rgb{0.6, 0.6, 0.6};
       },

@@ -92,8 +92,10 @@ std::array<AxisShift, 2> axis_shifts(double curvature1, double curvature2, doubl
 }
 
 CavityAxis axis_of(WaveCavity const& c) {
-  auto const& [one, two] = axis_shifts(c.mirror1.curvature, c.mirror2.curvature, c.length);
-  auto const at = [&](double z, double tilt1, double tilt2) { return one.at(z) * tilt1 + two.at(z) * tilt2; };
+  auto const shifts = axis_shifts(c.mirror1.curvature, c.mirror2.curvature, c.length);
+  auto const at = [&](double z, double tilt1, double tilt2) {
+    return shifts[0].at(z) * tilt1 + shifts[1].at(z) * tilt2;
+  };
   return {at(0, c.mirror1.tilt_x, c.mirror2.tilt_x), at(0, c.mirror1.tilt_y, c.mirror2.tilt_y),
           at(c.length, c.mirror1.tilt_x, c.mirror2.tilt_x), at(c.length, c.mirror1.tilt_y, c.mirror2.tilt_y)};
 }

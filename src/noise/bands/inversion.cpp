@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <ranges>
 
 #include "base/errors.hpp"
 
@@ -158,10 +157,13 @@ class MotionInversion {
     return true;
   }
   bool done() const {
-    auto const known = [&](std::size_t i) { return crossed_[i].above > 0; };
-    auto const bins = std::views::iota(std::size_t(0), line_.size());
-    if (!every_bin_) return std::ranges::any_of(bins, known);
-    return std::ranges::all_of(bins, [&](std::size_t i) { return known(i) || !(line_[i] > 0); });
+    std::size_t known = 0, wanted = 0;
+    for (std::size_t i = 0; i < line_.size(); ++i) {
+      bool const found = crossed_[i].above > 0;
+      known += found;
+      wanted += found || line_[i] > 0;
+    }
+    return every_bin_ ? known == wanted : known > 0;
   }
 
   // S - A = B s + C s^2 through two scales.

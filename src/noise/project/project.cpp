@@ -8,7 +8,6 @@
 #include <cmath>
 #include <complex>
 #include <optional>
-#include <ranges>
 #include <tuple>
 #include <utility>
 
@@ -443,8 +442,9 @@ PositionBand position_band(NoiseBudget const& b) {
   PositionBand band;
   for (std::size_t i = 0; !b.positions.empty() && i < b.grid.size(); ++i) {
     auto const at = [&](PositionCurve const& c) { return c.asd[i]; };
-    band.low.push_back(std::ranges::min(b.positions | std::views::transform(at)));
-    band.high.push_back(std::ranges::max(b.positions | std::views::transform(at)));
+    auto const [low, high] = std::ranges::minmax_element(b.positions, {}, at);
+    band.low.push_back(at(*low));
+    band.high.push_back(at(*high));
   }
   return band;
 }

@@ -41,6 +41,8 @@ struct Converted {
   Set set;
   auto operator()(auto const& row) const { return get(row); }
 };
+template <class Get, class Set>
+Converted(Get, Set) -> Converted<Get, Set>;
 
 // How a value is stored: flags and enumerations as bytes, an array as so many numbers in each row.
 template <class T>

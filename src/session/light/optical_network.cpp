@@ -248,9 +248,9 @@ void check_network_beams(Scene const& scene, Interferometer const& detector) {
     auto const source = find_beam(model->network, light);
     if (!source) continue;
     Node const at = table["ports"][name]["at"];
-    auto const found = std::ranges::find_if(model->entrances, [&, key = at ? at.text() : ""](NamedWay const& w) {
-      return w.name == name || w.name == key;
-    });
+    auto const found = std::ranges::find_if(
+        model->entrances,
+        [&, name = name, key = at ? at.text() : ""](NamedWay const& w) { return w.name == name || w.name == key; });
     std::string const back = beam_name(model->network, reversed(*source));
     if (!at) continue;
     if (found == model->entrances.end() || !same_beam(model->network, found->way.lit.beam, *source))

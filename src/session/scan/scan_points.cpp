@@ -246,7 +246,7 @@ std::shared_ptr<TracedLight const> Scanner::trace_of(Model& model, ScanPoint& po
   point.from = unchanged && !made_.contains(name) ? ScanPoint::From::stored : ScanPoint::From::traced;
   if (!file.empty() && !unchanged) write_run(file, content_of(model, result, nullptr));
   std::vector<ObjectRow> objects = object_rows(result);
-  auto const light = std::make_shared<TracedLight const>(std::move(result.coupling), std::move(objects));
+  auto const light = std::make_shared<TracedLight const>(TracedLight{std::move(result.coupling), std::move(objects)});
   if (point.complete) traced_.emplace(name, light);
   return light;
 }

@@ -161,7 +161,9 @@ void choose_sub_paths_of_modes(World& world) {
   std::vector<PilotRounds> const found = tried(view, cost);
   Columns const columns(view);
   for (auto& [mode, mean] : modes) {
-    auto const pays = [&](std::size_t column) { return sure_gain(found[column], cost.walk, cost.more[mode]) > sure; };
+    auto const pays = [&, mode = mode](std::size_t column) {
+      return sure_gain(found[column], cost.walk, cost.more[mode]) > sure;
+    };
     mean = 0;
     for (std::uint32_t source = 0; source < view.lit.size; ++source)
       if (pays(columns.of(mode, source))) mean = sub_paths_for_one_beam;

@@ -482,8 +482,8 @@ DrivenScan drive_ring(World const& world, WaveSettings const& settings, RingWave
     driven.surfaces.push_back(ring.stops[i].surface);
     driven.coatings.push_back(mirrors.back().coating);
   }
-  std::ranges::rotate(driven.surfaces, driven.surfaces.end() - 1);  // the last is the input mirror
-  std::ranges::rotate(driven.coatings, driven.coatings.end() - 1);
+  std::rotate(driven.surfaces.begin(), driven.surfaces.end() - 1, driven.surfaces.end());  // the last: the input mirror
+  std::rotate(driven.coatings.begin(), driven.coatings.end() - 1, driven.coatings.end());
   driven.free_spectral_range = speed_of_light / ring.length();
   Field input = waves.mode.spectrum;
   if (settings.input) {

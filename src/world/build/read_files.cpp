@@ -450,7 +450,9 @@ void add_cad(PlacedFile const& from, LoadedCad& cad, World& world, PartAdder& ad
   for (CadPart const& part : parts_of(cad, scale, world.storage)) {
     adder.turn_to(part.label);
     for (auto const& [any, frame] : part.faces)
-      std::visit([&](auto const& shape) { adder.add(shape, nested(from.pose, frame), adder.next_face()); }, any);
+      std::visit(
+          [&, &frame = frame](auto const& shape) { adder.add(shape, nested(from.pose, frame), adder.next_face()); },
+          any);
     if (part.triangles.triangles.size > 0) adder.add_mesh(part.triangles, scale, adder.next_face());
   }
 }
