@@ -3,9 +3,9 @@
 """Fail for a file of /usr that build, tests or scripts use and that no package listed by scripts/setup brings, so that a
 package installed by hand on one machine hides nothing. Usage: check_packages.py BUILD_DIR [--without PACKAGE]...
 
-Two lists are checked: what compiles and links straytrace and straytrace-step against `scripts/setup --list`, everything
-against `scripts/setup --test --list`; each with what apt installs along with it, without recommended packages, on top of
-a minimal Debian. --without leaves packages out of both lists.
+Three lists are checked: what compiles and links straytrace and straytrace-step against `scripts/setup --list`, everything
+against `scripts/setup --test --list`, and what runs other programs in bench/peers against that with --peers; each with what apt installs along with it, without recommended packages, on top of
+a minimal Debian. --without leaves packages out of all lists.
 """
 import argparse
 import ast
@@ -17,6 +17,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DPKG = pathlib.Path("/var/lib/dpkg")
 FOLDERS = ("scripts", "tools", "tests", "python", "bench", "fuzz", "mpi", "step", "src", ".ci")
+PEERS = ROOT / "bench/peers"
 SUFFIXES = {"", ".sh", ".py", ".js", ".bash", ".cpp", ".hpp", ".txt", ".cmake"}
 SYSTEM_PYTHON = pathlib.Path("/usr/lib/python3/dist-packages")
 # These name packages and files without using them.
@@ -152,12 +153,15 @@ def used_by_program():
     return {path: str(script.relative_to(ROOT)) for script in scripts for path in imported_files(script.read_text())}
 
 
-def used_by_sources(build):
-    """{path: file that uses it} of files that tests, tools and scripts name, start and import outside build/compare."""
+def used_by_sources(build, peers):
+    """{path: file that uses it} of files that tests, tools and scripts name, start and import outside build/compare; `peers`: those that run
+    other programs."""
     named = {}
     programs = {p.name: str(p) for folder in ("/usr/sbin", "/usr/bin") for p in pathlib.Path(folder).iterdir()}
     shipped = {p.stem for p in (build / "compare/lib").glob("python*/site-packages/*")}
     for source in sources():
+        if (PEERS in source.parents) != peers:
+            continue
         try:
             text = source.read_text()
         except UnicodeDecodeError:
@@ -191,7 +195,8 @@ def main():
     packages, setup = Packages(), ROOT / "scripts/setup"
     found, count = [], 0
     for words, named in (((), built_with(arguments.build, "straytrace", "straytrace-step") | used_by_program()),
-                         (("--test",), built_with(arguments.build) | used_by_sources(arguments.build))):
+                         (("--test",), built_with(arguments.build) | used_by_sources(arguments.build, False)),
+                         (("--test", "--peers"), used_by_sources(arguments.build, True))):
         listed = [p for p in output_of(setup, *words, "--list").split() if p not in arguments.without]
         found += problems(packages, listed, named, " ".join(["scripts/setup", *words]))
         count += len(named)
