@@ -145,7 +145,7 @@ CLI::Validator is_record(std::string const& option, bool or_channel) {
 FrequencyBand option_band(std::string const& text, std::string const& option, FrequencyBand allowed) {
   bool const dots = text.find("..") != text.npos;
   auto const mark = dots ? text.find("..") : text.find(',');
-  std::string const example = "20 Hz..80 Hz";
+  std::string const example = allowed.low > 0 ? "5 Hz..5 kHz" : "20 Hz..80 Hz";
   if (mark == text.npos)
     throw InputError(fmt::format("{}: '{}' is not a band", option, text),
                      fmt::format("write {} \"{}\"", option, example));

@@ -190,8 +190,9 @@ TEST(Budget, BadInput) {
   rejected({"aligo", "--at", "10"}, "'10' is not a frequency", "10.5 Hz");
   rejected({"aligo", "--at", "10 m"}, "not a frequency", "10.5 Hz");
   rejected({"aligo", "--margin", "0"}, "not a positive ratio", "1/10");
-  rejected({"aligo", "--band", "10 Hz"}, "not a band", "20 Hz..80 Hz");
-  rejected({"aligo", "--band", "1 kHz..10 Hz"}, "not a rising range", "20 Hz..80 Hz");
+  rejected({"aligo", "--band", "10 Hz"}, "not a band", "5 Hz..5 kHz");
+  rejected({"aligo", "--band", "1 kHz..10 Hz"}, "not a rising range", "5 Hz..5 kHz");
+  rejected({"aligo", "--band", "0 Hz..10 Hz"}, "not between 1 uHz and 1 MHz", "5 Hz..5 kHz");
   rejected({"aligo", "--compare", "adv-lla"}, "neither a design curve nor a file", "did you mean 'adv-lal'?");
   rejected({"aligo", "--export", "pygwinc"}, "needs a folder", "-o DIR");
   rejected({"aligo", "-p", "Laser.Power"}, "sets nothing", "Laser.Power=25");
