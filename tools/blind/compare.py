@@ -43,7 +43,7 @@ def rows(result):
         table, noise, levers = file["classes"], file["noise"], file["phase_sensitivities"]
         bodies = [b.decode() for b in file["names/bodies"][:]]
         edges = noise["frequency_edges"][:]
-        column = {k: table[k][:] for k in ("name", "mean", "std_error", "trusted", "by_reverse", "reverse", "kind", "largest_share")}
+        column = {k: table[k][:] for k in ("name", "mean", "std_error", "trusted", "by_reverse", "reverse", "kind")}
         light = table["replica_sum"][:] / file.attrs["histories"]
         mean, sigma = noise["routes/mean"][:], noise["routes/sigma"][:]
         moments = [levers[k][:] for k in ("class", "product_replica", "product_body", "product")]
@@ -53,7 +53,7 @@ def rows(result):
             continue
         of = moments[0] == i
         yield {"name": name.decode(), "steps": steps, "mean": column["mean"][i],
-               "error": max(column["std_error"][i], column["largest_share"][i] * column["mean"][i]),   # strata may deal equal blocks
+               "error": column["std_error"][i],
                "reverse": column["reverse"][i], "edges": edges, "h": mean[i], "h_error": sigma[i],
                "light": light[i], "moments": [m[of] for m in moments[1:]],
                "bodies": bodies}

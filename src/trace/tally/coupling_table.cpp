@@ -60,7 +60,7 @@ MadeClass make_class(SteeredWorld const& steered, std::uint64_t hash, ClassSums 
   CouplingClass& c = made.row;
   c.hash = hash;
   c.port = {sums.port};
-  c.coupling = estimate(sums.moments, total.histories, total.blocks);
+  c.coupling = route_estimate(sums.moments, total.histories, total.blocks);
   c.off_list = sums.off_list / double(total.histories);
   c.replica_sum = sums.replica_sum;
   double weights = 0;
@@ -125,7 +125,7 @@ class Leftover {
       moments_.tail.clear();
       moments_.first_sum = not_a_number;
     }
-    merged_.coupling = estimate(moments_, total.histories, total.blocks);
+    merged_.coupling = route_estimate(moments_, total.histories, total.blocks);
     if (several && total.blocks >= replica_count) {
       double const n = double(total.histories);
       double between = 0;

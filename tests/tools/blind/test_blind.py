@@ -15,6 +15,7 @@ from scipy import stats
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "tools/blind"))
 from blind import summary  # noqa: E402
 from compare import compare  # noqa: E402
+from coverage import agrees, covered  # noqa: E402
 from oracle import CONTROLS, Oracle  # noqa: E402
 from scenes import Scene  # noqa: E402
 
@@ -88,9 +89,8 @@ def traced(folder, text, threads=1):
                    check=True, timeout=120, stdout=subprocess.DEVNULL)
     with h5py.File(result) as run:
         table = run["classes"]
-        columns = (table[k][:] for k in ("name", "mean", "std_error", "largest_share", "trusted"))
-        rows = {name.decode(): (mean, max(error, largest * mean)) for name, mean, error, largest, good in zip(*columns)
-                if good and not name.startswith(b"other")}      # at least one history: strata may deal equal blocks
+        columns = (table[k][:] for k in ("name", "mean", "std_error", "trusted"))
+        rows = {name.decode(): (mean, error) for name, mean, error, good in zip(*columns) if good and not name.startswith(b"other")}
         return rows, run["noise/total/mean"][:], run["noise/total/sigma"][:]
 
 
@@ -109,6 +109,20 @@ def check_invariance():
         assert max(abs(v[0] - rows[k][0]) / v[1] for k, v in wrong.items() if k in rows) > 5
 
 
-for check in (check_closed_forms, check_random_scenes, check_invariance):
+def check_criterion_of_coverage():
+    """Student pulls of 32 blocks hold, also where all of a few are within two errors; errors half as large again or a third
+    too small do not."""
+    draws = stats.t(31).rvs((40, 20), random_state=7)
+    assert agrees(covered(draws)), covered(draws)
+    few = np.full((4, 20), 0.5)
+    few[0, :20], few[1, :20] = 1.5, 1.7                        # one error: 50 %; two errors: 100 %, without scatter
+    few[:, ::3] = 0.5
+    shares = covered(few)
+    assert shares[1][0] == 1 and agrees(shares), shares
+    assert not agrees(covered(draws / 1.5)) and not agrees(covered(draws * 1.5)), "control: wrong errors"
+    assert not agrees(covered(np.full((40, 20), 0.5))), "control: errors far too large"
+
+
+for check in (check_closed_forms, check_random_scenes, check_criterion_of_coverage, check_invariance):
     check()
 print("ok")
