@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 
 #include "base/errors.hpp"
 #include "noise/bands/elasticity.hpp"
 #include "noise/bands/input_band.hpp"
+#include "scene/model_tree.hpp"
 #include "session/decide/what_if.hpp"
 #include "session/session.hpp"
 
@@ -78,7 +80,8 @@ SensitiveInput of_value(OpenRun const& run, SceneValue const& value) {
   in.kind = value.place.starts_with("bodies.") ? InputClass::motion : InputClass::response;
   in.name = value.place;
   bool const word = value.written.empty() || std::isalpha(static_cast<unsigned char>(value.written.front()));
-  in.value = word ? fmt::format("{:.6g} (SI)", value.quantity->si) : value.written;
+  double const rounded = std::strtod(fmt::format("{:.6g}", value.quantity->si).c_str(), nullptr);
+  in.value = word ? scene::si_text(Value{{rounded, value.quantity->dimension, {}}, false}) : value.written;
   in.method = "projected at 0.9 to 1.1 times its value";
   in.elasticity = central_elasticity([&](double factor) {
     return total_of(projection_of(run.file, {times(value, factor)}), run.file.trace.coupling);
