@@ -23,7 +23,7 @@ import subprocess
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-OF_GCC = re.compile(r"-W\S*|-O\d")                      # warnings that Clang does not have, and optimisation
+OF_GCC = re.compile(r"-W\S*|-O\d|--param=ggc\S*")        # warnings that Clang does not have, optimisation, memory of g++
 LIBRARIES = (("/fmt/", "fmt"), ("/nlohmann/", "nlohmann_json"), ("/eigen3/", "Eigen"), ("/CLI/", "CLI11"), ("/yaml-cpp/", "yaml-cpp"),
              ("/boost/", "Boost"), ("hdf5", "HDF5"), ("/H5", "HDF5"), ("Random123", "Random123"), ("/assimp/", "assimp"))
 STANDARD = "C++ and C standard library"

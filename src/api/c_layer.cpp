@@ -2,6 +2,7 @@
 // The front for C: each function calls that of straytrace.hpp, and keeps the texts that it gives.
 #include <nlohmann/json.hpp>
 
+#include "base/text/json_text.hpp"
 #include "straytrace/straytrace.h"
 #include "straytrace/straytrace.hpp"
 
@@ -31,7 +32,7 @@ struct LastError {
 };
 thread_local LastError last;
 
-std::string text_of(json const& table) { return table.dump(-1, ' ', false, json::error_handler_t::replace); }
+std::string text_of(json const& table) { return straytrace::json_text(table); }
 
 std::string table_of(std::vector<Problem> const& problems) {
   json list = json::array();

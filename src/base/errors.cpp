@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/text/json_text.hpp"
+
 namespace straytrace {
 
 std::string placed_message(Problem const& p, std::string const& file) {
@@ -51,7 +53,7 @@ std::string problems_as_json(InputError const& error) {
                     {"severity", p.severity == Severity::error ? "error" : "warning"},
                     {"what", p.what},
                     {"suggestion", p.suggestion}});
-  return list.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(list, 1) + "\n";
 }
 
 }  // namespace straytrace

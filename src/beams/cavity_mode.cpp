@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "beams/cavity_mode.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <boost/math/special_functions/bessel.hpp>
 #include <fmt/format.h>
 
@@ -14,6 +12,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/gauss_points.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "beams/overlap.hpp"
 
 namespace straytrace::beams {
@@ -106,7 +105,7 @@ Eigenpair next_to(Eigen::MatrixXcd const& round, Eigen::VectorXcd const& start) 
   for (int step = 0; step < 12; ++step) {
     Eigen::MatrixXcd shifted = round;
     shifted.diagonal().array() -= pair.value;
-    Eigen::VectorXcd const v = shifted.partialPivLu().solve(pair.vector);
+    Eigen::VectorXcd const v = solve(shifted, pair.vector);
     if (!v.allFinite()) break;  // the shift is the eigenvalue
     Complex const before = pair.value;
     pair = {quotient(v.normalized()), v.normalized()};
@@ -137,7 +136,7 @@ std::vector<Complex> near_gaussian(RoundCavity const& cavity, Eigen::MatrixXcd c
 
 // In the order of their loss.
 std::vector<Complex> least_loss(Eigen::MatrixXcd const& round) {
-  Eigen::VectorXcd const all = Eigen::ComplexEigenSolver<Eigen::MatrixXcd>(round, false).eigenvalues();
+  Eigen::VectorXcd const all = complex_eigenvalues(round);
   std::vector<Complex> values(all.begin(), all.end());
   std::ranges::sort(values, std::ranges::greater{}, [](Complex z) { return std::abs(z); });
   return values;

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "optics/coating/fresnel.hpp"
 
 namespace straytrace::beams {
@@ -375,14 +376,11 @@ std::vector<Vec3> closed_axis(std::span<SphericalMirror const> mirrors) {
       less[k] -= step;
       second.col(k) = (way.gradient(more) - way.gradient(less)) / (2 * step);
     }
-    Eigen::FullPivLU<Eigen::MatrixXd> const solver(second);
-    Eigen::VectorXd const pivots = solver.matrixLU().diagonal().cwiseAbs();
-    if (!(pivots.minCoeff() > singular * pivots.maxCoeff()))
-      throw NumericalError("no single ray closes on itself: the mirrors do not determine the axis");
-    Eigen::VectorXd const change = solver.solve(way.gradient(at));
-    if (!change.allFinite()) break;
-    at -= change;
-    if (change.cwiseAbs().maxCoeff() < settled * scale) return way.points(at);
+    auto const change = solve_regular(second, way.gradient(at), singular);
+    if (!change) throw NumericalError("no single ray closes on itself: the mirrors do not determine the axis");
+    if (!change->allFinite()) break;
+    at -= *change;
+    if (change->cwiseAbs().maxCoeff() < settled * scale) return way.points(at);
   }
   throw NumericalError("no ray near the vertices of the mirrors closes on itself");
 }

@@ -14,6 +14,7 @@
 
 #include "base/errors.hpp"
 #include "base/input/document.hpp"
+#include "base/text/json_text.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -136,7 +137,7 @@ void print_profile(Named const& n, AperturesOptions const& wanted, bool json) {
     out["x_m"] = x;
     out["intensity"] = with;
     out["intensity_without_rim"] = without;
-    std::cout << out.dump() << '\n';
+    std::cout << json_text(out) << '\n';
     return;
   }
   std::cout << fmt::format(
@@ -158,7 +159,7 @@ int apertures(AperturesOptions const& options) {
   } else if (options.json()) {
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
     for (Named const& n : all) out.push_back(json_of(n));
-    std::cout << out.dump() << '\n';
+    std::cout << json_text(out) << '\n';
   } else if (all.empty()) {
     std::cout << "No Gaussian beam of the scene passes an edge.\n";
   } else {

@@ -11,6 +11,7 @@
 
 #include "base/errors.hpp"
 #include "base/input/document.hpp"
+#include "base/text/json_text.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
 #include "cli/data_options.hpp"
@@ -83,7 +84,7 @@ void warn(std::vector<std::string> const& warnings, PrintOptions const& options)
 std::string write_budget(BudgetView const& view, OutputFolder const& folder, bool pygwinc) {
   std::string const json = folder.path("budget.json");
   std::vector<std::pair<std::string, std::string>> files = {{folder.path("budget.txt"), budget_columns(view)},
-                                                            {json, budget_json(view).dump(1)}};
+                                                            {json, json_text(budget_json(view), 1)}};
   if (pygwinc) files.emplace_back(folder.path("budget.hdf5"), budget_pygwinc(view));
   write_files(files);
   std::string message;
@@ -99,7 +100,7 @@ int budget(BudgetOptions const& options) {
   BudgetView const view = view_of(options);
   std::string const undrawn = folder ? write_budget(view, *folder, pygwinc) : "";
   if (options.json())
-    std::cout << budget_json(view).dump(1) << '\n';
+    std::cout << json_text(budget_json(view), 1) << '\n';
   else
     std::cout << budget_text(view);
   std::vector<std::string> warnings = options.quiet ? std::vector<std::string>() : view.warnings;

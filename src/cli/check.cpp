@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "base/text/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -37,7 +38,7 @@ int check_motion(Scene const& scene, CheckOptions const& options) {
   if (options.strict && !warnings.empty()) return input_error;
   if (options.resolved) return print_resolved(scene, options);
   if (options.json())
-    std::cout << nlohmann::ordered_json{{"ok", true}, {"bodies", names.size()}}.dump() << '\n';
+    std::cout << json_text(nlohmann::ordered_json{{"ok", true}, {"bodies", names.size()}}) << '\n';
   else
     std::cout << fmt::format("{}: motion of {}, for: straytrace noise RUN --motion {}\nno errors\n", options.input,
                              names.size() == 1 ? "1 body" : fmt::format("{} bodies", names.size()), options.input);
@@ -52,7 +53,7 @@ int check_network(Scene const& scene, CheckOptions const& options) {
   if (options.resolved) return print_resolved(scene, options);
   std::size_t const components = model.network.components().size(), readouts = model.readouts.size();
   if (options.json())
-    std::cout << nlohmann::ordered_json{{"ok", true}, {"components", components}, {"readouts", readouts}}.dump()
+    std::cout << json_text(nlohmann::ordered_json{{"ok", true}, {"components", components}, {"readouts", readouts}})
               << '\n';
   else
     std::cout << fmt::format("{}: network of {} with {}, for: straytrace ifo {}\nno errors\n", options.input,
@@ -87,7 +88,7 @@ int check(CheckOptions const& options) {
                                        {"lit", lit_json(model)},
                                        {"wave", wave_json(model)},
                                        {"model_hash", model.hash()}};
-    std::cout << found.dump() << '\n';
+    std::cout << json_text(found) << '\n';
     return done;
   }
   std::size_t const count = model.world.receivers().size();
@@ -126,7 +127,7 @@ void add_check(CLI::App& app, int& exit_code) {
 
 int print_resolved(Scene const& scene, PrintOptions const& options) {
   if (options.json())
-    std::cout << model_as_json(scene).dump(1) << '\n';
+    std::cout << json_text(model_as_json(scene), 1) << '\n';
   else
     std::cout << printed_model(scene);
   return done;

@@ -13,6 +13,7 @@
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
+#include "base/text/json_text.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/text/picture.hpp"
@@ -122,7 +123,7 @@ class Answers {
   }
   void add(GhostReport const& report) {
     text_ += (text_.empty() ? "" : "\n") + ghost_text(report, objects_shown);
-    nlohmann::json entry = nlohmann::json::parse(ghost_json(report));
+    nlohmann::json entry = read_json(ghost_json(report));
     if (csv_) entry["surfaces"] = outlines(world_, report);
     all_.push_back(std::move(entry));
     if (options_.quiet) return;
@@ -135,14 +136,14 @@ class Answers {
     if (csv_) {
       csv_->publish();
       write_file(in_folder("ghosts.txt"), text_);
-      write_file(in_folder("ghosts.json"), all_.dump());
+      write_file(in_folder("ghosts.json"), json_text(all_));
       std::string message;
       if (!draw_from_json("ghosts", in_folder("ghosts.json"), in_folder("ghosts.png"), message))
         std::cerr << message << '\n';
     }
     if (options_.csv) return;
     if (options_.json())
-      std::cout << all_.dump() << '\n';
+      std::cout << json_text(all_) << '\n';
     else
       std::cout << text_;
   }

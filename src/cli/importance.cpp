@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/text/columns.hpp"
@@ -104,7 +105,7 @@ int importance(ImportanceOptions const& options) {
                      {"area_m2", r.area},
                      {"adjoint_front", r.front},
                      {"adjoint_back", r.back}});
-    std::cout << out.dump() << '\n';
+    std::cout << json_text(out) << '\n';
   } else {
     print(rows, options.show);
   }

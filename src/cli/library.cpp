@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "base/files/read_write.hpp"
+#include "base/text/json_text.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/results.hpp"
@@ -121,13 +122,13 @@ int library(LibraryOptions const& options) {
   } else if (!options.name.empty()) {
     LibraryEntry const& e = find(all, options.name);
     if (options.json())
-      std::cout << json_of(e).dump() << '\n';
+      std::cout << json_text(json_of(e)) << '\n';
     else
       print_one(e);
   } else if (options.json()) {
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
     for (LibraryEntry const& e : all) out.push_back(json_of(e));
-    std::cout << out.dump() << '\n';
+    std::cout << json_text(out) << '\n';
   } else {
     print_list(all);
   }

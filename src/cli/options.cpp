@@ -9,14 +9,13 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <regex>
 #include <set>
 #include <sstream>
 
 #include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
-#include "base/text/bounded_regex.hpp"
+#include "base/text/pattern.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
 #include "session/model.hpp"
@@ -235,37 +234,34 @@ Complaint unknown_choice(std::string const& option, std::string const& word, std
 
 // Of a value that a check of the option parser refuses; empty for other messages.
 std::optional<Complaint> unsuitable_value(std::string const& text) {
-  static std::regex const no_file(R"((.+): File does not exist: (.*))"),
+  static Pattern const no_file(R"((.+): File does not exist: (.*))"),
       folder(R"((.+): File is actually a directory: (.*))");
-  std::smatch m;
-  if (bounded_regex_match(text, m, no_file))
-    return Complaint{fmt::format("{}: file '{}' does not exist", m[1].str(), m[2].str()),
-                     "check the name and the folder"};
-  if (bounded_regex_match(text, m, folder))
-    return Complaint{fmt::format("{}: '{}' is a folder", m[1].str(), m[2].str()), "name a file"};
+  if (PatternMatch const m = no_file.match(text))
+    return Complaint{fmt::format("{}: file '{}' does not exist", m[1], m[2]), "check the name and the folder"};
+  if (PatternMatch const m = folder.match(text))
+    return Complaint{fmt::format("{}: '{}' is a folder", m[1], m[2]), "name a file"};
   return {};
 }
 
 // Messages of the option parser in our wording; empty for others.
 std::optional<Complaint> rewritten(std::string const& text, std::string const& named) {
   if (auto const value = unsuitable_value(text)) return value;
-  static std::regex const twice(R"((.+): At Most (\d+) required but received (\d+))"),
+  static Pattern const twice(R"((.+): At Most (\d+) required but received (\d+))"),
       value(R"((.+): \d+ required .*missing)"), choice(R"((.+): (.*) not in \{(.*)\})"), missing(R"((.+) is required)"),
       number(R"(Could not convert: (.+) = (.*))"), few(R"((.+): At least (\d+) required but received (\d+))");
-  std::smatch m;
-  if (bounded_regex_match(text, m, twice))
-    return Complaint{fmt::format("{} appears {} times", m[1].str(), m[3].str()), "give it once"};
-  if (bounded_regex_match(text, m, few))
-    return Complaint{fmt::format("'{}' needs {} values, but received {}", m[1].str(), m[2].str(), m[3].str()),
-                     "write all of them"};
-  if (bounded_regex_match(text, m, value)) return Complaint{m[1].str() + " needs a value", "write it after the option"};
-  if (bounded_regex_match(text, m, choice)) return unknown_choice(m[1], m[2], m[3]);
-  if (bounded_regex_match(text, m, number))
-    return Complaint{fmt::format("{} cannot be '{}'", m[1].str(), m[2].str()), "write a number without a unit"};
+  if (PatternMatch const m = twice.match(text))
+    return Complaint{fmt::format("{} appears {} times", m[1], m[3]), "give it once"};
+  if (PatternMatch const m = few.match(text))
+    return Complaint{fmt::format("'{}' needs {} values, but received {}", m[1], m[2], m[3]), "write all of them"};
+  if (PatternMatch const m = value.match(text)) return Complaint{m[1] + " needs a value", "write it after the option"};
+  if (PatternMatch const m = choice.match(text)) return unknown_choice(m[1], m[2], m[3]);
+  if (PatternMatch const m = number.match(text))
+    return Complaint{fmt::format("{} cannot be '{}'", m[1], m[2]), "write a number without a unit"};
   if (text == "A subcommand is required") return Complaint{"a command is missing", "write one after the name"};
-  if (!bounded_regex_match(text, m, missing)) return {};
-  if (m[1].str().starts_with('-')) return Complaint{m[1].str() + " is missing", "add it with its value"};
-  return Complaint{fmt::format("'{}' is missing", m[1].str()), fmt::format("write straytrace {}{}", named, m[1].str())};
+  PatternMatch const m = missing.match(text);
+  if (!m) return {};
+  if (m[1].starts_with('-')) return Complaint{m[1] + " is missing", "add it with its value"};
+  return Complaint{fmt::format("'{}' is missing", m[1]), fmt::format("write straytrace {}{}", named, m[1])};
 }
 
 std::string help_of(std::string const& named) { return fmt::format("see straytrace {}--help", named); }

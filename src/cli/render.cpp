@@ -15,6 +15,7 @@
 #include "base/errors.hpp"
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
+#include "base/text/json_text.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
@@ -196,7 +197,7 @@ void print(RenderOptions const& options, Camera const& c, Drawn const& drawn) {
                              {"shine", shine},
                              {"halo", halo},
                              {"legend", legend}};
-    std::cout << out.dump() << '\n';
+    std::cout << json_text(out) << '\n';
     return;
   }
   std::cout << fmt::format("{}: {} x {} pixels", options.out, c.columns, c.rows);

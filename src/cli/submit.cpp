@@ -6,10 +6,9 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <regex>
 
 #include "base/process/child_process.hpp"
-#include "base/text/bounded_regex.hpp"
+#include "base/text/pattern.hpp"
 #include "base/text/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -47,8 +46,7 @@ void refuse_what_has_no_slices(Model const& model, std::uint64_t jobs) {
 }
 
 void check_accounting(std::string const& group) {
-  std::smatch m;
-  if (group.empty() || bounded_regex_match(group, m, std::regex("[A-Za-z0-9_.@/+-]+"))) return;
+  if (group.empty() || Pattern("[A-Za-z0-9_.@/+-]+").match(group)) return;
   throw InputError(fmt::format("--accounting '{}' is not a valid name of an account", group),
                    "letters, digits and . _ - + @ / are allowed");
 }

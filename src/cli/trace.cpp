@@ -7,9 +7,9 @@
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <regex>
 
-#include "base/text/bounded_regex.hpp"
+#include "base/text/json_text.hpp"
+#include "base/text/pattern.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "report/html/page_json.hpp"
@@ -89,7 +89,7 @@ int print_history(TraceOptions const& options, std::uint64_t number) {
   std::vector<HistoryEvent> const events =
       replay_history_events(steer(model.world, options.threads), model.seed, number);
   if (options.json()) {
-    std::cout << told_json(events).dump() << '\n';
+    std::cout << json_text(told_json(events)) << '\n';
     return done;
   }
   Columns table{{"event", "order", "what", "where", "body", "x [m]", "y [m]", "z [m]", "power"},
@@ -113,9 +113,8 @@ namespace {
 
 // "7/200"
 void read_slice(std::string const& text, TraceOptions& options) {
-  static std::regex const form(R"(\s*([0-9]{1,7})\s*/\s*([0-9]{1,7})\s*)");
-  std::smatch m;
-  if (bounded_regex_match(text, m, form)) {
+  static Pattern const form(R"(\s*([0-9]{1,7})\s*/\s*([0-9]{1,7})\s*)");
+  if (PatternMatch const m = form.match(text)) {
     options.slice = std::stoull(m[1]);
     options.slices = std::stoull(m[2]);
     if (options.slice >= 1 && options.slice <= options.slices) return;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ifo/mode_bases.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,6 +12,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "beams/overlap.hpp"
 #include "ifo/network_ways.hpp"
 
@@ -444,10 +444,10 @@ Phasor round_trip_in_modes(Network const& n, ModeBases const& bases, NetworkCavi
       trip.row(mode) *= turn_along(n, &bases, space, 0, std::size_t(mode));
     trip = carrier_way(n, c, next - c.first_port, in) * (bases.coupling(next, in) * trip);
   }
-  Eigen::ComplexEigenSolver<Eigen::MatrixXcd> const solved(trip);
+  ComplexModes const solved = complex_modes(trip);
   Eigen::Index best = 0;
-  solved.eigenvectors().colwise().normalized().row(0).cwiseAbs().maxCoeff(&best);
-  return solved.eigenvalues()[best];
+  solved.vectors.colwise().normalized().row(0).cwiseAbs().maxCoeff(&best);
+  return solved.values[best];
 }
 
 double CavityMode::phase_beyond(int n, int m) const {

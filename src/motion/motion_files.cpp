@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "motion/motion_files.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "base/text/words.hpp"
 #include "io/delimited_text.hpp"
 #include "spectra/curve.hpp"
@@ -138,9 +138,8 @@ std::vector<double> pendulum_modes(std::vector<double> const& masses, std::vecto
     k(i - 1, i - 1) += stiffness / above;
     k(i, i - 1) = k(i - 1, i) = -stiffness / std::sqrt(m * above);
   }
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> const solver(k, Eigen::EigenvaluesOnly);
   std::vector<double> hz;
-  for (Eigen::Index i = 0; i < n; ++i) hz.push_back(std::sqrt(solver.eigenvalues()[i]) / (2 * pi));
+  for (double const square : symmetric_eigenvalues(k)) hz.push_back(std::sqrt(square) / (2 * pi));
   return hz;
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
+#include "base/text/json_text.hpp"
 #include "scene/model_tree.hpp"
 #include "scene/scene.hpp"
 #include "world/build/read_parts.hpp"
@@ -220,7 +221,7 @@ void add_keys(Json const& whole, Json const& table, std::string const& name, std
 }
 
 std::vector<LanguageKey> read_keys_of_schema() {
-  Json const whole = Json::parse(language_schema());
+  Json const whole = read_ordered_json(language_schema());
   std::vector<LanguageKey> all;
   add_keys(whole, whole, "model", all);
   for (auto const& [context, table] : whole.at("$defs").items()) {

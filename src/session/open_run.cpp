@@ -11,6 +11,7 @@
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
+#include "base/text/json_text.hpp"
 #include "base/text/words.hpp"
 #include "scene/scene_document.hpp"
 #include "session/light/optical_network.hpp"
@@ -197,9 +198,7 @@ namespace {
 using SortedJson = nlohmann::json;
 bool told = false;
 
-void tell(SortedJson const& event) {
-  std::cerr << event.dump(-1, ' ', false, SortedJson::error_handler_t::replace) << '\n' << std::flush;
-}
+void tell(SortedJson const& event) { std::cerr << json_text(event) << '\n' << std::flush; }
 
 }  // namespace
 
@@ -219,7 +218,7 @@ void print_progress(TraceProgress const& p, std::string const& line) {
 }
 
 void print_problems(InputError const& e) {
-  tell({{"event", "problems"}, {"text", e.what()}, {"problems", SortedJson::parse(problems_as_json(e))}});
+  tell({{"event", "problems"}, {"text", e.what()}, {"problems", read_json(problems_as_json(e))}});
 }
 
 }  // namespace straytrace::session

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "report/html/page_json.hpp"
 #include "report/scene_drawing.hpp"
 #include "results/text/columns.hpp"
@@ -78,7 +79,7 @@ PageJson first_order_json(Model const& model, std::vector<FirstOrderList> const&
 PageJson ghosts_json(std::vector<GhostReport> const& reports) {
   PageJson all = PageJson::array();
   for (GhostReport const& r : reports) {
-    all.push_back(PageJson::parse(ghost_json(r)));
+    all.push_back(read_json(ghost_json(r)));
     all.back()["table"] = ghost_page_table(r);
   }
   return all;
@@ -195,7 +196,7 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   j["provenance"] = provenance_json(run);
   if (run.noise && wanted.has("budget")) {
     j["budget"] = budget_json(*run.noise, table, routes_in_budget);
-    j["budget"]["measured"] = wanted.measured.empty() ? PageJson::array() : PageJson::parse(wanted.measured);
+    j["budget"]["measured"] = wanted.measured.empty() ? PageJson::array() : read_json(wanted.measured);
     j["what_if"] =
         what_if_json(what_if_terms(model, run.trace->coupling, *run.noise, table, what_if_rows), *run.noise, table);
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "wave/round_trip.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <boost/math/special_functions/bessel.hpp>
 #include <fmt/format.h>
 
@@ -11,6 +10,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/functions.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "base/process/threads.hpp"
 #include "beams/overlap.hpp"
 
@@ -210,12 +210,12 @@ bool Krylov::extend(Eigen::VectorXcd image) {
 
 std::vector<RitzPair> Krylov::ritz() const {
   Eigen::Index const m = matrix_.cols(), in_starts = std::min(Eigen::Index(starts_), m);
-  Eigen::ComplexEigenSolver<Eigen::MatrixXcd> const solved(matrix_.topRows(m));
+  ComplexModes const solved = complex_modes(matrix_.topRows(m));
   std::vector<RitzPair> pairs;
   for (Eigen::Index i = 0; i < m; ++i) {
-    Eigen::VectorXcd const y = solved.eigenvectors().col(i).normalized();
+    Eigen::VectorXcd const y = solved.vectors.col(i).normalized();
     double const residual = (matrix_.bottomRows(matrix_.rows() - m) * y).norm();
-    pairs.push_back({solved.eigenvalues()[i], residual, y.head(in_starts).norm(), y});
+    pairs.push_back({solved.values[i], residual, y.head(in_starts).norm(), y});
   }
   std::ranges::stable_sort(pairs, std::ranges::greater{}, &RitzPair::overlap);
   return pairs;

@@ -20,7 +20,7 @@ CPP = (
      "use hdf5::Reader",
      ("src/io/hdf5/contents.cpp", "src/io/hdf5/contents.hpp", "src/results/run_file/run_file.cpp")),
     (r"\bdlopen\s*\(", "loads code", ("src/session/backend.cpp", "src/base/process/child_process.cpp")),
-    (r"\bregex_match\s*\(", "ends the program at a long text; use bounded_regex_match of base/text/bounded_regex.hpp", ("src/base/text/bounded_regex.hpp",)),
+    (r"\bregex_match\s*\(", "ends the program at a long text; use Pattern of base/text/pattern.hpp", ("src/base/text/pattern.cpp",)),
     (r"\bifstream\b|\bfopen\s*\(|\bfreopen\s*\(", "reads what may be a pipe or a device; use bytes_of_file",
      ("src/base/process/child_process.cpp",)),
 )

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/coupling/impulse.hpp"
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +10,7 @@
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
-#include "base/math/least_squares.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "spectra/fourier.hpp"
 
 namespace straytrace::analysis {
@@ -240,7 +239,7 @@ class Mode {
   };
   Fit fit(double hz, double gamma) const {
     Eigen::MatrixXd const a = columns(hz, gamma);
-    Eigen::Vector4d const x = (a.transpose() * a).ldlt().solve(a.transpose() * answer_);
+    Eigen::Vector4d const x = solve_symmetric(a.transpose() * a, a.transpose() * answer_);
     return {x, (answer_ - a * x).squaredNorm()};
   }
 
@@ -257,7 +256,7 @@ class Mode {
         (columns(hz, gamma * std::exp(dg)) - columns(hz, gamma * std::exp(-dg))) * x / (2 * dg);
     Eigen::VectorXd const scale = slopes.colwise().norm().cwiseInverse();
     Eigen::MatrixXd const unit = slopes * scale.asDiagonal();
-    return scale.asDiagonal() * (unit.transpose() * unit).inverse() * scale.asDiagonal();
+    return scale.asDiagonal() * inverse(Eigen::MatrixXd(unit.transpose() * unit)) * scale.asDiagonal();
   }
 
   int degrees() const { return int(answer_.size()) - 6; }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/fringes/fringe_search.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
-#include "base/math/least_squares.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "spectra/fourier.hpp"
 
 namespace straytrace::analysis {
@@ -37,8 +37,7 @@ Eigen::MatrixXd two_columns(FringeStretch const& stretch, std::vector<double> co
 // Orthonormal columns spanning the same, without the span of `others` (orthonormal).
 Eigen::MatrixXd orthonormal(Eigen::MatrixXd columns, Eigen::MatrixXd const& others) {
   if (others.cols() > 0) columns -= others * (others.transpose() * columns);
-  return Eigen::HouseholderQR<Eigen::MatrixXd>(columns).householderQ() *
-         Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
+  return orthonormal_columns(columns);
 }
 
 // Reduction of chi^2 by two columns for y, which is already orthogonal to the others; zero where the others nearly span
@@ -52,7 +51,7 @@ double gain_of(Eigen::MatrixXd const& columns, Eigen::MatrixXd const& others, Ei
   }
   if (!(gram.trace() > 0.05 * whole)) return 0;
   Eigen::Vector2d const b = columns.transpose() * y;
-  return b.dot(gram.ldlt().solve(b));
+  return b.dot(solve_symmetric(gram, b));
 }
 
 // Of two orthonormal pairs a small step apart: the mean of their principal cosines is 1 - l^2/2.
@@ -147,7 +146,7 @@ FringeLines FringeProblem::model(FringePlace const& place, Eigen::VectorXd const
 
 LinearFit linear_fit(Eigen::MatrixXd const& columns, Eigen::VectorXd const& target) {
   LinearFit out;
-  out.linear = columns.colPivHouseholderQr().solve(target);
+  out.linear = linear_least_squares(columns, target);
   out.chi2 = (target - columns * out.linear).squaredNorm();
   return out;
 }
@@ -367,7 +366,7 @@ LeastSquaresProblem shape_problem(FringeProblem const& problem, FringePlace cons
             Eigen::MatrixXd const slope = jacobian(problem, place, fit.linear);
             auto const columns = slope.leftCols(fit.linear.size());
             Eigen::MatrixXd const moves = slope.rightCols(count);
-            out = columns * columns.colPivHouseholderQr().solve(moves) - moves;
+            out = columns * linear_least_squares(columns, moves) - moves;
             for (Eigen::Index i = 0; i < count; ++i) {  // no step out of a range
               FreeParameter const& p = free[std::size_t(i)];
               SearchRange const& range = range_of(problem.settings, p);
@@ -396,10 +395,10 @@ RefinedFit refine(FringeProblem const& problem, FringePlace const& from) {
   // Scaled, so that parameters of very different size invert well.
   Eigen::VectorXd const scale = curvature.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   Eigen::MatrixXd const unit = scale.asDiagonal() * curvature * scale.asDiagonal();
-  Eigen::FullPivLU<Eigen::MatrixXd> const lu(unit);
-  if (!lu.isInvertible() || !unit.allFinite())
+  auto const inverted = inverse_regular(unit);
+  if (!inverted || !unit.allFinite())
     throw NumericalError("the parameters of the fit are degenerate; fix some of them");
-  out.covariance = scale.asDiagonal() * lu.inverse() * scale.asDiagonal();
+  out.covariance = scale.asDiagonal() * *inverted * scale.asDiagonal();
   return out;
 }
 

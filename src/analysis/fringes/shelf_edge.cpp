@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/fringes/shelf_edge.hpp"
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/functions.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "base/math/rng.hpp"
 #include "spectra/curve.hpp"
 #include "spectra/fourier.hpp"
@@ -233,7 +233,7 @@ Eigen::VectorXd least_squares_not_negative(Eigen::MatrixXd const& a, Eigen::Vect
     if (!(slope.maxCoeff(&steepest) > 1e-9 * b.maxCoeff())) break;
     in.push_back(steepest);
     for (;;) {
-      Eigen::VectorXd const some = a(in, in).ldlt().solve(Eigen::VectorXd(b(in)));
+      Eigen::VectorXd const some = solve_symmetric(a(in, in), b(in));
       if (some.minCoeff() > 0) {
         x.setZero();
         x(in) = some;

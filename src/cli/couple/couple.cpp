@@ -11,6 +11,7 @@
 
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "results/results.hpp"
@@ -79,9 +80,9 @@ void answer_with_result(DataOptions const& o, CurveSheet const& sheet, std::stri
   if (!o.json()) return write_and_print(o, sheet, text);
   CurveSheet whole = sheet;
   whole.notes.push_back(fmt::format("straytrace {} ({})", build_info::version, build_info::commit));
-  nlohmann::json all = nlohmann::json::parse(curve_json(whole));
+  nlohmann::json all = read_json(curve_json(whole));
   all["result"] = result;
-  write_and_print(o, sheet, all.dump(1) + '\n');
+  write_and_print(o, sheet, json_text(all, 1) + '\n');
 }
 
 std::vector<CurveColumn> coupling_columns(CouplingFunction const& c, std::string const& prefix) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <numeric>
 
+#include "base/text/json_text.hpp"
 #include "cli/fit/fit_report.hpp"
 #include "cli/options.hpp"
 #include "results/text/columns.hpp"
@@ -131,7 +132,7 @@ nlohmann::ordered_json fit_json(BaffleFit const& b) {
 int baffle(BaffleFitOptions const& o) {
   BaffleFit const found = fit_baffle(o);
   if (o.scene.json())
-    std::cout << fit_json(found).dump() << '\n';
+    std::cout << json_text(fit_json(found)) << '\n';
   else
     std::cout << fit_text(found, o.show);
   return done;

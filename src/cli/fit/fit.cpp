@@ -9,6 +9,7 @@
 
 #include "analysis/fringes/shelf_edge.hpp"
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "cli/commands.hpp"
 #include "cli/fit/fit_report.hpp"
 #include "cli/options.hpp"
@@ -30,7 +31,7 @@ std::string file_json(FitAnswer const& answer, CurveSheet const& curves) {
   nlohmann::json out = fit_json(answer);
   out["asd"]["frequency_hz"] = curves.x.values;
   for (std::size_t i = 0; i < curves.y.size(); ++i) out["asd"][curves.y[i].name] = values_of(curves, i);
-  return out.dump(1) + "\n";
+  return json_text(out, 1) + "\n";
 }
 
 void write_fit(FitOptions const& o, FitAnswer const& answer, FringeModel const& model) {
@@ -69,7 +70,7 @@ int fit(FitOptions const& o) {
   FringeFit const result = fit_fringes(records, settings);
   FitAnswer const answer{records, settings, routes, result, !o.prediction.run.empty() || !o.gain.empty()};
   if (o.data.json())
-    std::cout << fit_json(answer).dump(1) << '\n';
+    std::cout << json_text(fit_json(answer), 1) << '\n';
   else
     std::cout << fit_text(answer);
   if (!o.data.quiet) std::cerr << before_subtraction;
@@ -248,7 +249,7 @@ int edge(FitOptions const& o) {
   ShelfEdgeSettings const settings = edge_settings(o, records);
   ShelfEdgeFit const fit = fit_shelf_edge(records, settings);
   std::string const text = edge_text(records, settings, fit);
-  std::cout << (o.data.json() ? edge_json(settings, fit).dump(1) + "\n" : text);
+  std::cout << (o.data.json() ? json_text(edge_json(settings, fit), 1) + "\n" : text);
   if (!o.data.out.empty()) write_outputs(o.data, edge_curves(text, fit));
   return done;
 }

@@ -16,6 +16,7 @@
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
+#include "base/text/json_text.hpp"
 #include "cli/commands.hpp"
 #include "cli/data_options.hpp"
 #include "cli/ifo/ifo_sheets.hpp"
@@ -398,7 +399,7 @@ void write_page(OpticalNetwork const& network, IfoOptions const& options) {
   }
   std::string message;
   std::string const page =
-      picture_of(page_json(network, places_in_band(options), loops, curves).dump(), "ifo_page", message, ".html");
+      picture_of(json_text(page_json(network, places_in_band(options), loops, curves)), "ifo_page", message, ".html");
   if (page.empty()) throw InputError(message, "or remove --html");
   write_file(options.page, page);
 }
@@ -407,7 +408,7 @@ void draw(std::vector<Sheet> const& sheets, IfoOptions const& options) {
   std::string message;
   nlohmann::ordered_json json = json_of(sheets);
   json["show"] = options.show;
-  std::string const picture = picture_of(json.dump(), "ifo", message);
+  std::string const picture = picture_of(json_text(json), "ifo", message);
   if (picture.empty()) throw InputError(message, "or remove --plot");
   write_file(options.plot, picture);
 }
@@ -431,7 +432,7 @@ nlohmann::ordered_json warnings_of(OpticalNetwork const& network, std::vector<st
   for (std::string const& text : more) lists.push_back(warning_as_json(text));
   for (std::string const& list : lists)
     if (!list.empty())
-      for (auto& problem : nlohmann::ordered_json::parse(list)) all.push_back(std::move(problem));
+      for (auto& problem : read_ordered_json(list)) all.push_back(std::move(problem));
   return all;
 }
 
@@ -452,7 +453,7 @@ int ifo(IfoOptions const& options) {
   if (options.json()) {
     nlohmann::ordered_json answer = json_of(sheets);
     answer["warnings"] = warnings_of(network, warnings);
-    std::cout << answer.dump() << '\n';
+    std::cout << json_text(answer) << '\n';
   } else
     std::cout << (options.csv ? csv_of(sheets) : text_of(sheets));
   return done;

@@ -16,6 +16,7 @@
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
+#include "base/text/json_text.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "io/delimited_text.hpp"
@@ -54,7 +55,7 @@ void print_json(std::vector<CoordinateMotion> const& rows) {
                    {"rms_rate_per_s", r.rate},
                    {"drift_per_s", r.drift}});
   }
-  std::cout << nlohmann::json{{"motion", out}}.dump() << '\n';
+  std::cout << json_text(nlohmann::json{{"motion", out}}) << '\n';
 }
 
 void print_table(std::vector<CoordinateMotion> const& rows) {
@@ -140,7 +141,7 @@ ScatterFile read(ScatterRequest const& r) {
 
 void draw(nlohmann::json const& data, std::string const& png) {
   std::string message;
-  std::string const picture = picture_of(data.dump(), "scatter", message);
+  std::string const picture = picture_of(json_text(data), "scatter", message);
   if (picture.empty()) throw InputError(message, "or remove --plot");
   write_file(png, picture);
 }
@@ -164,7 +165,7 @@ int inspect_scatter(ScatterRequest const& r) {
   if (!r.plot.empty()) draw(data, r.plot);
   if (!r.write.empty()) write_file(r.write, ssdd);
   if (r.json()) {
-    std::cout << data.dump() << '\n';
+    std::cout << json_text(data) << '\n';
     return done;
   }
   std::cout << scatter_text(name, file, audit, fits, r.beyond);
@@ -271,7 +272,7 @@ void print(Scene const& scene, WorldView const& world, MaterialInfo const& info,
 
 void plot(nlohmann::json const& data, std::string const& png) {
   std::string message;
-  std::string const picture = picture_of(data.dump(), "law", message);
+  std::string const picture = picture_of(json_text(data), "law", message);
   if (picture.empty()) throw InputError(message, "or remove --plot");
   write_file(png, picture);
   std::cout << "\npicture: " << png << '\n';
@@ -303,7 +304,7 @@ int print_list(std::string const& file, bool json) {
                    {"scatter_reflect", m.scatter_reflect},
                    {"index", m.index},
                    {"wavelength", m.wavelength}});
-  std::cout << out.dump() << '\n';
+  std::cout << json_text(out) << '\n';
   return done;
 }
 
@@ -381,7 +382,7 @@ int inspect(InspectOptions const& i) {
     found = true;
     nlohmann::json const data = material_json(world.view(), info, notes);
     if (i.json())
-      std::cout << data.dump() << '\n';
+      std::cout << json_text(data) << '\n';
     else
       print(scene, world.view(), info, notes);
     if (!i.plot.empty()) plot(data, i.plot);

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/inspect/inspect.hpp"
 #include "report/scene_picture.hpp"
@@ -46,7 +47,7 @@ std::vector<std::string> patterns_of(std::vector<GeometryPart> const& parts) {
   return patterns;
 }
 
-std::string quoted(std::string const& text) { return nlohmann::json(text).dump(); }
+std::string quoted(std::string const& text) { return json_text(nlohmann::json(text)); }
 
 // Ready to paste into a scene.
 std::string entry(std::string const& file, GeometryFile const& g, std::string const& units) {
@@ -90,16 +91,15 @@ void print_json(std::string const& file, GeometryFile const& g, std::string cons
                      {"area", p.area},
                      {"closed", p.closed}});
   for (MeshFault const& n : g.notes) notes.push_back({{"what", n.what}, {"suggestion", n.suggestion}});
-  std::cout << nlohmann::json{{"file", file},
-                              {"format", g.format},
-                              {"unit", g.unit},
-                              {"unit_known", g.unit_known},
-                              {"lower", triple(g.box.lower)},
-                              {"upper", triple(g.box.upper)},
-                              {"parts", parts},
-                              {"notes", notes},
-                              {"entry", entry(file, g, units)}}
-                   .dump()
+  std::cout << json_text(nlohmann::json{{"file", file},
+                                        {"format", g.format},
+                                        {"unit", g.unit},
+                                        {"unit_known", g.unit_known},
+                                        {"lower", triple(g.box.lower)},
+                                        {"upper", triple(g.box.upper)},
+                                        {"parts", parts},
+                                        {"notes", notes},
+                                        {"entry", entry(file, g, units)}})
             << '\n';
 }
 

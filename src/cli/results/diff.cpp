@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "session/compare/model_diff.hpp"
@@ -129,7 +130,7 @@ int diff(DiffOptions const& options) {
   std::vector<Side> sides = read_sides(options);
   if (files.size() == 2) {
     Answer const only = compared(sides[0], sides[1], files[0], files[1]);
-    std::cout << (options.json() ? only.json.dump(1) + "\n" : only.text);
+    std::cout << (options.json() ? json_text(only.json, 1) + "\n" : only.text);
     return done;
   }
   nlohmann::ordered_json all{{"reference", files[0]}, {"comparisons", nlohmann::ordered_json::array()}};
@@ -140,7 +141,7 @@ int diff(DiffOptions const& options) {
     one.json["file"] = files[i];
     all["comparisons"].push_back(std::move(one.json));
   }
-  std::cout << (options.json() ? all.dump(1) + "\n" : text);
+  std::cout << (options.json() ? json_text(all, 1) + "\n" : text);
   return done;
 }
 

@@ -15,6 +15,7 @@
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
 #include "base/input/table.hpp"
+#include "base/text/json_text.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -329,7 +330,7 @@ double likeness(std::set<std::string> const& message, std::set<std::string> cons
 std::optional<Explanation> explain_message(std::string const& text) {
   std::set<std::string> const asked = words_of(text);
   if (asked.size() < 2) return {};
-  Json const all = Json::parse(embedded_file("schema/messages.json"));
+  Json const all = read_ordered_json(embedded_file("schema/messages.json"));
   std::vector<std::pair<double, Json const*>> found;
   for (Json const& m : all)
     if (double const like = likeness(words_of(m.at("what")), asked); like >= alike) found.emplace_back(like, &m);
@@ -467,7 +468,7 @@ void add_explain(CLI::App& app, int& exit_code) {
       "  straytrace explain h out/run.h5 --path 2 --at 10");
   command->callback([options, &exit_code] {
     Explanation const answer = answer_to(*options);
-    std::cout << (options->json() ? answer.json.dump(1) + "\n" : answer.text);
+    std::cout << (options->json() ? json_text(answer.json, 1) + "\n" : answer.text);
     exit_code = done;
   });
 }

@@ -13,6 +13,7 @@
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
+#include "base/text/json_text.hpp"
 #include "base/text/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/data_options.hpp"
@@ -321,7 +322,7 @@ std::string project_json(TimeDomainSummary const& r, PositionRuns const& positio
                               {"realisations", positions.runs[k].size()},
                               {"strain", std::move(levels)}});
   }
-  return j.dump(2);
+  return json_text(j, 2);
 }
 
 bool is_hdf5(std::string const& file) { return file.ends_with(".hdf5") || file.ends_with(".h5"); }

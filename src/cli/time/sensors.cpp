@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "base/text/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
@@ -330,7 +331,7 @@ int sensors(SensorOptions const& o) {
   }
   warn_of_light_left_out(in, a, o);
   std::vector<Sheet> const sheets = {sensor_sheet(a, kind), source_sheet(in, table, a, kind, o.show)};
-  std::cout << (o.json() ? json_of(sheets).dump() + "\n" : o.csv ? csv_of(sheets) : text_of(sheets));
+  std::cout << (o.json() ? json_text(json_of(sheets)) + "\n" : o.csv ? csv_of(sheets) : text_of(sheets));
   if (!o.asd.empty()) write_curves({o.asd}, curves_of(a, kind));
   if (!o.out.empty()) write_channels(o, in, table, a);
   return done;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
 #include "cli/wave/wave_output.hpp"
@@ -85,7 +86,7 @@ std::optional<DrivePlan> checked(WaveOptions const& options, Model const& model)
 
 void write_driven(DrivenScan const& driven, World const& world, WaveOptions const& options) {
   std::string message, picture;
-  if (!options.plot.empty()) picture = picture_of(driven_json(driven, world).dump(), "detuning", message);
+  if (!options.plot.empty()) picture = picture_of(json_text(driven_json(driven, world)), "detuning", message);
   if (!options.plot.empty() && picture.empty()) throw InputError(message, "or remove --plot");
   if (!options.csv.empty()) write_file(options.csv, driven_csv(driven, world));
   if (!options.plot.empty()) write_file(options.plot, picture);
@@ -116,7 +117,7 @@ int print(std::string const& text, nlohmann::ordered_json json, std::optional<Dr
   }
   if (options.json()) {
     if (driven) json["driven"] = driven_json(*driven, world);
-    std::cout << json.dump() << '\n';
+    std::cout << json_text(json) << '\n';
   } else {
     std::cout << text << (driven ? driven_text(*driven, world, options.show) : "");
   }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ifo/layout/operating_point.hpp"
 
-#include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "base/math/linear_algebra.hpp"
 #include "ifo/control_loops.hpp"
 #include "ifo/layout/signals.hpp"
 #include "ifo/mode_bases.hpp"
@@ -242,7 +241,7 @@ CalibratedStrain::CalibratedStrain(NetworkModel const& model, SteadyField const&
   }
   move_ = responses(lengths_);
   per_length_ = seen_;
-  if (size > 0) per_length_ = seen_ * move_.inverse();
+  if (size > 0) per_length_ = seen_ * inverse(move_);
   Eigen::MatrixXcd equations = responses(sensors_), sensed = Eigen::MatrixXcd::Identity(size, size);
   kept_ = seen_;
   for (Eigen::Index i = 0; i < size; ++i) {
@@ -255,7 +254,7 @@ CalibratedStrain::CalibratedStrain(NetworkModel const& model, SteadyField const&
     kept_[i] *= 1.0 - loop.feedforward(hz);
   }
   actuate_ = equations;
-  if (size > 0) actuate_ = equations.inverse() * sensed;
+  if (size > 0) actuate_ = inverse(equations) * sensed;
   weight_ = kept_ * actuate_;
   if (!model.subtracted.empty()) subtract();
   per_metre_ = to([&](LinearResponse const& r) { return to_freedom(r, scale_.freedom); });
@@ -290,7 +289,7 @@ void CalibratedStrain::subtract() {
     for (Eigen::Index j = 0; j < size; ++j) own(j, i) = spectrum(channels[std::size_t(best[std::size_t(j)])], channel);
   }
   if (size > 0) {
-    Eigen::RowVectorXcd const solution = -own.transpose().partialPivLu().solve(cross.transpose()).transpose();
+    Eigen::RowVectorXcd const solution = -solve(own.transpose(), cross.transpose()).transpose();
     for (Eigen::Index i = 0; i < size; ++i) filters[best[std::size_t(i)]] = solution[i];
   }
   channels_ = std::move(responses_of);
@@ -298,7 +297,7 @@ void CalibratedStrain::subtract() {
   seen_ += filters * seen;
   kept_ += filters * seen;
   weight_ = kept_ * actuate_;
-  if (move_.size() > 0) per_length_ += filters * seen * move_.inverse();
+  if (move_.size() > 0) per_length_ += filters * seen * inverse(move_);
 }
 
 Phasor CalibratedStrain::to(Cause const& cause) const {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "noise/bands/speckle_band.hpp"
 
-#include <Eigen/Dense>
 #include <Eigen/Sparse>
 #include <boost/math/special_functions/erf.hpp>
 
@@ -11,6 +10,7 @@
 #include <set>
 
 #include "base/math/constants.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "noise/classes/motion_classes.hpp"
 
 namespace straytrace::noise {
@@ -164,7 +164,7 @@ MatrixXd leading_space(Sparse const& covariance) {
     auto const before = basis.leftCols(k * width);
     for (int pass = 0; pass < 2; ++pass) {  // the second for blocks that lie in `before`, which leave rounding only
       block -= before * (before.transpose() * block);
-      block = Eigen::HouseholderQR<MatrixXd>(block).householderQ() * MatrixXd::Identity(block.rows(), width);
+      block = orthonormal_columns(block);
     }
     basis.middleCols(k * width, width) = block;
     block = covariance * block;
@@ -180,17 +180,20 @@ SpeckleModes modes_of(std::vector<Moments> const& blocks, std::vector<Eigen::Ind
     Sparse const covariance = real_covariance(blocks[b], inputs[b]);
     bool const small = covariance.rows() <= most_rows;
     MatrixXd const space = small ? MatrixXd() : leading_space(covariance);
-    Eigen::SelfAdjointEigenSolver<MatrixXd> const own(
-        small ? MatrixXd(covariance) : MatrixXd(space.transpose() * (covariance * space)),
-        directions ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
+    MatrixXd const matrix = small ? MatrixXd(covariance) : MatrixXd(space.transpose() * (covariance * space));
+    SymmetricModes own;
+    if (directions)
+      own = symmetric_modes(matrix);
+    else
+      own.values = symmetric_eigenvalues(matrix);
     double const total = covariance.diagonal().sum();
-    for (Eigen::Index m = own.eigenvalues().size(); m-- > 0;) {
-      all.modes.push_back({std::max(0.0, own.eigenvalues()(m)), b, {}});
+    for (Eigen::Index m = own.values.size(); m-- > 0;) {
+      all.modes.push_back({std::max(0.0, own.values(m)), b, {}});
       if (!directions) continue;
-      all.modes.back().direction = own.eigenvectors().col(m);
+      all.modes.back().direction = own.vectors.col(m);
       if (!small) all.modes.back().direction = space * all.modes.back().direction;
     }
-    if (!small) all.rest += std::max(0.0, total - own.eigenvalues().sum());
+    if (!small) all.rest += std::max(0.0, total - own.values.sum());
   }
   std::ranges::stable_sort(all.modes, [](SpeckleMode const& a, SpeckleMode const& b) { return a.weight > b.weight; });
   return all;

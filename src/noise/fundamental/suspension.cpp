@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/LU>
 
 #include <array>
 #include <cmath>
 
+#include "base/math/linear_algebra.hpp"
 #include "noise/fundamental/fundamental.hpp"
 #include "spectra/curve.hpp"
 #include "spectra/spectrum.hpp"
@@ -123,7 +123,7 @@ ChainResponse chain_response(SuspensionChain const& chain, Direction direction, 
     stiffness(i, i - 1) -= springs[std::size_t(i)].constant;
   }
   // Motion of all masses per force on the test mass; by reciprocity also of the test mass per force on any.
-  Eigen::VectorXcd const motion = stiffness.partialPivLu().solve(Eigen::VectorXcd::Unit(n, n - 1));
+  Eigen::VectorXcd const motion = solve(stiffness, Eigen::VectorXcd::Unit(n, n - 1));
   ChainResponse r{springs[0].constant * motion[0], motion[n - 1], 0};
   for (Eigen::Index i = 0; i < n; ++i) {  // a lossy spring of temperature T pulls at both ends with 4 kT Im(k)/w
     SuspensionStage const& s = chain.stages[std::size_t(i)];

@@ -2,10 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <regex>
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
+#include "base/text/json_text.hpp"
+#include "base/text/pattern.hpp"
 #include "io/markup.hpp"
 #include "report/html/page_json.hpp"
 #include "results/route_table/route_columns.hpp"
@@ -26,8 +27,8 @@ std::string_view own(std::string const& name) {
 std::string bracketed(std::string const& unit) { return unit.empty() || unit == "1" ? "" : " [" + unit + "]"; }
 
 // Within a script element only "</script" and "<!--" matter; in JSON every '<' is inside a string.
-std::string json_text(nlohmann::json const& data) {
-  std::string const text = data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+std::string text_for_script(nlohmann::json const& data) {
+  std::string const text = json_text(data);
   std::string out;
   out.reserve(text.size());
   for (char const c : text)
@@ -41,8 +42,8 @@ std::string json_text(nlohmann::json const& data) {
 // Browsers break lines behind a minus sign, which cuts exponents: 1.2(3)e-24 stays on one line. The lengths have limits
 // because std::regex recurses.
 std::string with_whole_numbers(std::string const& markup) {
-  static std::regex const form(R"([0-9.]{1,20}(\([0-9]{1,9}\))?e[-+]?[0-9]{1,9})");
-  return std::regex_replace(markup, form, "<span class=\"keep\">$&</span>");
+  static Pattern const form(R"([0-9.]{1,20}(\([0-9]{1,9}\))?e[-+]?[0-9]{1,9})");
+  return form.replaced(markup, "<span class=\"keep\">$&</span>");
 }
 
 // The columns that the page shows at first.
@@ -92,7 +93,7 @@ std::string html_text(HtmlPage const& page) {
       "content=\"width=device-width\">\n<title>{}</title>\n<style>\n"
       "{}</style>\n</head>\n<body>\n<header><h1>{}</h1></header>\n{}",
       policy, page.live ? policy_of_live : "", escaped(page.title), own("page.css"), escaped(page.title), page.body);
-  text += "<main id=\"page\"></main>\n<script type=\"application/json\" id=\"data\">" + json_text(page.data) +
+  text += "<main id=\"page\"></main>\n<script type=\"application/json\" id=\"data\">" + text_for_script(page.data) +
           "</script>\n";
   auto const add = [&](std::string_view script) {
     text += "<script>\n";

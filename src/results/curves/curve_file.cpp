@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "io/hdf5/read_write.hpp"
 #include "io/markup.hpp"
 #include "results/results.hpp"
@@ -156,7 +157,7 @@ std::string json(CurveSheet const& sheet) {
          {"x", json_of(sheet.x)}};
   j["y"] = Json::array();
   for (CurveColumn const& c : sheet.y) j["y"].push_back(json_of(c));
-  return j.dump(1) + "\n";
+  return json_text(j, 1) + "\n";
 }
 
 std::string text(MapSheet const& map) { return text(long_form(map)); }
@@ -177,7 +178,7 @@ std::string json(MapSheet const& map) {
   j["lines"] = Json::array();
   for (CurveColumn const& c : map.lines) j["lines"].push_back(json_of(c));
   j["line_time_s"] = map.line_time;
-  return j.dump() + "\n";
+  return json_text(j) + "\n";
 }
 
 }  // namespace straytrace::results::curve_format

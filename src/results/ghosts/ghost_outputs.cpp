@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/text/json_text.hpp"
 #include "base/text/words.hpp"
 #include "results/ghosts/ghost_table.hpp"
 #include "results/route_table/route_columns.hpp"
@@ -439,7 +440,7 @@ std::string ghost_json(GhostReport const& report) {
   if (report.has_noise)
     for (std::size_t i = 0; i < ghost_frequencies.size(); ++i)
       out["strain"][fmt::format("{:g}", ghost_frequencies[i])] = number(report.strain[i]);
-  return out.dump();
+  return json_text(out);
 }
 
 nlohmann::ordered_json ghost_page_table(GhostReport const& report) {

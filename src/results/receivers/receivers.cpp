@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/text/json_text.hpp"
 #include "results/route_table/route_sums.hpp"
 #include "results/text/table.hpp"
 
@@ -452,7 +453,7 @@ std::string receiver_json(ReceiverTable const& table, RunContent const& run) {
   j["beam_power_W"] = table.beam_power > 0 ? Json(table.beam_power) : Json(nullptr);
   j["receivers"] = Json::array();
   for (ReceiverEntry const& r : table.receivers) j["receivers"].push_back(json_of(table, r));
-  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(j, 2) + "\n";
 }
 
 Json receiver_page_list(ReceiverTable const& table) {

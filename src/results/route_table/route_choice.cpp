@@ -11,6 +11,7 @@
 #include <set>
 
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "base/text/words.hpp"
 #include "results/route_table/route_columns.hpp"
 #include "results/route_table/route_filter.hpp"
@@ -175,7 +176,7 @@ std::string choice_text(PathsChoice const& choice, ChosenPaths const& chosen) {
 }
 
 std::string with_choice(std::string const& json, PathsChoice const& choice, ChosenPaths const& chosen) {
-  auto j = nlohmann::ordered_json::parse(json);
+  auto j = read_ordered_json(json);
   if (!choice.where.empty()) j["where"] = choice.where;
   if (!choice.sort.empty()) j["sort"] = choice.sort;
   j["notes"] = chosen.notes;
@@ -188,7 +189,7 @@ std::string with_choice(std::string const& json, PathsChoice const& choice, Chos
                         {"factor", json_of(s.factor)}});
     j["without"] = {{"objects", choice.without}, {"routes", chosen.left_out}, {"strain", strain}};
   }
-  return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json_text(j, 2) + "\n";
 }
 
 namespace {
@@ -342,7 +343,7 @@ std::string port_census_json(PathTable const& table, RunContent const& run) {
          {"unresolved_routes", table.unresolved},
          {"objects", Json::array()}};
   for (MetObject const& o : objects_by_noise(table)) j["objects"].push_back(list.json_row({table, o}));
-  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(j, 2) + "\n";
 }
 
 }  // namespace straytrace::results

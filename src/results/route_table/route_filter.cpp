@@ -10,12 +10,11 @@
 #include <cctype>
 #include <cmath>
 #include <functional>
-#include <regex>
 #include <sstream>
 #include <stdexcept>
 
 #include "base/input/document.hpp"
-#include "base/text/bounded_regex.hpp"
+#include "base/text/pattern.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "results/text/columns.hpp"
@@ -103,7 +102,7 @@ std::string FilterWords::with_comma(FilterWord const& number) const {
 }
 
 void FilterWords::read() {
-  static std::regex const number(R"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)");
+  static Pattern const number(R"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)");
   using Kind = FilterWord::Kind;
   for (std::size_t blank = 1; blank > 0 && at_ < text_.size(); at_ += blank)
     blank = std::isspace(static_cast<unsigned char>(text_[at_])) ? 1 : typeset_space(text_.substr(at_));
@@ -112,17 +111,15 @@ void FilterWords::read() {
   if (begin >= text_.size()) return;
   std::string_view const rest = text_.substr(begin);
   char const c = rest[0];
-  std::match_results<std::string_view::const_iterator> hit;
   std::size_t width = 1;
   Kind kind = Kind::sign;
   if (c == '"' || c == '\'') {
     std::size_t const close = rest.find(c, 1);
     kind = close == std::string_view::npos ? Kind::stray : Kind::quoted;
     width = kind == Kind::quoted ? close + 1 : 1;
-  } else if (std::regex_search(rest.begin(), rest.begin() + std::ptrdiff_t(std::min(rest.size(), longest_match)), hit,
-                               number, std::regex_constants::match_continuous)) {
+  } else if (std::size_t const digits = number.width_at_start(rest)) {
     kind = Kind::number;
-    width = std::size_t(hit.length());
+    width = digits;
   } else if (is_name(c)) {
     kind = Kind::name;
     while (width < rest.size() && is_name(rest[width])) ++width;

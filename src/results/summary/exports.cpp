@@ -9,6 +9,7 @@
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
+#include "base/text/json_text.hpp"
 #include "results/curves/band.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/results.hpp"
@@ -115,7 +116,7 @@ Json total_strain(PathTable const& table) {
 
 void add_receivers(Json& j, RunContent const& run) {
   if (run.trace->coupling.receivers.empty()) return;
-  Json const table = Json::parse(receiver_json(receiver_table(run), run));
+  Json const table = read_ordered_json(receiver_json(receiver_table(run), run));
   j["beam_power_W"] = table["beam_power_W"];
   j["receivers"] = table["receivers"];
 }
@@ -150,7 +151,7 @@ void add_bands(Json& j, NoiseBudget const& b, std::vector<double> const& frequen
 }
 
 // Bytes of names that are not UTF-8 are replaced; they are never an error.
-std::string dumped(Json const& j) { return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string dumped(Json const& j) { return json_text(j, 2) + "\n"; }
 
 }  // namespace
 

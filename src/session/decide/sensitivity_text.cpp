@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text/json_text.hpp"
 #include "results/curves/band.hpp"
 #include "results/text/columns.hpp"
 #include "session/decide/sensitivity.hpp"
@@ -227,7 +228,7 @@ std::string sensitivity_json(Sensitivity const& s) {
   std::string sentence = next_measurement(s);
   sentence.pop_back();
   j["next"] = sentence;
-  return j.dump(2) + "\n";
+  return json_text(j, 2) + "\n";
 }
 
 }  // namespace straytrace::session

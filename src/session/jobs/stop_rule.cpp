@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <regex>
 
 #include "base/errors.hpp"
-#include "base/text/bounded_regex.hpp"
+#include "base/text/pattern.hpp"
 #include "base/text/words.hpp"
 #include "session/model.hpp"
 
@@ -27,19 +26,18 @@ Goal goal_of(std::string const& what, double relative_error) {
 
 void parse_one(std::string const& written, StopRule& rule) {
   std::string const text = with_plain_spaces(written);
-  static std::regex const by_error(
+  static Pattern const by_error(
       R"(\s*(h_total|h|routes|receiver:[^<\s]+|class:[^<]*[^<\s])\s*<\s*([0-9.eE+-]+)\s*(%?)\s*)");
-  static std::regex const by_time(R"(\s*([0-9.eE+-]+)\s*(s|min|h)\s*)");
-  std::smatch m;
+  static Pattern const by_time(R"(\s*([0-9.eE+-]+)\s*(s|min|h)\s*)");
   try {
-    if (bounded_regex_match(text, m, by_error)) {
-      double const error = std::stod(m[2]) * (m[3].length() ? 0.01 : 1);
+    if (PatternMatch const m = by_error.match(text)) {
+      double const error = std::stod(m[2]) * (m[3].empty() ? 1 : 0.01);
       rule.goals.push_back(goal_of(m[1], error));
       rule.error_rule +=
-          fmt::format("{}{} < {:g}", rule.error_rule.empty() ? "" : ", ", m[1] == "h" ? "h_total" : m[1].str(), error);
+          fmt::format("{}{} < {:g}", rule.error_rule.empty() ? "" : ", ", m[1] == "h" ? "h_total" : m[1], error);
       if (error > 0 && error < 1) return;
-    } else if (bounded_regex_match(text, m, by_time)) {
-      rule.max_seconds = std::stod(m[1]) * seconds_in(m[2]);
+    } else if (PatternMatch const time = by_time.match(text)) {
+      rule.max_seconds = std::stod(time[1]) * seconds_in(time[2]);
       if (rule.max_seconds > 0) return;
     }
   } catch (std::exception const&) {  // not a number: fall through to the message
@@ -179,10 +177,9 @@ std::optional<StopRule::Complaint> complaint_about(StopRule const& rule, Model c
 
 double parse_duration(std::string const& written) {
   std::string const text = with_plain_spaces(written);
-  static std::regex const duration(R"(\s*([0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?)\s*(s|min|h)\s*)");
-  std::smatch m;
+  static Pattern const duration(R"(\s*([0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?)\s*(s|min|h)\s*)");
   double seconds = 0;
-  if (bounded_regex_match(text, m, duration)) seconds = std::strtod(m[1].str().c_str(), nullptr) * seconds_in(m[2]);
+  if (PatternMatch const m = duration.match(text)) seconds = std::strtod(m[1].c_str(), nullptr) * seconds_in(m[2]);
   if (!(seconds > 0) || !std::isfinite(seconds))
     throw InputError(fmt::format("'{}' is not a time", text), "write for example 90s, 50min or 1h");
   return seconds;

@@ -14,6 +14,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/samples.hpp"
+#include "base/text/json_text.hpp"
 #include "noise/project/static_phase.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
@@ -557,12 +558,11 @@ std::string seam_json(Seam const& seam) {
                       {"rays_and_halo", number(p.baffles.strain)},
                       {"edges", number(p.edges.strain)},
                       {"total", number(p.total.strain)}});
-  return nlohmann::ordered_json{{"frequency_hz", seam.frequency},
-                                {"complete", seam.complete},
-                                {"points", points},
-                                {"change_of_rays_and_halo", number(seam.change(&SeamPoint::baffles))},
-                                {"change_of_total", number(seam.change(&SeamPoint::total))}}
-      .dump();
+  return json_text(nlohmann::ordered_json{{"frequency_hz", seam.frequency},
+                                          {"complete", seam.complete},
+                                          {"points", points},
+                                          {"change_of_rays_and_halo", number(seam.change(&SeamPoint::baffles))},
+                                          {"change_of_total", number(seam.change(&SeamPoint::total))}});
 }
 
 }  // namespace straytrace::session

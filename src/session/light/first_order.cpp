@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "base/errors.hpp"
+#include "base/text/json_text.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
 #include "session/open_run.hpp"
@@ -114,7 +115,7 @@ void print_json(Model const& model, std::vector<FirstOrderList> const& lists) {
                    {"outside", with_error(list.outside)},
                    {"surfaces", rows}});
   }
-  std::cout << out.dump() << '\n';
+  std::cout << json_text(out) << '\n';
 }
 
 }  // namespace

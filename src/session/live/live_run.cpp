@@ -22,6 +22,7 @@
 #include "base/errors.hpp"
 #include "base/input/document.hpp"
 #include "base/process/child_process.hpp"
+#include "base/text/json_text.hpp"
 #include "report/html/page_json.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/route_table/route_columns.hpp"
@@ -101,7 +102,7 @@ HttpReply LiveView::answer(HttpRequest const& request) const {
   if (!request.post && request.path == "state.json") {
     nlohmann::json const state{
         {"changes", changes_}, {"pictures", pictures_}, {"problems", problems_}, {"warnings", warnings_}};
-    return {200, "application/json", state.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+    return {200, "application/json", json_text(state)};
   }
   return {404, {}, "no such page\n"};
 }
@@ -213,9 +214,7 @@ void thin_out(std::vector<Point>& points) {
   points.resize(kept);
 }
 
-HttpReply json_reply(PageJson const& data) {
-  return {200, "application/json", data.dump(-1, ' ', false, PageJson::error_handler_t::replace)};
-}
+HttpReply json_reply(PageJson const& data) { return {200, "application/json", json_text(data)}; }
 
 // What the page says after a button: a sentence, and a remedy where there is one.
 HttpReply button_reply(unsigned status, std::string const& what, std::string const& remedy = "") {

@@ -5,6 +5,7 @@
 #include <nlopt.h>
 
 #include "base/errors.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "session/optimise/search.hpp"
 
 namespace straytrace::session {
@@ -114,10 +115,7 @@ Quadratic fitted(std::vector<Vector> const& steps, std::vector<double> const& va
     matrix.row(i) *= weight;
     right[i] = weight * value;
   }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(1e-12);
-  solver.compute(matrix);
-  Vector const found = solver.solve(right);
+  Vector const found = least_norm_solution(matrix, right, 1e-12);
   Quadratic out{found[0], found.segment(1, n) / radius, Eigen::MatrixXd(n, n)};
   Eigen::Index column = n;
   for (Eigen::Index j = 0; j < n; ++j)

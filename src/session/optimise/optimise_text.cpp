@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text/json_text.hpp"
 #include "base/text/words.hpp"
 #include "io/markup.hpp"
 #include "results/text/columns.hpp"
@@ -280,7 +281,7 @@ std::string optimise_json(OptimiseReport const& r) {
   }
   j["best"] = r.chosen ? Json(*r.chosen) : Json(nullptr);
   if (!r.chosen && !r.outcomes.empty()) j["closest"] = r.closest;
-  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(j, 2) + "\n";
 }
 
 namespace {

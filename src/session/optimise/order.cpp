@@ -7,11 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <regex>
 #include <set>
 
 #include "base/errors.hpp"
-#include "base/text/bounded_regex.hpp"
+#include "base/text/pattern.hpp"
 #include "base/text/words.hpp"
 #include "noise/fundamental/budget.hpp"
 #include "scene/expression.hpp"
@@ -63,12 +62,11 @@ class OrderReader {
   }
 
   void subject(std::string const& text, Complain const& complain) {
-    static std::regex const noise(
+    static Pattern const noise(
         R"(\s*h_total\s*<\s*(?:(.+?)\s+x\s+)?(\S+)(?:\s+between\s+(.+?)\s+and\s+(.+?))?(?:\s+with\s+([0-9.]+)\s*%)?\s*)");
-    static std::regex const on_entry(R"(\s*power\(\s*([^()]+?)\s*\)\s*<\s*(.+?)(?:\s+with\s+([0-9.]+)\s*%)?\s*)");
-    std::smatch m;
-    if (bounded_regex_match(text, m, noise)) return limit(text, m, complain);
-    if (bounded_regex_match(text, m, on_entry)) return power(text, m, complain);
+    static Pattern const on_entry(R"(\s*power\(\s*([^()]+?)\s*\)\s*<\s*(.+?)(?:\s+with\s+([0-9.]+)\s*%)?\s*)");
+    if (PatternMatch const m = noise.match(text)) return limit(text, m, complain);
+    if (PatternMatch const m = on_entry.match(text)) return power(text, m, complain);
     std::size_t const sign = text.find_first_of("<>");
     if (sign == text.npos || text.find_first_of("<>", sign + 1) != text.npos || text.find("h_total") != text.npos)
       return complain(fmt::format("'{}' is not a limit", text), limit_example, 0, 0);
@@ -143,23 +141,23 @@ class OrderReader {
     }
   }
 
-  void limit(std::string const& text, std::smatch const& m, Complain const& complain) {
+  void limit(std::string const& text, PatternMatch const& m, Complain const& complain) {
     NoiseLimit limit;
     limit.text = trimmed(text);
     limit.curve = m[2];
-    auto const part = [&](int k, Dimension wanted, double& into) {
-      if (!m[k].matched) return;
-      auto const found = number(m[k], std::size_t(m.position(std::size_t(k))), wanted, complain);
+    auto const part = [&](std::size_t k, Dimension wanted, double& into) {
+      if (!m.matched(k)) return;
+      auto const found = number(m[k], m.position(k), wanted, complain);
       into = found ? found->quantity.si : not_a_number;
     };
     part(1, dim::plain, limit.factor);
     part(3, dim::frequency, limit.low_hz);
     part(4, dim::frequency, limit.high_hz);
-    if (m[5].matched) limit.confidence = confidence_of(m[5], text, complain);
+    if (m.matched(5)) limit.confidence = confidence_of(m[5], text, complain);
     std::vector<std::string> known{"line"};
     for (auto const& name : built_in_designs()) known.push_back(name);
     for (Node const& name : scene_.table("noise").list("compare")) known.push_back(name.text());
-    std::size_t const at = std::size_t(m.position(2));
+    std::size_t const at = m.position(2);
     if (std::ranges::find(known, limit.curve) == known.end())
       complain(fmt::format("'{}' is not a curve to compare with", limit.curve),
                did_you_mean(limit.curve, known, limit_example), at, at + limit.curve.size());
@@ -178,22 +176,22 @@ class OrderReader {
     return confidence;
   }
 
-  void power(std::string const& text, std::smatch const& m, Complain const& complain) {
+  void power(std::string const& text, PatternMatch const& m, Complain const& complain) {
     PowerLimit limit;
     limit.text = trimmed(text);
     limit.entry = m[1];
-    auto const found = number(m[2], std::size_t(m.position(2)), dim::power, complain);
+    auto const found = number(m[2], m.position(2), dim::power, complain);
     limit.watts = found ? found->quantity.si : not_a_number;
     if (found && !(limit.watts > 0))
       complain(fmt::format("the power in '{}' is not above zero", text), "write 'power(baffles) < 1 W'", 0, 0);
-    if (m[3].matched) limit.confidence = confidence_of(m[3], text, complain);
+    if (m.matched(3)) limit.confidence = confidence_of(m[3], text, complain);
     std::set<std::string> found_entries;
     for (Scene::Instance const& instance : scene_.instances()) found_entries.insert(entry_of(instance.group));
     std::vector<std::string> const entries(found_entries.begin(), found_entries.end());
     if (std::ranges::none_of(entries, [&](std::string const& entry) { return matches(limit.entry, entry); }))
       complain(fmt::format("no entry of the scene is called '{}'", limit.entry),
-               did_you_mean(limit.entry, entries, fmt::format("known: {}", fmt::join(entries, ", "))),
-               std::size_t(m.position(1)), std::size_t(m.position(1) + m.length(1)));
+               did_you_mean(limit.entry, entries, fmt::format("known: {}", fmt::join(entries, ", "))), m.position(1),
+               (m.position(1) + m[1].size()));
     order_.powers.push_back(std::move(limit));
   }
 

@@ -13,6 +13,7 @@
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
 #include "base/math/constants.hpp"
+#include "base/text/json_text.hpp"
 #include "io/delimited_text.hpp"
 #include "motion/axis_motion.hpp"
 #include "noise/bands/speckle_band.hpp"
@@ -139,7 +140,7 @@ void add_point(MeasuredStrain& m, double hz, double psd, double sigma) {
 nlohmann::json numbers_or_null(std::vector<double> const& values) {
   nlohmann::json all = nlohmann::json::array();
   for (double const v : values)
-    all.push_back(std::isfinite(v) ? nlohmann::json::parse(fmt::format("{:.6g}", v)) : nlohmann::json(nullptr));
+    all.push_back(std::isfinite(v) ? read_json(fmt::format("{:.6g}", v)) : nlohmann::json(nullptr));
   return all;
 }
 
@@ -199,7 +200,7 @@ std::string measured_json(std::vector<MeasuredStrain> const& all) {
                     {"asd", numbers_or_null(m.asd)},
                     {"low", numbers_or_null(m.low)},
                     {"high", numbers_or_null(m.high)}});
-  return list.dump();
+  return json_text(list);
 }
 
 }  // namespace straytrace::session

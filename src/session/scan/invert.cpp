@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <regex>
 
 #include "base/errors.hpp"
-#include "base/text/bounded_regex.hpp"
+#include "base/text/json_text.hpp"
+#include "base/text/pattern.hpp"
 #include "base/text/words.hpp"
 #include "noise/bands/inversion.hpp"
 #include "results/text/columns.hpp"
@@ -144,10 +144,9 @@ void print(Answer const& a, ScanOptions const& options, bool per_frequency) {
 
 int invert(ScanOptions const& options, Requirement const& requirement, InvertOrder const& order,
            std::vector<ScanAxis> const& axes, std::vector<InputError> errors) {
-  static std::regex const form(R"(\s*(brdf|motion|param)\s*\(\s*(.+?)\s*\)\s*)");
-  std::smatch m;
+  static Pattern const form(R"(\s*(brdf|motion|param)\s*\(\s*(.+?)\s*\)\s*)");
   std::optional<Question> question;
-  if (bounded_regex_match(order.what, m, form))
+  if (PatternMatch const m = form.match(order.what))
     question = {m[1], m[2]};
   else
     errors.emplace_back(fmt::format("--invert: '{}' is not valid", order.what),
@@ -328,7 +327,7 @@ int invert_parameter(ScanOptions const& options, Requirement const& requirement,
     stopped = b.stopped;
   }
   nlohmann::ordered_json const j{{"question", order.what}, {"line", scanner.line()}, {"answer", answer}};
-  std::cout << (options.json() ? j.dump(2) + "\n" : text);
+  std::cout << (options.json() ? json_text(j, 2) + "\n" : text);
   return stopped ? stopped_early(options) : done;
 }
 
@@ -488,7 +487,7 @@ std::string answer_json(Answer const& a) {
     if (!a.motion.empty()) one["motion_m_per_sqrtHz"] = a.motion[i];
     j["frequencies"].push_back(one);
   }
-  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(j, 2) + "\n";
 }
 
 }  // namespace straytrace::session

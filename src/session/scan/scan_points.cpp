@@ -15,7 +15,6 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
-#include <regex>
 #include <set>
 #include <unistd.h>
 
@@ -24,7 +23,8 @@
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "base/process/threads.hpp"
-#include "base/text/bounded_regex.hpp"
+#include "base/text/json_text.hpp"
+#include "base/text/pattern.hpp"
 #include "base/text/words.hpp"
 #include "io/delimited_text.hpp"
 #include "noise/fundamental/budget.hpp"
@@ -49,10 +49,10 @@ struct Number {
 
 Number number_in(std::string const& written) {
   std::string const text = with_plain_spaces(written);
-  static std::regex const form(R"(\s*([+-]?[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*)");
-  std::smatch m;
-  if (!bounded_regex_match(text, m, form)) return {};
-  auto const number = leading_number(m[1].str());
+  static Pattern const form(R"(\s*([+-]?[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*)");
+  PatternMatch const m = form.match(text);
+  if (!m) return {};
+  auto const number = leading_number(m[1]);
   return {number ? number->value : infinity, m[2]};  // inf: beyond double
 }
 
@@ -61,9 +61,9 @@ std::string written(double value, std::string const& unit) {
 }
 
 // With the decimal commas of a range as points.
-std::string pointed(std::string text) {
-  static std::regex const comma("([0-9]),([0-9])");
-  return text.size() > longest_match ? text : std::regex_replace(text, comma, "$1.$2");
+std::string pointed(std::string const& text) {
+  static Pattern const comma("([0-9]),([0-9])");
+  return comma.replaced(text, "$1.$2");
 }
 
 std::string example(std::string const& name) {
@@ -74,7 +74,7 @@ std::string example(std::string const& name) {
   throw InputError(fmt::format("'{}': {}", word, why), example(name));
 }
 
-void add_range(ScanAxis& axis, std::string const& word, std::smatch const& m, bool open) {
+void add_range(ScanAxis& axis, std::string const& word, PatternMatch const& m, bool open) {
   if (std::string const meant = pointed(word); meant != word)
     throw InputError(fmt::format("'{}' has a decimal comma", word), fmt::format("write '{}'", meant));
   Number const low = number_in(m[1]), high = number_in(m[2]);
@@ -85,7 +85,7 @@ void add_range(ScanAxis& axis, std::string const& word, std::smatch const& m, bo
     refuse_range(word, "a range runs from a number to a number", axis.name);
   if (low.unit != high.unit) refuse_range(word, "both ends of a range must have the same unit", axis.name);
   std::string const count = m[3];
-  bool const logarithmic = m[4].matched;
+  bool const logarithmic = m.matched(4);
   if (count.empty() && !open) refuse_range(word, "the range has no number of values", axis.name);
   double const n = count.empty() ? 2 : std::strtod(count.c_str(), nullptr);
   if (n < 2 || n > double(most_points))
@@ -118,14 +118,13 @@ void add_list(ScanAxis& axis, std::string const& word, std::string const& text) 
 }
 
 ScanAxis parse_axis(std::string const& word, bool open) {
-  static std::regex const range(R"(\s*(.+?)\s*\.\.\s*(.+?)\s*(?::([0-9]+)(:log)?)?\s*)");
+  static Pattern const range(R"(\s*(.+?)\s*\.\.\s*(.+?)\s*(?::([0-9]+)(:log)?)?\s*)");
   std::size_t const equal = word.find('=');
   if (equal == 0 || equal == word.npos)
     throw InputError(fmt::format("'{}' does not name a parameter and its values", word), example("name"));
   ScanAxis axis{word.substr(0, equal), {}, {}, "", false};
   std::string const text = word.substr(equal + 1);
-  std::smatch m;
-  if (bounded_regex_match(text, m, range))
+  if (PatternMatch const m = range.match(text))
     add_range(axis, word, m, open);
   else
     add_list(axis, word, text);
@@ -569,7 +568,7 @@ std::string scan_json(ScanTable const& t) {
     point["model_hash"] = p.model_hash;
     j["points"].push_back(point);
   }
-  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(j, 2) + "\n";
 }
 
 }  // namespace straytrace::session

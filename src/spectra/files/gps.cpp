@@ -7,12 +7,11 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <regex>
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
 #include "base/math/constants.hpp"
-#include "base/text/bounded_regex.hpp"
+#include "base/text/pattern.hpp"
 #include "io/delimited_text.hpp"
 #include "io/observatory_data.hpp"
 
@@ -40,16 +39,16 @@ std::ptrdiff_t leaps_before(sys_days day) { return std::ranges::upper_bound(leap
 }  // namespace
 
 std::optional<double> gps_of_utc(std::string const& text) {
-  static std::regex const form(R"((\d{4})-(\d\d)-(\d\d)(?:[T ](\d\d):(\d\d)(?::(\d\d)(\.\d*)?)?)?Z?)");
-  std::smatch m;
-  if (!bounded_regex_match(text, m, form)) return {};
-  auto const whole = [&](std::size_t i) { return m[i].matched ? std::stoi(m[i]) : 0; };
+  static Pattern const form(R"((\d{4})-(\d\d)-(\d\d)(?:[T ](\d\d):(\d\d)(?::(\d\d)(\.\d*)?)?)?Z?)");
+  PatternMatch const m = form.match(text);
+  if (!m) return {};
+  auto const whole = [&](std::size_t i) { return m.matched(i) ? std::stoi(m[i]) : 0; };
   ch::year_month_day const date{ch::year{whole(1)}, ch::month{unsigned(whole(2))}, ch::day{unsigned(whole(3))}};
   if (!date.ok() || whole(4) > 23 || whole(5) > 59 || whole(6) > 60) return {};
   sys_days const day{date};
   bool const leap_day = std::ranges::find(leaps, day + ch::days{1}) != leaps.end();
   if (day < epoch || (whole(6) == 60 && !(leap_day && whole(4) == 23 && whole(5) == 59))) return {};
-  double const fraction = m[7].matched && m[7].length() > 1 ? std::stod("0" + m[7].str()) : 0;
+  double const fraction = m[7].size() > 1 ? std::stod("0" + m[7]) : 0;
   return days_in_seconds(day) + 3600 * whole(4) + 60 * whole(5) + whole(6) + double(leaps_before(day)) + fraction;
 }
 

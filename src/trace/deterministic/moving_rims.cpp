@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trace/deterministic/moving_rims.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <optional>
 
 #include "base/math/gauss_points.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "trace/tally/coupling_table.hpp"
 
 namespace straytrace::trace {
@@ -262,14 +262,14 @@ void add_second(std::vector<PathRecord>& records, BodyId body, CoordinateCurvatu
   CoordinateGradient scale;
   scale << 1, 1, 1, arm, arm, arm;
   CoordinateCurvature const even = scale.cwiseInverse().asDiagonal() * curvature * scale.cwiseInverse().asDiagonal();
-  Eigen::SelfAdjointEigenSolver<CoordinateCurvature> const own(even);
-  double const largest = own.eigenvalues().cwiseAbs().maxCoeff();
+  SymmetricModes const own = symmetric_modes(even);
+  double const largest = own.values.cwiseAbs().maxCoeff();
   for (int i = 0; i < 6; ++i) {
-    double const value = own.eigenvalues()[i] / removed;
+    double const value = own.values[i] / removed;
     if (!(std::fabs(value) * removed > rounding * largest)) continue;
     // s = -d (... - 1/2 sum +-(q x)^2): a growing field has the sign plus.
     PathRecord r = record_of(value > 0 ? RimTerm::second_plus : RimTerm::second_minus);
-    CoordinateGradient const q = std::sqrt(std::fabs(value)) * scale.cwiseProduct(own.eigenvectors().col(i));
+    CoordinateGradient const q = std::sqrt(std::fabs(value)) * scale.cwiseProduct(own.vectors.col(i));
     r.phase_sensitivities = {sensitivity(body, q)};
     records.push_back(std::move(r));
   }

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "wave/diodes/diode_fit.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <boost/math/special_functions/gamma.hpp>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/errors.hpp"
-#include "base/math/least_squares.hpp"
+#include "base/math/linear_algebra.hpp"
 
 namespace straytrace::wave {
 namespace {
@@ -76,9 +76,9 @@ class ScaledFit {
     here_ = residuals(at_);
     Eigen::Index const n = at_.size();
     Eigen::MatrixXd const slope = slopes(at_, here_, Eigen::MatrixXd::Identity(n, n));
-    modes_.compute(slope.transpose() * slope);
-    Eigen::Index const unknown = (modes_.eigenvalues().array() < 1).count();  // ascending
-    basis_ = modes_.eigenvectors().rightCols(n - unknown);
+    modes_ = symmetric_modes(slope.transpose() * slope);
+    Eigen::Index const unknown = (modes_.values.array() < 1).count();  // ascending
+    basis_ = modes_.vectors.rightCols(n - unknown);
   }
   // Returns the largest change, in standard deviations.
   double improve() {
@@ -96,16 +96,16 @@ class ScaledFit {
                                     }};
     Eigen::VectorXd const found = minimise(least, Eigen::VectorXd::Zero(basis_.cols()), 40, tolerance).at;
     at_ = inside(place(found));
-    Eigen::VectorXd const size = modes_.eigenvalues().tail(basis_.cols()).cwiseSqrt();
+    Eigen::VectorXd const size = modes_.values.tail(basis_.cols()).cwiseSqrt();
     return (basis_.transpose() * (at_ - before)).cwiseProduct(size).cwiseAbs().maxCoeff();
   }
 
   DiodeFit result() const {
     DiodeFit fit;
     Eigen::Index const n = at_.size(), known = basis_.cols(), unknown = n - known;
-    Eigen::VectorXd const inverse = modes_.eigenvalues().tail(known).cwiseInverse();
+    Eigen::VectorXd const inverse = modes_.values.tail(known).cwiseInverse();
     Eigen::MatrixXd const covariance = basis_ * inverse.asDiagonal() * basis_.transpose();
-    for (Eigen::Index i = 0; i < unknown; ++i) fit.undetermined.push_back(modes_.eigenvectors().col(i));
+    for (Eigen::Index i = 0; i < unknown; ++i) fit.undetermined.push_back(modes_.vectors.col(i));
     Eigen::VectorXd const values = own_units(at_);
     for (Eigen::Index i = 0; i < n; ++i) {
       double const half = 0.5 * (problem_.ranges[std::size_t(i)].high - problem_.ranges[std::size_t(i)].low);
@@ -143,8 +143,8 @@ class ScaledFit {
   Eigen::VectorXd at_, here_;
   Eigen::VectorXd speckle_, variance_;  // W^2
   Eigen::LLT<Eigen::MatrixXd> root_;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes_;  // of the information, in half ranges
-  Eigen::MatrixXd basis_;                                 // of what the data determine
+  SymmetricModes modes_;   // of the information, in half ranges
+  Eigen::MatrixXd basis_;  // of what the data determine
 };
 
 }  // namespace

@@ -2,7 +2,7 @@
 // Low orders, holes and resampling of height maps.
 #include "wave/heights/height_map.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 #include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "base/units/quantity.hpp"
 #include "io/delimited_text.hpp"
 #include "io/hdf5/read_write.hpp"
@@ -153,12 +154,11 @@ LowOrders fit_low_orders(HeightMap const& map, LightOnMirror const& light) {
     matrix += weighted * values.transpose();
     right += map.height[i] * weighted;
   }
-  Eigen::FullPivLU<Eigen::Matrix<double, 6, 6>> solver(matrix);
-  solver.setThreshold(1e-10);
-  if (!solver.isInvertible())
+  auto const found = solve_regular(matrix, right, 1e-10);
+  if (!found)
     throw InputError(fmt::format("the height map has too few points within the beam of {:g} m radius", w),
                      "give a map that covers the beam, with the axis of the cavity at x = y = 0");
-  Orders const fit = solver.solve(right);
+  Orders const fit = *found;
   return {fit[0], fit[1] / w, fit[2] / w, fit[3] / (w * w), fit[4] / (w * w), fit[5] / (w * w)};
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "wave/modes/driven.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "base/math/constants.hpp"
+#include "base/math/linear_algebra.hpp"
 #include "beams/overlap.hpp"
 
 namespace straytrace::wave {
@@ -93,9 +92,7 @@ std::vector<int> alike_in(std::vector<RitzPair> const& modes, SolveOptions const
 Eigen::MatrixXcd span_of(std::vector<RitzPair> const& modes, std::size_t first, int count, int starts) {
   Eigen::MatrixXcd whole(modes[first].coordinates.size(), count);
   for (int i = 0; i < count; ++i) whole.col(i) = modes[first + std::size_t(i)].coordinates;
-  Eigen::MatrixXcd const span =
-      Eigen::HouseholderQR<Eigen::MatrixXcd>(whole).householderQ() * Eigen::MatrixXcd::Identity(whole.rows(), count);
-  return span.topRows(starts);
+  return orthonormal_columns(whole).topRows(starts);
 }
 
 // Named modes by what they have in the span, the largest `count`.
@@ -246,9 +243,9 @@ void DrivenCavity::add_transmitted(Port& port, Field const& arriving) {
 }
 
 void DrivenCavity::triangularise() {
-  Eigen::ComplexSchur<Eigen::MatrixXcd> const schur(krylov_.matrix().topRows(krylov_.steps()));
-  triangle_ = schur.matrixT();
-  basis_ = schur.matrixU();
+  SchurForm schur = schur_form(krylov_.matrix().topRows(krylov_.steps()));
+  triangle_ = std::move(schur.triangle);
+  basis_ = std::move(schur.basis);
 }
 
 Complex DrivenCavity::factor(double detuning) const {

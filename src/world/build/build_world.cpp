@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/math/linear_algebra.hpp"
 #include "base/text/words.hpp"
 #include "base/units/media_presets.hpp"
 #include "io/delimited_text.hpp"
@@ -219,10 +219,7 @@ class PointsShape final : public ModeShape {
       a.row(i) << w, w * d.x, w * d.y, w * d.z;
       b.row(i) << w * psi.x, w * psi.y, w * psi.z;
     }
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(1e-9);
-    solver.compute(a);
-    Eigen::RowVector3d const value = solver.solve(b).row(0);
+    Eigen::RowVector3d const value = least_norm_solution(a, b, 1e-9).row(0);
     return {value[0], value[1], value[2]};
   }
 

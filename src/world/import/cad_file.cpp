@@ -15,6 +15,7 @@
 
 #include "base/files/read_write.hpp"
 #include "base/process/child_process.hpp"
+#include "base/text/json_text.hpp"
 #include "base/text/words.hpp"
 
 namespace straytrace::world {
@@ -139,7 +140,7 @@ bool is_converted(std::string const& name) { return lower_case(name).ends_with("
 MeshFault read_cad_file(std::string const& text, CadFile& out) {
   std::string const fix = "convert it again: straytrace-step FILE.step";
   try {
-    json const all = json::parse(text);
+    json const all = read_json(text);
     if (!all.is_object() || !all.contains("straytrace_cad"))
       return {"this is not CAD geometry of straytrace: it has no 'straytrace_cad'", fix};
     if (int const version = all.at("straytrace_cad"); version != known_version)

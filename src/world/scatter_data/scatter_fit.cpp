@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "world/scatter_data/scatter_fit.hpp"
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +8,7 @@
 #include <optional>
 
 #include "base/math/constants.hpp"
-#include "base/math/least_squares.hpp"
+#include "base/math/linear_algebra.hpp"
 
 namespace straytrace::world {
 namespace {
@@ -113,12 +112,11 @@ Eigen::MatrixXd covariance(Model model, std::vector<Datum> const& data, Eigen::V
   Eigen::Index const n = p.size();
   Eigen::MatrixXd const slope = derivatives(problem_of(model, data, n), p);
   Eigen::MatrixXd const information = slope.transpose() * slope;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> const solver(information);
-  Eigen::VectorXd const strength = solver.eigenvalues();
+  auto const [strength, vectors] = symmetric_modes(information);
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index k = 0; k < n; ++k) {
     double const variance = strength[k] > 1e-10 * strength[n - 1] ? 1 / strength[k] : 1e12;
-    out += variance * solver.eigenvectors().col(k) * solver.eigenvectors().col(k).transpose();
+    out += variance * vectors.col(k) * vectors.col(k).transpose();
   }
   return out;
 }
