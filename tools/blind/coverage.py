@@ -27,7 +27,7 @@ LARGEST = 0.2     # relative error of a number that is tested: beyond, sums of f
 
 
 def numbers(program, scene, seed, histories):
-    """{number: (value, error)} of a run: h in a few bins, and couplings of resolved routes."""
+    """{number: (value, error)} of a run: h in a few bins, couplings of resolved routes, and power on receivers, by routes and whole."""
     with tempfile.TemporaryDirectory() as folder:
         result = pathlib.Path(folder) / "run.h5"
         command = [program, "run", str(scene), "-o", str(result), "--quiet", "--threads", "1", "--histories", str(histories), "--seed", str(seed)]
@@ -36,11 +36,14 @@ def numbers(program, scene, seed, histories):
             raise RuntimeError(f"{scene}: {done.stderr.strip()[:1000]}")
         found = {}
         with h5py.File(result) as file:
-            table = file["classes"]
-            for key, name, mean, error, good, reverse, kind in zip(*(table[k][:] for k in (
-                    "hash", "name", "mean", "std_error", "trusted", "by_reverse", "kind"))):
-                if good and not reverse and not kind and not name.startswith(b"other"):
-                    found["coupling", int(key)] = mean, error
+            for of, table in (("coupling", file["classes"]), ("power", file["received"])):
+                for key, name, mean, error, good, reverse, kind in zip(*(table[k][:] for k in (
+                        "hash", "name", "mean", "std_error", "trusted", "by_reverse", "kind"))):
+                    if good and not reverse and not kind and not name.startswith(b"other"):
+                        found[of, int(key)] = mean, error
+            for key, mean, error, good in zip(file["names/receivers"][:], *(file["receivers"][k][:] for k in ("mean", "std_error", "trusted"))):
+                if good:
+                    found["power", key] = mean, error
             if "noise" in file and not len(file["noise/unresolved"]):
                 h, sigma = file["noise/total/mean"][:], file["noise/total/sigma"][:]
                 for i in np.linspace(0, len(h) - 1, BINS + 2).astype(int)[1:-1]:
@@ -52,7 +55,7 @@ def pulls_of(runs, kind, least):
     """Deviations from the mean of the seeds, in printed errors, of numbers that are there for `least` seeds."""
     keys = {key for run in runs for key in run if key[0] == kind}
     found = []
-    for key in sorted(keys):
+    for key in sorted(keys, key=str):
         values = np.array([run[key] for run in runs if key in run])
         if len(values) < least or not (values[:, 1] > 1e-9 * abs(values[:, 0])).all():
             continue
@@ -99,7 +102,7 @@ def measure(asked):
             if failures:
                 yield scene.stem, "failed", str(failures[0])
                 continue
-            for kind in ("h", "coupling"):
+            for kind in ("h", "coupling", "power"):
                 pulls = pulls_of(runs, kind, asked.seeds)
                 if pulls:
                     shares = covered(pulls)
@@ -124,7 +127,7 @@ def main():
             continue
         count, ((one, one_error), (two, two_error)), fine = found
         good &= fine
-        of = f"{count} bins of h" if kind == "h" else f"{count} couplings"
+        of = {"h": f"h in {count} bin{'s' if count > 1 else ''}", "coupling": f"{count} couplings", "power": f"{count} power{'s' if count > 1 else ''} on receivers"}[kind]
         lines.append(f"| {scene} | {of} | {100 * one:.1f} ± {100 * one_error:.1f} % | {100 * two:.1f} ± {100 * two_error:.1f} % | {'holds' if fine else '**does not hold**'} |")
         print(lines[-1], flush=True)
     if asked.write:
