@@ -41,15 +41,6 @@ void add_output_options(CLI::App&, DataOptions&, char const* quiet = "--quiet");
 double option_quantity(std::string const& text, Dimension, std::string const& option, std::string const& example);
 // The same; InputError unless it is above zero.
 double positive_quantity(std::string const& text, Dimension, std::string const& option, std::string const& example);
-// Refuses, before any work and together with the errors of other options, a text that `read` throws InputError for.
-template <class Read>
-CLI::Validator readable(Read read) {
-  return {[read](std::string const& text) -> std::string {
-            read(text);
-            return {};
-          },
-          ""};
-}
 CLI::Validator is_quantity(Dimension, std::string const& option, std::string const& example);
 // FILE or FILE::CHANNEL of a file that exists. A word without colons may be a channel of another file.
 CLI::Validator is_record(std::string const& option, bool or_channel = false);

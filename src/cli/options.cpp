@@ -168,7 +168,7 @@ void add_trace_options(CLI::App& command, TraceOptions& options) {
       .add_option("--until", options.until,
                   "stop rule: \"h_total < 5 %\", \"routes < 10 %\", \"receiver:PD < 5 %\", \"class:* < 10 %\", \"10 "
                   "min\", or a list; 'histories' of the scene stays the upper limit")
-      ->check([](std::string const& rule) { return std::string(rule.empty() ? "'' is not a stop rule" : ""); });
+      ->check(readable(parse_stop_rule));
   command.add_option("--threads", options.threads, "number of threads; default: all cores; does not change the result")
       ->check(whole_between(1, 1024, "4"));
   command.add_option("--backend", options.backend,

@@ -37,6 +37,16 @@ void refuse_overwriting(std::string const& output, std::string const& input);  /
 
 void drop_slashes(std::string& folder);  // at its end
 
+// Refuses, before any work and together with the errors of other options, a text that `read` throws InputError for.
+template <class Read>
+CLI::Validator readable(Read read) {
+  return {[read](std::string const& text) -> std::string {
+            read(text);
+            return {};
+          },
+          ""};
+}
+
 // "'x' is not a number from 0.1 to 1000; write for example 20". In place of CLI::Range, which accepts nan.
 CLI::Validator number_between(double low, double high, std::string const& example);
 // "'x' is not a whole number from 1 to 1e6; write for example 20"

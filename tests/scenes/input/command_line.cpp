@@ -100,7 +100,7 @@ TEST(CommandLine, MistakesAreExplained) {
       {{"noise"}, "'run' is missing", "straytrace noise --help"},
       {{"run", virgo_arm, "-o", out, "--until", "5%"}, "'5%' is not a stop rule", "write 'h_total < 5 %'"},
       {{"run", virgo_arm, "-o", out, "--until", "h_total < 5"}, "is not a stop rule", "'10 min'"},
-      {{"run", virgo_arm, "-o", out, "--until", ""}, "is not a stop rule", "straytrace run --help"},
+      {{"run", virgo_arm, "-o", out, "--until", ""}, "'' is not a stop rule", "write 'h_total < 5 %'"},
       {{"run", virgo_arm, "-o", out, "-p", "rimm=1 m"}, "'rimm' is not defined", "did you mean 'rim'?"},
       {{"run", virgo_arm, "-o", out, "-p", "rim"}, "'rim' does not set a parameter", "write 'name=value'"},
       {{"run", virgo_arm, "-o", out, "--histories", "many"}, "'many' is not a number", "write for example 1e6"},
@@ -274,10 +274,12 @@ TEST(CommandLine, AllWrongOptionsAreToldAtOnce) {
     return all;
   };
   using ::testing::UnorderedElementsAre;
-  EXPECT_THAT(errors({"run", "--histories", "many", "--seed", "-1", "--max-time", "soon", "--untl", "5 %", "--colour"}),
+  EXPECT_THAT(errors({"run", "--histories", "many", "--seed", "-1", "--max-time", "soon", "--until", "5%", "--untl",
+                      "5 %", "--colour"}),
               UnorderedElementsAre(HasSubstr("'many' is not a number"), HasSubstr("'-1' is not a whole number"),
-                                   HasSubstr("'soon' is not a time"), "'--untl' is not an option here",
-                                   "'--colour' is not an option here", HasSubstr("is missing")));
+                                   HasSubstr("'soon' is not a time"), HasSubstr("'5%' is not a stop rule"),
+                                   "'--untl' is not an option here", "'--colour' is not an option here",
+                                   HasSubstr("is missing")));
   EXPECT_THAT(errors({"run", virgo_arm, "-o", "x", "--seed", "-1"}), UnorderedElementsAre(HasSubstr("'-1' is not")));
   EXPECT_THAT(errors({"couple", "predict", "none.h5", "--bdy", "tube", "--axis", "w", "--show", "0"}),
               UnorderedElementsAre("'--bdy' is not an option here", "--axis cannot be 'w'",
