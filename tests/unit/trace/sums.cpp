@@ -60,9 +60,9 @@ TEST(Moments, BlockErrorAndHistoryError) {
   EXPECT_NEAR(ratio, 16, 1);
 }
 
-// Scores that strata deal evenly, but for a few that are absent: of 5 in 1e5 drawn, none was. The blocks agree exactly;
-// the mean is off by 5e-5, and the error of a route covers that. Scores that vary keep their error. Control: the spread
-// of the blocks alone.
+// A share of 5e-5 of the histories scores nothing, and none of them was drawn. Strata dealt the others evenly: the
+// blocks agree exactly, the mean is off by 5e-5, and the error of a route covers that. Scores that vary keep their
+// error. Control: the spread of the blocks alone.
 TEST(Moments, ErrorOfARouteIsAtLeastOneHistory) {
   std::size_t const n = 32 * 256;
   std::vector<double> equal(n, 0.0);
