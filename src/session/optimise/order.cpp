@@ -191,7 +191,7 @@ class OrderReader {
     if (std::ranges::none_of(entries, [&](std::string const& entry) { return matches(limit.entry, entry); }))
       complain(fmt::format("no entry of the scene is called '{}'", limit.entry),
                did_you_mean(limit.entry, entries, fmt::format("known: {}", fmt::join(entries, ", "))), m.position(1),
-               (m.position(1) + m[1].size()));
+               m.position(1) + m[1].size());
     order_.powers.push_back(std::move(limit));
   }
 

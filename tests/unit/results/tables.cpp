@@ -347,6 +347,18 @@ TEST_F(ReportTables, ReportHasItsSections) {
   EXPECT_THAT(text_report(content(trace, nullptr), table(), 12), HasSubstr("C_rev off"));
 }
 
+// Errors of totals hold less often than stated in short runs (docs/theory/blind.md). Controls: enough histories, none.
+TEST_F(ReportTables, FewHistoriesAreAWarning) {
+  auto const warned = [&](std::uint64_t histories) {
+    trace.coupling.histories = histories;
+    return text_report(content(trace, &noise), table(), 12).find(" histories are few") != std::string::npos;
+  };
+  EXPECT_TRUE(warned(8192));
+  EXPECT_TRUE(warned(16383));
+  EXPECT_FALSE(warned(16384));
+  EXPECT_FALSE(warned(0));
+}
+
 // Without a resolved route there is no value at a frequency of the band; outside the band no value was requested.
 TEST_F(ReportTables, UnresolvedIsNotOutsideTheGrid) {
   auto const count = [&](std::string const& words) {
