@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "beams/cavity_mode.hpp"
 
-#include <boost/math/special_functions/bessel.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/distributions.hpp"
 #include "base/math/gauss_points.hpp"
 #include "base/math/linear_algebra.hpp"
 #include "beams/overlap.hpp"
@@ -66,7 +66,7 @@ Eigen::MatrixXcd leg(Nodes const& from, Nodes const& to, double k, double distan
     for (Eigen::Index i = 0; i < kernel.rows(); ++i) {
       double const r1 = from.r[j], r2 = to.r[i];
       kernel(i, j) = turns[std::size_t(l + 1) % 4] *
-                     (k / distance * from.root[j] * to.root[i] * boost::math::cyl_bessel_j(l, k * r1 * r2 / distance)) *
+                     (k / distance * from.root[j] * to.root[i] * bessel_j(l, k * r1 * r2 / distance)) *
                      std::polar(1.0, k * (r1 * r1 + r2 * r2) / (2 * distance));
     }
   return kernel;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "beams/overlap.hpp"
 
-#include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/distributions.hpp"
 
 namespace straytrace::beams {
 
@@ -266,8 +266,7 @@ double clipped_share(double aperture, double w, double offset) {
   if (aperture - d > far * w) return 0;
   if (d - aperture > far * w) return 1;
   // Marcum's Q_1(2d/w, 2a/w) is the survival function of a noncentral chi-squared variable of 2 degrees of freedom.
-  boost::math::non_central_chi_squared const radius2(2, 4 * d * d / (w * w));
-  return boost::math::cdf(boost::math::complement(radius2, 4 * aperture * aperture / (w * w)));
+  return off_centre_chi_squared_tail(2, 4 * d * d / (w * w), 4 * aperture * aperture / (w * w));
 }
 
 double clipped_share(double aperture, std::array<double, 2> w, std::array<double, 2> offset) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spectra/welch.hpp"
 
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/normal.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include "base/errors.hpp"
 #include "base/input/table.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/distributions.hpp"
 #include "spectra/filters.hpp"
 #include "spectra/fourier.hpp"
 
@@ -95,9 +94,8 @@ Interval confidence(WelchSpectrum const& s, double probability) {
   double low[2], high[2];
   for (int real = 0; real < 2; ++real) {
     double const freedom = (real != 0 ? 1 : 2) * s.effective_averages;
-    boost::math::chi_squared const law(freedom);
-    low[real] = freedom / quantile(law, (1 + probability) / 2);
-    high[real] = freedom / quantile(law, (1 - probability) / 2);
+    low[real] = freedom / chi_squared_quantile(freedom, (1 + probability) / 2);
+    high[real] = freedom / chi_squared_quantile(freedom, (1 - probability) / 2);
   }
   for (std::size_t k = 0; k < s.psd.size(); ++k) {
     int const real = s.is_real_line(k) ? 1 : 0;
@@ -299,7 +297,7 @@ double confidence_radius(double c, double n, double probability) {
 
 Interval coherence_interval(std::span<double const> c, double n, double probability) {
   Interval out;
-  double const z = n > 1 ? quantile(boost::math::normal(), (1 + probability) / 2) / std::sqrt(2 * (n - 1)) : infinity;
+  double const z = n > 1 ? normal_quantile((1 + probability) / 2) / std::sqrt(2 * (n - 1)) : infinity;
   for (double const value : c) {
     double const w = std::atanh(std::min(std::sqrt(value), 1 - 1e-15));
     out.low.push_back(std::pow(std::tanh(std::max(0.0, w - z)), 2));

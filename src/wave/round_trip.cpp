@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "wave/round_trip.hpp"
 
-#include <boost/math/special_functions/bessel.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/distributions.hpp"
 #include "base/math/functions.hpp"
 #include "base/math/linear_algebra.hpp"
 #include "base/process/threads.hpp"
@@ -26,8 +26,7 @@ class DiscSpectrum {
     for (int m = 0; m < grid.points / 2; ++m)
       for (int n = 0; n <= (half_ ? half_ - 1 : m); ++n) {
         double const q = 2 * pi * std::hypot(m * hole.cosine, n) / grid.window;
-        double const disc =
-            m || n ? 2 * pi * radius * boost::math::cyl_bessel_j(1, q * radius) / q : pi * radius * radius;
+        double const disc = m || n ? 2 * pi * radius * bessel_j(1, q * radius) / q : pi * radius * radius;
         values_.push_back(hole.cosine * disc);
       }
   }

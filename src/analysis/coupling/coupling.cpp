@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/coupling/coupling.hpp"
 
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
-#include <boost/math/distributions/normal.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +13,7 @@
 #include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/distributions.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "io/delimited_text.hpp"
@@ -540,18 +538,15 @@ BandCoupling band_coupling(CrossSpectra const& injection, CrossSpectra const& qu
 
 namespace {
 
-using boost::math::complement;
 constexpr double as_good_as_known = 1e7;  // averages; above, F is chi-square to the precision of its quantiles
 
 // Probability of a ratio beyond `ratio`, above or below.
 double tail(double ratio, double loud, double quiet, bool above) {
   double const n = 2 * std::min(loud, as_good_as_known);
   if (quiet >= as_good_as_known) {
-    boost::math::chi_squared const chi(n);
-    return above ? cdf(complement(chi, n * ratio)) : cdf(chi, n * ratio);
+    return above ? chi_squared_tail(n, n * ratio) : chi_squared_cdf(n, n * ratio);
   }
-  boost::math::fisher_f const f(n, 2 * quiet);
-  return above ? cdf(complement(f, ratio)) : cdf(f, ratio);
+  return above ? fisher_tail(n, 2 * quiet, ratio) : fisher_cdf(n, 2 * quiet, ratio);
 }
 
 }  // namespace
@@ -559,7 +554,7 @@ double tail(double ratio, double loud, double quiet, bool above) {
 double sigmas_of_probability(double p) {
   if (!(p > probability_of_sigmas(largest_significance))) return largest_significance;
   if (p >= 1) return -largest_significance;
-  return quantile(complement(boost::math::normal(), p));
+  return normal_tail_quantile(p);
 }
 
 double probability_of_sigmas(double s) { return std::erfc(s / std::sqrt(2)) / 2; }
@@ -573,7 +568,7 @@ double excess_significance(AveragedPsd const& loud, AveragedPsd const& quiet) {
 
 double upper_factor(double averages, double confidence) {
   double const n = 2 * averages;
-  return n / quantile(boost::math::chi_squared(n), 1 - confidence);
+  return n / chi_squared_quantile(n, 1 - confidence);
 }
 
 }  // namespace straytrace::analysis

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/coupling/lines.hpp"
 
-#include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <boost/math/tools/minima.hpp>
 #include <fmt/format.h>
 
@@ -13,6 +12,7 @@
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/distributions.hpp"
 #include "base/units/quantity.hpp"
 #include "spectra/curve.hpp"
 #include "spectra/files/gps.hpp"
@@ -205,9 +205,8 @@ CouplingPoint judged(std::vector<RidgePoint> const& windows, double significance
   for (RidgePoint const& w : windows) sum += squared(w.modulus) / variance(w), weights += 1 / variance(w);
   out.significance = excess_significance({sum / (2 * n), n}, {1, lines});
   if (!(out.significance >= significance)) {
-    boost::math::non_central_chi_squared const any(2 * n, 0);
     out.flag = CouplingFlag::upper_limit;
-    out.factor = std::sqrt(decltype(any)::find_non_centrality(2 * n, std::max(sum, 2 * n), 0.05) / weights);
+    out.factor = std::sqrt(off_centre_of_chi_squared(2 * n, std::max(sum, 2 * n), 0.05) / weights);
     return out;
   }
   out.flag = CouplingFlag::measured;

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/fringes/fringe_lines.hpp"
 
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/special_functions/bessel.hpp>
 #include <boost/math/tools/minima.hpp>
-#include <boost/math/tools/roots.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,11 +9,10 @@
 
 #include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
+#include "base/math/distributions.hpp"
 
 namespace straytrace::analysis {
 namespace {
-
-double bessel(int n, double z) { return boost::math::cyl_bessel_j(n, z); }
 
 constexpr int steps_per_radian = 16;
 constexpr double smallest_z = 1e-3;
@@ -48,17 +44,17 @@ struct Part {
 Part fit_part(std::vector<Harmonic> const& all, int parity, double z) {
   double top = 0, bottom = 0, norm = 0;
   for (Harmonic const& h : all)
-    if (h.order % 2 == parity) norm = std::max(norm, squared(bessel(h.order, z)));
+    if (h.order % 2 == parity) norm = std::max(norm, squared(bessel_j(h.order, z)));
   if (norm == 0) norm = 1;
   for (Harmonic const& h : all) {
     if (h.order % 2 != parity) continue;
-    double const shape = squared(bessel(h.order, z)) / norm, w = 1 / squared(h.sigma);
+    double const shape = squared(bessel_j(h.order, z)) / norm, w = 1 / squared(h.sigma);
     top += w * shape * h.power;
     bottom += w * shape * shape;
   }
   Part p{bottom > 0 ? std::max(0.0, top / bottom) : 0, 0};
   for (Harmonic const& h : all)
-    if (h.order % 2 == parity) p.chi += squared((h.power - p.factor * squared(bessel(h.order, z)) / norm) / h.sigma);
+    if (h.order % 2 == parity) p.chi += squared((h.power - p.factor * squared(bessel_j(h.order, z)) / norm) / h.sigma);
   p.factor /= norm;
   return p;
 }
@@ -86,7 +82,7 @@ class Steps {
     std::vector<double> shape;
     for (std::size_t i = 0; i < drive_.size(); ++i) {
       double const x = z * drive_[i] / largest_;
-      shape.push_back(x > 1e-9 ? drive_[i] * 2 * bessel(1, x) / x : drive_[i]);
+      shape.push_back(x > 1e-9 ? drive_[i] * 2 * bessel_j(1, x) / x : drive_[i]);
       top += shape[i] * target_[i] / squared(sigma_[i]);
       bottom += squared(shape[i] / sigma_[i]);
     }
@@ -161,9 +157,7 @@ RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> ta
   out.z_high = r.high;
   out.z_limit = r.limit;
   out.open = r.open;
-  auto const misses = [&](double chi, int degrees) {
-    return cdf(complement(boost::math::chi_squared(degrees), chi)) < 1e-3;
-  };
+  auto const misses = [&](double chi, int degrees) { return chi_squared_tail(degrees, chi) < 1e-3; };
   bool const wraps = out.significance > threshold;
   out.verdict = wraps                             ? RampFit::Verdict::fringe
                 : out.slope < 3 * out.slope_sigma ? RampFit::Verdict::unseen

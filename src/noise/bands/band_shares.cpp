@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Dense>
-#include <boost/math/distributions/normal.hpp>
 #include <boost/random/sobol.hpp>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <numeric>
 
 #include "base/math/constants.hpp"
+#include "base/math/distributions.hpp"
 #include "noise/bands/input_band.hpp"
 
 namespace straytrace::noise {
@@ -131,12 +131,11 @@ class LogNoise {
 // Standard normal numbers, [point][dimension], of a fixed set: each dimension has one point in each of equal shares.
 Matrix normal_points(std::size_t dimensions) {
   boost::random::sobol sequence(dimensions);
-  boost::math::normal const gauss;
   Matrix out(draws, Eigen::Index(dimensions));
   for (Eigen::Index p = 0; p < out.rows(); ++p)
     for (Eigen::Index d = 0; d < out.cols(); ++d) {
       double const u = double(sequence() >> 11) * 0x1p-53 + 0.5 / draws;
-      out(p, d) = boost::math::quantile(gauss, std::min(u, 1 - 0.5 / draws));
+      out(p, d) = normal_quantile(std::min(u, 1 - 0.5 / draws));
     }
   return out;
 }

@@ -2,7 +2,6 @@
 #include "noise/bands/speckle_band.hpp"
 
 #include <Eigen/Sparse>
-#include <boost/math/special_functions/erf.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <set>
 
 #include "base/math/constants.hpp"
+#include "base/math/distributions.hpp"
 #include "base/math/linear_algebra.hpp"
 #include "noise/classes/motion_classes.hpp"
 
@@ -39,7 +39,7 @@ Draws::Draws() {
     for (int i = 0; i < count; ++i) {
       double const u = std::fmod(0.5 + (i + 1) * by, 1.0);
       turn_[d][i] = u;
-      normal_[d][i] = std::sqrt(2.0) * boost::math::erf_inv(2 * std::clamp(u, 1e-9, 1 - 1e-9) - 1);
+      normal_[d][i] = std::sqrt(2.0) * inverse_erf(2 * std::clamp(u, 1e-9, 1 - 1e-9) - 1);
       squared_[d][i] = normal_[d][i] * normal_[d][i];
     }
   }

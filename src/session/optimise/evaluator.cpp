@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "session/optimise/evaluator.hpp"
 
-#include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -14,6 +12,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
+#include "base/math/distributions.hpp"
 #include "base/math/rng.hpp"
 #include "base/math/samples.hpp"
 #include "base/text/words.hpp"
@@ -35,10 +34,9 @@ constexpr double tenfold = 10;  // as of routes that are too faint to be told (n
 std::vector<double> const& gaussian_multipliers() {
   static std::vector<double> const all = [] {
     std::vector<double> out;
-    boost::math::normal const gauss;
     for (std::uint64_t m = 0; m < multipliers; ++m) {
       Rng rng(multiplier_seed, m, 0, Stream::static_phase);
-      for (int r = 0; r < replica_count; ++r) out.push_back(boost::math::quantile(gauss, rng.uniform()));
+      for (int r = 0; r < replica_count; ++r) out.push_back(normal_quantile(rng.uniform()));
     }
     return out;
   }();
@@ -66,9 +64,8 @@ std::vector<std::vector<double>> studentised(std::vector<std::vector<double>> co
 }  // namespace
 
 double factor_of_all(std::vector<std::vector<double>> const& deviations, double confidence) {
-  boost::math::normal const gauss;
   auto const bins = studentised(deviations);
-  double factor = boost::math::quantile(gauss, confidence);
+  double factor = normal_quantile(confidence);
   if (bins.size() > 1) {
     std::vector<double> const& g = gaussian_multipliers();
     std::vector<double> largest;
@@ -85,8 +82,7 @@ double factor_of_all(std::vector<std::vector<double>> const& deviations, double 
     factor = nearest_rank(largest, confidence);
   }
   if (deviations.size() < 2) return factor;
-  boost::math::students_t const student(double(deviations.size() - 1));  // the errors are estimates themselves
-  return boost::math::quantile(student, boost::math::cdf(gauss, factor));
+  return student_quantile(double(deviations.size() - 1), normal_cdf(factor));  // the errors are estimates themselves
 }
 
 LineVerdict compared(NoiseBudget const& budget, std::vector<double> const& line, double confidence) {

@@ -2,12 +2,12 @@
 #include "wave/diodes/diode_fit.hpp"
 
 #include <Eigen/Cholesky>
-#include <boost/math/special_functions/gamma.hpp>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/math/distributions.hpp"
 #include "base/math/linear_algebra.hpp"
 
 namespace straytrace::wave {
@@ -134,9 +134,8 @@ class ScaledFit {
     double const wider =
         3 * (share.square() * speckle_.array() / fit.mean.array().square().max(speckle_.array())).mean();
     fit.effective_degrees = fit.degrees / (1 + wider);
-    fit.probability = fit.degrees > 0 ? boost::math::gamma_q(fit.effective_degrees / 2,
-                                                             fit.chi2 * fit.effective_degrees / fit.degrees / 2)
-                                      : 1;
+    fit.probability =
+        fit.degrees > 0 ? gamma_q(fit.effective_degrees / 2, fit.chi2 * fit.effective_degrees / fit.degrees / 2) : 1;
   }
 
   DiodeFitProblem const& problem_;

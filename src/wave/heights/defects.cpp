@@ -2,17 +2,17 @@
 // Heights on a grid from the amplitudes of their frequencies.
 #include "wave/heights/defects.hpp"
 
-#include <boost/math/constants/constants.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
-#include <boost/math/special_functions/expint.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <vector>
 
 #include "base/math/bessel.hpp"
 #include "base/math/constants.hpp"
+#include "base/math/distributions.hpp"
 #include "base/math/functions.hpp"
 #include "base/math/rng.hpp"
 #include "wave/heights/height_map.hpp"
@@ -100,8 +100,8 @@ namespace {
 
 // ln x + E1(x), finite at zero.
 double log_and_integral(double x) {
-  if (x < 1e-9) return x - boost::math::constants::euler<double>();
-  return std::log(x) + boost::math::expint(1, x);
+  if (x < 1e-9) return x - std::numbers::egamma;
+  return std::log(x) + exponential_integral_1(x);
 }
 
 // Of the points of the mirror on which those of the grid lie (eq. W.55).
@@ -156,7 +156,7 @@ double scattered_by_absorber(WaveSettings::Absorber const& a, LightOnMirror cons
   for (int i = 0; i < azimuths; ++i) {
     SinCos const turn = sincos_turn((i + 0.5) / azimuths);
     double const on_mirror = std::pow(light.cosine * turn.cos, 2) + turn.sin * turn.sin, u = b * q2 * on_mirror;
-    share += (std::exp(-u) - (b > 0 ? u * boost::math::expint(1, u) : 0)) / (on_mirror * on_mirror * azimuths);
+    share += (std::exp(-u) - (b > 0 ? u * exponential_integral_1(u) : 0)) / (on_mirror * on_mirror * azimuths);
   }
   return irradiance * a.rise * a.rise / (pi * angle * angle) * std::pow(light.cosine, 4) * share;
 }
