@@ -64,14 +64,6 @@ STRAY_HD double through_eval(Law const& law, Vec3 wi, Vec3 wo, double n_in, doub
 }
 
 template <class Law>
-STRAY_HD double through_pdf(Law const& law, Vec3 wi, Vec3 wo, double n_in, double n_out) {
-  if (!(wi.z > 0 && wo.z < 0)) return 0;
-  Through const map = Through::between(n_in, n_out);
-  Vec3 const w = map.outgoing(wo);
-  return map.density(wo, w) * law.pdf(map.incoming(wi), w);
-}
-
-template <class Law>
 STRAY_HD ValueAndPdf through_both(Law const& law, Vec3 wi, Vec3 wo, double n_in, double n_out) {
   if (!(wi.z > 0 && wo.z < 0)) return {};
   Through const map = Through::between(n_in, n_out);

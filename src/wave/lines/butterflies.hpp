@@ -36,10 +36,6 @@ STRAY_BUTTERFLY Pair<T> times_i(Pair<T> const& a) {
   if constexpr (sign > 0) return {-a.im, a.re};
   return {a.im, -a.re};
 }
-template <int sign, class T>
-STRAY_BUTTERFLY Pair<T> turned_by(Pair<T> const& a, double cos, double sin) {
-  return times(a, cos, sign * sin);
-}
 
 template <int sign, class T>
 STRAY_BUTTERFLY void transform_4(Pair<T>& a, Pair<T>& b, Pair<T>& c, Pair<T>& d) {
