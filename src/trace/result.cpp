@@ -364,7 +364,7 @@ Estimate estimate(Moments const& m, std::uint64_t histories, std::uint64_t block
   return e;
 }
 
-Estimate route_estimate(Moments const& m, std::uint64_t histories, std::uint64_t blocks) {
+Estimate estimate_of_light(Moments const& m, std::uint64_t histories, std::uint64_t blocks) {
   Estimate e = estimate(m, histories, blocks);
   if (e.scored > 0) e.std_error = std::max(e.std_error, m.largest / double(histories));
   return e;

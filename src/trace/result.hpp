@@ -73,9 +73,9 @@ Moments merged(Moments const& left, Moments const& right);
 std::uint64_t first_part(std::uint64_t blocks);
 // Blocks are the independent units from 32 blocks on (docs/theory/errors.md); below, the spread of the histories.
 Estimate estimate(Moments const&, std::uint64_t histories, std::uint64_t blocks);
-// That of a route, whose error is at least the score of one history: where strata deal the same scores to every block,
-// the blocks say nothing about a rare history that was not drawn (docs/theory/errors.md).
-Estimate route_estimate(Moments const&, std::uint64_t histories, std::uint64_t blocks);
+// That of a route or of a receiver, whose error is at least the score of one history: where strata deal the same scores
+// to every block, the blocks say nothing about a rare history that was not drawn (docs/theory/errors.md).
+Estimate estimate_of_light(Moments const&, std::uint64_t histories, std::uint64_t blocks);
 // Why an estimate with enough scores is still unreliable: more scores, or more routes summed with it, do not soon
 // repair its error bar. Empty: no reason, or too few scores to decide.
 std::string tail_objection(Estimate const&);

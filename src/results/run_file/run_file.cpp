@@ -285,7 +285,7 @@ void read_all(hdf5::Reader const& in, RunFile& run) {
   if (run.trace.total.blocks == 0) add_nothing(run.trace.total, run.trace.coupling);
   BlockSums const& total = run.trace.total;
   for (ReceiverSums const& r : total.receivers)
-    run.trace.coupling.received_power.push_back(estimate(r.power, total.histories, total.blocks));
+    run.trace.coupling.received_power.push_back(estimate_of_light(r.power, total.histories, total.blocks));
   read_receivers(in, run.trace.coupling.receivers.size(), run.about);
   run.about.importance = read_importance(in, run.trace.coupling.groups.size());
   if (in.has("/projection")) run.about.projection = read_projection(in, run.trace.coupling);

@@ -60,7 +60,7 @@ MadeClass make_class(SteeredWorld const& steered, std::uint64_t hash, ClassSums 
   CouplingClass& c = made.row;
   c.hash = hash;
   c.port = {sums.port};
-  c.coupling = route_estimate(sums.moments, total.histories, total.blocks);
+  c.coupling = estimate_of_light(sums.moments, total.histories, total.blocks);
   c.off_list = sums.off_list / double(total.histories);
   c.replica_sum = sums.replica_sum;
   double weights = 0;
@@ -125,7 +125,7 @@ class Leftover {
       moments_.tail.clear();
       moments_.first_sum = not_a_number;
     }
-    merged_.coupling = route_estimate(moments_, total.histories, total.blocks);
+    merged_.coupling = estimate_of_light(moments_, total.histories, total.blocks);
     if (several && total.blocks >= replica_count) {
       double const n = double(total.histories);
       double between = 0;
@@ -238,7 +238,7 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
     table.replica_histories[r] = total.replica_blocks[r] * steered.block_size;
   table.receivers = world.receiver_names();
   for (ReceiverSums const& r : total.receivers)
-    table.received_power.push_back(estimate(r.power, total.histories, total.blocks));
+    table.received_power.push_back(estimate_of_light(r.power, total.histories, total.blocks));
   std::map<std::pair<std::uint32_t, double>, Leftover> others;  // by end and C_rev
   OffList off_list;
   auto const list_of = [&](CouplingClass const& c) -> std::vector<CouplingClass>& {

@@ -69,7 +69,7 @@ TEST(Moments, ErrorOfARouteIsAtLeastOneHistory) {
   for (std::size_t i = 0; i < n; i += 4) equal[i] = 2;
   Moments const m = moments_of(equal, 256);
   double const truth = 0.5 * (1 - 5e-5);
-  Estimate const route = route_estimate(m, n, 32);
+  Estimate const route = estimate_of_light(m, n, 32);
   EXPECT_DOUBLE_EQ(route.std_error, 2.0 / double(n));
   EXPECT_LT(std::fabs(route.mean - truth), route.std_error);
   EXPECT_GT(std::fabs(route.mean - truth), 1000 * estimate(m, n, 32).std_error) << "negative control";
@@ -77,8 +77,8 @@ TEST(Moments, ErrorOfARouteIsAtLeastOneHistory) {
   std::exponential_distribution<double> draw;
   for (double& value : equal) value = draw(engine);
   Moments const varied = moments_of(equal, 256);
-  EXPECT_EQ(route_estimate(varied, n, 32).std_error, estimate(varied, n, 32).std_error);
-  EXPECT_TRUE(std::isnan(route_estimate({}, n, 32).std_error));
+  EXPECT_EQ(estimate_of_light(varied, n, 32).std_error, estimate(varied, n, 32).std_error);
+  EXPECT_TRUE(std::isnan(estimate_of_light({}, n, 32).std_error));
 }
 
 std::string verdict(std::vector<double> const& x, std::size_t blocks = 32) {
