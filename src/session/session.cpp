@@ -245,6 +245,25 @@ void require_this_program(Provenance const& about, std::string const& file, std:
                    remedy);
 }
 
+namespace {
+
+TraceSettings settings_of(Model& model, TraceOptions const& options, std::string const& run_file) {
+  TraceSettings settings;
+  settings.stop_rule = model.until.error_rule;
+  settings.histories = model.histories;
+  settings.slice = {options.slice, options.slices};
+  resume_earlier(model, options, run_file, settings);
+  settings.seed = model.seed;
+  settings.max_seconds = model.until.max_seconds;
+  if (model.until.by_error()) {
+    settings.wanted_error = model.until.wanted_error();
+    settings.error = [&model](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
+  }
+  return settings;
+}
+
+}  // namespace
+
 TracedModel trace_model(Model& model, TraceOptions const& options, std::string const& run_file,
                         TraceControl const& control) {
   InterruptGuard const guard(control.stop);
@@ -252,19 +271,9 @@ TracedModel trace_model(Model& model, TraceOptions const& options, std::string c
     print_warning(
         fmt::format("{} histories are too few for an error\n  ask for {} or more", model.histories, fewest_histories),
         options);
-  TraceSettings settings;
-  settings.stop_rule = model.until.error_rule;
-  settings.histories = model.histories;
-  settings.slice = {options.slice, options.slices};
-  resume_earlier(model, options, run_file, settings);
-  settings.seed = model.seed;
+  TraceSettings settings = settings_of(model, options, run_file);
   auto const backend = make_backend(control.transport ? "cpu" : options.backend);
   settings.threads = options.threads > 0 ? options.threads : backend->callers();
-  settings.max_seconds = model.until.max_seconds;
-  if (model.until.by_error()) {
-    settings.wanted_error = model.until.wanted_error();
-    settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
-  }
   DeterministicLight const beside(model, options.threads, options);
   settings.deterministic = beside.classes;
   SteeredWorld world = steer(model.world, options.threads);

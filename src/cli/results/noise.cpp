@@ -77,6 +77,14 @@ int noise_if(NoiseOptions const& options, OpenRun& run) {
   return done;
 }
 
+// Throws InputError where the output would replace the run of another scene or seed without --force.
+void keep_other_runs(NoiseOptions const& options, bool alone, RunFile const& file) {
+  if (alone)
+    earlier_run(options.out, file.about.model_hash, file.trace.coupling.seed, options.force);
+  else if (!options.out.empty() && std::filesystem::is_directory(options.out))
+    earlier_run(options.out + "/run.h5", file.about.model_hash, file.trace.coupling.seed, options.force);
+}
+
 int noise(NoiseOptions const& options) {
   auto const start = std::chrono::steady_clock::now();
   refuse_files_of_what_if(options);
@@ -86,10 +94,7 @@ int noise(NoiseOptions const& options) {
   RunFile const& file = run.file;
   ProjectionModel& model = run.model;
   bool const alone = options.out.ends_with(".h5");  // only the run file
-  if (alone)
-    earlier_run(options.out, file.about.model_hash, file.trace.coupling.seed, options.force);
-  else if (!options.out.empty() && std::filesystem::is_directory(options.out))
-    earlier_run(options.out + "/run.h5", file.about.model_hash, file.trace.coupling.seed, options.force);
+  keep_other_runs(options, alone, file);
   std::optional<OutputFolder> folder;
   if (!alone && !options.out.empty()) folder.emplace(options.out);
   std::string replaced = run.projected_with;

@@ -413,6 +413,15 @@ std::vector<std::string> write_time_files(TimeFiles const& f, TimeInputs const& 
   return written;
 }
 
+std::uint32_t realisations_of(ProjectOptions const& o, PositionRuns const& positions) {
+  auto const count = std::uint32_t(positions.runs.size());
+  if (count > 0 && o.realisations % count != 0)
+    throw InputError(fmt::format("--realisations {} do not divide among the {} positions of '{}'", o.realisations,
+                                 count, positions.body->body),
+                     fmt::format("give a multiple of {}", count));
+  return o.realisations > 0 ? o.realisations : std::max(1u, count);
+}
+
 int project(ProjectOptions const& o) {
   if (o.time.run.ends_with(".csv") || !o.witness.empty()) return project_coupling_file(o);
   if (!o.target.empty() || !o.coupling_unit.empty())
@@ -424,12 +433,7 @@ int project(ProjectOptions const& o) {
   if (!o.data.quiet) std::cerr << (o.data.json() ? in.model.warnings_json : in.model.warnings);
   TimeDomainSettings settings = settings_of(o, in);
   PositionRuns positions(in);
-  if (!positions.runs.empty() && o.realisations % positions.runs.size() != 0)
-    throw InputError(fmt::format("--realisations {} do not divide among the {} positions of '{}'", o.realisations,
-                                 positions.runs.size(), positions.body->body),
-                     fmt::format("give a multiple of {}", positions.runs.size()));
-  std::uint32_t const realisations =
-      o.realisations > 0 ? o.realisations : std::max(1u, std::uint32_t(positions.runs.size()));
+  std::uint32_t const realisations = realisations_of(o, positions);
   Realisations all;
   StrayLight first;
   ProgressLine progress(o.data.quiet);

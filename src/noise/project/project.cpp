@@ -18,7 +18,6 @@
 #include "noise/noise.hpp"
 #include "noise/project/route_noise.hpp"
 #include "noise/project/static_phase.hpp"
-#include "noise/time_domain/phase_sum.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
 
 namespace straytrace::noise {
@@ -253,7 +252,7 @@ struct RoutePhases {
 // PSDs of the total with the scanned body at each of its positions, less their mean.
 class Positions {
  public:
-  Positions(NoiseSettings const& s) : scanned_(s.scanned) {
+  explicit Positions(NoiseSettings const& s) : scanned_(s.scanned) {
     if (scanned_) change_.assign(scanned_->count, Bins(s.grid.size()));
   }
   void add(RouteSpectrum const& route, Response const& random, std::vector<std::complex<double>> const& ratio,
@@ -309,99 +308,147 @@ void warn_of_levers(NoiseBudget& b, CouplingTable const& table, MotionSet const&
         route_name(table, *family), left_out));
 }
 
-// `sidebands`: of each route with light of modulated amplitude, their class; of such a class there is no curve.
+// The routes of a table under one motion, added up in their order.
+class TableProjection {
+ public:
+  TableProjection(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
+                  NoiseSettings const& settings, RoutePhases const& phases)
+      : table_(table),
+        motion_(motion),
+        ifo_(ifo),
+        phases_(phases),
+        spectra_(group_by_shape(motion), settings.grid),
+        strengths_(strengths_of(table, motion, spectra_)),
+        nodes_(spectra_, strengths_),
+        response_(responses(ifo, table.ports.size(), settings.grid)),
+        total_(settings.grid.size()),
+        positions_(settings) {
+    for (std::size_t i = 0; i < strengths_.size(); ++i)
+      strength_.push_back(spectra_.mean_square_phase(strengths_.of(i)));
+    budget_.grid = settings.grid;
+    budget_.margin = settings.margin;
+  }
+  // `sideband`: the class of the modulated amplitude of the route, if it has one; of such a class there is no curve.
+  void add_route(std::size_t r, std::optional<std::size_t> sideband);
+  NoiseBudget budget();  // once, after all routes
+
+ private:
+  RouteSpectrum spectrum_of(std::size_t route) const;
+  void add_doubtful();
+  void finish_total();
+  std::size_t bins() const { return budget_.grid.size(); }
+
+  CouplingTable const& table_;
+  MotionSet const& motion_;
+  Interferometer const& ifo_;
+  RoutePhases const& phases_;
+  PhaseSpectra const spectra_;
+  Strengths const strengths_;
+  SpectrumInterpolator const nodes_;
+  std::vector<Response> const response_;  // of each port
+  std::vector<double> strength_;          // mean-square phase of each path, rad^2
+  PowerSum total_;
+  Positions positions_;
+  std::vector<std::pair<std::size_t, PowerSum>> doubtful_;  // unresolved routes
+  NoiseBudget budget_;
+};
+
+RouteSpectrum TableProjection::spectrum_of(std::size_t r) const {
+  CouplingClass const& c = table_.classes[r];
+  std::size_t const first = strengths_.first[r];
+  RouteSpectrum route = c.kind == ClassKind::rim ? rim_spectrum(spectra_, motion_, c)
+                        : c.adds_fields() ? family_spectrum(spectra_, motion_, c, std::span(strength_).subspan(first))
+                                          : route_spectrum(table_, c, first, nodes_, strength_,
+                                                           {spectra_, motion_, table_, c, strengths_, first});
+  route.psd.resize(bins());
+  route.linear.resize(bins());
+  return route;
+}
+
+void TableProjection::add_route(std::size_t r, std::optional<std::size_t> sideband) {
+  CouplingClass const& c = table_.classes[r];
+  RouteSpectrum const route = spectrum_of(r);
+  Response const random =
+      c.kind == ClassKind::rim ? passing_response(ifo_, table_, c, budget_.grid) : response_.at(c.port.value);
+  std::optional<double> const known = phases_.known[r];
+  auto const relation =
+      known || phases_.scans(r) ? phase_relation(spectra_, motion_, c) : std::vector<std::complex<double>>{};
+  Response const t = known ? with_static_phase(random, relation, *known) : random;
+  std::string const why_not = objection(table_, c, route);
+  double const factor = c.reverse * ifo_.copies(c.port);
+  if (phases_.scans(r)) positions_.add(route, random, relation, factor);
+  auto const add_to = [&](PowerSum& sum) {
+    sum.add(route, t, factor, c.coupling.mean);
+    if (sideband) sum.add(spectrum_of(*sideband), random, factor, 0);
+  };
+  PowerSum own(bins());
+  add_to(own);
+  if (why_not.empty())
+    add_to(total_);
+  else if (!never_scored(c))
+    doubtful_.emplace_back(r, own);
+  NoiseTrace& trace =
+      budget_.routes.emplace_back(finished(route_name(table_, c), why_not.empty() ? own : hint_of(own)));
+  if (c.mixes_routes()) trace.mean_square_phase = route.mean_square_phase_of_noise;
+  Bins to_strain;
+  for (std::size_t i = 0; i < bins(); ++i) to_strain.push_back(factor * t.both(i));
+  add_draws(trace, draw_band(c, strengths_.first[r], nodes_), to_strain);
+  trace.hash = c.hash;
+  trace.resolved = why_not.empty();
+  trace.why_not = why_not;
+}
+
+// Of unresolved routes, the total contains what was observed.
+void TableProjection::add_doubtful() {
+  PowerSum unresolved(bins()), faint(bins());
+  for (auto const& [r, own] : doubtful_) {
+    NoiseTrace& trace = budget_.routes[r];
+    trace.faint = !table_.classes[r].records.empty() && largest_ratio(own, total_) < faint_limit;
+    (trace.faint ? budget_.faint : budget_.unresolved).push_back(trace.name + ": " + trace.why_not);
+    (trace.faint ? faint : unresolved).add_hint(own);
+  }
+  budget_.unresolved_hint = largest_ratio(unresolved, total_);
+  budget_.faint_share = largest_ratio(faint, total_);
+  for (auto const& [r, own] : doubtful_) total_.add_hint(own);
+}
+
+void TableProjection::finish_total() {
+  NoiseTrace& total = budget_.total = finished("total", total_);
+  for (Bins& replica : total_.without[std::size_t(ErrorPart::all)])
+    if (!replica.empty()) total.without.push_back(std::move(replica));
+  for (std::size_t i = 0; i < total_.guessed.size(); ++i)
+    total.hint_sigma.push_back(total.asd[i] > 0 ? std::sqrt(total_.guessed[i]) / (2 * total.asd[i]) : 0);
+  total.resolved = budget_.unresolved.empty();
+  bool const nothing = std::ranges::none_of(budget_.routes, [](auto const& t) { return t.resolved; });
+  if (nothing && !total.resolved)  // unresolved is not zero
+    for (Bins NoiseTrace::*curve :
+         {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::phase_sensitivities_sigma,
+          &NoiseTrace::paths_sigma, &NoiseTrace::phase_asd, &NoiseTrace::amplitude_asd, &NoiseTrace::linear_share})
+      (total.*curve).assign(bins(), not_a_number);
+  if (!total.resolved) total.why_not = "a lower bound: of unresolved routes it contains the observed part";
+}
+
+NoiseBudget TableProjection::budget() {
+  add_doubtful();
+  finish_total();
+  positions_.put_into(budget_);
+  find_bounds(budget_, table_);
+  warn_of_levers(budget_, table_, motion_, spectra_);
+  if (std::string note = floor_note(budget_, table_); !note.empty()) budget_.warnings.push_back(std::move(note));
+  if (nodes_.sampled())
+    budget_.warnings.push_back(sharing_note(table_, motion_, spectra_, strengths_, nodes_, drawn_error(total_)));
+  return std::move(budget_);
+}
+
+// `sidebands`: of each route that has a curve (TableProjection::add_route).
 NoiseBudget project_at_once(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
                             NoiseSettings const& settings, std::span<std::optional<std::size_t> const> sidebands,
                             RoutePhases const& phases) {
   auto const start = std::chrono::steady_clock::now();
-  std::size_t const bins = settings.grid.size();
-  PhaseSpectra const spectra(group_by_shape(motion), settings.grid);
-  Strengths const strengths = strengths_of(table, motion, spectra);
-  std::vector<double> strength;
-  for (std::size_t i = 0; i < strengths.size(); ++i) strength.push_back(spectra.mean_square_phase(strengths.of(i)));
-  SpectrumInterpolator const nodes(spectra, strengths);
-  std::vector<Response> const response = responses(ifo, table.ports.size(), settings.grid);
-  auto const spectrum_of = [&](std::size_t r) {
-    CouplingClass const& c = table.classes[r];
-    std::size_t const first = strengths.first[r];
-    RouteSpectrum route = c.kind == ClassKind::rim ? rim_spectrum(spectra, motion, c)
-                          : c.adds_fields() ? family_spectrum(spectra, motion, c, std::span(strength).subspan(first))
-                                            : route_spectrum(table, c, first, nodes, strength,
-                                                             {spectra, motion, table, c, strengths, first});
-    route.psd.resize(bins);
-    route.linear.resize(bins);
-    return route;
-  };
-
-  NoiseBudget budget;
-  budget.grid = settings.grid;
-  budget.margin = settings.margin;
-  PowerSum total(bins), unresolved(bins), faint(bins);
-  Positions positions(settings);
-  std::vector<std::pair<std::size_t, PowerSum>> doubtful;
-  for (std::size_t r = 0; r < sidebands.size(); ++r) {
-    CouplingClass const& c = table.classes[r];
-    bool const of_rim = c.kind == ClassKind::rim;
-    RouteSpectrum const route = spectrum_of(r);
-    Response const random = of_rim ? passing_response(ifo, table, c, settings.grid) : response.at(c.port.value);
-    std::optional<double> const known = phases.known[r];
-    auto const relation =
-        known || phases.scans(r) ? phase_relation(spectra, motion, c) : std::vector<std::complex<double>>{};
-    Response const t = known ? with_static_phase(random, relation, *known) : random;
-    std::string const name = route_name(table, c), why_not = objection(table, c, route);
-    PowerSum own(bins);
-    double const factor = c.reverse * ifo.copies(c.port);
-    if (phases.scans(r)) positions.add(route, random, relation, factor);
-    auto const add_to = [&](PowerSum& sum) {
-      sum.add(route, t, factor, c.coupling.mean);
-      if (sidebands[r]) sum.add(spectrum_of(*sidebands[r]), random, factor, 0);
-    };
-    add_to(own);
-    if (why_not.empty())
-      add_to(total);
-    else if (!never_scored(c))
-      doubtful.emplace_back(r, own);
-    budget.routes.push_back(finished(name, why_not.empty() ? own : hint_of(own)));
-    NoiseTrace& trace = budget.routes.back();
-    if (c.mixes_routes()) trace.mean_square_phase = route.mean_square_phase_of_noise;
-    Bins to_strain;
-    for (std::size_t i = 0; i < bins; ++i) to_strain.push_back(factor * t.both(i));
-    add_draws(trace, draw_band(c, strengths.first[r], nodes), to_strain);
-    trace.hash = c.hash;
-    trace.resolved = why_not.empty();
-    trace.why_not = why_not;
-  }
-  for (auto const& [r, own] : doubtful) {
-    NoiseTrace& trace = budget.routes[r];
-    trace.faint = !table.classes[r].records.empty() && largest_ratio(own, total) < faint_limit;
-    (trace.faint ? budget.faint : budget.unresolved).push_back(trace.name + ": " + trace.why_not);
-    (trace.faint ? faint : unresolved).add_hint(own);
-  }
-  budget.unresolved_hint = largest_ratio(unresolved, total);
-  budget.faint_share = largest_ratio(faint, total);
-  for (auto const& [r, own] : doubtful) total.add_hint(own);
-  budget.total = finished("total", total);
-  for (Bins& replica : total.without[std::size_t(ErrorPart::all)])
-    if (!replica.empty()) budget.total.without.push_back(std::move(replica));
-  for (std::size_t i = 0; i < total.guessed.size(); ++i)
-    budget.total.hint_sigma.push_back(budget.total.asd[i] > 0 ? std::sqrt(total.guessed[i]) / (2 * budget.total.asd[i])
-                                                              : 0);
-  budget.total.resolved = budget.unresolved.empty();
-  bool const nothing = std::ranges::none_of(budget.routes, [](auto const& t) { return t.resolved; });
-  if (nothing && !budget.unresolved.empty())  // unresolved is not zero
-    for (Bins NoiseTrace::*curve :
-         {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::phase_sensitivities_sigma,
-          &NoiseTrace::paths_sigma, &NoiseTrace::phase_asd, &NoiseTrace::amplitude_asd, &NoiseTrace::linear_share})
-      (budget.total.*curve).assign(bins, not_a_number);
-  if (!budget.total.resolved)
-    budget.total.why_not = "a lower bound: of unresolved routes it contains the observed part";
-  positions.put_into(budget);
-  find_bounds(budget, table);
-  warn_of_levers(budget, table, motion, spectra);
+  TableProjection projection(table, motion, ifo, settings, phases);
+  for (std::size_t r = 0; r < sidebands.size(); ++r) projection.add_route(r, sidebands[r]);
+  NoiseBudget budget = projection.budget();
   budget.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (std::string note = floor_note(budget, table); !note.empty()) budget.warnings.push_back(std::move(note));
-  if (nodes.sampled())
-    budget.warnings.push_back(sharing_note(table, motion, spectra, strengths, nodes, drawn_error(total)));
   return budget;
 }
 
@@ -527,52 +574,6 @@ NoiseSettings read_noise_settings(Node const& table) {
   bool const usable = low >= lowest_hz && low < high && high <= highest_hz && std::isfinite(density);
   settings.grid = usable ? logarithmic_grid(low, high, density) : logarithmic_grid(3, 1000, 60);
   return settings;
-}
-
-namespace {
-
-constexpr double half_width = 32;  // samples of the slower clock
-constexpr double beta = 9;         // of the Kaiser window: leakage from other bands is below 1e-4 in amplitude
-
-double kaiser(double u) { return u * u < 1 ? std::cyl_bessel_i(0, beta * std::sqrt(1 - u * u)) : 0; }
-
-double sinc(double x) { return std::fabs(x) < 1e-9 ? 1 : std::sin(pi * x) / (pi * x); }
-
-// Beyond its ends the series is continued by point reflection: value and slope are continuous.
-double sample(std::vector<double> const& x, std::ptrdiff_t i) {
-  auto const last = static_cast<std::ptrdiff_t>(x.size()) - 1;
-  if (i < 0) return 2 * x.front() - x[static_cast<std::size_t>(std::min(-i, last))];
-  if (i > last) return 2 * x.back() - x[static_cast<std::size_t>(std::max<std::ptrdiff_t>(2 * last - i, 0))];
-  return x[static_cast<std::size_t>(i)];
-}
-
-}  // namespace
-
-std::vector<double> resampled(TimeSeries const& series, SampleTimes const& times) {
-  double const early = (times.start - series.start) * series.rate, step = series.rate / times.rate;
-  double const late = early + step * static_cast<double>(times.samples - 1);
-  if (series.samples.size() < 2 || early < -1e-3 || late > static_cast<double>(series.samples.size()) + 1e-3)
-    throw InputError(fmt::format("'{}' covers GPS {:.3f} to {:.3f}, not all of {:.3f} to {:.3f}", series.name,
-                                 series.start, series.end(), times.start, times.start + times.duration()),
-                     "choose a shorter or another stretch of time");
-  std::vector<double> out(times.samples);
-  double const cut = std::min(1.0, 1 / step);  // of the half rate of the recording
-  double const reach = half_width / cut, norm = kaiser(0);
-  for (std::size_t i = 0; i < times.samples; ++i) {
-    double const at = early + step * static_cast<double>(i), nearest = std::round(at);
-    if (step == 1 && std::fabs(at - nearest) < 1e-6) {
-      out[i] = sample(series.samples, static_cast<std::ptrdiff_t>(nearest));
-      continue;
-    }
-    double sum = 0, weights = 0;
-    for (auto k = static_cast<std::ptrdiff_t>(std::ceil(at - reach)); static_cast<double>(k) <= at + reach; ++k) {
-      double const d = at - static_cast<double>(k), w = sinc(cut * d) * kaiser(d / reach) / norm;
-      sum += w * sample(series.samples, k);
-      weights += w;
-    }
-    out[i] = sum / weights;
-  }
-  return out;
 }
 
 }  // namespace straytrace::noise

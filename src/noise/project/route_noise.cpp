@@ -208,55 +208,50 @@ DrawBand draw_band(CouplingClass const& c, std::size_t first, SpectrumInterpolat
   return band;
 }
 
-RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c, std::size_t first,
-                             SpectrumInterpolator const& nodes, std::span<double const> mean_square_phase,
-                             FirstOrderRatio const& ratio) {
-  RouteSpectrum route;
-  route.exact = c.deterministic();
-  Histogram histogram(nodes.basis().size());
+namespace {
+
+// The paths of a route: their shares of the nodes, by replica, and their mean-square phases.
+struct WeighedPaths {
+  Histogram histogram;
   std::array<double, replica_count> own = {};
   double weight = 0;
-  EffectiveNumber power, noise;
-  std::vector<SpectrumInterpolator::Share> shares;
-  for (std::size_t i = 0; i < c.records.size(); ++i) {
-    double const w = c.records[i].weight, strength = mean_square_phase[first + i];
-    std::size_t const replica = replica_of(c.records[i].history, table.block_size);
-    nodes.shares(first + i, shares);
-    histogram.add(replica, shares, w);
-    own[replica] += w;
-    weight += w;
-    route.mean_square_phase += w * strength;
-    power.add(w);
-    double const loud = w * strength / (1 + strength);  // the power of wrapped fringes is bounded
-    noise.add(loud);
-    route.mean_square_phase_of_noise += loud * strength;
-  }
-  if (noise.sum() > 0) route.mean_square_phase_of_noise /= noise.sum();
-  route.paths_of_power = power.value();
-  route.paths_of_noise = noise.value();
-  route.psd = sum_of(histogram.all, nodes.basis(), &SpectrumInterpolator::Basis::psd);
-  route.linear = sum_of(histogram.all, nodes.basis(), &SpectrumInterpolator::Basis::linear);
-  if (!(weight > 0)) return route;
-  route.mean_square_phase /= weight;
-  if (nodes.sampled()) {
-    route.drawn.assign(route.psd.size(), 0);
-    nodes.add_variance(histogram.all, route.drawn);
-    route.drawn = times(std::move(route.drawn), std::pow(c.coupling.mean / weight, 2));
-  }
-  Shape const shape{times(route.psd, 1 / weight), times(route.linear, 1 / weight)};
-  Bins const one = ratio.known() ? ratio(ratio.all, ratio.all) : Bins(route.psd.size(), 1);
-  route.psd = times(corrected(shape, one), c.coupling.mean);
-  for (std::size_t i = 0; i < route.linear.size(); ++i) route.linear[i] = shape.linear[i] * one[i] * c.coupling.mean;
-  if (route.exact) return route;
 
+  WeighedPaths(CouplingTable const& table, CouplingClass const& c, std::size_t first, SpectrumInterpolator const& nodes,
+               std::span<double const> mean_square_phase, RouteSpectrum& route)
+      : histogram(nodes.basis().size()) {
+    EffectiveNumber power, noise;
+    std::vector<SpectrumInterpolator::Share> shares;
+    for (std::size_t i = 0; i < c.records.size(); ++i) {
+      double const w = c.records[i].weight, strength = mean_square_phase[first + i];
+      std::size_t const replica = replica_of(c.records[i].history, table.block_size);
+      nodes.shares(first + i, shares);
+      histogram.add(replica, shares, w);
+      own[replica] += w;
+      weight += w;
+      route.mean_square_phase += w * strength;
+      power.add(w);
+      double const loud = w * strength / (1 + strength);  // the power of wrapped fringes is bounded
+      noise.add(loud);
+      route.mean_square_phase_of_noise += loud * strength;
+    }
+    if (noise.sum() > 0) route.mean_square_phase_of_noise /= noise.sum();
+    if (weight > 0) route.mean_square_phase /= weight;
+    route.paths_of_power = power.value();
+    route.paths_of_noise = noise.value();
+  }
+};
+
+// The spectrum without the paths of each replica in turn.
+void add_replicas(RouteSpectrum& route, CouplingTable const& table, CouplingClass const& c, WeighedPaths const& paths,
+                  Shape const& shape, SpectrumInterpolator const& nodes, FirstOrderRatio const& ratio) {
   double const total = std::accumulate(c.replica_sum.begin(), c.replica_sum.end(), 0.0);
   for (std::size_t r = 0; r < replica_count; ++r) {
     if (table.replica_histories[r] == 0 || table.replica_histories[r] == table.histories) continue;
-    double const left = weight - own[r], mean = mean_without(table, c, r, total);
-    bool const alone = left <= 1e-12 * weight;  // no record elsewhere: only the mean changes
-    Shape const other = alone ? shape : without(shape, weight, histogram.of[r], nodes.basis(), left);
-    auto const put = [&](ErrorPart part, Shape const& s, int moments, int paths, double coupling) {
-      Bins const factor = ratio.known() ? ratio(moments, paths) : Bins(s.psd.size(), 1);
+    double const left = paths.weight - paths.own[r], mean = mean_without(table, c, r, total);
+    bool const alone = left <= 1e-12 * paths.weight;  // no record elsewhere: only the mean changes
+    Shape const other = alone ? shape : without(shape, paths.weight, paths.histogram.of[r], nodes.basis(), left);
+    auto const put = [&](ErrorPart part, Shape const& s, int moments, int of_paths, double coupling) {
+      Bins const factor = ratio.known() ? ratio(moments, of_paths) : Bins(s.psd.size(), 1);
       route.without[std::size_t(part)][r] = times(corrected(s, factor), coupling);
     };
     int const replica = int(r), all = FirstOrderRatio::all;
@@ -265,6 +260,30 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
     put(ErrorPart::phase_sensitivities, shape, replica, all, c.coupling.mean);
     put(ErrorPart::paths, other, all, replica, c.coupling.mean);
   }
+}
+
+}  // namespace
+
+RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c, std::size_t first,
+                             SpectrumInterpolator const& nodes, std::span<double const> mean_square_phase,
+                             FirstOrderRatio const& ratio) {
+  RouteSpectrum route;
+  route.exact = c.deterministic();
+  WeighedPaths const paths(table, c, first, nodes, mean_square_phase, route);
+  double const weight = paths.weight;
+  route.psd = sum_of(paths.histogram.all, nodes.basis(), &SpectrumInterpolator::Basis::psd);
+  route.linear = sum_of(paths.histogram.all, nodes.basis(), &SpectrumInterpolator::Basis::linear);
+  if (!(weight > 0)) return route;
+  if (nodes.sampled()) {
+    route.drawn.assign(route.psd.size(), 0);
+    nodes.add_variance(paths.histogram.all, route.drawn);
+    route.drawn = times(std::move(route.drawn), std::pow(c.coupling.mean / weight, 2));
+  }
+  Shape const shape{times(route.psd, 1 / weight), times(route.linear, 1 / weight)};
+  Bins const one = ratio.known() ? ratio(ratio.all, ratio.all) : Bins(route.psd.size(), 1);
+  route.psd = times(corrected(shape, one), c.coupling.mean);
+  for (std::size_t i = 0; i < route.linear.size(); ++i) route.linear[i] = shape.linear[i] * one[i] * c.coupling.mean;
+  if (!route.exact) add_replicas(route, table, c, paths, shape, nodes, ratio);
   return route;
 }
 

@@ -53,6 +53,18 @@ Curve curve_of(std::vector<MeasuredPoint> points) {
   return c;
 }
 
+// Where light was measured in both directions: they should agree.
+void compare_directions(Measured const& law, std::size_t incidences, MeasuredSummary& summary) {
+  for (std::size_t i = 0; i < incidences; ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      for (double offset : {law.sine[i] - law.sine[k], law.sine[i] + law.sine[k]}) {
+        if (offset < summary.smallest_offset || offset > summary.largest_offset) continue;
+        double const there = law.one_way(law.sine[i], offset), back = law.one_way(law.sine[k], offset);
+        if (there > 0 && back > 0)
+          summary.asymmetry = std::fmax(summary.asymmetry, std::fmax(there / back, back / there));
+      }
+}
+
 }  // namespace
 
 void Measured::prepare() { lobe.prepare(*this, first); }
@@ -99,14 +111,7 @@ MeasuredSummary fit_measured(Measured& law, std::vector<MeasuredPoint> points, B
       law.log_value[k][i] = value;
     }
   }
-  for (std::size_t i = 0; i < curves.size(); ++i)  // both directions measured: compare
-    for (std::size_t k = 0; k < i; ++k)
-      for (double offset : {law.sine[i] - law.sine[k], law.sine[i] + law.sine[k]}) {
-        if (offset < summary.smallest_offset || offset > summary.largest_offset) continue;
-        double const there = law.one_way(law.sine[i], offset), back = law.one_way(law.sine[k], offset);
-        if (there > 0 && back > 0)
-          summary.asymmetry = std::fmax(summary.asymmetry, std::fmax(there / back, back / there));
-      }
+  compare_directions(law, curves.size(), summary);
   return summary;
 }
 

@@ -163,6 +163,15 @@ void add_borders_of_lines(std::vector<double>& borders, NoiseTrace const& curve,
       borders.insert(borders.end(), {line.low, line.high});
 }
 
+// `upper`: some bins are upper bounds.
+std::string note_of_bounds(std::size_t unresolved, bool upper) {
+  if (unresolved > 0)
+    return fmt::format("{}, {} route{} not resolved",
+                       upper ? "no bound: it contains upper bounds (kind edge)" : "a lower bound", unresolved,
+                       unresolved == 1 ? " is" : "s are");
+  return upper ? "an upper bound where routes of kind edge contribute" : "";
+}
+
 }  // namespace
 
 NoiseSource stray_light(std::string const& file) {
@@ -189,12 +198,7 @@ NoiseSource stray_light(std::string const& file) {
   std::vector<bool> bound;
   for (std::size_t i = 0; i < b.grid.size(); ++i) bound.push_back(at_most(b.total, i));
   bool const upper = std::count(bound.begin(), bound.end(), true) > 0;
-  if (entry.incomplete)
-    entry.note = fmt::format("{}, {} route{} not resolved",
-                             upper ? "no bound: it contains upper bounds (kind edge)" : "a lower bound",
-                             b.unresolved.size(), b.unresolved.size() == 1 ? " is" : "s are");
-  else if (upper)
-    entry.note = "an upper bound where routes of kind edge contribute";
+  entry.note = note_of_bounds(b.unresolved.size(), upper);
   std::vector<std::string> models{about.model_hash};
   double const low = b.grid.edges.front(), high = b.grid.edges.back();
   NoiseSource s{std::move(entry), {hz, b.total.asd, b.total.sigma, low, high, b.grid}, {}, file, std::move(about),

@@ -220,6 +220,16 @@ class OffList {
   std::map<std::pair<std::uint32_t, std::string>, double> missed_;
 };
 
+void warn_of_unpaired(double unpaired, CouplingTable& table) {
+  double counted = 0;
+  for (CouplingClass const& c : table.classes) counted += c.coupling.mean;
+  if (unpaired > 1e-9 * counted)
+    table.warnings.push_back(fmt::format(
+        "{:.2g} of the light is scattered from a beam of the interferometer's network into another beam, or "
+        "back, and is not counted (docs/theory/recoupling.md)",
+        unpaired));
+}
+
 }  // namespace
 
 CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& total, std::uint64_t seed,
@@ -268,13 +278,7 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
     std::sort(list->begin(), list->end(), [](auto const& a, auto const& b) { return a.hash < b.hash; });
   for (CouplingClass& c : table.received) c.port.value -= first_receiver_end;
   table.warnings = off_list.warnings(table);
-  double counted = 0;
-  for (CouplingClass const& c : table.classes) counted += c.coupling.mean;
-  if (unpaired > 1e-9 * counted)
-    table.warnings.push_back(fmt::format(
-        "{:.2g} of the light is scattered from a beam of the interferometer's network into another beam, or "
-        "back, and is not counted (docs/theory/recoupling.md)",
-        unpaired));
+  warn_of_unpaired(unpaired, table);
   return table;
 }
 

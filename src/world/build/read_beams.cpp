@@ -115,6 +115,14 @@ void open_network_ports(Scene const& scene, World& world, NetworkPowers const& n
   open_face_ports(scene, world, reverse);
 }
 
+// Of the last beam, W; not a number: it was wrong, so it is not also a missing one.
+void set_power(double power, World& world, Lighting& light) {
+  bool const wrong = std::isnan(power);
+  if (world.beam_power == 0) world.beam_power = wrong ? 1 : power;
+  if (!wrong) world.beams.back().share = light.power = power / world.beam_power;
+  world.beam_powers.back() = wrong ? 1 : power;
+}
+
 }  // namespace
 
 void read_beams(Scene const& scene, World& world, Registry const& names, NetworkPowers const& network) {
@@ -134,13 +142,7 @@ void read_beams(Scene const& scene, World& world, Registry const& names, Network
     std::size_t const spots = world.footprints().size();
     world.beam_powers.push_back(0);
     node["modulation"];  // read with the motion
-    if (node.has("power") || node.has("network")) {
-      double const power = read_power(node, network);
-      bool const wrong = std::isnan(power);
-      if (world.beam_power == 0) world.beam_power = wrong ? 1 : power;
-      if (!wrong) world.beams.back().share = light.power = power / world.beam_power;
-      world.beam_powers.back() = wrong ? 1 : power;  // then it is not also a missing one
-    }
+    if (node.has("power") || node.has("network")) set_power(read_power(node, network), world, light);
     if (Node const cavity = node["cavity"])
       read_cavity(node, cavity, names, world, light);
     else if (node.has("on"))

@@ -282,6 +282,18 @@ class Tree {
     }));
   }
 
+  static auto field_after(BeamSpot const& spot, Amplitudes const& a, bool through) {
+    auto field = spot.field;
+    for (int i = 0; i < spot.field.states; ++i) {
+      Vec3 axis = spot.field.axis;
+      Jones const& in = spot.field.state[std::size_t(i)];
+      field.state[std::size_t(i)] = through ? transmitted(in, spot.mode.travel, spot.normal, a, axis)
+                                            : reflected(in, spot.mode.travel, spot.normal, a, axis);
+      field.axis = axis;
+    }
+    return field;
+  }
+
   // Reflected and transmitted parts of a beam at the surface; adds the rest to the energy balance.
   std::array<Way, 2> ways(BeamSpot const& spot, Vertex const& vertex, bool cavity) {
     std::array<Way, 2> both;
@@ -294,15 +306,7 @@ class Tree {
           specular_amplitudes(view_.interfaces, *vertex.optic, vertex.wi.z, vertex.n_in, vertex.n_out, vertex.front);
       scattered = scatter_albedo(view_.laws, *vertex.optic, vertex.wi, vertex.n_in, vertex.n_out);
       for (Way& w : both) {
-        w.field = spot.field;
-        Vec3 axis = spot.field.axis;
-        for (int i = 0; i < spot.field.states; ++i) {
-          axis = spot.field.axis;
-          Jones const& in = spot.field.state[std::size_t(i)];
-          w.field.state[std::size_t(i)] = w.through ? transmitted(in, spot.mode.travel, spot.normal, a, axis)
-                                                    : reflected(in, spot.mode.travel, spot.normal, a, axis);
-        }
-        w.field.axis = axis;
+        w.field = field_after(spot, a, w.through);
         scale(w.field, 1 - spot.clipped);
       }
       double const specular = meets > 0 ? (both[0].field.power() + both[1].field.power()) / meets : 0;

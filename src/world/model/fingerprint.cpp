@@ -100,6 +100,27 @@ void add(Bytes& out, CadFace const& face) {
   for (std::uint64_t x : face.outline.digest) out.add(x);
 }
 
+void add(Bytes& out, Optic const& o, WorldView const& v) {
+  out.add(o.reflect);
+  out.add(o.transmit);
+  out.add(o.depolarise);
+  if (o.lay != Lay::free) {
+    out.add(std::uint64_t(o.lay));
+    out.add(o.lay_direction);
+  }
+  if (o.has_interface) {
+    out.add(std::uint64_t(o.interface.kind));
+    v.interfaces.visit(o.interface, [&](auto const& i) { i.numbers([&](double x) { out.add(x); }); });
+  }
+  for (int i = 0; i < o.laws; ++i) {
+    out.add(std::uint64_t(o.law[i].kind));
+    v.laws.visit(o.law[i], [&](auto const& law) { add(out, law); });
+    out.add(std::uint64_t(o.through[i]));
+    if (o.weight[i].size) out.add_doubles(o.weight[i][0]);
+  }
+  if (o.crossover > 0) out.add(o.crossover);
+}
+
 }  // namespace
 
 std::string World::fingerprint() const {
@@ -112,26 +133,7 @@ std::string World::fingerprint() const {
     v.shapes.visit(s.shape, [&](auto const& shape) { add(out, shape); });
     for (std::uint32_t x : {s.front, s.back, s.body.value, s.group.value, s.volume}) out.add(std::uint64_t(x));
   }
-  for (Optic const& o : optics_) {
-    out.add(o.reflect);
-    out.add(o.transmit);
-    out.add(o.depolarise);
-    if (o.lay != Lay::free) {
-      out.add(std::uint64_t(o.lay));
-      out.add(o.lay_direction);
-    }
-    if (o.has_interface) {
-      out.add(std::uint64_t(o.interface.kind));
-      v.interfaces.visit(o.interface, [&](auto const& i) { i.numbers([&](double x) { out.add(x); }); });
-    }
-    for (int i = 0; i < o.laws; ++i) {
-      out.add(std::uint64_t(o.law[i].kind));
-      v.laws.visit(o.law[i], [&](auto const& law) { add(out, law); });
-      out.add(std::uint64_t(o.through[i]));
-      if (o.weight[i].size) out.add_doubles(o.weight[i][0]);
-    }
-    if (o.crossover > 0) out.add(o.crossover);
-  }
+  for (Optic const& o : optics_) add(out, o, v);
   for (Volume const& volume : volumes_) {
     out.add(media_[volume.medium].index);
     out.add(media_[volume.medium].absorption);
