@@ -19,6 +19,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 ADDED = {"projection", "members"}                # groups that old programs do not write
 DESCRIPTIONS = {"meaning"}                       # attributes in words: missing in old files, or reworded
 ADDED_DATASETS = {"records/member"}               # datasets of older groups
+HASHES_OF_THE_BUILD = {"wave@key", "wave_ring@key"}               # they contain the commit
 OF_THE_BUILD = {"created", "schema", "program", "version", "commit", "machine", "command"}     # attributes of the root
 
 
@@ -30,7 +31,8 @@ def contents(path):
         if name.split("/")[0] == "timing":
             return
         for key, value in item.attrs.items():
-            values[f"{name}@{key}"] = value
+            if f"{name}@{key}" not in HASHES_OF_THE_BUILD:
+                values[f"{name}@{key}"] = value
         if isinstance(item, h5py.Dataset):
             values[name] = item[()]
 
