@@ -188,6 +188,21 @@ void add_values(scene::ModelValue const& value, std::string const& place, std::v
   }
 }
 
+// Where a material or a body of the scene is named without one of its values.
+std::string values_of(std::string const& name, std::vector<SceneValue> const& all) {
+  constexpr std::size_t most = 8;
+  std::string const owner = scene::keys_of_place(name).front();
+  std::vector<std::string> places;
+  for (SceneValue const& v : all)
+    if (auto const keys = scene::keys_of_place(v.place); v.given && std::ranges::find(keys, owner) != keys.end())
+      places.push_back(v.place);
+  if (places.empty()) return "";
+  bool const more = places.size() > most;
+  places.resize(std::min(places.size(), most));
+  return fmt::format("'{}' has {}{}; besides, MATERIAL=x2, MATERIAL=black and BODY.motion=x2 are possible", owner,
+                     fmt::join(places, ", "), more ? ", ..." : "");
+}
+
 SceneValue value_named(std::string const& name, std::vector<SceneValue> const& all) {
   std::vector<SceneValue> found;
   std::vector<std::string> places;
@@ -202,7 +217,9 @@ SceneValue value_named(std::string const& name, std::vector<SceneValue> const& a
   if (!found.empty())
     throw InputError(fmt::format("--set: '{}' names {} values of the scene", name, found.size()),
                      fmt::format("write one of {}", fmt::join(several, ", ")));
-  throw InputError(fmt::format("--set: the scene has no value '{}'", name), did_you_mean(name, places, forms));
+  std::string const owned = values_of(name, all);
+  throw InputError(fmt::format("--set: the scene has no value '{}'", name),
+                   did_you_mean(name, places, owned.empty() ? forms : owned));
 }
 
 class Changes {

@@ -97,11 +97,13 @@ TEST_F(WhatIf, MotionAndResponseAreProjectedAnew) {
 }
 
 TEST_F(WhatIf, WrongSettingsAreAllNamed) {
-  Finished const done = noise({"bafle_steel=x2", "rim=48cm", "tube.motion=3 m", "test_mass=x1e6", "baffle_steel"});
+  Finished const done = noise(
+      {"bafle_steel=x2", "rim=48cm", "tube.motion=3 m", "test_mass=x1e6", "baffle_steel", "test_mass.brdf=2e-3/sr"});
   EXPECT_EQ(done.code, 2);
   for (char const* message : {"there is no material or value 'bafle_steel'", "did you mean 'baffle_steel'?",
                               "'params.rim' changes where light goes", "the motion of a body takes a factor",
-                              "would scatter", "'baffle_steel' sets nothing"})
+                              "would scatter", "'baffle_steel' sets nothing", "the scene has no value 'test_mass.brdf'",
+                              "'test_mass' has materials.test_mass."})
     EXPECT_THAT(done.err, HasSubstr(message));
   Finished const several = noise({"materials.exponent=3"});
   EXPECT_EQ(several.code, 2);
