@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = ROOT / "docs" / "reference" / "scatter"
 BLOCK = re.compile(r"^```yaml\n(straytrace:.*?)^```$", re.MULTILINE | re.DOTALL)
 ON_THE_MIRROR = ("power-law", "psd", "defects")    # pages whose law is that of the material `mirror`, not `steel`
-WITHOUT = ("grooves",)                               # draw_grooves.py draws it
+WITHOUT = ("grooves", "interfaces", "measured_files")    # draw_grooves.py and draw_guides.sh draw what they show
 LARGEST = 60_000                                    # bytes
 
 
