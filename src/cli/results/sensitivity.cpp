@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iostream>
@@ -51,6 +52,25 @@ std::vector<InputClass> classes_in(std::string const& list) {
   return classes;
 }
 
+// Options of traces without a trace, and traces that --only leaves out.
+void refuse_unused(SensitivityOptions const& options, SensitivityOrder const& order) {
+  std::vector<InputError> errors;
+  if (order.traced.empty()) {
+    std::vector<std::string> idle;
+    if (!options.step.empty()) idle.emplace_back("--step");
+    if (options.histories) idle.emplace_back("--histories");
+    if (options.seed) idle.emplace_back("--seed");
+    if (!idle.empty())
+      errors.emplace_back(fmt::format("{}: nothing is traced", fmt::join(idle, ", ")),
+                          "name what to trace: --trace rim");
+    if (!order.only.empty() && std::ranges::all_of(order.only, [](InputClass c) { return c == InputClass::traced; }))
+      errors.emplace_back("--only: nothing is traced", "name what to trace: --trace rim");
+  } else if (!order.wants(InputClass::traced)) {
+    errors.emplace_back("--only leaves out what --trace names", "add traced to --only, or remove --trace");
+  }
+  throw_all(errors);
+}
+
 void draw(Sensitivity const& s, std::string const& png) {
   std::string message;
   std::string const picture = picture_of(sensitivity_json(s), "sensitivity", message, ".png");
@@ -78,6 +98,7 @@ SensitivityOrder order_of(SensitivityOptions const& options) {
   read([&] {
     if (!options.at.empty()) order.frequencies = parse_frequencies(options.at, "--at");
   });
+  read([&] { refuse_unused(options, order); });
   throw_all(errors);
   return order;
 }

@@ -141,6 +141,7 @@ std::string next_measurement(Sensitivity const& s) {
     std::vector<std::string> names;
     for (SensitiveInput const& in : s.inputs)
       if (names.size() < 3 && std::ranges::find(names, in.name) == names.end()) names.push_back(in.name);
+    if (names.empty()) return "No input of these classes has an effect on h.\n";
     return fmt::format(
         "No input states a standard deviation ('uncertainty'). State first those that h follows most: {}.\n",
         fmt::join(names, ", "));

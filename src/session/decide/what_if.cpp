@@ -156,7 +156,7 @@ Setting parsed(std::string const& text) {
   if (s.value.front() != 'x') return s;
   char* end = nullptr;
   double const factor = std::strtod(s.value.c_str() + 1, &end);
-  if (end != s.value.c_str() + s.value.size() || !(factor >= 0) || !std::isfinite(factor))
+  if (s.value.size() == 1 || end != s.value.c_str() + s.value.size() || !(factor >= 0) || !std::isfinite(factor))
     throw InputError(fmt::format("--set {}: '{}' is not a factor", text, s.value), "write x0.5 or x2");
   s.factor = factor;
   return s;
@@ -240,6 +240,17 @@ class Changes {
       throw InputError(fmt::format("--set {}: there is no material or value '{}'", s.text, s.name),
                        did_you_mean(s.name, material_names(), forms));
     set(s);
+  }
+
+  // Values of the scene that their keys reject; result() rejects them too.
+  void add_errors_of_values(std::vector<InputError>& errors) const {
+    std::vector<std::string> texts = of_materials_;
+    texts.insert(texts.end(), of_projection_.begin(), of_projection_.end());
+    try {
+      if (!texts.empty()) model_of(run_.file, texts);
+    } catch (InputError const& e) {
+      errors.push_back(e);
+    }
   }
 
   WhatIf result() {
@@ -488,6 +499,7 @@ WhatIf what_if(OpenRun& run, std::vector<std::string> const& settings) {
     } catch (InputError const& e) {
       errors.push_back(e);
     }
+  if (!errors.empty()) changes.add_errors_of_values(errors);
   throw_all(errors);
   return changes.result();
 }

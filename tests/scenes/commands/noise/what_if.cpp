@@ -97,13 +97,14 @@ TEST_F(WhatIf, MotionAndResponseAreProjectedAnew) {
 }
 
 TEST_F(WhatIf, WrongSettingsAreAllNamed) {
-  Finished const done = noise(
-      {"bafle_steel=x2", "rim=48cm", "tube.motion=3 m", "test_mass=x1e6", "baffle_steel", "test_mass.brdf=2e-3/sr"});
+  Finished const done = noise({"bafle_steel=x2", "baffle_steel=x", "rim=48cm", "tube.motion=3 m", "test_mass=x1e6",
+                               "baffle_steel", "test_mass.brdf=2e-3/sr", "interferometer.mirror_mass=100"});
   EXPECT_EQ(done.code, 2);
-  for (char const* message : {"there is no material or value 'bafle_steel'", "did you mean 'baffle_steel'?",
-                              "'params.rim' changes where light goes", "the motion of a body takes a factor",
-                              "would scatter", "'baffle_steel' sets nothing", "the scene has no value 'test_mass.brdf'",
-                              "'test_mass' has materials.test_mass."})
+  for (char const* message :
+       {"there is no material or value 'bafle_steel'", "did you mean 'baffle_steel'?",
+        "'params.rim' changes where light goes", "the motion of a body takes a factor", "would scatter",
+        "'baffle_steel' sets nothing", "'x' is not a factor", "'mirror_mass' is a mass, got",
+        "the scene has no value 'test_mass.brdf'", "'test_mass' has materials.test_mass."})
     EXPECT_THAT(done.err, HasSubstr(message));
   Finished const several = noise({"materials.exponent=3"});
   EXPECT_EQ(several.code, 2);
@@ -118,6 +119,18 @@ TEST_F(WhatIf, WrongSettingsAreAllNamed) {
   Finished const kept = straytrace({"noise", run(), "--set", "baffle_steel=x2", "-o", folder / "kept"});
   EXPECT_EQ(kept.code, 2);
   EXPECT_FALSE(std::filesystem::exists(folder / "kept"));
+}
+
+// An option without effect is an error. Control: --only with what --trace names, TracedRimsHaveTheirClosedForm.
+TEST_F(WhatIf, SensitivityRejectsOptionsWithoutEffect) {
+  for (Words const& words :
+       {Words{"--step", "3%"}, Words{"--only", "traced"}, Words{"--only", "strength", "--trace", "rim"}}) {
+    Words all{"sensitivity", run()};
+    all.insert(all.end(), words.begin(), words.end());
+    Finished const done = straytrace(all);
+    EXPECT_EQ(done.code, 2) << words.front();
+    EXPECT_THAT(done.err, HasSubstr(words.size() == 4 ? "leaves out what --trace names" : "nothing is traced"));
+  }
 }
 
 // The elasticity is the slope of what --set gives: a central difference over 2 % either way.
