@@ -15,6 +15,7 @@
 #include "cli/options.hpp"
 #include "results/text/picture.hpp"
 #include "session/interrupt.hpp"
+#include "session/open_run.hpp"
 #include "session/optimise/optimise.hpp"
 #include "session/scan/invert.hpp"
 #include "session/scan/scan_points.hpp"
@@ -98,6 +99,27 @@ int scan(ScanCommandOptions const& options) {
   return whole ? done : checkpointed;
 }
 
+// What an inversion does not write or read.
+void refuse_beside_invert(ScanCommandOptions const& options, std::vector<InputError>& errors) {
+  std::vector<std::string> without;
+  if (!options.csv.empty()) without.emplace_back("--csv");
+  if (!options.points.empty()) without.emplace_back("--points");
+  if (options.jobs > 1) without.emplace_back("--jobs");
+  if (!without.empty())
+    errors.emplace_back(fmt::format("--invert does not go with {}", fmt::join(without, ", ")),
+                        "remove it; --format json prints all numbers");
+  if (!options.out.empty() && names_run(options.input))
+    errors.emplace_back("-o: --invert of a run file traces nothing, so there is nothing to keep",
+                        "remove it; --format json prints all numbers");
+}
+
+// All that traces needs the scene.
+void refuse_run(std::string const& file, std::string const& action) {
+  if (names_run(file))
+    throw InputError(fmt::format("'{}' is a run, but {} traces a scene", file, action),
+                     "name the scene file in place of the run");
+}
+
 int start(ScanCommandOptions options) {
   std::vector<InputError> errors;
   std::vector<ScanAxis> axes;
@@ -107,9 +129,11 @@ int start(ScanCommandOptions options) {
     errors.push_back(e);
   }
   if (options.invert.what.empty()) {
+    refuse_run(options.input, "a scan");
     throw_all(errors);
     return scan(options);
   }
+  refuse_beside_invert(options, errors);
   try {
     axes = parse_axes(options.axes, true);
   } catch (InputError const& e) {
@@ -222,6 +246,7 @@ void add_optimise(CLI::App& app, int& exit_code) {
       "After Ctrl-C it keeps the finished traces and exits with 85; the same command resumes.");
   command->callback([options, &exit_code] {
     drop_slashes(options->out);
+    refuse_run(options->input, "optimise");
     exit_code = optimise(*options);
   });
 }

@@ -200,7 +200,10 @@ class Search {
     Probe p{number, scanner_.at({axis_.name + "=" + value})};
     if (!p.point.complete) return {};
     if (std::isnan(p.point.ratio.value))
-      throw InputError("there is no line to compare with, or no result", "name a design curve: --against adv-lal");
+      throw InputError(fmt::format("at {} = {} there is no result to compare: no route is resolved, or the line has no "
+                                   "value in the band",
+                                   axis_.name, value),
+                       "give more --histories, or another line with --against");
     return p;
   }
 
@@ -293,6 +296,9 @@ int stopped_early(ScanOptions const& options) {
 
 int invert_parameter(ScanOptions const& options, Requirement const& requirement, InvertOrder const& order,
                      std::string const& name, std::vector<ScanAxis> const& axes) {
+  if (names_run(options.input))
+    throw InputError(fmt::format("'{}' is a run, but --invert \"param({})\" traces a scene", options.input, name),
+                     "name the scene file in place of the run");
   if (axes.size() != 1 || axes.front().name != name || !axes.front().range)
     throw InputError(fmt::format("--invert \"param({})\" needs one search range", name),
                      fmt::format("write {}=lo..hi", name));

@@ -98,6 +98,7 @@ TEST_F(Scan, WrongWords) {
                      {{"--invert", "brdf(baffle)", "--margin", "much"}, "is not a margin"},
                      {{"--invert", "brdf(baffle)", "--margin", "1e999"}, "is not a margin"},
                      {{"--invert", "brdf(baffle)", "black=1e-4/sr"}, "with -p"},
+                     {{"--invert", "brdf(baffle)", "--csv", "a.csv"}, "--invert does not go with --csv"},
                      {{"--invert", "brdf(nix)", "--margin", "much"}, "material that scatters 'nix' does not exist"},
                      {{"--invert", "brdf(nix)", "--margin", "much"}, "'much' is not a margin"},
                      {{"--invert", "colour(nix)", "--against", "adv-lol"}, "'colour(nix)' is not valid"},
