@@ -260,10 +260,10 @@ Evaluator::Known Evaluator::known(std::vector<std::string> const& settings) cons
     if (!order_.least_noise())
       if (auto const price = values.value(order_.minimise)) out.price = price->quantity.si;
     scene.throw_if_problems();
-  } catch (InputError const&) {  // no scene here: as far from its limits as can be
-    out = {not_a_number, std::vector<double>(order_.relations.size(), not_a_number)};
-  } catch (scene::ExpressionProblem const&) {
-    out = {not_a_number, std::vector<double>(order_.relations.size(), not_a_number)};
+  } catch (InputError const& e) {  // no scene here: as far from its limits as can be
+    out = {not_a_number, std::vector<double>(order_.relations.size(), not_a_number), e.reason()};
+  } catch (scene::ExpressionProblem const& p) {
+    out = {not_a_number, std::vector<double>(order_.relations.size(), not_a_number), p.what};
   }
   return known_.emplace(settings, out).first->second;
 }
@@ -299,15 +299,17 @@ std::optional<std::size_t> Evaluator::evaluate(std::vector<double> const& values
   out.settings = settings;
   out.objective = before.price;
   out.excess = before.excess;
+  out.problem = before.problem;
   bool const impossible = !order_.least_noise() && std::isnan(before.price);
   if (!impossible && !(out.worst() > 0)) {
     if (!options_.quiet)
       std::cerr << fmt::format("optimise  candidate {}: {}\n", outcomes_.size() + 1, fmt::join(settings, ", "));
     try {
       measure(out, scanner(level));
-    } catch (InputError const&) {
+    } catch (InputError const& e) {
       if (outcomes_.empty()) throw;
       out.objective = not_a_number;
+      out.problem = e.reason();
     }
     if (out.traced && !out.point.complete) return {};
     line_ = scanner(level).line();

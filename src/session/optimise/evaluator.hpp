@@ -41,6 +41,7 @@ struct Outcome {
   std::vector<LineVerdict> limits;    // of the noise limits; of the least noise the line is the last
   ScanPoint point;                    // as traced; without histories where it was not
   bool traced = false;
+  std::string problem;  // of the scene with these settings; empty: none
 
   double worst() const;                 // largest excess
   LineVerdict const* deciding() const;  // of the limits, or the line where there is none
@@ -70,6 +71,7 @@ class Evaluator {
   struct Known {
     double price = not_a_number;
     std::vector<double> excess;
+    std::string problem;
   };
   Known known(std::vector<std::string> const& settings) const;
   void judge(Outcome&, Model const&, TracedLight const&, NoiseBudget const&) const;

@@ -49,6 +49,14 @@ std::vector<std::string> columns_of(Outcome const& o) {
   return row;
 }
 
+// Why candidates have no scene.
+std::string problems_text(OptimiseReport const& r) {
+  std::string text;
+  for (Outcome const& o : r.outcomes)
+    if (!o.problem.empty()) text += fmt::format("not traced, {}: {}\n", fmt::join(o.settings, ", "), o.problem);
+  return text.empty() ? text : text + "\n";
+}
+
 std::vector<std::string> titles_of(OptimiseReport const& r) {
   std::vector<std::string> titles;
   for (VariedParameter const& p : r.order.vary) titles.push_back(p.name);
@@ -163,7 +171,10 @@ std::string range_text(VariedParameter const& p) {
 }
 
 std::string spent_text(OptimiseReport const& r) {
-  return fmt::format("{}; search: {}.", counted(r.outcomes.size(), "candidate"), fmt::join(r.ended, "; "));
+  std::vector<std::string> reasons;
+  for (std::string const& reason : r.ended)
+    if (std::ranges::find(reasons, reason) == reasons.end()) reasons.push_back(reason);
+  return fmt::format("{}; search: {}.", counted(r.outcomes.size(), "candidate"), fmt::join(reasons, "; "));
 }
 
 std::string optimise_verdict(OptimiseReport const& r) {
@@ -202,6 +213,7 @@ Json json_of(OptimiseReport const& r, Outcome const& o) {
                            {"frequency_Hz", v.hz}});
   for (std::size_t k = 0; k < r.order.relations.size(); ++k)
     j["relations"].push_back({{"relation", r.order.relations[k].text}, {"excess", o.excess.at(k)}});
+  if (!o.problem.empty()) j["problem"] = o.problem;
   j["unresolved"] = o.point.unresolved;
   j["histories"] = o.point.histories;
   j["model_hash"] = o.point.model_hash;
@@ -229,7 +241,7 @@ std::string optimise_text(OptimiseReport const& r) {
   for (Relation const& relation : r.order.relations) text += fmt::format("limit: {}\n", relation.text);
   for (std::string const& limit : r.order.limit_texts()) text += fmt::format("limit: {}\n", limit);
   text += spent_text(r) + "\n\n";
-  text += aligned(candidates_table(r)) + "\n";
+  text += aligned(candidates_table(r)) + "\n" + problems_text(r);
   if (!r.finalists.empty()) text += aligned(finalists_table(r)) + "\n";
   text += optimise_verdict(r);
   text +=
@@ -344,7 +356,7 @@ std::string optimise_page(OptimiseReport const& r, Picture const& picture) {
       "<p>h/limit: largest ratio of the total to its limit, with one standard error; '&gt;': routes are "
       "unresolved. upper: the same with the stated confidence in all bins at once, unresolved routes tenfold. "
       "The limits are met at 1 or below.</p>\n" +
-      table(candidates_table(r)) + paragraphs(spent_text(r), "p");
+      table(candidates_table(r)) + paragraphs(problems_text(r) + spent_text(r), "p");
   return html_text(page);
 }
 

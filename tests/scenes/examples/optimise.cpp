@@ -160,7 +160,8 @@ TEST_F(Optimise, MaterialsByPlace) {
   std::string text =
       edited(text_of(scene), "materials:\n", "materials:\n  dark: {scatter: {model: lambertian, brdf: 1e-6 /sr}}\n");
   text = edited(text, "1e-3 /sr / black + 0 * count(rings)", "price(scene.rings.material)");
-  text = edited(text, "black: [1e-5 /sr, 1e-3 /sr]", "scene.rings.material: {values: [baffle, dark], price: [1, 4]}");
+  text = edited(text, "black: [1e-5 /sr, 1e-3 /sr]",
+                "scene.rings.material: {values: [baffle, dark, drak], price: [1, 4, 9]}");
   write_text(scene, text);
   write_line(0.3);  // baffle, with its BRDF of 1e-4 /sr, misses it
   ASSERT_EQ(run({}, "place").code, 0);
@@ -172,7 +173,7 @@ TEST_F(Optimise, MaterialsByPlace) {
   EXPECT_EQ(read.code, 0) << read.err;
   EXPECT_THAT(read.out, ::testing::ContainsRegex("material: dark"));
   std::string const page = text_of(folder / "place/optimise.html");
-  for (char const* says : {"Best: scene.rings.material=dark", "Cost 4", "Traced anew"})
+  for (char const* says : {"Best: scene.rings.material=dark", "Cost 4", "Traced anew", "&#39;drak&#39; is not defined"})
     EXPECT_THAT(page, HasSubstr(says));
   write_line(1);  // control: here it meets the line, and is cheaper
   ASSERT_EQ(run({}, "cheap").code, 0);
