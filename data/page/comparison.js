@@ -38,7 +38,8 @@ function addRatios(runs, pairs) {
   }
   series.push({name: runs[0].label, colour: runColour(0), width: 1.4, dash: "2 3", x: first, y: first.map(() => 1)});
   const sides = pairs.flatMap(p => [p.ratio.low, p.ratio.high]).flat().filter(v => v !== null);
-  const range = log || sides.length === 0 ? undefined : [Math.min(0.98, ...sides), Math.max(1.02, ...sides)];
+  const lowest = Math.min(0.98, ...sides), highest = Math.max(1.02, ...sides), room = 0.05 * (highest - lowest);
+  const range = log || sides.length === 0 ? undefined : [lowest - room, highest + room];  // off the frame
   new Plot(box, {height: 380, x: {label: "frequency [Hz]", log: true}, y: {label: "h / h of " + runs[0].label, log, range}, series});
   box.append(el("figcaption", {}, "Ratio of the totals with one standard error."));
   for (const p of pairs) part.append(el("p", {class: "note"}, runs[p.after].label + ": " + p.error + "."));
