@@ -54,6 +54,15 @@ class InputError : public std::exception {
 InputError joined(std::vector<InputError> const&);
 // Nothing without errors, otherwise throws one InputError that holds them all.
 void throw_all(std::vector<InputError> const&);
+// Calls `action` and adds the InputError that it throws, if any.
+template <class Action>
+void collect(std::vector<InputError>& errors, Action const& action) {
+  try {
+    action();
+  } catch (InputError const& e) {
+    errors.push_back(e);
+  }
+}
 
 // A JSON list of objects with file, line, column, width, severity, what, suggestion, for editors and scripts.
 std::string problems_as_json(InputError const&);

@@ -55,27 +55,36 @@ void save(ScanTable const& table, ScanCommandOptions const& options, bool last) 
     std::cerr << "warning: scan.png was not drawn: " << message << '\n';
 }
 
-ScanList points_of(ScanCommandOptions const& order) {
+// Of the axes without an error, so that the scene is asked for their parameters too.
+ScanList points_of(ScanCommandOptions const& order, std::vector<InputError>& errors) {
+  ScanList list;
   if (!order.points.empty() && !order.axes.empty())
-    throw InputError("--points and parameter values both define the scan", "keep one of them");
-  if (!order.points.empty()) return read_points(order.points);
-  ScanList list{.axes = parse_axes(order.axes, false), .points = {}};
-  if (list.axes.empty())
-    throw InputError("nothing to scan",
-                     "name a parameter and its values: aperture=50cm..80cm:7, a file with --points, or use --invert");
+    errors.emplace_back("--points and parameter values both define the scan", "keep one of them");
+  if (!order.points.empty()) {
+    collect(errors, [&] { list = read_points(order.points); });
+    return list;
+  }
+  if (order.axes.empty())
+    errors.emplace_back("nothing to scan",
+                        "name a parameter and its values: aperture=50cm..80cm:7, a file with --points, or use "
+                        "--invert");
+  list.axes = parse_axes(order.axes, false, errors);
   list.points = combinations(list.axes);
   return list;
 }
 
-int scan(ScanCommandOptions const& options) {
-  if (!options.out.empty()) refuse_overwriting(options.out + "/scan.csv", options.points);
-  ScanList const list = points_of(options);
+int scan(ScanCommandOptions const& options, std::vector<InputError> errors) {
+  collect(errors, [&] {
+    if (!options.out.empty()) refuse_overwriting(options.out + "/scan.csv", options.points);
+  });
+  ScanList const list = points_of(options, errors);
   auto const& all = list.points;
   ScanTable table{std::filesystem::path(options.input).filename().string(), "", list.axes, {}, all.size()};
   if (options.jobs > 1 && options.out.empty())
-    throw InputError("--jobs needs a folder for the traces", "name one with -o");
+    errors.emplace_back("--jobs needs a folder for the traces", "name one with -o");
   Scanner scanner(options, options.requirement, options.out);
-  scanner.check(list);
+  collect(errors, [&] { scanner.check(list); });
+  throw_all(errors);
   std::optional<OutputFolder> folder;
   std::optional<FolderLock> lock;
   if (!options.out.empty()) {
@@ -122,23 +131,15 @@ void refuse_run(std::string const& file, std::string const& action) {
 
 int start(ScanCommandOptions options) {
   std::vector<InputError> errors;
-  std::vector<ScanAxis> axes;
-  try {
+  collect(errors, [&] {
     if (!options.margin.empty()) options.requirement.margin = fraction(options.margin);
-  } catch (InputError const& e) {
-    errors.push_back(e);
-  }
+  });
   if (options.invert.what.empty()) {
     refuse_run(options.input, "a scan");
-    throw_all(errors);
-    return scan(options);
+    return scan(options, std::move(errors));
   }
   refuse_beside_invert(options, errors);
-  try {
-    axes = parse_axes(options.axes, true);
-  } catch (InputError const& e) {
-    errors.push_back(e);
-  }
+  std::vector<ScanAxis> const axes = parse_axes(options.axes, true, errors);
   return invert(options, options.requirement, options.invert, axes, std::move(errors));
 }
 

@@ -224,6 +224,8 @@ void AtomicFile::give_name() {
 }
 
 void check_writable(std::string const& file) {
+  if (std::error_code none; fs::is_directory(file, none))
+    throw InputError(fmt::format("the output '{}' is a folder", file), "name a file");
   fs::path const folder = fs::path(file).parent_path();
   if (!folder.empty() && !fs::is_directory(folder))
     throw InputError(fmt::format("there is no folder '{}' to write to", folder.string()),

@@ -46,6 +46,22 @@ void refuse_files_of_what_if(NoiseOptions const& options) {
                    "print the result, with --format json for all curves; to keep a run, change the scene and trace it");
 }
 
+// With the files of --motion and --response; `files` gets their texts. Throws one InputError for all options.
+std::unique_ptr<OpenRun> opened(NoiseOptions const& options, FileTexts& files) {
+  std::vector<InputError> errors;
+  std::unique_ptr<OpenRun> run;
+  collect(errors, [&] { run = std::make_unique<OpenRun>(options.input, options.motion, &files); });
+  if (!run) run = std::make_unique<OpenRun>(options.input);  // throws where this file is the reason
+  collect(errors, [&] {
+    if (options.response.empty()) return;
+    replace_motion(run->model, options.response, nullptr, &files, true);
+    run->projected_with += (run->projected_with.empty() ? "" : "\n") + name_of(options.response);
+  });
+  if (!errors.empty() && !options.set.empty()) collect(errors, [&] { what_if(*run, options.set); });
+  throw_all(errors);
+  return run;
+}
+
 // The noise as it would be with other inputs.
 int noise_if(NoiseOptions const& options, OpenRun& run) {
   WhatIf const changed = what_if(run, options.set);
@@ -89,19 +105,14 @@ int noise(NoiseOptions const& options) {
   auto const start = std::chrono::steady_clock::now();
   refuse_files_of_what_if(options);
   FileTexts files;
-  OpenRun run(options.input, options.motion, &files);
-  if (!options.set.empty()) return noise_if(options, run);
-  RunFile const& file = run.file;
-  ProjectionModel& model = run.model;
+  std::unique_ptr<OpenRun> const run = opened(options, files);
+  if (!options.set.empty()) return noise_if(options, *run);
+  RunFile const& file = run->file;
+  ProjectionModel const& model = run->model;
   bool const alone = options.out.ends_with(".h5");  // only the run file
   keep_other_runs(options, alone, file);
   std::optional<OutputFolder> folder;
   if (!alone && !options.out.empty()) folder.emplace(options.out);
-  std::string replaced = run.projected_with;
-  if (!options.response.empty()) {
-    replace_motion(model, options.response, nullptr, &files, true);
-    replaced += (replaced.empty() ? "" : "\n") + name_of(options.response);
-  }
   print_warnings(model, options);
   NoiseBudget const budget = model.project_with_bands(file.trace.coupling);
   print_warnings(budget, options);
@@ -112,7 +123,7 @@ int noise(NoiseOptions const& options) {
   content.interferometer = model.detector->description();
   content.files = files;
   if (!options.motion.empty() && !model.warnings.empty()) content.warnings.push_back(model.warnings);
-  content.motion_file = replaced;
+  content.motion_file = run->projected_with;
   if (options.json()) {
     std::cout << summary_json(content, paths) << '\n';
   } else {

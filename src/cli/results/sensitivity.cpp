@@ -7,11 +7,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "cli/commands.hpp"
 #include "cli/options.hpp"
+#include "results/curves/curve_file.hpp"
 #include "results/text/picture.hpp"
 #include "session/open_run.hpp"
 
@@ -71,41 +73,46 @@ void refuse_unused(SensitivityOptions const& options, SensitivityOrder const& or
   throw_all(errors);
 }
 
-void draw(Sensitivity const& s, std::string const& png) {
+void draw(Sensitivity const& s, std::string const& file) {
   std::string message;
-  std::string const picture = picture_of(sensitivity_json(s), "sensitivity", message, ".png");
+  std::string const ending = std::filesystem::path(file).extension().string();
+  std::string const picture = picture_of(sensitivity_json(s), "sensitivity", message, ending);
   if (picture.empty())
-    std::cerr << fmt::format("warning: {} was not drawn: {}\n", png, message);
+    std::cerr << fmt::format("warning: {} was not drawn: {}\n", file, message);
   else
-    write_file(png, picture);
+    write_file(file, picture);
 }
 
-SensitivityOrder order_of(SensitivityOptions const& options) {
+SensitivityOrder order_of(SensitivityOptions const& options, std::vector<InputError>& errors) {
   SensitivityOrder order{TableSettings{}.frequencies, {}, names_in(options.traced), {}, options};
   order.options.quiet = true;
-  std::vector<InputError> errors;
-  auto const read = [&](auto const& action) {
-    try {
-      action();
-    } catch (InputError const& e) {
-      errors.push_back(e);
-    }
-  };
-  read([&] {
+  collect(errors, [&] {
     if (!options.step.empty()) order.step = step_of(options.step);
   });
-  read([&] { order.only = classes_in(options.only); });
-  read([&] {
+  collect(errors, [&] { order.only = classes_in(options.only); });
+  collect(errors, [&] {
     if (!options.at.empty()) order.frequencies = parse_frequencies(options.at, "--at");
   });
-  read([&] { refuse_unused(options, order); });
-  throw_all(errors);
+  collect(errors, [&] { refuse_unused(options, order); });
+  collect(errors, [&] {
+    if (!options.plot.empty()) check_ending(options.plot, {".png", ".pdf", ".svg"}, "--plot");
+  });
   return order;
 }
 
 int sensitivity(SensitivityOptions const& options) {
-  SensitivityOrder const order = order_of(options);
-  OpenRun const run(options.input);
+  std::vector<InputError> errors;
+  SensitivityOrder const order = order_of(options, errors);
+  OpenRun const run = [&] {
+    try {
+      return OpenRun(options.input);
+    } catch (InputError const& e) {
+      errors.push_back(e);
+      throw joined(errors);
+    }
+  }();
+  add_errors_of_traced(run, order, errors);
+  throw_all(errors);
   print_warnings(run.model, options);
   Sensitivity const s = session::sensitivity(run, order, [&](std::string const& name) {
     if (!options.quiet) std::cerr << fmt::format("sensitivity  {}\n", name);

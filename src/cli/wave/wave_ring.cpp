@@ -228,11 +228,10 @@ constexpr char example[] = "write for example --detuning -0.5..0.5:1001 (free sp
 constexpr double most_detuning = 1e-4;  // of the frequency of the light
 
 ScanAxis axis_of(std::string const& option) {
-  try {
-    return parse_axes({option}, false).front();
-  } catch (InputError const& e) {
-    throw InputError(e.reason(), example);
-  }
+  std::vector<InputError> errors;
+  std::vector<ScanAxis> const axes = parse_axes({option}, false, errors);
+  if (!errors.empty()) throw InputError(errors.front().reason(), example);
+  return axes.front();
 }
 
 // Of a value in a list that did not become a finite number.

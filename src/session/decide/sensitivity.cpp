@@ -324,16 +324,14 @@ double largest_at(Sensitivity const& s, SensitiveInput const& in) {
   return largest;
 }
 
-std::vector<SceneValue> values_to_trace(OpenRun const& run, SensitivityOrder const& order) {
+std::vector<SceneValue> values_to_trace(OpenRun const& run, SensitivityOrder const& order,
+                                        std::vector<InputError>& errors) {
   std::vector<SceneValue> all;
-  std::vector<InputError> errors;
-  if (order.wants(InputClass::traced))
-    for (std::string const& name : order.traced) try {
-        all.push_back(value_to_trace(run, name));
-      } catch (InputError const& e) {
-        errors.push_back(e);
-      }
-  throw_all(errors);
+  for (std::string const& name : order.traced) try {
+      all.push_back(value_to_trace(run, name));
+    } catch (InputError const& e) {
+      errors.push_back(e);
+    }
   return all;
 }
 
@@ -357,12 +355,18 @@ void add_projected(OpenRun const& run, SensitivityOrder const& order, Progress c
 
 }  // namespace
 
+void add_errors_of_traced(OpenRun const& run, SensitivityOrder const& order, std::vector<InputError>& errors) {
+  values_to_trace(run, order, errors);
+}
+
 Sensitivity sensitivity(OpenRun const& run, SensitivityOrder const& order, Progress const& progress) {
   ProjectionModel const& model = run.model;
   if (!model.detector)
     throw InputError("without an interferometer there is no noise that could depend on anything",
                      "add 'ports' and 'interferometer' to the scene");
-  std::vector<SceneValue> const to_trace = values_to_trace(run, order);
+  std::vector<InputError> errors;
+  std::vector<SceneValue> const to_trace = values_to_trace(run, order, errors);
+  throw_all(errors);
   NoiseBudget const budget = model.project(run.file.trace.coupling);
   Sensitivity s;
   s.grid = model.noise.grid;
@@ -382,7 +386,7 @@ Sensitivity sensitivity(OpenRun const& run, SensitivityOrder const& order, Progr
     }
   if (order.wants(InputClass::shape)) add_shapes(run, budget, order.options.threads, progress, add);
   add_projected(run, order, progress, add, s.idle);
-  for (std::size_t i = 0; i < to_trace.size(); ++i) {
+  for (std::size_t i = 0; i < to_trace.size() && order.wants(InputClass::traced); ++i) {
     progress(order.traced[i] + ", traced");
     s.inputs.push_back(of_traces(run, to_trace[i], order.traced[i], order));
   }

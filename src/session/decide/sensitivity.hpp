@@ -58,6 +58,9 @@ struct SensitivityOrder {
   bool wants(InputClass c) const { return only.empty() || std::ranges::find(only, c) != only.end(); }
 };
 
+// Adds an error for each name in `traced` that the scene of the run does not have.
+void add_errors_of_traced(OpenRun const&, SensitivityOrder const&, std::vector<InputError>&);
+
 // `progress`: gets the name of each input before it is computed.
 Sensitivity sensitivity(OpenRun const&, SensitivityOrder const&,
                         std::function<void(std::string const&)> const& progress);

@@ -28,15 +28,6 @@ struct Question {
   std::string kind, name;
 };
 
-template <class Action>
-void collect(std::vector<InputError>& errors, Action const& action) {
-  try {
-    action();
-  } catch (InputError const& e) {
-    errors.push_back(e);
-  }
-}
-
 // Number of the material or body that the question names.
 std::size_t subject_of(Question const& question, ProjectionModel const& model) {
   bool const scatter = question.kind == "brdf";

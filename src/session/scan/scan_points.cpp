@@ -133,23 +133,22 @@ ScanAxis parse_axis(std::string const& word, bool open) {
 
 }  // namespace
 
-std::vector<ScanAxis> parse_axes(std::vector<std::string> const& words, bool open) {
+std::vector<ScanAxis> parse_axes(std::vector<std::string> const& words, bool open, std::vector<InputError>& errors) {
   std::vector<ScanAxis> axes;
-  std::vector<InputError> errors;
   std::set<std::string> names;
   double points = 1;
   for (std::string const& word : words) try {
-      axes.push_back(parse_axis(word, open));
-      points *= double(axes.back().values.size());
-      if (!names.insert(axes.back().name).second)
-        throw InputError(fmt::format("'{}' is given twice", axes.back().name), "write all its values in one list");
+      ScanAxis axis = parse_axis(word, open);
+      if (!names.insert(axis.name).second)
+        throw InputError(fmt::format("'{}' is given twice", axis.name), "write all its values in one list");
+      points *= double(axis.values.size());
+      axes.push_back(std::move(axis));
     } catch (InputError const& e) {
       errors.push_back(e);
     }
-  throw_all(errors);
-  if (points > double(most_points))
-    throw InputError(fmt::format("{:.0f} combinations are more than {}", points, most_points), "use fewer values");
-  return axes;
+  if (points <= double(most_points)) return axes;
+  errors.emplace_back(fmt::format("{:.0f} combinations are more than {}", points, most_points), "use fewer values");
+  return {};
 }
 
 std::vector<std::vector<std::string>> combinations(std::vector<ScanAxis> const& axes) {

@@ -27,8 +27,9 @@ struct ScanAxis {
   bool range = false;               // given as lo..hi, with or without a count
 };
 
-// Throws one InputError with all problems. `open`: a range may omit the count, as for --invert.
-std::vector<ScanAxis> parse_axes(std::vector<std::string> const& words, bool open);
+// Those without an error; the others are added to `errors`, and none is returned where there are too many combinations.
+// `open`: a range may omit the count, as for --invert.
+std::vector<ScanAxis> parse_axes(std::vector<std::string> const& words, bool open, std::vector<InputError>& errors);
 
 // "name=value" of each parameter, for every combination; the last parameter changes first.
 std::vector<std::vector<std::string>> combinations(std::vector<ScanAxis> const&);
