@@ -206,7 +206,11 @@ std::uint32_t SceneDocument::open_main(std::string const& name) {
   std::string why;
   auto text = read(name, model_file_limit, why);
   if (!text) {
-    std::string const remedy = remedy_for_unreadable(folder_ / name);
+    std::string const head = texts_ ? "" : head_of_file(folder_ / name, 15);
+    if (head == "straytrace-run ") why = "it is a run file, not a scene";
+    std::string const remedy = head == "straytrace-run "
+                                   ? "name the scene file; straytrace paths, noise and report read run files"
+                                   : remedy_for_unreadable(folder_ / name);
     throw InputError(
         {{{}, "cannot read this file: " + why, remedy}},
         fmt::format("{}: error: cannot read this file: {}\n      | {}\n1 error. Nothing was run.\n", name, why, remedy),

@@ -142,8 +142,13 @@ std::string measured_curves(ReportOptions const& o, RunContent const& run) {
   return measured_json(all);
 }
 
+// Options for records of strain.
+constexpr char const* of_records[] = {"--unit",    "--gps",    "--segments", "--segment",
+                                      "--overlap", "--window", "--average",  "--detrend"};
+
 int report_several(ReportOptions const& options) {
   std::vector<std::string> of_one{"--paths", "--show", "--pictures", "--csv", "--measured"};
+  for (char const* name : of_records) of_one.emplace_back(name);
   std::erase_if(of_one, [&](std::string const& name) { return options.command->count(name) == 0; });
   if (!of_one.empty())
     throw InputError(fmt::format("the report of several runs does not have {}", fmt::join(of_one, ", ")),
@@ -155,12 +160,27 @@ int report_several(ReportOptions const& options) {
   return done;
 }
 
+// Such options without a record.
+void refuse_idle(ReportOptions const& options) {
+  if (!options.measured.empty()) return;
+  std::vector<std::string> idle(std::begin(of_records), std::end(of_records));
+  std::erase_if(idle, [&](std::string const& name) { return options.command->count(name) == 0; });
+  if (!idle.empty())
+    throw InputError(fmt::format("{}: there is no measured strain", fmt::join(idle, ", ")),
+                     "name a record with --measured FILE::CHANNEL");
+}
+
 int report(ReportOptions const& options) {
   if (options.inputs.size() > 1) return report_several(options);
   ReportWanted wanted = options.wanted;
   std::string const& input = options.inputs.front();
-  refuse_scene(input);
-  if (!options.out.empty()) check_ending(options.out, {".html", ".pdf", ".png", ".svg"}, "-o");
+  std::vector<InputError> errors;
+  collect(errors, [&] { refuse_scene(input); });
+  collect(errors, [&] {
+    if (!options.out.empty()) check_ending(options.out, {".html", ".pdf", ".png", ".svg"}, "-o");
+  });
+  collect(errors, [&] { refuse_idle(options); });
+  throw_all(errors);
   std::string message;
   if (is_picture(options.out)) {
     if (!options.measured.empty()) {

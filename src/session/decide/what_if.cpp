@@ -10,12 +10,14 @@
 #include <cstdlib>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "noise/bands/inversion.hpp"
 #include "noise/project/route_noise.hpp"
 #include "scene/model_tree.hpp"
+#include "scene/scene_document.hpp"
 #include "scene/scope.hpp"
 #include "session/light/cavity_waves.hpp"
 #include "trace/importance/importance.hpp"
@@ -188,27 +190,41 @@ void add_values(scene::ModelValue const& value, std::string const& place, std::v
   }
 }
 
-// Where a material or a body of the scene is named without one of its values.
-std::string values_of(std::string const& name, std::vector<SceneValue> const& all) {
+// Where the first key of a name is that of a material, a body or a table: its values, and the nearest of them. Else the
+// nearest such key, "did you mean 'steel.brdf'?".
+std::string remedy_for(std::string const& name, std::vector<SceneValue> const& all) {
   constexpr std::size_t most = 8;
-  std::string const owner = scene::keys_of_place(name).front();
-  std::vector<std::string> places;
-  for (SceneValue const& v : all)
-    if (auto const keys = scene::keys_of_place(v.place); v.given && std::ranges::find(keys, owner) != keys.end())
+  std::vector<std::string> const wanted = scene::keys_of_place(name);
+  std::string const owner = wanted.front();
+  std::vector<std::string> places, last_keys;
+  std::set<std::string> owners;
+  for (bool const given : {true, false})
+    for (SceneValue const& v : all) {
+      if (v.given != given) continue;
+      std::vector<std::string> const keys = scene::keys_of_place(v.place);
+      owners.insert(keys.begin(), keys.end() - 1);
+      if (std::ranges::find(keys, owner) == keys.end()) continue;
       places.push_back(v.place);
-  if (places.empty()) return "";
+      last_keys.push_back(keys.back());
+    }
+  if (places.empty()) {
+    std::string const near = nearest_word(owner, std::vector<std::string>(owners.begin(), owners.end()));
+    return near.empty() ? forms : fmt::format("did you mean '{}'?", near + name.substr(owner.size()));
+  }
+  std::string const near = nearest_word(wanted.back(), last_keys);
+  std::string remedy;
+  if (!near.empty())
+    remedy = fmt::format("did you mean '{}'? ", places[std::ranges::find(last_keys, near) - last_keys.begin()]);
   bool const more = places.size() > most;
   places.resize(std::min(places.size(), most));
-  return fmt::format("'{}' has {}{}; besides, MATERIAL=x2, MATERIAL=black and BODY.motion=x2 are possible", owner,
-                     fmt::join(places, ", "), more ? ", ..." : "");
+  return remedy + fmt::format("'{}' has {}{}; besides, MATERIAL=x2, MATERIAL=black and BODY.motion=x2 are possible",
+                              owner, fmt::join(places, ", "), more ? ", ..." : "");
 }
 
 SceneValue value_named(std::string const& name, std::vector<SceneValue> const& all) {
   std::vector<SceneValue> found;
-  std::vector<std::string> places;
   for (SceneValue const& v : all) {
     if (v.place == name) return v;
-    if (v.given) places.push_back(v.place);
     if (leads_to(name, v.place)) found.push_back(v);
   }
   if (found.size() == 1) return found.front();
@@ -217,9 +233,7 @@ SceneValue value_named(std::string const& name, std::vector<SceneValue> const& a
   if (!found.empty())
     throw InputError(fmt::format("--set: '{}' names {} values of the scene", name, found.size()),
                      fmt::format("write one of {}", fmt::join(several, ", ")));
-  std::string const owned = values_of(name, all);
-  throw InputError(fmt::format("--set: the scene has no value '{}'", name),
-                   did_you_mean(name, places, owned.empty() ? forms : owned));
+  throw InputError(fmt::format("--set: the scene has no value '{}'", name), remedy_for(name, all));
 }
 
 class Changes {
@@ -244,20 +258,19 @@ class Changes {
 
   // Values of the scene that their keys reject; result() rejects them too.
   void add_errors_of_values(std::vector<InputError>& errors) const {
-    std::vector<std::string> texts = of_materials_;
-    texts.insert(texts.end(), of_projection_.begin(), of_projection_.end());
-    try {
-      if (!texts.empty()) model_of(run_.file, texts);
-    } catch (InputError const& e) {
-      errors.push_back(e);
-    }
+    std::vector<Override> all = of_materials_;
+    all.insert(all.end(), of_projection_.begin(), of_projection_.end());
+    if (!all.empty()) collect(errors, [&] { model_with(all); });
   }
 
   WhatIf result() {
     WhatIf out;
     if (!of_materials_.empty()) change_laws();
     scale_light(out);
-    ProjectionModel model = of_projection_.empty() ? std::move(run_.model) : projection_of(run_.file, of_projection_);
+    ProjectionModel model =
+        of_projection_.empty()
+            ? std::move(run_.model)
+            : built_with(of_projection_, [&](auto const& texts) { return projection_of(run_.file, texts); });
     for (auto const& [moved, factor] : moved_) model.motion = with_scaled_body(model.motion, moved, factor);
     out.model = std::move(model);
     out.statements = std::move(statements_);
@@ -265,6 +278,34 @@ class Changes {
   }
 
  private:
+  // A value of the scene: as the user wrote it, and with its place.
+  struct Override {
+    std::string written, text;
+  };
+
+  // Errors in these values are told as those of --set, not as those of a command line that nobody wrote.
+  template <class Build>
+  auto built_with(std::vector<Override> const& set, Build const& build) const {
+    std::vector<std::string> texts;
+    for (Override const& o : set) texts.push_back(o.text);
+    try {
+      return build(texts);
+    } catch (InputError const& e) {
+      std::size_t const earlier = run_.file.about.overrides.size();
+      std::vector<InputError> errors;
+      for (Problem const& p : e.problems) {
+        bool const of_set = p.place.file < e.files.size() && e.files[p.place.file] == command_line_name &&
+                            p.place.line > earlier && p.place.line <= earlier + set.size();
+        if (!of_set) throw;
+        errors.emplace_back(fmt::format("--set {}: {}", set[p.place.line - earlier - 1].written, p.what), p.suggestion);
+      }
+      throw joined(errors);
+    }
+  }
+  Model model_with(std::vector<Override> const& set) const {
+    return built_with(set, [&](auto const& texts) { return model_of(run_.file, texts); });
+  }
+
   void scale_light(WhatIf& out) {
     CouplingTable const& light = reweighted_ ? reweighted_->table : run_.file.trace.coupling;
     if (std::ranges::all_of(factor_, [](double f) { return f == 1; })) {
@@ -381,11 +422,11 @@ class Changes {
     std::string const text = s.factor ? times(value, *s.factor) : value.place + "=" + s.value;
     if (session::of_projection(value.place)) {
       refuse_other_files(s);
-      of_projection_.push_back(text);
+      of_projection_.push_back({s.text, text});
       statements_.push_back(
           fmt::format("{}, instead of {}", text, value.written.empty() ? "its default" : value.written));
     } else if (value.place.starts_with("materials.")) {
-      of_materials_.push_back(text);
+      of_materials_.push_back({s.text, text});
     } else {
       throw InputError(fmt::format("--set {}: '{}' changes where light goes", s.text, value.place),
                        fmt::format("trace it: straytrace run SCENE -p \"{}\"", text));
@@ -400,9 +441,10 @@ class Changes {
   // Both models are built. Where the law of a material changes by one factor at all angles, its routes count; else the
   // laws at the vertices of the kept paths.
   void change_laws() {
-    Model const before = model_of(run_.file), after = model_of(run_.file, of_materials_);
+    Model const before = model_of(run_.file), after = model_with(of_materials_);
     WorldView const a = before.world.view(), b = after.world.view();
-    std::string const text = fmt::format("{}", fmt::join(of_materials_, ", "));
+    std::string text;
+    for (Override const& o : of_materials_) text += (text.empty() ? "" : ", ") + o.text;
     std::vector<InputError> errors;
     std::vector<std::pair<std::size_t, double>> strengths;
     bool shape = false;
@@ -464,7 +506,8 @@ class Changes {
   std::vector<double> scattered_;  // by material, at normal incidence
   std::vector<double> factor_;     // by material
   std::vector<std::pair<BodyId, double>> moved_;
-  std::vector<std::string> of_projection_, of_materials_, statements_;
+  std::vector<Override> of_projection_, of_materials_;
+  std::vector<std::string> statements_;
   std::vector<SceneValue> values_;
   std::optional<ScaledCouplings> reweighted_;
   std::optional<Model> traced_;  // with surfaces and materials; where they are needed

@@ -43,6 +43,12 @@ Complain of_option(std::string option, std::vector<InputError>& errors) {
 char const* const limit_example =
     "write 'h_total < 0.1 x et-d-points between 3 Hz and 1 kHz with 95 %', or a relation such as 'rim > 34 cm'";
 
+struct RangeExamples {
+  char const *range, *whole;
+};
+constexpr RangeExamples in_table{"write for example [30 cm, 49 cm]", "write {integer: [10, 60]}"},
+    in_option{"write for example rim=30cm..49cm", "write for example baffles=10..60:integer"};
+
 constexpr double least_excess = 1e-12;  // of equal values where one must be smaller
 
 std::string trimmed(std::string text) {
@@ -58,6 +64,11 @@ class OrderReader {
 
   void minimise(std::string const& text, Complain const& complain) {
     order_.minimise = trimmed(text);
+    if (!order_.least_noise() && order_.minimise.find("h_total") != text.npos)
+      return complain("'h_total' cannot be part of an expression",
+                      "write h_total alone, or a cost of parameters such as count(baffles*); limit the noise in "
+                      "'subject_to' or with --subject \"h_total < ...\"",
+                      0, 0);
     if (!order_.least_noise()) number(order_.minimise, text.find(order_.minimise), std::nullopt, complain);
   }
 
@@ -84,8 +95,8 @@ class OrderReader {
     order_.relations.push_back({text, less ? before : after, less ? after : before, right > sign + 1});
   }
 
-  // A parameter with its ends or its values.
-  void vary(VariedParameter p, Complain const& complain) {
+  // A parameter with its ends or its values. `examples`: as a range is written where this one stands.
+  void vary(VariedParameter p, Complain const& complain, RangeExamples const& examples) {
     std::vector<std::string> const known = scene::parameter_names(scene_.root().scope().get());
     if (!scene::names_place(p.name + "=x") && std::ranges::find(known, p.name) == known.end())
       return complain(
@@ -95,10 +106,10 @@ class OrderReader {
     if (std::ranges::any_of(order_.vary, [&](auto const& other) { return other.name == p.name; }))
       return complain(fmt::format("'{}' is varied twice", p.name), "keep one range of it", 0, 0);
     if (p.whole && (p.low != std::round(p.low) || p.high != std::round(p.high)))
-      return complain(fmt::format("the range of '{}' does not end at whole numbers", p.name), "write [10, 60]", 0, 0);
+      return complain(fmt::format("the range of '{}' does not end at whole numbers", p.name), examples.whole, 0, 0);
     if (!p.listed() && !(p.low < p.high))
       return complain(fmt::format("the range of '{}' does not go from a lower to a higher value", p.name),
-                      "write for example [30 cm, 49 cm]", 0, 0);
+                      examples.range, 0, 0);
     if (auto const wanted = p.listed() ? std::nullopt : dimension_of(p.name); wanted && !(p.dimension == *wanted))
       return complain(
           fmt::format("'{}' is {}, but its range is {}", p.name, described(*wanted), described(p.dimension)),
@@ -229,7 +240,7 @@ void read_varied(std::string const& name, Node const& node, OrderReader& reader)
   VariedParameter p;
   p.name = name;
   if (node.kind() != Node::Kind::table) {
-    if (read_ends(node, p)) reader.vary(std::move(p), at_node(node));
+    if (read_ends(node, p)) reader.vary(std::move(p), at_node(node), in_table);
     return;
   }
   std::size_t const before = node.document()->errors();
@@ -240,7 +251,7 @@ void read_varied(std::string const& name, Node const& node, OrderReader& reader)
     node.problem(fmt::format("'{}' needs a range of whole numbers or a list of values", name),
                  "write {integer: [10, 60]} or {values: [1e-4 /sr, 1e-5 /sr], price: [1, 4]}");
   node.refuse_unknown("a varied parameter");
-  if (node.document()->errors() == before) reader.vary(std::move(p), at_node(node));
+  if (node.document()->errors() == before) reader.vary(std::move(p), at_node(node), in_table);
 }
 
 void vary_by_word(std::string const& word, OrderReader& reader, Complain const& complain) {
@@ -256,7 +267,7 @@ void vary_by_word(std::string const& word, OrderReader& reader, Complain const& 
       p.values.push_back(trimmed(text.substr(at, comma - at)));
       at = comma + 1;
     }
-    return reader.vary(std::move(p), complain);
+    return reader.vary(std::move(p), complain, in_option);
   }
   static constexpr std::string_view integer = ":integer";
   std::string high = word.substr(dots + 2);
@@ -268,7 +279,7 @@ void vary_by_word(std::string const& word, OrderReader& reader, Complain const& 
   p.low = a->quantity.si;
   p.high = b->quantity.si;
   p.dimension = b->quantity.dimension;
-  reader.vary(std::move(p), complain);
+  reader.vary(std::move(p), complain, in_option);
 }
 
 // Varied parameters first: expressions name their prices.
