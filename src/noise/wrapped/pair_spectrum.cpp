@@ -157,7 +157,8 @@ class Pairs {
       if (is_tone(c))
         factor *= apart_by_tone(p.own[c], p.cross[c] * r.at[lag]);
       else if (is_gaussian(c))
-        exponent += p.cross[c] * r.at[lag] - p.own[c] * r.at_zero;
+        exponent += lag < r.fall.size() ? (p.cross[c] - p.own[c]) * r.at_zero - p.cross[c] * r.fall[lag]
+                                        : p.cross[c] * r.at[lag] - p.own[c] * r.at_zero;
     }
     return factor * std::exp(exponent);
   }

@@ -66,13 +66,18 @@ Covariance ClassCovariances::sum(std::span<MotionClass const> classes, std::span
   if (together > few) return covariance(lines(classes, kappa, highest, lags.spacing), lags);
   Band& band = bands_[{highest, lags.samples}];
   band.resize(classes.size());
-  Covariance r{0, std::vector<double>(lags.size())};
+  Covariance r{0, std::vector<double>(lags.size()), {}};
+  std::size_t most_digits = 0;
   for (std::size_t c = 0; c < classes.size(); ++c) {
     if (!moving(c)) continue;
     Covariance const& one = of_class(band, classes, c, highest, lags);
     r.at_zero += kappa[c] * one.at_zero;
     for (std::size_t i = 0; i < r.at.size(); ++i) r.at[i] += kappa[c] * one.at[i];
+    most_digits = std::max(most_digits, one.fall.size());
   }
+  r.fall.assign(most_digits, 0);
+  for (std::size_t c = 0; c < classes.size(); ++c)
+    for (std::size_t i = 0; moving(c) && i < most_digits; ++i) r.fall[i] += kappa[c] * band[c].fall_at(i);
   return r;
 }
 

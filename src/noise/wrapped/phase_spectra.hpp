@@ -40,6 +40,10 @@ struct LagGrid {
 struct Covariance {
   double at_zero = 0;
   std::vector<double> at;  // the lags
+  // R(0) - R(tau) at the first lags, to all digits: under strong motion only they count, and the difference of two
+  // large numbers would lose theirs.
+  std::vector<double> fall;
+  double fall_at(std::size_t lag) const { return lag < fall.size() ? fall[lag] : at_zero - at[lag]; }
 };
 // `line_power`: rad^2 within half a spacing of k spacing; none at k = 0.
 Covariance covariance(std::vector<double> line_power, LagGrid const&);

@@ -64,6 +64,17 @@ std::vector<double> factors_of(PhaseTone const& t, LagGrid const& lags) {
   return factors;
 }
 
+constexpr double digits_lost = 1e-6;  // below this fall, over R(0), each line is summed
+
+// R(0) - R(tau) from the lines, without cancellation.
+double fall_of(std::vector<double> const& lines, LagGrid const& lags, std::size_t lag) {
+  double const turn = pi * static_cast<double>(2 * lag + 1) / static_cast<double>(2 * lags.samples);
+  double sum = 0;
+  for (std::size_t k = 1; k < lines.size(); ++k)
+    if (lines[k] != 0) sum += 2 * lines[k] * std::pow(std::sin(turn * static_cast<double>(k)), 2);
+  return sum;
+}
+
 // exp(-(R(0) - R(tau))) times one Bessel factor per tone (eq. 7.11), minus its constant part.
 std::vector<double> correlation(SlowPhase const& p, Covariance r, LagGrid const& lags, double constant) {
   std::vector<double> c = std::move(r.at);
@@ -71,7 +82,7 @@ std::vector<double> correlation(SlowPhase const& p, Covariance r, LagGrid const&
     for (double& x : c) x = constant * std::expm1(x);  // no cancellation, however small the motion
     return c;
   }
-  for (double& x : c) x = std::exp(x - r.at_zero);
+  for (std::size_t i = 0; i < c.size(); ++i) c[i] = std::exp(i < r.fall.size() ? -r.fall[i] : c[i] - r.at_zero);
   for (PhaseTone const& t : p.tones) {
     std::vector<double> const factors = factors_of(t, lags);
     for (std::size_t first = 0; first < c.size(); first += factors.size())
@@ -112,6 +123,8 @@ Covariance covariance(std::vector<double> lines, LagGrid const& lags) {
   Covariance r;
   r.at_zero = std::accumulate(lines.begin(), lines.end(), 0.0);
   CosineTransform::of(lags.size()).values(lines, r.at);
+  while (r.fall.size() < r.at.size() && r.at_zero - r.at[r.fall.size()] < digits_lost * r.at_zero)
+    r.fall.push_back(fall_of(lines, lags, r.fall.size()));
   return r;
 }
 
