@@ -110,6 +110,15 @@ TEST_F(Scan, WrongWords) {
   }
 }
 
+// The errors of words, parameters and options at once. Control: `black` alone is sound.
+TEST_F(Scan, AllWrongWordsAreNamed) {
+  Finished const r = run({"black=1e-4/sr,2e-4/sr", "blck=1,2", "bar", "--jobs", "2", "--margin", "much"});
+  EXPECT_EQ(r.code, 2);
+  for (char const* says : {"blck", "'bar' does not name a parameter", "--jobs needs a folder", "'much' is not a margin"})
+    EXPECT_THAT(r.err, HasSubstr(says));
+  EXPECT_EQ(run({"black=1e-4/sr,2e-4/sr", "--histories", "4096"}).code, 0);
+}
+
 // All points are read before the first is traced, which would not end. Control: sound points are traced.
 TEST_F(Scan, BadPointsAreToldBeforeAnyTrace) {
   Finished const bad =

@@ -218,6 +218,8 @@ TEST_F(Optimise, WrongWords) {
     std::string says;
   } const wrong[] = {{{"--vary", "blck=1/sr..2/sr"}, "did you mean 'black'?"},
                      {{"--vary", "black=2e-5/sr..1e-5/sr"}, "does not go from a lower to a higher value"},
+                     {{"--vary", "black=2e-5/sr..1e-5/sr"}, "write for example rim=30cm..49cm"},
+                     {{"--minimise", "h_total +"}, "write h_total alone"},
                      {{"--vary", "black=1e-5/sr..1 m"}, "is a BRDF (1/sr), not a length"},
                      {{"--vary", "gap=1..2"}, "'gap' is a length, but its range is a plain number"},
                      {{"--vary", "rings=1.5..3:integer"}, "does not end at whole numbers"},

@@ -116,6 +116,15 @@ TEST_F(Outputs, HaveAnEndingThatIsWritten) {
   EXPECT_EQ(text_of(other), before);
 }
 
+// Options for a record of strain without one. Control: with it, they are read.
+TEST_F(Outputs, OptionsOfARecordNeedIt) {
+  std::string const said = error_text({"report", run, "--segment", "1 s", "--average", "mean", "-o", "a.doc"});
+  EXPECT_THAT(said, HasSubstr("--segment, --average: there is no measured strain"));
+  EXPECT_THAT(said, HasSubstr("end it with .html"));
+  EXPECT_THAT(error_text({"report", run, "--measured", data("shaken.csv") + "::X", "--segment", "1 s"}),
+              ::testing::Not(HasSubstr("there is no measured strain")));
+}
+
 // Refused before work: stdout is empty (see error_text) and no other output of the command exists.
 TEST_F(Outputs, LieInFoldersThatExist) {
   std::string const nowhere = folder / "none/x.csv";

@@ -123,5 +123,17 @@ TEST(WrongFiles, PointsOfAScanAreNamedByLineAndColumn) {
               AllOf(HasSubstr("pts.csv:2:7: error: parameter 'rimm' is not defined"), Not(HasSubstr("command line"))));
 }
 
+// A run file of any size in place of a scene, whose size limit is no reason. Control: a large text.
+TEST(WrongFiles, RunsAreNoScenes) {
+  Folder const folder;
+  std::string const large = folder / "large.yaml";
+  write_text(large, "straytrace-run " + std::string((std::size_t{16} << 20) + 1, '\0'));
+  Finished const run = straytrace({"check", large});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("it is a run file, not a scene"), Not(HasSubstr("larger"))));
+  write_text(large, std::string((std::size_t{16} << 20) + 1, '#'));
+  EXPECT_THAT(straytrace({"check", large}).err, HasSubstr("it is larger than 16 MB"));
+}
+
 }  // namespace
 }  // namespace straytrace::testing

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace noise --response: other responses of ports on a finished run.
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 #include <sstream>
 
@@ -125,6 +127,21 @@ TEST_F(NoiseResponse, LeavesOtherPortsAndIsRemembered) {
   EXPECT_NEAR(loud.mean.front() / storms.phase.front(), 1, 2e-6);
   projected({"noise", folder / "loud/run.h5"}, "loud_again");
   EXPECT_EQ(data_hash(folder / "loud_again/run.h5"), data_hash(folder / "loud/run.h5"));
+}
+
+// Control: --set without --response.
+TEST_F(NoiseResponse, ActsTogetherWithASetting) {
+  auto const h = [&](Words words) {
+    words.insert(words.begin(), {"noise", run, "--quiet", "--format", "json"});
+    Finished const done = straytrace(words);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return nlohmann::json::parse(done.out).at("total_strain").at(0).at("value").get<double>();
+  };
+  Words const response{"--response", both("two.yaml", "two.txt")}, set{"--set", "test_mass=x1"};
+  Words together = response;
+  together.insert(together.end(), set.begin(), set.end());
+  EXPECT_NEAR(h(together) / h(response), 1, 1e-12);
+  EXPECT_GT(std::fabs(h(set) / h(response) - 1), 0.1);
 }
 
 // Another motion does not change what the interferometer makes of the light: the response stays, unless the motion file

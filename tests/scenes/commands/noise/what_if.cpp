@@ -121,6 +121,34 @@ TEST_F(WhatIf, WrongSettingsAreAllNamed) {
   EXPECT_FALSE(std::filesystem::exists(folder / "kept"));
 }
 
+// What the user wrote is named, with a remedy for it.
+TEST_F(WhatIf, RemediesFitWhatIsWrong) {
+  for (auto const& [setting, says] : {std::pair{"baffle_steel.brdf=5 m", "--set baffle_steel.brdf=5 m: 'brdf' is"},
+                                      {"bafle_steel.brdf=1e-3/sr", "did you mean 'baffle_steel.brdf'?"},
+                                      {"tubee.motion=x2", "did you mean 'tube.motion'?"},
+                                      {"interferometer.mirror_mas=2 kg", "did you mean 'interferometer.mirror_mass'?"},
+                                      {"interferometer.power=2 W", "'interferometer' has interferometer."}}) {
+    Finished const done = noise({setting});
+    EXPECT_EQ(done.code, 2) << setting;
+    EXPECT_THAT(done.err, HasSubstr(says));
+    EXPECT_THAT(done.err, ::testing::Not(HasSubstr("command line"))) << setting;
+  }
+}
+
+// Control: WrongSettingsAreAllNamed.
+TEST_F(WhatIf, WrongFilesAndSettingsAreAllNamed) {
+  Finished const done = straytrace({"noise", run(), "--motion", folder / "absent.yaml", "--response",
+                                    folder / "none.yaml", "--set", "bafle_steel=x2"});
+  EXPECT_EQ(done.code, 2);
+  for (char const* says : {"absent.yaml", "none.yaml", "'bafle_steel'"}) EXPECT_THAT(done.err, HasSubstr(says));
+  Finished const sensitive = straytrace({"sensitivity", run(), "--trace", "rmi,rmo", "--step", "3 m", "--plot",
+                                         folder / "tornado.gif", "--csv", "."});
+  EXPECT_EQ(sensitive.code, 2);
+  for (char const* says : {"'rmi'", "'rmo'", "'3 m' is not a step", "end it with .png", "'.' is a folder"})
+    EXPECT_THAT(sensitive.err, HasSubstr(says));
+  EXPECT_FALSE(std::filesystem::exists(folder / "tornado.gif"));
+}
+
 // An option without effect is an error. Control: --only with what --trace names, TracedRimsHaveTheirClosedForm.
 TEST_F(WhatIf, SensitivityRejectsOptionsWithoutEffect) {
   for (Words const& words :
