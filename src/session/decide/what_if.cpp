@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <type_traits>
 
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
@@ -285,7 +286,8 @@ class Changes {
 
   // Errors in these values are told as those of --set, not as those of a command line that nobody wrote.
   template <class Build>
-  auto built_with(std::vector<Override> const& set, Build const& build) const {
+  std::invoke_result_t<Build const&, std::vector<std::string> const&> built_with(std::vector<Override> const& set,
+                                                                                 Build const& build) const {
     std::vector<std::string> texts;
     for (Override const& o : set) texts.push_back(o.text);
     try {
