@@ -86,17 +86,10 @@ void draw(Sensitivity const& s, std::string const& file) {
 SensitivityOrder order_of(SensitivityOptions const& options, std::vector<InputError>& errors) {
   SensitivityOrder order{TableSettings{}.frequencies, {}, names_in(options.traced), {}, options};
   order.options.quiet = true;
-  collect(errors, [&] {
-    if (!options.step.empty()) order.step = step_of(options.step);
-  });
-  collect(errors, [&] { order.only = classes_in(options.only); });
-  collect(errors, [&] {
-    if (!options.at.empty()) order.frequencies = parse_frequencies(options.at, "--at");
-  });
+  if (!options.step.empty()) order.step = step_of(options.step);
+  order.only = classes_in(options.only);
+  if (!options.at.empty()) order.frequencies = parse_frequencies(options.at, "--at");
   collect(errors, [&] { refuse_unused(options, order); });
-  collect(errors, [&] {
-    if (!options.plot.empty()) check_ending(options.plot, {".png", ".pdf", ".svg"}, "--plot");
-  });
   return order;
 }
 
@@ -133,17 +126,24 @@ void add_sensitivity(CLI::App& app, int& exit_code) {
   auto* const command = app.add_subcommand(
       "sensitivity", "Rank the inputs of a run by their effect on h, and name what to measure next.");
   command->add_option("run", o.input, "run file (HDF5)")->required();
-  command->add_option("--at", o.at, "frequencies to print, for example 10Hz,100Hz; default 10, 30 and 100 Hz");
-  command->add_option("--only", o.only, "classes of inputs: strength, shape, motion, response, traced");
+  command->add_option("--at", o.at, "frequencies to print, for example 10Hz,100Hz; default 10, 30 and 100 Hz")
+      ->check(readable([](std::string const& text) { parse_frequencies(text, "--at"); }));
+  command->add_option("--only", o.only, "classes of inputs: strength, shape, motion, response, traced")
+      ->check(readable(classes_in));
   command->add_option("--trace", o.traced,
                       "parameters, or values of the scene by their place, to trace at both ends of a step, for example "
                       "rim,scene.baffle.shape.cone.half_angle");
-  command->add_option("--step", o.step,
-                      "step of --trace, of the logarithm, for example 3%; default: chosen, four traces or more");
+  command
+      ->add_option("--step", o.step,
+                   "step of --trace, of the logarithm, for example 3%; default: chosen, four traces or more")
+      ->check(readable(step_of));
   add_history_options(*command, o);
   command->add_option("--threads", o.threads, "number of threads; default: all cores; does not change the result");
   mark_output(*command, *command->add_option("--csv", o.csv, "file for the table of all frequencies"));
-  mark_output(*command, *command->add_option("--plot", o.plot, "file for the picture"));
+  auto* const plot = command->add_option("--plot", o.plot, "file for the picture: .png, .pdf or .svg");
+  mark_output(*command, *plot);
+  plot->check(
+      readable([](std::string const& file) { check_ending(file, {".png", ".pdf", ".svg"}, "--plot"); }));
   command->add_flag("--quiet", o.quiet, "results only");
   add_format_option(*command, o);
   command->footer(

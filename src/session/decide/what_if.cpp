@@ -203,7 +203,8 @@ std::string remedy_for(std::string const& name, std::vector<SceneValue> const& a
     for (SceneValue const& v : all) {
       if (v.given != given) continue;
       std::vector<std::string> const keys = scene::keys_of_place(v.place);
-      owners.insert(keys.begin(), keys.end() - 1);
+      bool const named = keys.size() > 2 && (keys.front() == "materials" || keys.front() == "bodies");
+      owners.insert(named ? keys[1] : keys.front());
       if (std::ranges::find(keys, owner) == keys.end()) continue;
       places.push_back(v.place);
       last_keys.push_back(keys.back());

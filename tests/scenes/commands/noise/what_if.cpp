@@ -150,12 +150,17 @@ TEST_F(WhatIf, WrongFilesAndSettingsAreAllNamed) {
                                     folder / "none.yaml", "--set", "bafle_steel=x2"});
   EXPECT_EQ(done.code, 2);
   for (char const* says : {"absent.yaml", "none.yaml", "'bafle_steel'"}) EXPECT_THAT(done.err, HasSubstr(says));
-  Finished const sensitive = straytrace({"sensitivity", run(), "--trace", "rmi,rmo", "--step", "3 m", "--plot",
-                                         folder / "tornado.gif", "--csv", "."});
-  EXPECT_EQ(sensitive.code, 2);
-  for (char const* says : {"'rmi'", "'rmo'", "'3 m' is not a step", "end it with .png", "'.' is a folder"})
-    EXPECT_THAT(sensitive.err, HasSubstr(says));
+  Finished const words = straytrace({"sensitivity", run(), "--only", "shap", "--step", "3 m", "--at", "10", "--plot",
+                                     folder / "tornado.gif", "--csv", "."});
+  EXPECT_EQ(words.code, 2);
+  for (char const* says : {"did you mean 'shape'?", "'3 m' is not a step", "'10' is not a frequency",
+                           "end it with .png", "'.' is a folder"})
+    EXPECT_THAT(words.err, HasSubstr(says));
   EXPECT_FALSE(std::filesystem::exists(folder / "tornado.gif"));
+  Finished const places = straytrace({"sensitivity", run(), "--trace", "rmi,rmo", "--only", "strength"});
+  EXPECT_EQ(places.code, 2);
+  for (char const* says : {"'rmi'", "'rmo'", "leaves out what --trace names"})
+    EXPECT_THAT(places.err, HasSubstr(says));
 }
 
 // An option without effect is an error. Control: --only with what --trace names, TracedRimsHaveTheirClosedForm.
