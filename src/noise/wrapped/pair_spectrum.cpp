@@ -206,11 +206,16 @@ class Pairs {
   }
 
   bool transformed(Part const& part, LagGrid const& lags, WrappedSpectrum& low) const {
-    double r0 = 0;
+    Covariance r;
     for (std::size_t c = 0; c < classes().size(); ++c)
-      if (is_gaussian(c)) r0 += strongest_[c] * lag_functions_[c].at_zero;
+      if (is_gaussian(c)) r.fall.resize(std::max(r.fall.size(), lag_functions_[c].fall.size()));
+    for (std::size_t c = 0; c < classes().size(); ++c) {
+      if (!is_gaussian(c)) continue;
+      r.at_zero += strongest_[c] * lag_functions_[c].at_zero;
+      for (std::size_t i = 0; i < r.fall.size(); ++i) r.fall[i] += strongest_[c] * lag_functions_[c].fall_at(i);
+    }
     double const rounding =
-        rounding_of(slow_, part.sum, r0, part.largest) + 8 * part.largest * std::sqrt(double(lags.samples));
+        rounding_of(slow_, part.sum, r, part.largest) + 8 * part.largest * std::sqrt(double(lags.samples));
     low.constant = part.constant / 2;
     return transform_lags(part.sum, lags, rounding, low);
   }

@@ -71,8 +71,9 @@ WrappedSpectrum transform(SlowPhase const&, std::function<Covariance(LagGrid con
 
 // The parts of it, for sums of several such exponentials.
 LagGrid lags_for(SlowPhase const&, double resolution);
-// Error of a correlation and its transform, in units of the last place: below it a line is only rounding. `r0`: R(0).
-double rounding_of(SlowPhase const&, std::vector<double> const& correlation, double r0, double constant);
+// Error of a correlation and its transform, in units of the last place: below it a line is only rounding. Of R, R(0)
+// and its fall count.
+double rounding_of(SlowPhase const&, std::vector<double> const& correlation, Covariance const& r, double constant);
 // Transforms a correlation without its constant part; false when the sampling rate was too low.
 bool transform_lags(std::vector<double> const& correlation, LagGrid const&, double rounding, WrappedSpectrum&);
 InputError too_strong(SlowPhase const&, LagGrid const&);

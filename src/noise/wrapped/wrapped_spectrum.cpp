@@ -76,8 +76,8 @@ double fall_of(std::vector<double> const& lines, LagGrid const& lags, std::size_
 }
 
 // exp(-(R(0) - R(tau))) times one Bessel factor per tone (eq. 7.11), minus its constant part.
-std::vector<double> correlation(SlowPhase const& p, Covariance r, LagGrid const& lags, double constant) {
-  std::vector<double> c = std::move(r.at);
+std::vector<double> correlation(SlowPhase const& p, Covariance const& r, LagGrid const& lags, double constant) {
+  std::vector<double> c = r.at;
   if (p.tones.empty() && r.at_zero < 600) {
     for (double& x : c) x = constant * std::expm1(x);  // no cancellation, however small the motion
     return c;
@@ -93,12 +93,6 @@ std::vector<double> correlation(SlowPhase const& p, Covariance r, LagGrid const&
 }
 
 // Over a whole period.
-double norm2(std::vector<double> const& v) {
-  double sum = 0;
-  for (double x : v) sum += x * x;
-  return std::sqrt(2 * sum);
-}
-
 double norm1(std::vector<double> const& v) {
   double sum = 0;
   for (double x : v) sum += std::fabs(x);
@@ -151,10 +145,13 @@ bool transform_lags(std::vector<double> const& c, LagGrid const& lags, double ro
   return clean;
 }
 
-double rounding_of(SlowPhase const& p, std::vector<double> const& c, double r0, double constant) {
-  // Rounding of R enters C relative to R(0) and at random, like that of the transform; that of the tones repeats with
-  // their period and adds up; the constant part leaves its own.
-  double rounding = 64 * (1 + r0) * norm2(c), peaks = 0;
+double rounding_of(SlowPhase const& p, std::vector<double> const& c, Covariance const& r, double constant) {
+  // Rounding of R enters C relative to R(0), or to its fall where that is known, and at random, like that of the
+  // transform; that of the tones repeats with their period and adds up; the constant part leaves its own.
+  double squares = 0, peaks = 0;
+  for (std::size_t i = 0; i < c.size(); ++i)
+    squares += std::pow(c[i] * (1 + (i < r.fall.size() ? r.fall[i] : r.at_zero)), 2);
+  double rounding = 64 * std::sqrt(2 * squares);
   for (PhaseTone const& t : p.tones) peaks += 1 + t.peak;
   if (peaks > 0) rounding += 8 * peaks * (norm1(c) + constant * std::sqrt(2 * static_cast<double>(c.size())));
   return rounding;
@@ -165,13 +162,12 @@ WrappedSpectrum transform(SlowPhase const& p, std::function<Covariance(LagGrid c
   WrappedSpectrum low;
   LagGrid lags = lags_for(p, resolution);
   for (; lags.samples <= most_samples; lags.samples *= 2) {
-    Covariance r = gaussian(lags);
-    double const r0 = r.at_zero;
-    double unmoved = std::exp(-r0);
+    Covariance const r = gaussian(lags);
+    double unmoved = std::exp(-r.at_zero);
     for (PhaseTone const& t : p.tones) unmoved *= std::pow(::j0(t.peak), 2);
-    std::vector<double> const c = correlation(p, std::move(r), lags, unmoved);
+    std::vector<double> const c = correlation(p, r, lags, unmoved);
     low.constant = unmoved / 2;
-    if (transform_lags(c, lags, rounding_of(p, c, r0, unmoved), low)) return low;
+    if (transform_lags(c, lags, rounding_of(p, c, r, unmoved), low)) return low;
   }
   throw too_strong(p, lags);
 }

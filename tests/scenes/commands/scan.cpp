@@ -116,7 +116,7 @@ TEST_F(Scan, AllWrongWordsAreNamed) {
   EXPECT_EQ(r.code, 2);
   for (char const* says : {"blck", "'bar' does not name a parameter", "--jobs needs a folder", "'much' is not a margin"})
     EXPECT_THAT(r.err, HasSubstr(says));
-  EXPECT_EQ(run({"black=1e-4/sr,2e-4/sr", "--histories", "4096"}).code, 0);
+  EXPECT_EQ(run({"black=1e-4/sr,2e-4/sr"}).code, 0);
 }
 
 // All points are read before the first is traced, which would not end. Control: sound points are traced.
