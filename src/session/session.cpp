@@ -424,6 +424,7 @@ void print_warnings(NoiseBudget const& budget, PrintOptions const& options, std:
 
 // Reason for a total that is zero everywhere. Motion outside the band causes no noise in it while its phase is small.
 static std::string silence(NoiseBudget const& budget) {
+  if (budget.routes.empty()) return "no traced light has rejoined a port: trace more histories, or check the ports";
   double phase = 0;
   for (NoiseTrace const& t : budget.routes) phase = std::max(phase, std::sqrt(t.mean_square_phase));
   if (!(phase > 0)) return "stray light causes no strain noise here: nothing on its routes moves";

@@ -62,6 +62,18 @@ TEST(Resume, MaxTime) {
   EXPECT_EQ(data_hash(folder / "a/run.h5"), data_hash(folder / "b/run.h5"));
 }
 
+// A run that ended before its first block says that it has no answer. Control: it continues to one.
+TEST(Resume, NoHistoryIsNoAnswer) {
+  Folder const folder;
+  Finished const none = straytrace(run_into(folder / "a", {"--until", never, "--max-time", "1e-9s", "--quiet"}));
+  EXPECT_EQ(none.code, 85);
+  EXPECT_THAT(none.out, HasSubstr("No traced light has rejoined a port: there is no answer yet."));
+  EXPECT_THAT(none.out, ::testing::Not(HasSubstr("nothing")));
+  Finished const some = straytrace(run_into(folder / "a", {"--histories", "65536", "--quiet"}));
+  EXPECT_EQ(some.code, 0) << some.err;
+  EXPECT_THAT(some.out, ::testing::Not(HasSubstr("there is no answer yet")));
+}
+
 TEST(Resume, AReachedErrorIsNotTracedAgain) {
   Folder const folder;
   auto const run = [&](std::string const& scene, std::string const& until) {
