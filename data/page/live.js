@@ -6,7 +6,7 @@ const page = document.getElementById("page"), between = 1000;  // ms
 const status = el("p", {class: "verdict"}, "Connecting."), bar = el("progress", {"aria-label": "progress towards the target", max: 1});
 const said = el("p", {class: "note", role: "status", "aria-live": "polite"});
 const stop = el("button", {type: "button", on: {click: () => press("stop")}}, "Stop");
-const target = el("input", {id: "target", size: 22, autocomplete: "off", spellcheck: "false", "aria-describedby": "hint"});
+const target = el("input", {id: "target", size: 22, maxlength: 1000, autocomplete: "off", spellcheck: "false", "aria-describedby": "hint"});
 const form = el("form", {class: "bar"}, stop, el("label", {for: "target"}, "trace until"), target, el("button", {type: "submit"}, "Extend"),
                 el("span", {id: "hint", class: "note"}, "a number of histories, 2e6, or a stop rule, " +
                     (data.noise ? "h_total < 1\u00a0%" : "receiver:* < 1\u00a0%")));
@@ -22,11 +22,13 @@ function tell(text) { if (said.textContent !== text) say(said, text); }
 
 async function press(button, text = "") {
   try {
-    const reply = await fetch(button, {method: "POST", body: text}), answer = await reply.json();
+    const reply = await fetch(button, {method: "POST", body: text}), sentence = await reply.text();
+    const answer = reply.headers.get("content-type")?.includes("json") ? JSON.parse(sentence) : {what: sentence.trim()};
     tell(answer.what + (answer.remedy ? ": " + answer.remedy : ""));
     said.classList.toggle("bad", !reply.ok);
     target.setAttribute("aria-invalid", button === "extend" && !reply.ok);
   } catch (error) {
+    if (!(error instanceof TypeError)) throw error;
     lost();
   }
 }
