@@ -10,7 +10,7 @@ const target = el("input", {id: "target", size: 22, maxlength: 1000, autocomplet
 const form = el("form", {class: "bar"}, stop, el("label", {for: "target"}, "trace until"), target, el("button", {type: "submit"}, "Extend"),
                 el("span", {id: "hint", class: "note"}, "a number of histories, 2e6, or a stop rule, " +
                     (data.noise ? "h_total < 1\u00a0%" : "receiver:* < 1\u00a0%")));
-const report = el("div"), now = el("div");
+const shown = el("p", {class: "note"}), report = el("div"), now = el("div", {}, shown);
 page.append(status, bar, form, said, report, now);
 form.addEventListener("submit", event => {
   event.preventDefault();
@@ -127,6 +127,7 @@ function part(title, id, tag = "figure") {
 }
 
 function showResult(r, s) {
+  shown.textContent = "Below: the result of " + count(r.histories) + " histories.";
   if (r.budget) {
     part("Result so far", "sentence", "div").replaceChildren(el("p", {class: "verdict"}, r.verdict), el("p", {class: "headline"}, r.headline));
     redraw(part("Noise so far", "budget"), {x: {label: "frequency [Hz]", log: true}, y: {label: "strain, one-sided ASD [1/√Hz]", log: true}}, curves(r.budget));

@@ -384,7 +384,8 @@ std::vector<Line> sums_of(PathTable const& table) {
 
 std::string explanation(PathTable const& table, bool shortened) {
   std::string text = table.has_noise
-                         ? fmt::format("Routes by share of strain noise power, {:g} to {:g} Hz", table.low, table.high)
+                         ? fmt::format("Routes by share of strain noise power{}, {:g} to {:g} Hz",
+                                       table.unresolved > 0 ? " of all resolved routes" : "", table.low, table.high)
                          : std::string("Routes by coupling");
   text += "; (n): one standard error, last digits.\nEach row is one ordered route";
   text += table.reverse_routes ? "; C_rev, in h but not in coupling, adds its reverse in amplitude.\n"
