@@ -25,7 +25,8 @@ enum class Stream : std::uint32_t {
   static_phase = 10,
   height = 11,
   halo = 12,
-  choice = 13
+  choice = 13,
+  strata = 14
 };
 
 class Rng {

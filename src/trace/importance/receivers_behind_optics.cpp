@@ -57,11 +57,11 @@ class Trials {
     world.receivers = {receivers.data(), receivers.size()};
     sub_->goal = goal_of_receiver(world, receiver_);
     for (std::uint64_t n = 0; n < tries; ++n) {
-      Rng rng = backward_numbers(world, 0, n, sub_->goal);
+      BackwardNumbers numbers(world, 0, n, sub_->goal);
       SurfaceId passed;
       bool lit = false;
       grow(
-          world, 1, rng, *sub_,
+          world, 1, numbers, *sub_,
           [&](Vertex const& at, Event, bool) {
             if (!passed.valid()) passed = at.surface;
           },

@@ -7,7 +7,7 @@
 // light is missed for lack of a target.
 #pragma once
 
-#include "base/math/rng.hpp"
+#include "base/math/strata.hpp"
 #include "trace/step/balance.hpp"
 
 namespace straytrace::trace {
@@ -90,7 +90,8 @@ STRAY_HD Vec3 aimed_direction(WorldView const& world, Vertex const& vertex, doub
 STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, PathState& path, Vertex const& vertex,
                                   double choice) {
   Rng rng(seed, path.history, path.event, Stream::direction);
-  double const u = rng.uniform(), v = rng.uniform();
+  double u = rng.uniform(), v = rng.uniform();
+  if (path.event == 0) Strata(seed, path.history, world.block_size).deal(Dealt::direction, u, v);
   Hop& hop = path.hop;
   hop.side = vertex.side();
   double const alpha = law_share(world, hop.side);

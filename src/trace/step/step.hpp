@@ -104,7 +104,8 @@ STRAY_HD Where launch(WorldView const& world, std::uint64_t seed, PathState& pat
   Footprint const& lit = world.lit[path.source];
   path.polarisation = lit.polarisation;
   path.power = lit.share * draws;
-  double const u = rng.uniform(), v = rng.uniform();
+  double u = rng.uniform(), v = rng.uniform();
+  Strata(seed, path.history, world.block_size).deal(Dealt::source, u, v);
   Ray const line = lit.sample(u, v);
   Crossing const met = lit.free ? Crossing{} : world.cross(lit.surface.value, line, {});
   if (lit.free) {
@@ -301,7 +302,8 @@ STRAY_HD Where start(WorldView const& world, std::uint64_t seed, History& histor
   if (world.both_ends) grow_sub_paths(world, seed, path, history.sub_paths, sink);
   if (!(place > n)) return launch(world, seed, path, vertex, sink);
   Rng rng(seed, path.history, 0, Stream::source);
-  double const u = rng.uniform(), v = rng.uniform();
+  double u = rng.uniform(), v = rng.uniform();
+  Strata(seed, path.history, world.block_size).deal(Dealt::source, u, v);
   if (!start_in_halo(world, (place - n) / (draws - n), u, v, path, vertex)) return Where::nowhere;
   Footprint const& mode = world.lit[path.source];
   sink.emitted(path, make_vertex(world, mode.surface, mode.centre, mode.travel));

@@ -63,10 +63,32 @@ struct SubPath {
   }
 };
 
+// Numbers of the sub-path from a goal; those of its start are dealt.
+class BackwardNumbers {
+ public:
+  STRAY_HD BackwardNumbers(WorldView const& world, std::uint64_t seed, std::uint64_t history, std::uint32_t goal)
+      : random_(seed, history, 0, static_cast<Stream>(std::uint32_t(Stream::backward) + (place_of(world, goal) << 8))),
+        strata_(seed, history, world.block_size) {}
+  STRAY_HD double uniform() { return random_.uniform(); }
+  struct Pair {
+    double u, v;
+  };
+  STRAY_HD Pair dealt(Dealt what) {
+    double u = uniform(), v = uniform();
+    strata_.deal(what, u, v);
+    return {u, v};
+  }
+
+ private:
+  Rng random_;
+  Strata strata_;
+};
+
 // Direction of a sub-path from a point of the receiver; zero: none.
-STRAY_HD Vec3 start_direction(WorldView const& world, Receiver const& r, Vec3 start, Vec3 normal, Rng& rng) {
-  double const a = rng.uniform(), b = rng.uniform();
-  double const choice = r.aims > 0 ? rng.uniform() / Receiver::aimed_share : 1;
+STRAY_HD Vec3 start_direction(WorldView const& world, Receiver const& r, Vec3 start, Vec3 normal,
+                              BackwardNumbers& numbers) {
+  auto const [a, b] = numbers.dealt(Dealt::end_direction);
+  double const choice = r.aims > 0 ? numbers.uniform() / Receiver::aimed_share : 1;
   if (choice < 1) {
     SurfaceId const aim = r.aim[static_cast<std::uint32_t>(choice * r.aims)];
     Vec3 const span = world.shapes.visit(world.surfaces[aim.value].shape, [&](auto const& s) {
@@ -81,7 +103,7 @@ STRAY_HD Vec3 start_direction(WorldView const& world, Receiver const& r, Vec3 st
     bool const same = std::fabs(met.distance - far) <= world.slack(aim, far, cosine);
     return same ? out.dir : Vec3{};  // a nearer part of the surface has its own density
   }
-  bool const front = r.sides() == 2 ? rng.uniform() < 0.5 : r.front;
+  bool const front = r.sides() == 2 ? numbers.uniform() < 0.5 : r.front;
   SinCos const azimuth = sincos_turn(b);
   double const rho = std::sqrt(a);
   return Frame::around(front ? normal : -normal).to_world({rho * azimuth.cos, rho * azimuth.sin, std::sqrt(1 - a)});
@@ -114,12 +136,13 @@ struct Growing {
 };
 
 // Starts the sub-path on a receiver; false: it leaves on a side that does not count.
-STRAY_HD bool start_on_receiver(WorldView const& world, Receiver const& r, Rng& rng, SubPath& sub, Growing& g) {
-  double const u = rng.uniform(), v = rng.uniform();
+STRAY_HD bool start_on_receiver(WorldView const& world, Receiver const& r, BackwardNumbers& numbers, SubPath& sub,
+                                Growing& g) {
+  auto const [u, v] = numbers.dealt(Dealt::end);
   SurfacePoint const start =
       world.shapes.visit(world.surfaces[r.surface.value].shape, [&](auto const& s) { return sample_of(s, u, v); });
   Vec3 const normal = world.normal(r.surface, start.point, start.piece);
-  g.ray = {start.point, start_direction(world, r, start.point, normal, rng)};
+  g.ray = {start.point, start_direction(world, r, start.point, normal, numbers)};
   g.from = {r.surface, start.piece};
   double const cosine = dot(g.ray.dir, normal);
   if (cosine == 0 || !r.counts(cosine > 0)) return false;
@@ -130,8 +153,11 @@ STRAY_HD bool start_on_receiver(WorldView const& world, Receiver const& r, Rng& 
   return true;
 }
 // Starts it on a lit surface, which scatters the reversed mode (eq. 1.21); false: no light.
-STRAY_HD bool start_in_mode(WorldView const& world, Footprint const& lit, Rng& rng, SubPath& sub, Growing& g) {
-  double const a = rng.uniform(), b = rng.uniform(), choice = rng.uniform(), u = rng.uniform(), v = rng.uniform();
+STRAY_HD bool start_in_mode(WorldView const& world, Footprint const& lit, BackwardNumbers& numbers, SubPath& sub,
+                            Growing& g) {
+  auto const [a, b] = numbers.dealt(Dealt::end);
+  double const choice = numbers.uniform();
+  auto const [u, v] = numbers.dealt(Dealt::end_direction);
   Ray const line = lit.sample(a, b);
   Crossing const met = world.cross(lit.surface.value, line, {});
   if (!(met.distance < infinity)) return false;
@@ -149,9 +175,10 @@ STRAY_HD bool start_in_mode(WorldView const& world, Footprint const& lit, Rng& r
   g.next.power = rejoin_bsdf(world, sub.end, lit) * accepted(world, lit) / backward;
   return g.next.power > 0;
 }
-STRAY_HD bool start_sub_path(WorldView const& world, Rng& rng, SubPath& sub, Growing& g) {
-  bool const starts = is_receiver(world, sub.goal) ? start_on_receiver(world, receiver_of(world, sub.goal), rng, sub, g)
-                                                   : start_in_mode(world, world.lit[sub.goal], rng, sub, g);
+STRAY_HD bool start_sub_path(WorldView const& world, BackwardNumbers& numbers, SubPath& sub, Growing& g) {
+  bool const starts = is_receiver(world, sub.goal)
+                          ? start_on_receiver(world, receiver_of(world, sub.goal), numbers, sub, g)
+                          : start_in_mode(world, world.lit[sub.goal], numbers, sub, g);
   sub.link[0] = {};
   sub.link[0].backward = sub.density / sub.area;
   g.next.patch = sub.end.patch;
@@ -179,10 +206,11 @@ STRAY_HD void pass_backwards(WorldView const& world, SubVertex const& met, Specu
 }
 
 // The scattering vertex met last leaves along a direction drawn from its BSDF models; false: the sub-path ends there.
-STRAY_HD bool scatter_backwards(WorldView const& world, double choice, Rng& rng, SubPath& sub, Growing& g) {
+STRAY_HD bool scatter_backwards(WorldView const& world, double choice, BackwardNumbers& numbers, SubPath& sub,
+                                Growing& g) {
   SubVertex const& met = sub.vertex[sub.count - 1];
   Vertex const& at = met.at;
-  double const u = rng.uniform(), v = rng.uniform();
+  double const u = numbers.uniform(), v = numbers.uniform();
   BsdfSample const s = scatter_sample(world.laws, *at.optic, at.albedos, at.wi, choice, u, v, at.n_in, at.n_out);
   if (at.smooth || !(s.pdf > 0)) return false;
   Vec3 const out = unit(at.frame.to_world(s.wo));
@@ -212,10 +240,11 @@ STRAY_HD bool scatter_backwards(WorldView const& world, double choice, Rng& rng,
 // Grows a sub-path from its goal to at most `most` scattering vertices. Calls met(vertex) for every surface, scattering
 // or not, and passed(vertex, event, through) where it continues.
 template <class Passed, class Met>
-STRAY_HD void grow(WorldView const& world, std::uint32_t most, Rng& rng, SubPath& sub, Passed&& passed, Met&& met) {
+STRAY_HD void grow(WorldView const& world, std::uint32_t most, BackwardNumbers& numbers, SubPath& sub, Passed&& passed,
+                   Met&& met) {
   sub.count = sub.chain.hops = 0;
   Growing g;
-  if (!start_sub_path(world, rng, sub, g)) return;
+  if (!start_sub_path(world, numbers, sub, g)) return;
   while (g.hops <= most_specular_hops) {
     Hit const hit = world.closest(g.ray, g.from);
     if (!hit.surface.valid()) return;
@@ -229,7 +258,7 @@ STRAY_HD void grow(WorldView const& world, std::uint32_t most, Rng& rng, SubPath
     double const cosine = now.at.cosine(), n = now.at.n_in;
     if (g.straight) sub.link[sub.count].geometry = n * n * g.left_cosine * cosine / (hit.distance * hit.distance);
     met(now);
-    double const choice = rng.uniform(), specular = now.at.reflect + now.at.transmit;
+    double const choice = numbers.uniform(), specular = now.at.reflect + now.at.transmit;
     if (choice < specular) {
       bool const through = choice >= now.at.reflect;
       SpecularWay const way =
@@ -243,12 +272,9 @@ STRAY_HD void grow(WorldView const& world, std::uint32_t most, Rng& rng, SubPath
     now.power /= now.chance;
     sub.vertex[sub.count++] = now;
     if (choice >= now.at.kept() || sub.count == most) return;
-    if (!scatter_backwards(world, (choice - specular) / now.at.albedo, rng, sub, g)) return;
+    if (!scatter_backwards(world, (choice - specular) / now.at.albedo, numbers, sub, g)) return;
     passed(now.at, Event::scatter, dot(g.ray.dir, now.at.frame.e3) < 0);
   }
-}
-STRAY_HD Rng backward_numbers(WorldView const& world, std::uint64_t seed, std::uint64_t history, std::uint32_t goal) {
-  return {seed, history, 0, static_cast<Stream>(std::uint32_t(Stream::backward) + (place_of(world, goal) << 8))};
 }
 
 // Light of a beam where a sub-path meets a surface.
@@ -348,9 +374,9 @@ STRAY_HD void grow_sub_paths(WorldView const& world, std::uint64_t seed, PathSta
     if (!(std::floor(sum) > before)) continue;
     SubPath& sub = all.sub[all.count++];
     sub.goal = goal;
-    Rng rng = backward_numbers(world, seed, path.history, goal);
+    BackwardNumbers numbers(world, seed, path.history, goal);
     grow(
-        world, most_ends - 1, rng, sub, [](Vertex const&, Event, bool) {},
+        world, most_ends - 1, numbers, sub, [](Vertex const&, Event, bool) {},
         [&](SubVertex const& met) {
           if constexpr (hears_lit)
             for (std::size_t i = 0; i < world.emitters.size && hears(sink, path); ++i)

@@ -132,13 +132,13 @@ class ReplaySink {
       Event event;
       bool through;
     };
-    Rng rng = backward_numbers(view_, seed_, path.history, goal);
+    BackwardNumbers numbers(view_, seed_, path.history, goal);
     std::vector<Passed> passed;
     double last_index = 1;
     auto const sub = std::make_unique<SubPath>();
     sub->goal = goal;
     grow(
-        view_, most_ends - 1, rng, *sub,
+        view_, most_ends - 1, numbers, *sub,
         [&](Vertex const& at, Event event, bool through) {
           passed.push_back({at, event, through});
         },
