@@ -214,7 +214,7 @@ void add_optimise(CLI::App& app, int& exit_code) {
   command
       ->add_option("--vary", o.words.vary,
                    "NAME=lo..hi, NAME=lo..hi:integer or NAME=a,b,c, of a parameter or a place such as "
-                   "scene.baffle.material, instead of the table; may be repeated")
+                   "scene.tube.material, instead of the table; may be repeated")
       ->allow_extra_args(false)
       ->group("Model");
   command

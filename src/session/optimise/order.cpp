@@ -101,7 +101,7 @@ class OrderReader {
     if (!scene::names_place(p.name + "=x") && std::ranges::find(known, p.name) == known.end())
       return complain(
           fmt::format("the scene has no parameter '{}'", p.name),
-          did_you_mean(p.name, known, "define it under 'params', or write the place of a value, scene.baffle.material"),
+          did_you_mean(p.name, known, "define it under 'params', or write the place of a value, scene.tube.material"),
           0, 0);
     if (std::ranges::any_of(order_.vary, [&](auto const& other) { return other.name == p.name; }))
       return complain(fmt::format("'{}' is varied twice", p.name), "keep one range of it", 0, 0);

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
+#include <tuple>
 
 #include "base/input/document.hpp"
 #include "geometry/shape_types.hpp"
@@ -130,6 +132,30 @@ std::set<std::string> clear_parts(Scene const& scene, World const& world, Regist
 
 bool is_entry(Scene::Instance const& instance) { return instance.node.data() == instance.placement.data(); }
 
+// Of entries whose part has a material for each of its faces.
+void warn_of_idle_materials(Scene const& scene, Registry const& names) {
+  struct Stated {
+    Node node;
+    std::string entry;
+    bool idle = true;
+  };
+  std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>, Stated> all;  // by place
+  for (Scene::Instance const& instance : scene.instances()) {
+    Node const stated = instance.placement["material"];
+    if (!stated || instance.refused || is_entry(instance) || given(instance, "file")) continue;
+    auto const [file, line, column] = stated.place();
+    Stated& found = all.try_emplace({file, line, column}, Stated{stated, entry_of(instance)}).first->second;
+    found.idle = found.idle && material_of(instance).data() != stated.data();
+  }
+  for (auto const& [place, stated] : all) {
+    if (!stated.idle) continue;
+    find_named(stated.node, names.materials, "material");
+    stated.node.warning(
+        fmt::format("this material of '{}' has no effect: each face of its part names its own", stated.entry),
+        "change it at the faces of the part, or remove it there or here");
+  }
+}
+
 std::size_t errors_of(Scene const& scene) {
   Document const* const document = scene.root().document();
   return document ? document->errors() : 0;
@@ -253,6 +279,7 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
       if (Node const by_face = instance.placement["surfaces"]; by_face.kind() == Node::Kind::table)
         by_face.refuse_unknown("'surfaces'");
   }
+  warn_of_idle_materials(scene, names);
   auto const faces = faces_of_volumes(world);
   for (auto const& [id, place] : shared.volume_places) {
     auto const& [node, part] = place;

@@ -92,6 +92,25 @@ TEST(PartErrors, AnUnknownKeyIsReportedOnce) {
 }
 
 // Other wrong names of an entry are reported together with the error of its part.
+// The material of an entry whose part has one for each face. Control: a face without one takes it.
+TEST(PartErrors, AnIdleMaterialIsTold) {
+  std::string const ring = "shape: {disk: {outer_radius: 1 cm}}";
+  auto const said = [&](std::string const& face, std::string const& material) {
+    Folder const folder;
+    write_text(
+        folder / "a.yaml",
+        "straytrace: 1\nmaterials: {m: {scatter: {model: lambertian, tis: 10 %}}, n: {like: m}}\n"
+        "bodies: {b: {motion: still}}\nparts: {own: {faces: {front: {" +
+            ring + face + "}}}}\nscene:\n  - {name: x, use: own, body: b, material: " + material +
+            "}\n  - {name: lit, shape: {disk: {outer_radius: 1 mm}}, at: [0 m, 0 m, 900 m], body: b, material: m}\n"
+            "beams: {s: {on: lit, radius: 1 mm}}\nreceivers: {lit: {on: lit}}\n");
+    return straytrace({"check", folder / "a.yaml"}).err;
+  };
+  EXPECT_THAT(said(", material: n", "m"), HasSubstr("this material of 'x' has no effect"));
+  EXPECT_THAT(said(", material: n", "nosuch"), HasSubstr("material 'nosuch' is not defined"));
+  EXPECT_THAT(said("", "m"), Not(HasSubstr("no effect")));
+}
+
 TEST(PartErrors, AnInvalidPartDoesNotHideTheNamesItUses) {
   std::string const rest = ", surfaces: {barrel: nono, back: nix}, medium: glas";
   for (std::string const use : {"use: lens, radius_1: 1 cm", "use: lenss"}) {
