@@ -142,8 +142,7 @@ void add_sensitivity(CLI::App& app, int& exit_code) {
   mark_output(*command, *command->add_option("--csv", o.csv, "file for the table of all frequencies"));
   auto* const plot = command->add_option("--plot", o.plot, "file for the picture: .png, .pdf or .svg");
   mark_output(*command, *plot);
-  plot->check(
-      readable([](std::string const& file) { check_ending(file, {".png", ".pdf", ".svg"}, "--plot"); }));
+  plot->check(readable([](std::string const& file) { check_ending(file, {".png", ".pdf", ".svg"}, "--plot"); }));
   command->add_flag("--quiet", o.quiet, "results only");
   add_format_option(*command, o);
   command->footer(

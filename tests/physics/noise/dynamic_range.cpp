@@ -61,7 +61,8 @@ TEST(DynamicRange, VeryStrongSlowMotion) {
   double const sigma = phase.fringe_rate;
   for (double const x : {0.5, 1.0, 2.0}) {
     double const density = low.density[std::size_t(x * sigma / low.spacing + 0.5)];
-    EXPECT_LT(deviation(density, std::exp(-x * x / 2) / (std::sqrt(2 * pi) * sigma)), 1e-2) << x;  // lines 0.04 Hz apart
+    EXPECT_LT(deviation(density, std::exp(-x * x / 2) / (std::sqrt(2 * pi) * sigma)), 1e-2)
+        << x;  // lines 0.04 Hz apart
   }
   auto const rounded = [&](LagGrid const& lags) {
     Covariance r = exact(lags);

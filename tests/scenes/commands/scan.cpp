@@ -114,7 +114,8 @@ TEST_F(Scan, WrongWords) {
 TEST_F(Scan, AllWrongWordsAreNamed) {
   Finished const r = run({"black=1e-4/sr,2e-4/sr", "blck=1,2", "bar", "--jobs", "2", "--margin", "much"});
   EXPECT_EQ(r.code, 2);
-  for (char const* says : {"blck", "'bar' does not name a parameter", "--jobs needs a folder", "'much' is not a margin"})
+  for (char const* says :
+       {"blck", "'bar' does not name a parameter", "--jobs needs a folder", "'much' is not a margin"})
     EXPECT_THAT(r.err, HasSubstr(says));
   EXPECT_EQ(run({"black=1e-4/sr,2e-4/sr"}).code, 0);
 }

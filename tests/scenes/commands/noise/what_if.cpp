@@ -159,8 +159,7 @@ TEST_F(WhatIf, WrongFilesAndSettingsAreAllNamed) {
   EXPECT_FALSE(std::filesystem::exists(folder / "tornado.gif"));
   Finished const places = straytrace({"sensitivity", run(), "--trace", "rmi,rmo", "--only", "strength"});
   EXPECT_EQ(places.code, 2);
-  for (char const* says : {"'rmi'", "'rmo'", "leaves out what --trace names"})
-    EXPECT_THAT(places.err, HasSubstr(says));
+  for (char const* says : {"'rmi'", "'rmo'", "leaves out what --trace names"}) EXPECT_THAT(places.err, HasSubstr(says));
 }
 
 // An option without effect is an error. Control: --only with what --trace names, TracedRimsHaveTheirClosedForm.
