@@ -115,7 +115,9 @@ int sensitivity(SensitivityOptions const& options) {
   std::cout << (options.json() ? sensitivity_json(s) : sensitivity_text(s));
   if (!options.csv.empty()) write_file(options.csv, sensitivity_csv(s));
   if (!options.plot.empty()) draw(s, options.plot);
-  return done;
+  if (s.stopped)
+    std::cerr << "stopped: the inputs that were not traced to the end are missing; the same command starts again\n";
+  return s.stopped ? checkpointed : done;
 }
 
 }  // namespace

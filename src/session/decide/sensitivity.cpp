@@ -164,6 +164,9 @@ bool acts(BinValues const& e) {
   return std::ranges::any_of(e.value, [](double v) { return std::isnan(v) || std::fabs(v) > least_effect; });
 }
 
+// A signal ended a trace early: the two ends of a step would have different histories.
+struct TraceStopped {};
+
 NoiseTrace traced_total(OpenRun const& run, SceneValue const& value, double factor, TraceOptions const& options) {
   Model model = model_of(run.file, {times(value, factor)});
   model.seed = run.file.trace.coupling.seed;
@@ -172,6 +175,7 @@ NoiseTrace traced_total(OpenRun const& run, SceneValue const& value, double fact
   model.world.block_size = run.file.trace.coupling.block_size;
   apply(options, model);
   TracedModel const traced = trace_model(model, options, "");
+  if (traced.result.checkpointed()) throw TraceStopped{};
   return total_of(model, traced.result.coupling);
 }
 
@@ -386,10 +390,14 @@ Sensitivity sensitivity(OpenRun const& run, SensitivityOrder const& order, Progr
     }
   if (order.wants(InputClass::shape)) add_shapes(run, budget, order.options.threads, progress, add);
   add_projected(run, order, progress, add, s.idle);
-  for (std::size_t i = 0; i < to_trace.size() && order.wants(InputClass::traced); ++i) {
-    progress(order.traced[i] + ", traced");
-    s.inputs.push_back(of_traces(run, to_trace[i], order.traced[i], order));
-  }
+  for (std::size_t i = 0; i < to_trace.size() && order.wants(InputClass::traced); ++i) try {
+      progress(order.traced[i] + ", traced");
+      s.inputs.push_back(of_traces(run, to_trace[i], order.traced[i], order));
+    } catch (TraceStopped const&) {
+      s.stopped = true;
+      s.warnings.push_back("stopped: not traced to the end: " + order.traced[i]);
+      break;
+    }
   std::ranges::stable_sort(s.inputs, std::greater<>{}, [&](SensitiveInput const& in) { return largest_at(s, in); });
   share_out(s);
   sample_shares(s, run);

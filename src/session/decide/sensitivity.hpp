@@ -47,6 +47,7 @@ struct Sensitivity {
   std::string line;                    // "0.1 x adv-lal"; empty: none
   NoiseTrace total;
   std::vector<std::string> warnings;
+  bool stopped = false;  // by a signal: inputs to trace are missing
 };
 
 struct SensitivityOrder {
