@@ -46,6 +46,11 @@ class WhatIf {
     }
     return {psd, error};
   }
+  // What the program reads at a frequency of the table off values per bin: between two centres, in logarithms.
+  at(place, value) {
+    const {bin, next} = place, low = value(bin), high = next === 0 ? low : value(bin + 1);
+    return low > 0 && high > 0 ? Math.exp((1 - next) * Math.log(low) + next * Math.log(high)) : low;
+  }
   // Of a term in each place: the frequencies of the table, then its band.
   ratios(setting, term) {
     let above = 0, below = 0;
@@ -54,7 +59,7 @@ class WhatIf {
       above += share * this.ratio(setting, term, i);
       below += share;
     });
-    return [...this.w.bins.map(bin => bin === null ? 1 : this.ratio(setting, term, bin)), below > 0 ? above / below : 1];
+    return [...this.w.bins.map(place => place === null ? 1 : this.at(place, bin => this.ratio(setting, term, bin))), below > 0 ? above / below : 1];
   }
   // Of each row in each place the PSD over that of the total as traced.
   rows(setting) {
@@ -74,7 +79,7 @@ class WhatIf {
   // Of the whole noise in the same places.
   total(curve) {
     const band = this.w.band.reduce((s, weight, i) => s + (weight || 0) * curve.psd[i], 0);
-    return [...this.w.bins.map(bin => bin === null ? null : curve.psd[bin]), band];
+    return [...this.w.bins.map(place => place === null ? null : this.at(place, bin => curve.psd[bin])), band];
   }
 }
 

@@ -29,20 +29,25 @@ bool is_line(Values const& curve, std::size_t i) {
 }
 
 WithError curve_at(Values const& mean, Values const& sigma, FrequencyGrid const& grid, double hz) {
-  std::size_t const n = grid.size(), own = grid.bin_of(hz);
-  if (own == n) return {not_a_number, not_a_number};
-  std::size_t low = 0;
-  while (low + 2 < n && grid.centre(low + 1) <= hz) ++low;
-  bool const smooth =
-      n > 1 && mean.at(low) > 0 && mean.at(low + 1) > 0 && !stands_out(mean, low) && !stands_out(mean, low + 1);
-  if (!smooth) return {mean.at(own), sigma.at(own)};
-  double const x = log_share(hz, grid.centre(low), grid.centre(low + 1));
+  auto const [low, x] = between_bins(mean, grid, hz);
+  if (low == grid.size()) return {not_a_number, not_a_number};
+  if (x == 0) return {mean.at(low), sigma.at(low)};
   double const value = log_log_value(mean[low], mean[low + 1], x);
   double const relative = (1 - x) * sigma.at(low) / mean[low] + x * sigma.at(low + 1) / mean[low + 1];
   return {value, value * std::fabs(relative)};
 }
 
 }  // namespace
+
+BetweenBins between_bins(Values const& mean, FrequencyGrid const& grid, double hz) {
+  std::size_t const n = grid.size(), own = grid.bin_of(hz);
+  std::size_t low = 0;
+  while (low + 2 < n && grid.centre(low + 1) <= hz) ++low;
+  bool const smooth = own < n && n > 1 && mean.at(low) > 0 && mean.at(low + 1) > 0 && !stands_out(mean, low) &&
+                      !stands_out(mean, low + 1);
+  if (!smooth) return {own, 0};
+  return {low, log_share(hz, grid.centre(low), grid.centre(low + 1))};
+}
 
 std::pair<double, double> band_of(FrequencyGrid const& grid, double low, double high) {
   if (grid.size() == 0 || high > low) return {low, high};

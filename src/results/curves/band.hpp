@@ -31,6 +31,13 @@ std::pair<double, double> band_of(FrequencyGrid const&, double low, double high)
 // "wrapped" where fringes wrap, "linear > 13 Hz" and "linear < 5 Hz" with one change, "mixed" with more. Without shares
 // per frequency by the rms phase alone; "-" where nothing moves.
 std::string regime(NoiseTrace const&, FrequencyGrid const&, double low, double high);
+// The bins between whose centres a curve is read: `low` and the one above it, with the logarithmic share x of the
+// latter. x = 0: the bin alone, next to a line or a zero. Outside the grid `low` is its size.
+struct BetweenBins {
+  std::size_t low;
+  double x;
+};
+BetweenBins between_bins(std::vector<double> const& curve, FrequencyGrid const&, double hz);
 // Between the centres of bins linear in log-log; next to a line or a zero the average of the bin; NaN outside the
 // grid.
 WithError strain_at(NoiseTrace const&, FrequencyGrid const&, double hz);

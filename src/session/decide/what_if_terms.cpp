@@ -12,6 +12,7 @@
 #include "noise/bands/elasticity.hpp"
 #include "noise/bands/inversion.hpp"
 #include "report/html/page_json.hpp"
+#include "results/curves/band.hpp"
 #include "results/route_table/route_sums.hpp"
 #include "results/text/columns.hpp"
 #include "session/decide/what_if.hpp"
@@ -447,8 +448,8 @@ nlohmann::json what_if_json(WhatIfTerms const& t, NoiseBudget const& budget, Pat
   j["frequencies"] = t.frequencies;
   j["bins"] = PageJson::array();
   for (double const hz : t.frequencies) {
-    std::size_t const bin = budget.grid.bin_of(hz);
-    j["bins"].push_back(bin < budget.grid.size() ? PageJson(bin) : PageJson(nullptr));
+    auto const [bin, next] = between_bins(budget.total.asd, budget.grid, hz);
+    j["bins"].push_back(bin < budget.grid.size() ? PageJson{{"bin", bin}, {"next", next}} : PageJson(nullptr));
   }
   std::vector<double> band;
   for (std::size_t i = 0; i < budget.grid.size(); ++i)

@@ -74,12 +74,15 @@ class Sliders(unittest.TestCase):
         return [strain_at(t["frequency_Hz"], self.budget["frequency"], asd) / t["value"] for t in told], told
 
     def test_numbers_of_the_program(self):
+        traced = json.loads(straytrace("noise", self.run_file, "--format", "json", "--quiet"))["total_strain"]
         for setting, answer in zip(list(self.settings(6)), self.answers(list(self.settings(6)))):
             moved = setting["body"] >= 0
             ratios, told = self.ratios(answer)
             for k, ratio in enumerate(ratios):
                 self.assertAlmostEqual(ratio, 1, delta=4e-3 if moved else 2e-4)    # of a factor with three digits
-                error = answer["error"][self.w["bins"][k]]
+                said = math.sqrt(answer["total"][k]) * traced[k]["value"]     # at the frequency, as the sentence says
+                self.assertAlmostEqual(said / told[k]["value"], 1, delta=4e-3 if moved else 2e-4)
+                error = answer["error"][self.w["bins"][k]["bin"]]
                 self.assertAlmostEqual(error * told[k]["value"] / told[k]["sigma"], 1, delta=0.35)
         wrong = json.loads(json.dumps(self.w))                                     # negative control
         for exponents in wrong["exponents"]:
