@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 
 #include "base/errors.hpp"
 #include "base/files/read_write.hpp"
+#include "base/text/json_text.hpp"
 #include "results/text/picture.hpp"
 #include "scene/model_tree.hpp"
 #include "scene/scope.hpp"
@@ -208,6 +210,23 @@ void save(OptimiseOptions const& options, OptimiseReport const& report) {
   write_file(options.out + "/optimise.html", optimise_page(report, picture));
 }
 
+// The answer to another question stays, unless --force overwrites it.
+void refuse_other_question(OptimiseOptions const& options, OptimiseReport const& report) {
+  std::string const file = options.out + "/optimise.json";
+  if (options.force || !std::filesystem::exists(file)) return;
+  nlohmann::json earlier;
+  try {
+    earlier = read_json(read_file(file));
+  } catch (nlohmann::json::parse_error const&) {  // not written by this program: another question
+  }
+  nlohmann::json const own = read_json(optimise_json(report));
+  for (char const* key : {"model", "minimise", "vary", "limits"})
+    if (!earlier.is_object() || earlier.value(key, nlohmann::json()) != own[key])
+      throw InputError(
+          fmt::format("'{}' contains the answer to another question ('{}'); nothing was traced", options.out, key),
+          "choose another folder with -o, or overwrite it with --force, which keeps its traces");
+}
+
 }  // namespace
 
 bool OptimiseReport::on_front(std::size_t outcome) const {
@@ -230,6 +249,7 @@ int optimise(OptimiseOptions const& options) {
   }
   if (options.pareto && (report.order.least_noise() || report.order.limits.empty()))
     throw InputError("--pareto needs a cost to minimise and a limit of h_total", "write --subject 'h_total < line'");
+  refuse_other_question(options, report);
   OutputFolder const folder(options.out + "/runs");
   FolderLock const lock(options.out);
   InterruptGuard const guard;

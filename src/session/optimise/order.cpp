@@ -79,6 +79,9 @@ class OrderReader {
     if (PatternMatch const m = noise.match(text)) return limit(text, m, complain);
     if (PatternMatch const m = on_entry.match(text)) return power(text, m, complain);
     std::size_t const sign = text.find_first_of("<>");
+    if (std::string const first = trimmed(text.substr(0, sign)); means_noise(first))
+      return complain(fmt::format("'{}' is not a limit", text), "did you mean 'h_total'? " + std::string(limit_example),
+                      0, 0);
     if (sign == text.npos || text.find_first_of("<>", sign + 1) != text.npos || text.find("h_total") != text.npos)
       return complain(fmt::format("'{}' is not a limit", text), limit_example, 0, 0);
     std::size_t const right = sign + (sign + 1 < text.size() && text[sign + 1] == '=' ? 2 : 1);
@@ -141,6 +144,11 @@ class OrderReader {
   OptimiseOrder order() && { return std::move(order_); }
 
  private:
+  bool means_noise(std::string const& word) const {
+    std::vector<std::string> known = scene::parameter_names(scene_.root().scope().get());
+    known.emplace_back("h_total");
+    return word != "h_total" && std::ranges::find(known, word) == known.end() && nearest_word(word, known) == "h_total";
+  }
   // Of a parameter; nothing for a place, a word, or a zero without unit.
   std::optional<Dimension> dimension_of(std::string const& name) const {
     if (scene::names_place(name + "=x")) return {};
@@ -262,6 +270,9 @@ void vary_by_word(std::string const& word, OrderReader& reader, Complain const& 
     return complain(fmt::format("'{}' does not name a parameter and its range", word), "write rim=30cm..49cm", 0, 0);
   std::string const text = word.substr(equal + 1);
   if (dots == word.npos) {
+    static Pattern const dash(R"(.*[0-9]\s*[a-z]*\s*-\s*[0-9].*)");
+    if (text.find(',') == text.npos && dash.match(text))
+      return complain(fmt::format("'{}' is one value, not a range", word), in_option.range, 0, 0);
     for (std::size_t at = 0; at <= text.size();) {
       std::size_t const comma = std::min(text.find(',', at), text.size());
       p.values.push_back(trimmed(text.substr(at, comma - at)));

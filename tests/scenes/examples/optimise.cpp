@@ -106,6 +106,13 @@ TEST_F(Optimise, NoneMeetsTheLine) {
   EXPECT_THAT(r.out, HasSubstr("meets the limits. The closest: black=1e-05"));
   EXPECT_TRUE(json("low")["best"].is_null());
   EXPECT_FALSE(fs::exists(folder / "low/best.yaml"));
+  // The answer to another question stays. Control: --force.
+  std::string const before = text_of(folder / "low/optimise.json");
+  Finished const other = run({"--subject", "h_total < 0.9 x line with 95 %"}, "low");
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("contains the answer to another question ('limits')"));
+  EXPECT_EQ(text_of(folder / "low/optimise.json"), before);
+  EXPECT_EQ(run({"--subject", "h_total < 0.9 x line with 95 %", "--force"}, "low").code, 4);
 }
 
 TEST_F(Optimise, SameBitsForThreadsAndAfterAStop) {
@@ -220,6 +227,8 @@ TEST_F(Optimise, WrongWords) {
                      {{"--vary", "black=2e-5/sr..1e-5/sr"}, "does not go from a lower to a higher value"},
                      {{"--vary", "black=2e-5/sr..1e-5/sr"}, "write for example rim=30cm..49cm"},
                      {{"--minimise", "h_total +"}, "write h_total alone"},
+                     {{"--subject", "h_totl < 0.1 x line with 95 %"}, "did you mean 'h_total'?"},
+                     {{"--vary", "gap=1cm-2cm"}, "is one value, not a range"},
                      {{"--vary", "black=1e-5/sr..1 m"}, "is a BRDF (1/sr), not a length"},
                      {{"--vary", "gap=1..2"}, "'gap' is a length, but its range is a plain number"},
                      {{"--vary", "rings=1.5..3:integer"}, "does not end at whole numbers"},
