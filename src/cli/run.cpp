@@ -96,7 +96,7 @@ int trace_and_write(RunInput const& earlier, Model& model, RunOptions const& opt
     written = write_with_page(options.out, content, paths, model, world);
   print_run(options, content, paths, model, written.undrawn.empty());
   bool const stopped = traced.checkpointed() || (guard.stop() && has_seam(model) && !content.seam && !options.no_seam);
-  if (stopped && !options.quiet) std::cerr << how_to_go_on;
+  if (stopped) std::cerr << how_to_go_on;
   if (!written.undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << written.undrawn << '\n';
   if (live) live->show_report(std::move(written.page), traced, stopped);
   return stopped ? checkpointed : done;

@@ -104,7 +104,7 @@ int scan(ScanCommandOptions const& options, std::vector<InputError> errors) {
   }
   std::cout << (options.json() ? scan_json(table) : scan_text(table));
   bool const whole = table.points.size() == all.size() && table.points.back().complete;
-  if (!whole && !options.quiet) std::cerr << (options.out.empty() ? no_way_to_go_on : how_to_go_on);
+  if (!whole) std::cerr << (options.out.empty() ? no_way_to_go_on : how_to_go_on);
   return whole ? done : checkpointed;
 }
 

@@ -60,7 +60,7 @@ int trace_only(TraceCommandOptions options, Transport* transport) {
   RunContent const content = earlier.completed(content_of(model, traced, nullptr));
   write_run(options.out, content);
   print_traced(content, model, options.out, options);
-  if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
+  if (traced.checkpointed()) std::cerr << how_to_go_on;
   return traced.checkpointed() ? checkpointed : done;
 }
 

@@ -257,7 +257,7 @@ int optimise(OptimiseOptions const& options) {
   save(options, report);
   std::cout << (options.json() ? optimise_json(report) : optimise_text(report));
   if (!report.complete) {
-    if (!options.quiet) std::cerr << how_to_go_on;
+    std::cerr << how_to_go_on;
     return checkpointed;
   }
   return report.chosen ? done : unmet;

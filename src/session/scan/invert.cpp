@@ -279,7 +279,7 @@ nlohmann::ordered_json json_of(Bracket const& b, ScanAxis const& axis) {
 }
 
 int stopped_early(ScanOptions const& options) {
-  if (!options.quiet) std::cerr << (options.out.empty() ? no_way_to_go_on : how_to_go_on);
+  std::cerr << (options.out.empty() ? no_way_to_go_on : how_to_go_on);
   return checkpointed;
 }
 
