@@ -115,14 +115,19 @@ function addWhatIf(w, b, show) {
   function slider(name, low, most, change, {black = false, steps = []} = {}) {
     const high = Math.log10(most);
     const stepped = steps.length > 0, start = stepped ? steps.indexOf(1) : 0;
-    const shown = el("output", {}, "× 1");
+    const shown = el("output");
     const range = el("input", {type: "range", min: stepped ? 0 : low, max: stepped ? steps.length - 1 : high, step: stepped ? 1 : 0.01, value: start, "aria-label": name + ": factor"});
     const dark = black ? el("input", {type: "checkbox", "aria-label": name + " black"}) : null;
     const value = () => dark && dark.checked ? 0 : stepped ? steps[Number(range.value)] : Number(range.value) === 0 ? 1 : Math.min(three(Math.pow(10, Number(range.value))), most);
+    const show = x => {
+      shown.textContent = x === 0 ? "black" : "× " + digits(x);
+      range.setAttribute("aria-valuetext", shown.textContent);
+    };
+    show(1);
     const moved = () => {
       range.disabled = Boolean(dark && dark.checked);
       const now = value();
-      shown.textContent = now === 0 ? "black" : "× " + digits(now);
+      show(now);
       change(now);
     };
     range.addEventListener("input", moved);
@@ -131,7 +136,7 @@ function addWhatIf(w, b, show) {
       range.value = start;
       range.disabled = false;
       if (dark) dark.checked = false;
-      shown.textContent = "× 1";
+      show(1);
     };
     resets.push(reset);
     box.append(el("label", {}, name), range, shown, dark ? el("label", {class: "dark"}, dark, " black") : el("span"));

@@ -211,6 +211,12 @@ std::optional<RecordedMotion> read_recorded(Node const& spec, bool rotation) {
     spec["series"].problem("the record has fewer than 32 samples", "give a longer one");
     return {};
   }
+  if (highpass >= series->rate / 2) {
+    spec["highpass"].problem(fmt::format("a high pass at {:g} Hz removes all of a record of {:g} samples per second",
+                                         highpass, series->rate),
+                             "write for example 0.05 Hz; slower motion is removed");
+    return {};
+  }
   auto const segment = read_segment(spec, series->duration(), highpass);
   double const lowest = std::max(highpass, segment ? 1 / *segment : 0);
   if (!segment || !covers(calibration->response, lowest, series->rate / 2, spec["calibration"])) return {};

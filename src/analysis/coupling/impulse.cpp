@@ -65,6 +65,9 @@ ImpulseSums sums_of(TimeSeries const& force, TimeSeries const& target, std::span
     }
     ++s.count;
   }
+  if (starts.empty())
+    throw InputError("there is no impulse above the threshold in this stretch of time",
+                     "choose another stretch with --gps, or a lower --threshold");
   if (s.count < 2)
     throw InputError(fmt::format("only {} of {} impulses have their whole stretch inside the data; two are needed",
                                  s.count, starts.size()),

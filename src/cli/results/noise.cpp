@@ -164,7 +164,7 @@ void add_noise(CLI::App& app, int& exit_code) {
                       "folder for curves, tables and picture; a name that ends with .h5: the run file alone");
   add_force_option(*command, o.force);
   command->add_option("--show", o.show, "rows of the path table")->check(whole_between(1, 1e6, "20"));
-  command->add_flag("--quiet", o.quiet, "results only");
+  command->add_flag("--quiet", o.quiet, "results only, no warnings");
   add_format_option(*command, o);
   command->footer(
       "Examples:\n"

@@ -172,6 +172,7 @@ TEST(ReadMotionFiles, RequiredKeysOfARecord) {
   FileTexts const files = {{"x.hdf5", series_hdf5({&record, 1})}, {"x.txt", "0 1\n1 2\n2 4\n"}};
   EXPECT_THAT(read("series: x.hdf5", files).problems, HasSubstr("add 'highpass: 0.05 Hz'"));
   EXPECT_THAT(read("series: x.hdf5, highpass: 0.01 Hz", files).problems, HasSubstr("needs segments of 400 s"));
+  EXPECT_THAT(read("series: x.hdf5, highpass: 1 MHz", files).problems, HasSubstr("removes all of a record of"));
   EXPECT_THAT(read("series: x.hdf5, highpass: 1 Hz, segment: 500 s", files).problems, HasSubstr("lasts 125 s"));
   EXPECT_THAT(read("series: x.hdf5, highpass: 1 Hz, channel: other", files).problems, HasSubstr("other"));
   EXPECT_THAT(read("series: x.hdf5, highpass: 1 Hz, unit: V", files).problems, HasSubstr("add the motion per unit"));
