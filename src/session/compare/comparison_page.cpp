@@ -176,6 +176,8 @@ std::vector<RunFile> read_compared(std::vector<std::string> const& files) {
         throw InputError(fmt::format("'{}' has no noise to compare", file),
                          "give runs of scenes with an 'interferometer'; for a run without noise use 'straytrace noise "
                          "RUN -o DIR'");
+      if (run.noise->routes.empty())
+        throw InputError(fmt::format("in '{}' no traced light has rejoined a port", file), "trace more histories");
       runs.push_back(std::move(run));
       auto const &own = runs.back().noise->grid.edges, &first = runs.front().noise->grid.edges;
       if (!(std::max(own.front(), first.front()) < std::min(own.back(), first.back())))

@@ -453,6 +453,8 @@ void require_comparable(RunFile const& before, RunFile const& after) {
     throw InputError("one of the runs has no noise to compare",
                      "give runs of scenes with an 'interferometer'; for a run without noise use "
                      "'straytrace noise RUN -o DIR'");
+  if (before.noise->routes.empty() || after.noise->routes.empty())
+    throw InputError("in one of the runs no traced light has rejoined a port", "trace more histories");
   if (SharedBand const band = common_band(before, after); !(band.low < band.high))
     throw InputError("the bands of the two runs do not overlap", "project one again with another 'band' in 'noise'");
 }

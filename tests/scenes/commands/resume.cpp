@@ -69,6 +69,9 @@ TEST(Resume, NoHistoryIsNoAnswer) {
   EXPECT_EQ(none.code, 85);
   EXPECT_THAT(none.out, HasSubstr("No traced light has rejoined a port: there is no answer yet."));
   EXPECT_THAT(none.out, ::testing::Not(HasSubstr("nothing")));
+  Finished const compared = straytrace({"diff", folder / "a/run.h5", folder / "a/run.h5"});
+  EXPECT_EQ(compared.code, 2);
+  EXPECT_THAT(compared.err, HasSubstr("no traced light has rejoined a port"));
   Finished const some = straytrace(run_into(folder / "a", {"--histories", "65536", "--quiet"}));
   EXPECT_EQ(some.code, 0) << some.err;
   EXPECT_THAT(some.out, ::testing::Not(HasSubstr("there is no answer yet")));

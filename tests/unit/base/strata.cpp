@@ -49,7 +49,9 @@ TEST(strata, one_history_in_each_cell) {
       }
       for (std::size_t axis = 0; axis < 8; ++axis) {
         EXPECT_EQ(most_in_a_box(dealt, axis, axis == 0, size, 1), 1u) << size << " " << axis;
-        if (size > 8) EXPECT_GT(most_in_a_box(random, axis, axis == 0, size, 1), 1u) << "control";
+        if (size > 8) {
+          EXPECT_GT(most_in_a_box(random, axis, axis == 0, size, 1), 1u) << "control";
+        }
       }
     }
 }
