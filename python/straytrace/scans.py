@@ -243,7 +243,7 @@ def optimise(model: Model | Mapping[str, Any] | str | os.PathLike[str], *, minim
     table `optimise` of the model.
 
     minimise: ``"count(baffles*)"`` or ``"h_total"``.
-    vary: ``{"rim": "34cm..40cm", "n": "10..60:integer", "scene.baffle.material": "steel,dlc"}``.
+    vary: ``{"rim": "34cm..40cm", "n": "10..60:integer", "scene.tube.material": "steel,dlc"}``.
     subject: limits, ``["h_total < 0.05 x line with 95 %", "rim > 34 cm"]``.
     pareto: also the front of cost and noise. most: candidates of one search.
     most_histories: of a candidate, from `histories` on, where the error would hide the next step.

@@ -55,7 +55,7 @@ void save(ScanTable const& table, ScanCommandOptions const& options, bool last) 
     std::cerr << "warning: scan.png was not drawn: " << message << '\n';
 }
 
-// Of the axes without an error, so that the scene is asked for their parameters too.
+// Of the axes without an error, so that the parameters of these are checked in the scene too.
 ScanList points_of(ScanCommandOptions const& order, std::vector<InputError>& errors) {
   ScanList list;
   if (!order.points.empty() && !order.axes.empty())

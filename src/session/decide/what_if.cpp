@@ -285,7 +285,7 @@ class Changes {
     std::string written, text;
   };
 
-  // Errors in these values are told as those of --set, not as those of a command line that nobody wrote.
+  // Errors in these values are those of --set, not of a command line that nobody wrote.
   template <class Build>
   std::invoke_result_t<Build const&, std::vector<std::string> const&> built_with(std::vector<Override> const& set,
                                                                                  Build const& build) const {
