@@ -93,7 +93,7 @@ class Pairs {
     LagGrid lags = lags_for(slow_, spectra_.resolution());
     double const room = 4.0 / 3 * double(lags.samples) + 8.0 / 3 * drift_ / lags.spacing;
     while (drift_ > 0 && double(lags.samples) < room && lags.samples <= most_samples) lags.samples *= 2;
-    for (; lags.samples <= most_samples; lags.samples *= 2) {
+    for (; lags.samples <= most_samples; lags.samples = more_samples(lags.samples)) {
       prepare(lags);
       PairSpectrum out{Values(grid.size()), {}, 0};
       WrappedSpectrum low;

@@ -78,6 +78,7 @@ double rounding_of(SlowPhase const&, std::vector<double> const& correlation, Cov
 bool transform_lags(std::vector<double> const& correlation, LagGrid const&, double rounding, WrappedSpectrum&);
 InputError too_strong(SlowPhase const&, LagGrid const&);
 constexpr std::size_t most_samples = std::size_t{1} << 24;
+std::size_t more_samples(std::size_t n);  // twice as many, at most_samples at first
 
 // Under a steady drift of the phase by `hz` turns per second, taken to the nearest line: C(tau) cos(2 pi hz tau). The
 // unmoved light becomes a line. Throws InputError beyond 2^24 lines.

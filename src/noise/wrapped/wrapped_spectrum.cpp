@@ -161,7 +161,7 @@ WrappedSpectrum transform(SlowPhase const& p, std::function<Covariance(LagGrid c
                           double resolution) {
   WrappedSpectrum low;
   LagGrid lags = lags_for(p, resolution);
-  for (; lags.samples <= most_samples; lags.samples *= 2) {
+  for (; lags.samples <= most_samples; lags.samples = more_samples(lags.samples)) {
     Covariance const r = gaussian(lags);
     double unmoved = std::exp(-r.at_zero);
     for (PhaseTone const& t : p.tones) unmoved *= std::pow(::j0(t.peak), 2);
@@ -179,6 +179,8 @@ InputError too_strong(SlowPhase const& p, LagGrid const& lags) {
           reach(p), lags.spacing),
       "check the unit of the motion, or state less of it");
 }
+
+std::size_t more_samples(std::size_t n) { return n < most_samples ? std::min(2 * n, most_samples) : 2 * n; }
 
 LagGrid lags_for(SlowPhase const& p, double resolution) {
   double spacing = spacing_for(p.tones, resolution);
