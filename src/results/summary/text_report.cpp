@@ -67,7 +67,7 @@ std::string compared(NoiseBudget const& b, double low, double high) {
   std::string const line = fmt::format("the margin line {:g} x {}", b.margin, design.name);
   double const f = b.grid.centre(c.worst);
   if (!b.unresolved.empty() && !(c.ratio > 0)) return "No route is resolved: there is no answer yet.";
-  if (b.routes.empty()) return "No traced light has rejoined a port: there is no answer yet.";
+  if (!(c.ratio > 0) && b.routes.empty()) return "No traced light has rejoined a port: there is no answer yet.";
   if (!(c.ratio > 0))
     return fmt::format("{} makes no strain noise between {} and {} Hz: nothing it touches moves there.", subject,
                        hertz(c.low), hertz(c.high));
