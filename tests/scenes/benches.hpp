@@ -39,10 +39,11 @@ inline CouplingClass const& route_of(RunFile const& run, std::string const& name
   return none;
 }
 
-// Within 5 standard errors, which must be able to see `resolvable` (relative).
-inline void expect_coupling(RunFile const& run, std::string const& name, double expected, double resolvable) {
+// Within 5 standard errors, which must be able to see `resolvable` (relative), and the accuracy of a closed form.
+inline void expect_coupling(RunFile const& run, std::string const& name, double expected, double resolvable,
+                            double accuracy = 0) {
   Estimate const& e = route_of(run, name).coupling;
-  bool const agrees = std::fabs(e.mean - expected) <= 5 * e.std_error;
+  bool const agrees = std::fabs(e.mean - expected) <= 5 * e.std_error + accuracy * expected;
   EXPECT_TRUE(agrees) << name << ": " << e.mean << " +- " << e.std_error << ", expected " << expected;
   if (agrees) record_mean(name.c_str(), e.mean, e.std_error, expected);
   EXPECT_TRUE(5 * e.std_error < resolvable * expected) << name << ": cannot see what it must";

@@ -38,6 +38,10 @@ inline void expect_mean(char const* what, SampleMean s, double expected, double 
   if (agrees) record_mean(what, s.mean, s.std_error, expected);
 }
 
+// For a closed form that holds to `accuracy`, in the unit of the number: expect_mean() accepts this much more than 5
+// standard errors.
+inline SampleMean within(SampleMean s, double accuracy) { return {s.mean, s.std_error + std::abs(accuracy) / 5, s.n}; }
+
 // The negative control of expect_mean: a wrong trace against the right number, or a right trace against a wrong one.
 inline void expect_rejected(char const* what, SampleMean s, double expected, double z_false = 5) {
   ASSERT_TRUE(std::isfinite(s.mean) && s.std_error > 0) << what;

@@ -85,11 +85,11 @@ TEST(Recoupling, ClosedFormBaffleSumA11) {
   EXPECT_NEAR(baffle_sum(square, square.from_angle(), 1e-4), 1.729471e-11, 1e-6 * 1.729471e-11);
 }
 
-// Tolerance: the small-angle form of eq. 8.3 is good to 1e-4 here.
+// The small-angle form of eq. 8.3 is good to 1e-4 here, and to 3e-4 at the angles of the near half below.
 TEST(Recoupling, TracedBaffleSumEtHfA11) {
   SampleMean const f = route_coupling(traced(et_hf, 5 << 19), far_route);
   double const unit = lambda * lambda * et_hf.beta, expected = unit * 3.689325e-13;
-  expect_mean("A11 ET-HF", f, expected, 1e-2 * expected);
+  expect_mean("A11 ET-HF", within(f, 1e-4 * expected), expected, 1e-2 * expected);
   expect_rejected("exponent rounded to 2.4", f, unit * baffle_sum({3.2145e-9, 2.4, 0.5, 1e4, 0, 0, 0}, 5.016e-5, 1e-4));
   expect_rejected("C_rev already applied", f, 2 * expected);
 }
@@ -99,8 +99,8 @@ TEST(Recoupling, TracedBaffleSumInverseSquareA11) {
   SampleMean const far = route_coupling(r, far_route), near = route_coupling(r, near_route);
   double const unit = lambda * lambda * square.beta, expected = unit * 1.729471e-11;
   double const rest = unit * baffle_sum(square, 1e-4, square.to_angle());
-  expect_mean("A11 1/theta^2, far half", far, expected, 2.5e-2 * expected);
-  expect_mean("1/theta^2, near half", near, rest, 8e-3 * rest);
+  expect_mean("A11 1/theta^2, far half", within(far, 1e-4 * expected), expected, 2.5e-2 * expected);
+  expect_mean("1/theta^2, near half", within(near, 3e-4 * rest), rest, 8e-3 * rest);
   expect_rejected("1 % more BRDF", near, 1.01 * rest);
 }
 
