@@ -18,10 +18,10 @@ enum class Dealt : std::uint32_t { direction, source, end, end_direction };
 // evenly. The numbers of one history on different axes are independent and uniform, as the shifts of the axes are.
 class Strata {
  public:
-  // `block_size`: a power of 2, 4096 at most.
+  // `block_size`: a power of 2. Of more than 4096 histories several share a cell.
   STRAY_HD Strata(std::uint64_t seed, std::uint64_t history, std::uint64_t block_size)
       : place_(static_cast<std::uint32_t>(history % block_size)),
-        digits_(static_cast<std::uint32_t>(std::countr_zero(block_size))) {
+        digits_(static_cast<std::uint32_t>(std::countr_zero(block_size | std::uint64_t{1} << most_digits))) {
     Rng shared(seed, history - place_, 0xffffffffu, Stream::strata);
     for (std::uint64_t& s : shift_) s = digits_of(shared.uniform());
   }

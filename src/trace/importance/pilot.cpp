@@ -44,7 +44,8 @@ class PilotSink {
 
 Pilot run_pilot(World const& world, std::uint64_t histories) {
   WorldView view = world.view();
-  view.halo = {};  // whose field may not be known yet
+  view.halo = {};                   // whose field may not be known yet
+  view.block_size = largest_block;  // not that of the run, which changes as it grows
   std::size_t const sides = view.steering.sides.size;
   Pilot pilot{std::vector<std::uint64_t>(sides), std::vector<double>(sides),
               std::vector<std::vector<double>>(view.lit.size + view.receivers.size, std::vector<double>(sides))};
@@ -100,7 +101,7 @@ void find_map_cells(World& world) {
   if (std::ranges::none_of(receivers, [](Receiver const& r) { return r.by_light; })) return;
   WorldView view = world.view();
   view.halo = {};
-  view.block_size = largest_block;  // of the run, which cells do not depend on
+  view.block_size = largest_block;  // not that of the run
   ArrivalSink sink(view);
   History history;
   for (std::uint64_t h = 0; h < histories; ++h) trace_history(view, 0, first_of_maps + h, history, sink);

@@ -52,6 +52,7 @@ class Trials {
   Found found(Receiver const& r, std::uint64_t tries, SurfaceId first = {}) const {
     Found sum;
     WorldView world = world_;
+    world.block_size = largest_block;  // not that of the run, which changes as it grows
     std::vector<Receiver> receivers(world_.receivers.data, world_.receivers.data + world_.receivers.size);
     receivers[receiver_] = r;
     world.receivers = {receivers.data(), receivers.size()};
