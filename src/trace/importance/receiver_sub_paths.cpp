@@ -14,6 +14,8 @@ namespace {
 // Numbers of histories that nothing else uses.
 constexpr std::uint64_t first_of_choice = 5ull << 61;
 constexpr std::size_t rounds = 16, histories_tried = 1 << 13;
+// Consecutive histories whose sum is compared with the next one: their first numbers are dealt evenly among them.
+constexpr std::size_t histories_of_group = 16;
 // Numbers of sub-paths over that with which the pilot runs. The last one is the least of receivers that see through
 // glass or mirrors: light that a walk hardly finds may be missing from the pilot.
 constexpr std::array<double, 4> sub_paths_tried{1, 0.25, 0, 0.05};
@@ -28,15 +30,17 @@ struct Scores {
 struct Scored {
   double sum = 0;
   struct Found {
-    double square = 0;      // of histories
-    double neighbours = 0;  // products of each history and the one before
+    double groups = 0;      // squares of groups
+    double neighbours = 0;  // products of each group and the one before
+    double histories = 0;   // squares of histories
     double moment = 0;      // of single scores (eq. 1.20)
   };
   std::array<Found, sub_paths_tried.size()> found{};
   void add(Scored const& other, double sign) {
     sum += sign * other.sum;
     for (std::size_t i = 0; i < found.size(); ++i) {
-      found[i].square += sign * other.found[i].square;
+      found[i].groups += sign * other.found[i].groups;
+      found[i].histories += sign * other.found[i].histories;
       found[i].neighbours += sign * other.found[i].neighbours;
       found[i].moment += sign * other.found[i].moment;
     }
@@ -45,14 +49,15 @@ struct Scored {
   double variance(std::size_t sub_paths, double n) const {
     constexpr double least_variance = 1e-6;  // below it only the cost counts
     Found const& f = found[sub_paths];
-    return std::fmax(n * (std::fmax(f.square, f.moment) - f.neighbours) / (sum * sum), least_variance);
+    double const missing = std::fmax(f.moment - f.histories, 0);
+    return std::fmax(n * (f.groups - f.neighbours + missing) / (sum * sum), least_variance);
   }
 };
 
 class ChoiceSink : public NullSink {
  public:
   explicit ChoiceSink(WorldView const& view)
-      : scores_(goal_count(view)), before_(goal_count(view)), scored_(goal_count(view)) {}
+      : scores_(goal_count(view)), group_(goal_count(view)), before_(goal_count(view)), scored_(goal_count(view)) {}
 
   void shares(Shares const& shares) { shares_ = shares; }
   void score(PathState const&, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const&, double power) {
@@ -66,20 +71,29 @@ class ChoiceSink : public NullSink {
                  double power) {
     add(goal, power, true);
   }
-  // Adds the history that has ended to sums by goal.
-  void end_history(std::vector<Scored>& sums) {
-    for (std::size_t g = 0; g < sums.size(); ++g) {
+  void end_history() {
+    for (std::size_t g = 0; g < scored_.size(); ++g) {
       for (std::size_t i = 0; i < sub_paths_tried.size(); ++i) {
         double const times = sub_paths_tried[i], walk = scores_[g][i].walk, sub = scores_[g][i].sub_paths;
-        double const mean = walk + times * sub;
-        scored_[g].found[i].square = walk * walk + 2 * times * walk * sub + times * sub * sub;
-        scored_[g].found[i].neighbours = mean * before_[g][i];
-        before_[g][i] = mean;
+        group_[g][i] += walk + times * sub;
+        scored_[g].found[i].groups += times * (1 - times) * sub * sub;  // of having a sub-path or not
+        scored_[g].found[i].histories += walk * walk + 2 * times * walk * sub + times * sub * sub;
       }
-      scored_[g].sum = before_[g][0];
-      sums[g].add(scored_[g], 1);
-      scored_[g] = {};
       scores_[g] = {};
+    }
+  }
+  // Adds the group that has ended to sums by goal.
+  void end_group(std::vector<Scored>& sums) {
+    for (std::size_t g = 0; g < sums.size(); ++g) {
+      for (std::size_t i = 0; i < sub_paths_tried.size(); ++i) {
+        scored_[g].found[i].groups += group_[g][i] * group_[g][i];
+        scored_[g].found[i].neighbours = group_[g][i] * before_[g][i];
+      }
+      scored_[g].sum = group_[g][0];
+      sums[g].add(scored_[g], 1);
+      before_[g] = group_[g];
+      scored_[g] = {};
+      group_[g] = {};
     }
   }
 
@@ -93,10 +107,10 @@ class ChoiceSink : public NullSink {
     }
     shares_ = Shares();
   }
-  // By goal, of this history and the last one.
-  std::vector<std::array<Scores, sub_paths_tried.size()>> scores_;
-  std::vector<std::array<double, sub_paths_tried.size()>> before_;  // means over its having sub-paths
-  std::vector<Scored> scored_;
+  std::vector<std::array<Scores, sub_paths_tried.size()>> scores_;  // by goal, of this history
+  // Means over having sub-paths, of this group and the last one.
+  std::vector<std::array<double, sub_paths_tried.size()>> group_, before_;
+  std::vector<Scored> scored_;  // of this group
   Shares shares_;
 };
 
@@ -105,7 +119,7 @@ class ChoiceSink : public NullSink {
 struct PilotRun {
   double goals = 0, walk = 0;
   std::vector<double> sub_paths;                   // by goal
-  std::array<std::vector<Scored>, rounds> scored;  // by goal; histories take turns
+  std::array<std::vector<Scored>, rounds> scored;  // by goal; groups take turns
 };
 void count_cost(History const& history, PilotRun& run) {
   double const vertices = double(history.events) + 1;
@@ -123,7 +137,8 @@ PilotRun run_all_techniques(WorldView const& view) {
   for (std::uint64_t h = 0; h < histories_tried; ++h) {
     trace_history(view, 0, first_of_choice + h, history, sink);
     count_cost(history, run);
-    sink.end_history(run.scored[h % rounds]);
+    sink.end_history();
+    if ((h + 1) % histories_of_group == 0) sink.end_group(run.scored[h / histories_of_group % rounds]);
   }
   return run;
 }
