@@ -82,7 +82,8 @@ Batches walk_all(WorldView const& world, FirstOrderSettings const& settings, Sta
   Batches all(batches);
   in_parallel(batches, settings.threads, [&](std::size_t b) {
     Batch& batch = all[b];
-    for (std::uint64_t n = b; n < settings.histories; n += batches) {
+    // Consecutive walks, whose dealt numbers belong together.
+    for (std::uint64_t n = settings.histories * b / batches; n < settings.histories * (b + 1) / batches; ++n) {
       ++batch.walks;
       PathState path;
       if (!start(n, path)) continue;

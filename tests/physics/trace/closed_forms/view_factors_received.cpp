@@ -105,7 +105,7 @@ Cube cube(std::uint64_t histories) {
   return result;
 }
 TEST(ViewFactorsReceived, UnitCubeScene3) {
-  Cube const c = cube(1 << 20);
+  Cube const c = cube(5 << 18);
   double const emitted = 2 / pi;  // the square's share of the beam
   expect_mean("opposite", c.opposite.mean(), 0, 5e-3 * 0.199825 * emitted);
   expect_mean("adjacent", c.adjacent.mean(), 0, 5e-3 * 0.200044 * emitted);

@@ -214,7 +214,7 @@ TEST(BothEnds, EveryStrategyHasItsWeight) {
       World const world = all_kinds(targets, sub_paths);
       WorldView const view = world.view();
       Collect found(view);
-      walk(world, 3000, found, [] {});
+      walk(world, 4000, found, [] {});
       std::map<std::size_t, int> seen, specular, of_mode;
       int missed = 0;
       for (Found const& f : found.all) {
