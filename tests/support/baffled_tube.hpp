@@ -109,7 +109,8 @@ inline void expect_estimators_agree(std::uint64_t histories, double goal) {
   expect_same("A by waiting ", {brute.mean * emitted, brute.std_error * emitted, brute.n}, received_by(law, 0));
   // what aiming is for: the hidden photodiode, at equal histories (docs/theory/errors.md)
   EXPECT_LT(relative(received_by(every, 1)), relative(received_by(law, 1)) / 3);
-  EXPECT_LT(relative(received_by(every, 0, true)), relative(received_by(law, 0, true)));
+  // and what it costs light of one hit, which the dealt first hops find evenly without it
+  EXPECT_LT(relative(received_by(every, 0, true)), 1.5 * relative(received_by(law, 0, true)));
 }
 
 }  // namespace straytrace::testing
