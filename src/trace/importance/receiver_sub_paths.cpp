@@ -30,34 +30,39 @@ struct Scores {
 struct Scored {
   double sum = 0;
   struct Found {
-    double groups = 0;      // squares of groups
-    double neighbours = 0;  // products of each group and the one before
-    double histories = 0;   // squares of histories
-    double moment = 0;      // of single scores (eq. 1.20)
+    double square = 0, neighbours = 0;  // of histories; products of each and the one before
+    double moment = 0;                  // of single scores (eq. 1.20)
+    double group_square = 0, group_neighbours = 0;
   };
   std::array<Found, sub_paths_tried.size()> found{};
   void add(Scored const& other, double sign) {
     sum += sign * other.sum;
     for (std::size_t i = 0; i < found.size(); ++i) {
-      found[i].groups += sign * other.found[i].groups;
-      found[i].histories += sign * other.found[i].histories;
+      found[i].square += sign * other.found[i].square;
       found[i].neighbours += sign * other.found[i].neighbours;
       found[i].moment += sign * other.found[i].moment;
+      found[i].group_square += sign * other.found[i].group_square;
+      found[i].group_neighbours += sign * other.found[i].group_neighbours;
     }
   }
   // Relative variance of one of n histories (eq. 1.25).
   double variance(std::size_t sub_paths, double n) const {
     constexpr double least_variance = 1e-6;  // below it only the cost counts
     Found const& f = found[sub_paths];
-    double const missing = std::fmax(f.moment - f.histories, 0);
-    return std::fmax(n * (f.groups - f.neighbours + missing) / (sum * sum), least_variance);
+    double const apart = f.square - f.neighbours, of_groups = f.group_square - f.group_neighbours;
+    double const left = apart > 0 ? std::fmin(of_groups / apart, 1) : 1;  // by the numbers dealt within groups
+    return std::fmax(n * left * (std::fmax(f.square, f.moment) - f.neighbours) / (sum * sum), least_variance);
   }
 };
 
 class ChoiceSink : public NullSink {
  public:
   explicit ChoiceSink(WorldView const& view)
-      : scores_(goal_count(view)), group_(goal_count(view)), before_(goal_count(view)), scored_(goal_count(view)) {}
+      : scores_(goal_count(view)),
+        last_(goal_count(view)),
+        group_(goal_count(view)),
+        before_(goal_count(view)),
+        scored_(goal_count(view)) {}
 
   void shares(Shares const& shares) { shares_ = shares; }
   void score(PathState const&, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const&, double power) {
@@ -75,9 +80,13 @@ class ChoiceSink : public NullSink {
     for (std::size_t g = 0; g < scored_.size(); ++g) {
       for (std::size_t i = 0; i < sub_paths_tried.size(); ++i) {
         double const times = sub_paths_tried[i], walk = scores_[g][i].walk, sub = scores_[g][i].sub_paths;
-        group_[g][i] += walk + times * sub;
-        scored_[g].found[i].groups += times * (1 - times) * sub * sub;  // of having a sub-path or not
-        scored_[g].found[i].histories += walk * walk + 2 * times * walk * sub + times * sub * sub;
+        double const mean = walk + times * sub;
+        Scored::Found& found = scored_[g].found[i];
+        found.square += walk * walk + 2 * times * walk * sub + times * sub * sub;
+        found.neighbours += mean * last_[g][i];
+        found.group_square += times * (1 - times) * sub * sub;  // of having a sub-path or not
+        group_[g][i] += mean;
+        last_[g][i] = mean;
       }
       scores_[g] = {};
     }
@@ -86,8 +95,8 @@ class ChoiceSink : public NullSink {
   void end_group(std::vector<Scored>& sums) {
     for (std::size_t g = 0; g < sums.size(); ++g) {
       for (std::size_t i = 0; i < sub_paths_tried.size(); ++i) {
-        scored_[g].found[i].groups += group_[g][i] * group_[g][i];
-        scored_[g].found[i].neighbours = group_[g][i] * before_[g][i];
+        scored_[g].found[i].group_square += group_[g][i] * group_[g][i];
+        scored_[g].found[i].group_neighbours = group_[g][i] * before_[g][i];
       }
       scored_[g].sum = group_[g][0];
       sums[g].add(scored_[g], 1);
@@ -108,8 +117,8 @@ class ChoiceSink : public NullSink {
     shares_ = Shares();
   }
   std::vector<std::array<Scores, sub_paths_tried.size()>> scores_;  // by goal, of this history
-  // Means over having sub-paths, of this group and the last one.
-  std::vector<std::array<double, sub_paths_tried.size()>> group_, before_;
+  // Means over having sub-paths, of the last history, this group and the last one.
+  std::vector<std::array<double, sub_paths_tried.size()>> last_, group_, before_;
   std::vector<Scored> scored_;  // of this group
   Shares shares_;
 };
