@@ -117,6 +117,10 @@ int answer(int argc, char** argv) {
         InputError("out of memory while reading the model or file", "use a smaller one, or a machine with more memory"),
         json);
     return numerical_failure;
+  } catch (NumericalError const& e) {
+    print_error(InputError(e.what(), "if the numbers of the input are sound, report it with the scene and the command"),
+                json);
+    return numerical_failure;
   } catch (std::exception const& e) {
     print_error(InputError(e.what(), "if this is no fault of the disk, report it with the scene and the command"),
                 json);

@@ -65,7 +65,7 @@ struct WrappedSpectrum {
 };
 
 // `resolution`: the spacing of lines is at most this [Hz]; coarser only when the fringe rate would need more than 2^20
-// samples. `gaussian`: covariance of the Gaussian part. Throws InputError beyond 2^24.
+// samples. `gaussian`: covariance of the Gaussian part. Throws NumericalError beyond 2^24.
 WrappedSpectrum transform(SlowPhase const&, std::function<Covariance(LagGrid const&)> const& gaussian,
                           double resolution);
 
@@ -76,12 +76,12 @@ LagGrid lags_for(SlowPhase const&, double resolution);
 double rounding_of(SlowPhase const&, std::vector<double> const& correlation, Covariance const& r, double constant);
 // Transforms a correlation without its constant part; false when the sampling rate was too low.
 bool transform_lags(std::vector<double> const& correlation, LagGrid const&, double rounding, WrappedSpectrum&);
-InputError too_strong(SlowPhase const&, LagGrid const&);
+NumericalError too_strong(SlowPhase const&, LagGrid const&);
 constexpr std::size_t most_samples = std::size_t{1} << 24;
 std::size_t more_samples(std::size_t n);  // twice as many, at most_samples at first
 
 // Under a steady drift of the phase by `hz` turns per second, taken to the nearest line: C(tau) cos(2 pi hz tau). The
-// unmoved light becomes a line. Throws InputError beyond 2^24 lines.
+// unmoved light becomes a line. Throws NumericalError beyond 2^24 lines.
 WrappedSpectrum drifting(WrappedSpectrum const&, double hz);
 
 double total(WrappedSpectrum const&);  // its power, constant included: 1/2

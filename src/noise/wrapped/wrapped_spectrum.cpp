@@ -172,12 +172,11 @@ WrappedSpectrum transform(SlowPhase const& p, std::function<Covariance(LagGrid c
   throw too_strong(p, lags);
 }
 
-InputError too_strong(SlowPhase const& p, LagGrid const& lags) {
-  return InputError(
-      fmt::format(
-          "the motion is too strong: fringes up to {:.3g} Hz at a resolution of {:.3g} Hz need more than 2^24 samples",
-          reach(p), lags.spacing),
-      "check the unit of the motion, or state less of it");
+NumericalError too_strong(SlowPhase const& p, LagGrid const& lags) {
+  return NumericalError(
+      fmt::format("the motion is too strong: fringes up to {:.3g} Hz at a resolution of {:.3g} Hz need more than 2^24 "
+                  "samples; check the unit of the motion",
+                  reach(p), lags.spacing));
 }
 
 std::size_t more_samples(std::size_t n) { return n < most_samples ? std::min(2 * n, most_samples) : 2 * n; }
@@ -198,9 +197,9 @@ WrappedSpectrum drifting(WrappedSpectrum const& low, double hz) {
   double const lines = std::round(hz / low.spacing);
   if (lines == 0) return low;
   if (!(lines < static_cast<double>(most_samples)))
-    throw InputError(
-        fmt::format("the drift is too fast: {:.3g} fringes per second at a resolution of {:.3g} Hz", hz, low.spacing),
-        "check the unit of the drift, or state a slower one");
+    throw NumericalError(
+        fmt::format("the drift is too fast: {:.3g} fringes per second at a resolution of {:.3g} Hz; check its unit", hz,
+                    low.spacing));
   auto const shift = static_cast<std::size_t>(lines), size = low.density.size();
   WrappedSpectrum out{low.spacing, std::vector<double>(size + shift), 0, low.samples};
   for (std::size_t k = 0; k < size; ++k) {  // one-sided densities: the two-sided one is half of it, even

@@ -90,9 +90,12 @@ CellEstimates cell_estimates(MapSums const& map, std::uint64_t histories, std::u
   for (std::size_t i = 0; i < map.sum.size(); ++i) {
     bool const seen = map.sum[i] > 0;
     double const between = map.sum2[i] - map.sum[i] * map.sum[i] / b;
-    bool const known = seen && blocks > 1 && between > rounding * map.sum2[i] && map.sum2[i] > faintest;
+    bool const known = seen && blocks > 1 && map.sum2[i] > faintest;
+    // Blocks to which strata deal the same light: the error is at most one history, whose light is at most that of a
+    // block.
+    bool const equal = between <= rounding * map.sum2[i];
     cells.mean.push_back(seen ? map.sum[i] / n : not_a_number);
-    cells.error.push_back(known ? std::sqrt(between * b / (b - 1)) / n : not_a_number);
+    cells.error.push_back(!known ? not_a_number : equal ? map.sum[i] / (n * b) : std::sqrt(between * b / (b - 1)) / n);
   }
   return cells;
 }

@@ -12,8 +12,8 @@
 namespace straytrace::results {
 
 // Mean per history of each cell of a map, W per W of the main mode, and its standard error from the blocks. NaN, NaN:
-// no light was seen there; error NaN: not resolved. A single block has no spread, equal blocks show none, and the
-// squares of the faintest light underflow.
+// no light was seen there; error NaN: not resolved. A single block has no spread, and the squares of the faintest light
+// underflow. Of equal blocks the error is the light of one of them.
 struct CellEstimates {
   std::vector<double> mean, error;
 };

@@ -47,12 +47,14 @@ struct Traced {
     return sum;
   }
 };
-inline Traced traced(std::string const& text, std::uint64_t blocks, unsigned threads = 2, SumTree resume = {}) {
+inline Traced traced(std::string const& text, std::uint64_t blocks, unsigned threads = 2, SumTree resume = {},
+                     std::uint64_t seed = 1) {
   Traced t{world_of(text), {}};
   find_map_cells(t.world);
   TraceSettings settings;
   settings.histories = blocks * largest_block;
   settings.threads = threads;
+  settings.seed = seed;
   settings.resume = std::move(resume);
   t.result = run_trace(SteeredWorld::as_given(t.world), settings, *test_backend());
   return t;

@@ -193,7 +193,7 @@ TEST(Project, MotionBeyondTheRangeIsAnError) {  // 1 m rms at 100 Hz: fringes at
   CouplingTable table = known_table({route(1, 1)});
   table.groups = {"baffle"};
   table.classes[0].steps = {{GroupId{0}, Event::scatter}};
-  EXPECT_THROW(project_noise(table, moving({gaussian_line(100, 1, 1)}), UnitDetector(), on(band)), InputError);
+  EXPECT_THROW(project_noise(table, moving({gaussian_line(100, 1, 1)}), UnitDetector(), on(band)), NumericalError);
 }
 
 // Paths share spectra; a few are computed individually (requirement R4.08). Fringes of a slow line fall by decades

@@ -135,11 +135,11 @@ TEST_F(WhatIf, RemediesFitWhatIsWrong) {
   }
 }
 
-// A thousand times the motion has a spectrum, ten thousand times is an error of the input.
+// A thousand times the motion has a spectrum, ten thousand times is beyond the samples of any.
 TEST_F(WhatIf, MotionOfAnyStrengthHasAnAnswer) {
   EXPECT_GT(at_10_hz(noise({"tube.motion=x1000"})).value, 0);
   Finished const most = noise({"tube.motion=x1e4"});
-  EXPECT_EQ(most.code, 2);
+  EXPECT_EQ(most.code, 3);
   EXPECT_THAT(most.err, HasSubstr("the motion is too strong"));
   EXPECT_THAT(most.err, HasSubstr("check the unit of the motion"));
 }
