@@ -22,7 +22,7 @@ std::string disc(std::string const& profile, std::string const& receiver) {
 }
 
 // R3.29: a uniform disc is flat, and the error of each pixel holds: the mean square of (value - expectation)/error over
-// 1024 pixels is 1, in the mean over 40 seeds. Pixels of one run are correlated, as strata deal its light. With B
+// 1024 pixels is 1, in the mean over 110 seeds. Pixels of one run are correlated, as strata deal its light. With B
 // blocks the square of such a ratio has the mean (B - 1)/(B - 3).
 TEST(ReceiverMaps, AUniformDiscIsFlatWithinItsErrors) {
   std::string const map = "map: {pixels: [32, 32], width: 10 cm}";
@@ -36,7 +36,7 @@ TEST(ReceiverMaps, AUniformDiscIsFlatWithinItsErrors) {
     return sum * (b - 3) / (b - 1) / 1024;
   };
   Sampler right, large, small;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 110; ++seed) {
     Traced const flat = traced(disc("even", map), 32, 2, {}, seed);
     ASSERT_EQ(flat.result.total.receivers[0].image.sum.size(), 1024u);
     right.add(statistic(flat, 1)), large.add(statistic(flat, 1.25)), small.add(statistic(flat, 0.8));
@@ -115,7 +115,7 @@ TEST(ReceiverMaps, AUniformAnnulusIsFlatInItsOwnCells) {
     return sum * (b - 3) / (b - 1) / double(r.cells.size);
   };
   Sampler flat, tilted;
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 90; ++seed) {
     Traced const t = traced(scene("even"), 32, 2, {}, seed);
     flat.add(statistic(t, 0)), tilted.add(statistic(t, 0.05));
   }
