@@ -109,6 +109,7 @@ TEST(Budget, BandsOfStrayLight) {
                 total * total - h * h + std::pow(value(stray, "input_high", i), 2), 1e-9 * total * total);
     EXPECT_NEAR(value(at, "total_sigma", i) * total, h * value(stray, "sigma", i), 1e-9 * total * total);
     for (Json const& part : stray["parts"]) {
+      if (part["input_low"][i].is_null()) continue;  // unresolved
       EXPECT_LE(value(part, "input_low", i), value(part, "strain", i));
       EXPECT_GE(value(part, "input_high", i), value(part, "strain", i));
     }
