@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t first_of_choice = 5ull << 61;
 constexpr std::size_t rounds = 16, histories_tried = 1 << 13;
 // Consecutive histories whose sum is compared with the next one: their first numbers are dealt evenly among them.
-constexpr std::size_t histories_of_group = 16;
+constexpr std::size_t histories_of_group = 4;
 // Numbers of sub-paths over that with which the pilot runs. The last one is the least of receivers that see through
 // glass or mirrors: light that a walk hardly finds may be missing from the pilot.
 constexpr std::array<double, 4> sub_paths_tried{1, 0.25, 0, 0.05};
