@@ -26,7 +26,7 @@ TraceResult until(double wanted, std::uint64_t seed) {
 }
 
 TEST(EarlyChecks, FewHistoriesMeetALooseRule) {
-  TraceResult const loose = until(0.2, 1), tight = until(0.01, 1);
+  TraceResult const loose = until(0.2, 1), tight = until(0.02, 1);
   EXPECT_EQ(loose.stopped, Stopped::by_error);
   EXPECT_LT(loose.total.histories, 131072u);
   EXPECT_EQ(tight.stopped, Stopped::by_error);
