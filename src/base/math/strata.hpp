@@ -18,6 +18,7 @@ enum class Dealt : std::uint32_t { direction, source, end, end_direction };
 // evenly. The numbers of one history on different axes are independent and uniform, as the shifts of the axes are.
 class Strata {
  public:
+  STRAY_HD Strata() {}  // of a history whose numbers are not dealt
   // `block_size`: a power of 2. Of more than 4096 histories several share a cell.
   STRAY_HD Strata(std::uint64_t seed, std::uint64_t history, std::uint64_t block_size)
       : place_(static_cast<std::uint32_t>(history % block_size)),
@@ -57,8 +58,8 @@ class Strata {
     return x >> (most_digits - digits_);
   }
 
-  std::uint32_t place_, digits_;
-  std::uint64_t shift_[2];
+  std::uint32_t place_ = 0, digits_ = 0;
+  std::uint64_t shift_[2] = {};
 };
 
 }  // namespace straytrace
