@@ -33,10 +33,13 @@ TEST(CellEstimates, FaintLightHasNoError) {
   EXPECT_NEAR(bright.error[0] / bright.mean[0], 0.1 / std::sqrt(31), 1e-9);
 }
 
-// Blocks that got the same show no spread: that is not an error of 0.
-TEST(CellEstimates, EqualBlocksHaveNoError) {
-  for (double const block : {0.5, 0.1, 0.7}) EXPECT_TRUE(std::isnan(one_cell(block, 0).error[0])) << block;
-  EXPECT_GT(one_cell(0.5, 1e-3).error[0], 0);
+// Blocks that got the same show no spread: that is not an error of 0, but at most the light of one of them.
+TEST(CellEstimates, EqualBlocksHaveTheErrorOfOne) {
+  for (double const block : {0.5, 0.1, 0.7}) {
+    CellEstimates const cell = one_cell(block, 0);
+    EXPECT_NEAR(cell.error[0] * 32 / cell.mean[0], 1, 1e-12) << block;
+  }
+  EXPECT_LT(one_cell(0.5, 1e-3).error[0], one_cell(0.5, 0).error[0]) << "control: a spread that shows";
   EXPECT_TRUE(std::isnan(one_cell(0, 0).mean[0]));  // no light recorded
 }
 
