@@ -156,7 +156,7 @@ void choose_sub_paths_of_modes(World& world) {
   if (modes.empty()) return;
   share_among(world, modes);
   WorldView view = world.view();
-  view.halo = {};  // whose field may not be known yet
+  view.halo = {};                                      // whose field may not be known yet
   view.block_size = mode_rounds * histories_of_round;  // not that of the run, which changes as it grows
   Cost cost{0, std::vector<double>(goal_count(view))};
   std::vector<PilotRounds> const found = tried(view, cost);
