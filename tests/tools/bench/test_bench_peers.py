@@ -91,8 +91,8 @@ class Problems(unittest.TestCase):
     def test_straytrace_meets_the_closed_form(self):
         """A lamp that faces the receiver: mean of cos cos/(pi d^2) over both, by midpoints (docs/theory/sampling.md)."""
         problem, total = problems.lit_square(), 0.0
-        points = [(0.1 * math.sqrt((i + 0.5) / 20), 2 * math.pi * (j + 0.5) / 20) for i in range(20) for j in range(20)]
-        grid = [0.1 * (k + 0.5) / 10 - 0.05 for k in range(10)]
+        points = [(0.1 * math.sqrt((i + 0.5) / 80), 2 * math.pi * (j + 0.5) / 20) for i in range(80) for j in range(20)]
+        grid = [0.1 * (k + 0.5) / 30 - 0.05 for k in range(30)]
         for r, phi in points:
             for x in grid:
                 for y in grid:
