@@ -23,7 +23,8 @@ class Strata {
   STRAY_HD Strata(std::uint64_t seed, std::uint64_t history, std::uint64_t block_size)
       : place_(static_cast<std::uint32_t>(history % block_size)),
         digits_(static_cast<std::uint32_t>(std::countr_zero(block_size | std::uint64_t{1} << most_digits))) {
-    Rng shared(seed, history - place_, 0xffffffffu, Stream::strata);
+    place_ &= (1u << digits_) - 1;
+    Rng shared(seed, history - history % block_size, 0xffffffffu, Stream::strata);
     for (std::uint64_t& s : shift_) s = digits_of(shared.uniform());
   }
 
@@ -53,8 +54,7 @@ class Strata {
         {2048, 3072, 2560, 3328, 1408, 2368, 992, 3632, 3048, 572, 482, 3889},
         {2048, 1024, 2560, 1280, 2176, 576, 288, 720, 1896, 2532, 130, 1601}};
     std::uint32_t x = 0;
-    for (std::uint32_t k = 0; k < digits_; ++k)
-      if (place_ >> k & 1) x ^= columns[axis][k];
+    for (std::uint32_t k = 0; k < most_digits; ++k) x ^= columns[axis][k] & (0u - (place_ >> k & 1));
     return x >> (most_digits - digits_);
   }
 

@@ -58,7 +58,7 @@ class Trials {
     world.receivers = {receivers.data(), receivers.size()};
     sub_->goal = goal_of_receiver(world, receiver_);
     for (std::uint64_t n = 0; n < tries; ++n) {
-      BackwardNumbers numbers(world, 0, n, sub_->goal);
+      BackwardNumbers numbers(world, 0, n, Strata(0, n, world.block_size), sub_->goal);
       SurfaceId passed;
       bool lit = false;
       grow(

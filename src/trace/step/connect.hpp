@@ -74,10 +74,9 @@ STRAY_HD void connect(WorldView const& world, std::uint64_t seed, PathState cons
   if (!(vertex.albedo > 0) || !hears(sink, path)) return;
   Rng rng(seed, path.history, path.event, Stream::connection);
   bool const first = path.event == 0;
-  Strata const dealt = first ? Strata(seed, path.history, world.block_size) : Strata();
   for (std::uint32_t i = 0; i < world.lit.size; ++i) {
     double u = rng.uniform(), v = rng.uniform();
-    if (first) dealt.deal(Dealt::end, u, v);
+    if (first) path.strata.deal(Dealt::end, u, v);
     bool const counted = path.from_halo && first_of_mirror(path, path.order, i);  // by the classes `halo`
     if (!world.lit[i].receives || counted) continue;
     double const probability = connection_probability(world, vertex.side(), i);

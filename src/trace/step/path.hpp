@@ -2,6 +2,7 @@
 // The state of one path, its interaction at a vertex, and the rolling name of its route.
 #pragma once
 
+#include "base/math/strata.hpp"
 #include "optics/coating/fresnel.hpp"
 #include "optics/coating/specular.hpp"
 #include "optics/polarisation.hpp"
@@ -74,6 +75,7 @@ struct PathState {
   std::uint64_t route = 0;   // rolling hash of (group, event) of all vertices left so far
   std::uint32_t source = 0;  // footprint it started from
   double level = 0;          // power x adjoint that the weight window keeps; 0 before the first vertex with an adjoint
+  Strata strata;             // of its numbers at the source
   double stratum = -1;       // decides lobe and target of the first hop; negative: a random number does
 };
 

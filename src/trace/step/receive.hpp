@@ -84,10 +84,9 @@ STRAY_HD void connect_receivers(WorldView const& world, std::uint64_t seed, Path
   if (world.receivers.size == 0 || !(vertex.albedo > 0) || !hears(sink, path)) return;
   Rng rng(seed, path.history, path.event, Stream::receiver);
   bool const first = path.event == 0;
-  Strata const dealt = first ? Strata(seed, path.history, world.block_size) : Strata();
   for (std::uint32_t i = 0; i < world.receivers.size; ++i) {
     double u = rng.uniform(), v = rng.uniform();
-    if (first) dealt.deal(Dealt::end, u, v);
+    if (first) path.strata.deal(Dealt::end, u, v);
     connect_to_receiver(world, path, vertex, i, u, v, sink);
   }
 }

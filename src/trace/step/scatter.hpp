@@ -7,7 +7,6 @@
 // light is missed for lack of a target.
 #pragma once
 
-#include "base/math/strata.hpp"
 #include "trace/step/balance.hpp"
 
 namespace straytrace::trace {
@@ -79,19 +78,12 @@ STRAY_HD Vec3 aimed_direction(WorldView const& world, Vertex const& vertex, doub
   return hop.aim_distance > 0 ? (1 / hop.aim_distance) * span : vertex.frame.e3;
 }
 
-// The next direction of a path. The lobe is chosen by its share of the light that leaves the vertex; within the
-// scattered lobe the direction is drawn from the mixture of BSDF model and targets, in solid angle at the vertex left
-// (docs/theory/sampling.md):
-//   p(w) = alpha p_BSDF(w) + (1 - alpha) q_k d^2/(A_k cos_y)      k: the patch that is hit first along w
-// One sample and one division, whichever component drew it. The BSDF model always takes part (alpha >= 0.1), so no
-// light is missed for lack of a target.
-
 // The scattered lobe; `choice` is uniform in (0, 1). hop.value stays 0 if no direction is found.
 STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, PathState& path, Vertex const& vertex,
                                   double choice) {
   Rng rng(seed, path.history, path.event, Stream::direction);
   double u = rng.uniform(), v = rng.uniform();
-  if (path.event == 0) Strata(seed, path.history, world.block_size).deal(Dealt::direction, u, v);
+  if (path.event == 0) path.strata.deal(Dealt::direction, u, v);
   Hop& hop = path.hop;
   hop.side = vertex.side();
   double const alpha = law_share(world, hop.side);

@@ -105,7 +105,7 @@ STRAY_HD Where launch(WorldView const& world, std::uint64_t seed, PathState& pat
   path.polarisation = lit.polarisation;
   path.power = lit.share * draws;
   double u = rng.uniform(), v = rng.uniform();
-  Strata(seed, path.history, world.block_size).deal(Dealt::source, u, v);
+  path.strata.deal(Dealt::source, u, v);
   Ray const line = lit.sample(u, v);
   Crossing const met = lit.free ? Crossing{} : world.cross(lit.surface.value, line, {});
   if (lit.free) {
@@ -126,6 +126,7 @@ STRAY_HD Where launch(WorldView const& world, std::uint64_t seed, PathState& pat
 // The first ray of a history, without connections at its source. False: there is none.
 template <class Sink>
 STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, Sink& sink) {
+  path.strata = {seed, path.history, world.block_size};
   Vertex vertex;
   Where const at = launch(world, seed, path, vertex, sink);
   return at == Where::in_flight || (at == Where::at_vertex && scatter(world, seed, path, vertex, sink, true));
@@ -299,11 +300,12 @@ STRAY_HD Where start(WorldView const& world, std::uint64_t seed, History& histor
   PathState& path = history.path;
   double const n = double(world.emitters.size), draws = world.draws();
   double const place = draws > n && n > 0 ? stratum(seed, path.history, world.block_size) * draws : 0;
+  path.strata = {seed, path.history, world.block_size};
   if (world.both_ends) grow_sub_paths(world, seed, path, history.sub_paths, sink);
   if (!(place > n)) return launch(world, seed, path, vertex, sink);
   Rng rng(seed, path.history, 0, Stream::source);
   double u = rng.uniform(), v = rng.uniform();
-  Strata(seed, path.history, world.block_size).deal(Dealt::source, u, v);
+  path.strata.deal(Dealt::source, u, v);
   if (!start_in_halo(world, (place - n) / (draws - n), u, v, path, vertex)) return Where::nowhere;
   Footprint const& mode = world.lit[path.source];
   sink.emitted(path, make_vertex(world, mode.surface, mode.centre, mode.travel));

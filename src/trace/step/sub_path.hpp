@@ -66,9 +66,10 @@ struct SubPath {
 // Numbers of the sub-path from a goal; those of its start are dealt.
 class BackwardNumbers {
  public:
-  STRAY_HD BackwardNumbers(WorldView const& world, std::uint64_t seed, std::uint64_t history, std::uint32_t goal)
+  STRAY_HD BackwardNumbers(WorldView const& world, std::uint64_t seed, std::uint64_t history, Strata const& strata,
+                           std::uint32_t goal)
       : random_(seed, history, 0, static_cast<Stream>(std::uint32_t(Stream::backward) + (place_of(world, goal) << 8))),
-        strata_(seed, history, world.block_size) {}
+        strata_(strata) {}
   STRAY_HD double uniform() { return random_.uniform(); }
   struct Pair {
     double u, v;
@@ -374,7 +375,7 @@ STRAY_HD void grow_sub_paths(WorldView const& world, std::uint64_t seed, PathSta
     if (!(std::floor(sum) > before)) continue;
     SubPath& sub = all.sub[all.count++];
     sub.goal = goal;
-    BackwardNumbers numbers(world, seed, path.history, goal);
+    BackwardNumbers numbers(world, seed, path.history, path.strata, goal);
     grow(
         world, most_ends - 1, numbers, sub, [](Vertex const&, Event, bool) {},
         [&](SubVertex const& met) {

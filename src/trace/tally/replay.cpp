@@ -132,7 +132,7 @@ class ReplaySink {
       Event event;
       bool through;
     };
-    BackwardNumbers numbers(view_, seed_, path.history, goal);
+    BackwardNumbers numbers(view_, seed_, path.history, path.strata, goal);
     std::vector<Passed> passed;
     double last_index = 1;
     auto const sub = std::make_unique<SubPath>();
