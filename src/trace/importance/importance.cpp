@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/process/threads.hpp"
 #include "trace/importance/steering_tables.hpp"
@@ -106,12 +107,14 @@ class Builder {
   std::vector<std::vector<std::uint32_t>> decisive_pairs() const {
     std::vector<Worth> const worths = in_own_units();
     Parts const parts = parts_of(world_, tables_);
-    std::vector<std::vector<std::uint32_t>> pairs(tables_.patches.size());
-    for (std::uint32_t side = 0; side < sides_.size(); ++side) {
+    std::vector<std::vector<std::uint32_t>> decisive(sides_.size()), pairs(tables_.patches.size());
+    in_parallel(sides_.size(), settings_.threads, [&](std::size_t side) {
       std::vector<double> const efforts = efforts_of(parts, sides_[side].diffuse, worths, settings_.unseen);
       for (std::uint32_t j = 0; j < efforts.size(); ++j)
-        if (efforts[j] > settings_.decisive) pairs[std::min(side / 2, j)].push_back(std::max(side / 2, j));
-    }
+        if (efforts[j] > settings_.decisive) decisive[side].push_back(j);
+    });
+    for (std::uint32_t side = 0; side < sides_.size(); ++side)
+      for (std::uint32_t const j : decisive[side]) pairs[std::min(side / 2, j)].push_back(std::max(side / 2, j));
     for (auto& list : pairs) {
       std::ranges::sort(list);
       list.erase(std::unique(list.begin(), list.end()), list.end());
@@ -122,26 +125,30 @@ class Builder {
   void choose_targets() {
     std::vector<Worth> const worths = in_own_units();
     Parts const parts = parts_of(world_, tables_);
-    double level = 0;
-    tables_.targets.clear();
-    for (std::size_t i = 0; i < sides_.size(); ++i) {
+    std::vector<std::vector<Target>> lists(sides_.size());
+    std::vector<double> levels(sides_.size(), 0);
+    in_parallel(sides_.size(), settings_.threads, [&](std::size_t i) {
       PatchSide& side = tables_.sides[i] = {};
       Exchange const& exchange = sides_[i];
       bool const emits = !exchange.by_law.empty();  // few sides do: they get whole lists
       for (Worth const& w : worths) {
         side.adjoint += w.adjoint[i];
-        if (emits) level += forward_score(i, w.adjoint);
+        if (emits) levels[i] += forward_score(i, w.adjoint);
       }
       Arriving const& arriving = emits ? exchange.by_law : exchange.diffuse;
-      std::vector<Target> const list = targets_of(efforts_of(parts, arriving, worths, settings_.unseen),
-                                                  emits ? tables_.patches.size() : settings_.most_targets);
-      side.first = std::uint32_t(tables_.targets.size());
-      side.count = std::uint32_t(list.size());
-      if (side.count > 0)
-        side.alpha = best_law_share(arriving, emits ? exchange.emitted : 1, list, worths, i, parts.of_patch,
+      lists[i] = targets_of(efforts_of(parts, arriving, worths, settings_.unseen),
+                            emits ? tables_.patches.size() : settings_.most_targets);
+      if (!lists[i].empty())
+        side.alpha = best_law_share(arriving, emits ? exchange.emitted : 1, lists[i], worths, i, parts.of_patch,
                                     std::max(settings_.alpha, 0.1));
-      tables_.targets.insert(tables_.targets.end(), list.begin(), list.end());
+    });
+    tables_.targets.clear();
+    for (std::size_t i = 0; i < sides_.size(); ++i) {
+      tables_.sides[i].first = std::uint32_t(tables_.targets.size());
+      tables_.sides[i].count = std::uint32_t(lists[i].size());
+      tables_.targets.insert(tables_.targets.end(), lists[i].begin(), lists[i].end());
     }
+    double const level = std::accumulate(levels.begin(), levels.end(), 0.0);
     tables_.level = settings_.window ? level : 0;
   }
 

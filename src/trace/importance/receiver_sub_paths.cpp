@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "trace/importance/steering_tables.hpp"
 #include "trace/step/step.hpp"
@@ -13,9 +14,8 @@ namespace {
 
 // Numbers of histories that nothing else uses.
 constexpr std::uint64_t first_of_choice = 5ull << 61;
-constexpr std::size_t rounds = 16, histories_tried = 1 << 13;
-// Consecutive histories whose sum is compared with the next one: their first numbers are dealt evenly among them.
-constexpr std::size_t histories_of_group = 4;
+// Blocks of the pilot are independent. More of them would be smaller and show less of what dealt numbers gain.
+constexpr std::size_t blocks_tried = 32, block_tried = 256, histories_tried = blocks_tried * block_tried;
 // Numbers of sub-paths over that with which the pilot runs. The last one is the least of receivers that see through
 // glass or mirrors: light that a walk hardly finds may be missing from the pilot.
 constexpr std::array<double, 4> sub_paths_tried{1, 0.25, 0, 0.05};
@@ -28,41 +28,39 @@ struct Scores {
 
 // Sums of one goal over histories.
 struct Scored {
-  double sum = 0;
   struct Found {
     double square = 0, neighbours = 0;  // of histories; products of each and the one before
     double moment = 0;                  // of single scores (eq. 1.20)
-    double group_square = 0, group_neighbours = 0;
+    double block_sum = 0, block_square = 0;
+    void add(Found const& other, double sign) {
+      square += sign * other.square;
+      neighbours += sign * other.neighbours;
+      moment += sign * other.moment;
+      block_sum += sign * other.block_sum;
+      block_square += sign * other.block_square;
+    }
   };
   std::array<Found, sub_paths_tried.size()> found{};
   void add(Scored const& other, double sign) {
-    sum += sign * other.sum;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      found[i].square += sign * other.found[i].square;
-      found[i].neighbours += sign * other.found[i].neighbours;
-      found[i].moment += sign * other.found[i].moment;
-      found[i].group_square += sign * other.found[i].group_square;
-      found[i].group_neighbours += sign * other.found[i].group_neighbours;
-    }
+    for (std::size_t i = 0; i < found.size(); ++i) found[i].add(other.found[i], sign);
   }
-  // Relative variance of one of n histories (eq. 1.25).
+  double sum() const { return found[0].block_sum; }
+  // Relative variance of a history in n blocks (eq. 1.25).
   double variance(std::size_t sub_paths, double n) const {
     constexpr double least_variance = 1e-6;  // below it only the cost counts
     Found const& f = found[sub_paths];
-    double const apart = f.square - f.neighbours, of_groups = f.group_square - f.group_neighbours;
-    double const left = apart > 0 ? std::fmin(of_groups / apart, 1) : 1;  // by the numbers dealt within groups
-    return std::fmax(n * left * (std::fmax(f.square, f.moment) - f.neighbours) / (sum * sum), least_variance);
+    double const apart = f.square - f.neighbours;
+    double const between = (f.block_square - f.block_sum * f.block_sum / n) * n / (n - 1);
+    double const left = apart > 0 ? std::fmin(between / apart, 1) : 1;  // by the numbers dealt in a block
+    double const largest = std::fmax(f.square, f.moment) - f.neighbours;
+    return std::fmax(n * double(block_tried) * left * largest / (sum() * sum()), least_variance);
   }
 };
 
 class ChoiceSink : public NullSink {
  public:
   explicit ChoiceSink(WorldView const& view)
-      : scores_(goal_count(view)),
-        last_(goal_count(view)),
-        group_(goal_count(view)),
-        before_(goal_count(view)),
-        scored_(goal_count(view)) {}
+      : scores_(goal_count(view)), last_(goal_count(view)), scored_(goal_count(view)) {}
 
   void shares(Shares const& shares) { shares_ = shares; }
   void score(PathState const&, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const&, double power) {
@@ -84,26 +82,18 @@ class ChoiceSink : public NullSink {
         Scored::Found& found = scored_[g].found[i];
         found.square += walk * walk + 2 * times * walk * sub + times * sub * sub;
         found.neighbours += mean * last_[g][i];
-        found.group_square += times * (1 - times) * sub * sub;  // of having a sub-path or not
-        group_[g][i] += mean;
+        found.block_sum += mean;
+        found.block_square += times * (1 - times) * sub * sub;  // of having a sub-path or not
         last_[g][i] = mean;
       }
       scores_[g] = {};
     }
   }
-  // Adds the group that has ended to sums by goal.
-  void end_group(std::vector<Scored>& sums) {
-    for (std::size_t g = 0; g < sums.size(); ++g) {
-      for (std::size_t i = 0; i < sub_paths_tried.size(); ++i) {
-        scored_[g].found[i].group_square += group_[g][i] * group_[g][i];
-        scored_[g].found[i].group_neighbours = group_[g][i] * before_[g][i];
-      }
-      scored_[g].sum = group_[g][0];
-      sums[g].add(scored_[g], 1);
-      before_[g] = group_[g];
-      scored_[g] = {};
-      group_[g] = {};
-    }
+  // The sums of the block that has ended, by goal.
+  std::vector<Scored> end_block() {
+    for (Scored& of_goal : scored_)
+      for (Scored::Found& found : of_goal.found) found.block_square += found.block_sum * found.block_sum;
+    return std::exchange(scored_, std::vector<Scored>(scored_.size()));
   }
 
  private:
@@ -117,9 +107,8 @@ class ChoiceSink : public NullSink {
     shares_ = Shares();
   }
   std::vector<std::array<Scores, sub_paths_tried.size()>> scores_;  // by goal, of this history
-  // Means over having sub-paths, of the last history, this group and the last one.
-  std::vector<std::array<double, sub_paths_tried.size()>> last_, group_, before_;
-  std::vector<Scored> scored_;  // of this group
+  std::vector<std::array<double, sub_paths_tried.size()>> last_;    // mean over having sub-paths of the last history
+  std::vector<Scored> scored_;                                      // of this block
   Shares shares_;
 };
 
@@ -127,8 +116,8 @@ class ChoiceSink : public NullSink {
 // evaluate two BSDF models where others evaluate one.
 struct PilotRun {
   double goals = 0, walk = 0;
-  std::vector<double> sub_paths;                   // by goal
-  std::array<std::vector<Scored>, rounds> scored;  // by goal; groups take turns
+  std::vector<double> sub_paths;                         // by goal
+  std::array<std::vector<Scored>, blocks_tried> scored;  // by goal
 };
 void count_cost(History const& history, PilotRun& run) {
   double const vertices = double(history.events) + 1;
@@ -142,12 +131,11 @@ PilotRun run_all_techniques(WorldView const& view) {
   PilotRun run{double(goals_of(view).size()), 0, std::vector<double>(goal_count(view)), {}};
   ChoiceSink sink(view);
   History history;
-  run.scored.fill(std::vector<Scored>(goal_count(view)));
   for (std::uint64_t h = 0; h < histories_tried; ++h) {
     trace_history(view, 0, first_of_choice + h, history, sink);
     count_cost(history, run);
     sink.end_history();
-    if ((h + 1) % histories_of_group == 0) sink.end_group(run.scored[h / histories_of_group % rounds]);
+    if ((h + 1) % block_tried == 0) run.scored[h / block_tried] = sink.end_block();
   }
   return run;
 }
@@ -159,24 +147,24 @@ double cost_of(PilotRun const& run, Choice const& choice) {
   for (std::size_t g = 0; g < choice.size(); ++g) cost += sub_paths_tried[choice[g]] * run.sub_paths[g];
   return cost;
 }
-// Sum of the logarithms of the variances of all goals that the pilot has found, in all rounds but one.
+// Sum of the logarithms of the variances of all goals that the pilot has found, in all blocks but one.
 double log_variances(PilotRun const& run, Choice const& choice, std::vector<Scored> const& all, std::size_t without) {
   double sum = 0;
   for (std::size_t g = 0; g < all.size(); ++g) {
     Scored rest = all[g];
     rest.add(run.scored[without][g], -1);
-    if (rest.sum > 0) sum += std::log(rest.variance(choice[g], double(histories_tried) * (rounds - 1) / rounds));
+    if (rest.sum() > 0) sum += std::log(rest.variance(choice[g], blocks_tried - 1));
   }
   return sum;
 }
 // How much better `b` is than `a`: minus the change of eq. 1.26, less two standard errors (jackknife).
 double gain(PilotRun const& run, Choice const& a, Choice const& b) {
   std::vector<Scored> all(a.size());
-  for (auto const& round : run.scored)
-    for (std::size_t g = 0; g < all.size(); ++g) all[g].add(round[g], 1);
-  constexpr double n = rounds;
+  for (auto const& block : run.scored)
+    for (std::size_t g = 0; g < all.size(); ++g) all[g].add(block[g], 1);
+  constexpr double n = blocks_tried;
   double sum = 0, sum2 = 0;
-  for (std::size_t i = 0; i < rounds; ++i) {
+  for (std::size_t i = 0; i < blocks_tried; ++i) {
     double const change = log_variances(run, a, all, i) - log_variances(run, b, all, i);
     sum += change / n;
     sum2 += change * change / n;
@@ -217,7 +205,7 @@ void choose_sub_paths_of_receivers(World& world) {
   WorldView view = world.view();
   if (std::ranges::none_of(world.receivers(), [](Receiver const& r) { return r.sub_paths > 0; })) return;
   view.halo = {};  // whose field may not be known yet
-  view.block_size = histories_tried;
+  view.block_size = block_tried;
   PilotRun const run = run_all_techniques(view);
   Choice choice(goal_count(view));
   while (improve(view, run, choice)) {
