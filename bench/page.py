@@ -23,7 +23,7 @@ import re
 import sys
 
 import pictures
-from record import KEPT, SOURCE
+from record import KEPT, SOURCE, newest
 
 PAGE = SOURCE / "docs" / "develop" / "benchmarks.md"
 PLACE = re.compile(r"^<!-- (bench|goals)(?: ([^\n]*?))? -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL)
@@ -95,7 +95,7 @@ def table(words, results):
     if not found:
         sys.exit(f"{PAGE}: '{words}' is not 'bench NAME [where FIELD=VALUE]: FIELD | FIELD ...'")
     bench, key, value, columns = found.groups()
-    lines = [line for line in results.get(bench, []) if key is None or str(line.get(key)) == value]
+    lines = newest([line for line in results.get(bench, []) if key is None or str(line.get(key)) == value])
     if not lines:
         return f"Not measured yet: `scripts/bench {bench} --keep`."
     fields = [(column.strip() + ",").split(",")[:2] for column in columns.split("|")]
@@ -104,10 +104,18 @@ def table(words, results):
 
 
 def goals(results):
+    """One row for each goal, with what each processor reached."""
     lines = [line for bench in sorted(results) for line in results[bench] if "goal" in line]
-    return rows(["goal", "bench", "wanted", "measured", "spread", "met"],
-                [[line["goal"].get("name", line["case"]), line["bench"], cell(line, "goal"), cell(line, line["goal"]["of"]),
-                  cell(line, "spread"), cell(line, "met")] for line in lines])
+    processors = sorted({line["processor"] for line in lines})
+    reached = {}
+    for line in lines:
+        reached.setdefault((line["goal"].get("name", line["case"]), line["bench"]), {})[line["processor"]] = line
+
+    def cells_of(line):
+        return [cell(line, line["goal"]["of"]), cell(line, "spread"), cell(line, "met")] if line else [""] * 3
+    return rows(["goal", "bench", "wanted", *(heading for p in processors for heading in (p, "spread", "met"))],
+                [[*goal, cell(list(of.values())[-1], "goal"), *(c for p in processors for c in cells_of(of.get(p)))]
+                 for goal, of in reached.items()])
 
 
 def results_of(folder):

@@ -4,6 +4,8 @@ import hashlib
 import json
 import struct
 
+from record import newest
+
 BLUE, RED, GREY = "#1f77b4", "#d62728", "#666666"
 
 
@@ -90,5 +92,5 @@ def draw(pages, folder):
         file = folder / f"{bench}.jsonl"
         if file.exists():
             figure = Figure(layout="constrained")
-            function([json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()], figure)
+            function(newest([json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]), figure)
             figure.savefig(picture_of(pages, bench), dpi=110, metadata={"Source": mark(file)})

@@ -29,7 +29,7 @@ def arguments(doc, **defaults):
     """The parser that all drivers share; doc is the help text."""
     parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", type=pathlib.Path, default=BUILD / "straytrace", help="straytrace (build-bench/straytrace)")
-    parser.add_argument("--keep", action="store_true", help="replace the lines of this bench in bench/results, for the page")
+    parser.add_argument("--keep", action="store_true", help="replace the lines of this bench on this processor in bench/results, for the page")
     parser.add_argument("--quick", action="store_true", help="everything once and tiny: does it run? No numbers to keep")
     parser.add_argument("--repeats", type=int, default=defaults.get("repeats", 5), help="turns of each comparison (%(default)s)")
     parser.add_argument("--results", type=pathlib.Path, default=BUILD / "results.jsonl", help="where lines are appended")
@@ -60,13 +60,13 @@ def machine(folder=BUILD):
 
 class Results:
     """Lines of one bench: `with Results("noise", words) as results: results.add("case", ours=...)`. Appended as they come; with
-    --keep the kept lines of the bench are replaced at the end, if all went well. `part`: the option, and field of the lines, by which
-    some of the bench can be run alone; then lines of other parts stay."""
+    --keep the kept lines of the bench on this processor are replaced at the end, if all went well. `part`: the option, and field of the
+    lines, by which some of the bench can be run alone; then lines of other parts stay. `on_any`: the processor does not matter."""
 
-    def __init__(self, bench, words, part=None):
+    def __init__(self, bench, words, part=None, on_any=False):
         if words.quick and words.keep:
             sys.exit("--keep: the numbers of --quick say nothing; leave one of the two out")
-        self.bench, self.words, self.lines = bench, words, []
+        self.bench, self.words, self.lines, self.on_any = bench, words, [], on_any
         self.part = part if part and getattr(words, part) else None
         self.about = machine(words.program.resolve().parent)
 
@@ -94,11 +94,16 @@ class Results:
             new.replace(file)
 
     def kept_of(self, file):
-        """Lines that stay: of other parts, where a part was run alone."""
-        if self.part is None or not file.exists():
-            return []
-        lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
-        return [line for line in lines if line[self.part] not in {new[self.part] for new in self.lines}]
+        """Lines that stay: of other processors, and of other parts, where a part was run alone."""
+        lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()] if file.exists() else []
+        return [line for line in lines if not self.on_any and line["processor"] != self.about["processor"]
+                or self.part and line[self.part] not in {new[self.part] for new in self.lines}]
+
+
+def newest(lines):
+    """Those of the processor that was measured last."""
+    processor = max(lines, key=lambda line: line["date"], default={}).get("processor")
+    return [line for line in lines if line["processor"] == processor]
 
 
 @dataclasses.dataclass

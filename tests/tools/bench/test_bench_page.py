@@ -52,6 +52,10 @@ class Page(unittest.TestCase):
         self.assertIn("| case | time |", new)
         self.assertIn("| ≤ 1.00 s | 2.00 s |", new)
         self.assertIn("**no**", new)
+        other = {"one": [*lines["one"], lines["one"][0] | {"processor": "q", "date": "2026-01-02T", "ours": 0.5, "met": True}]}
+        both = page.written(text, other)                  # one goal, met on one of two processors; the table is of the last one
+        self.assertIn("| a|b | one | ≤ 1.00 s | 2.00 s |  | **no** | 500 ms |  | yes |", both)
+        self.assertIn("| a|b | 500 ms |\n\nMeasured 2026-01-02", both)
         self.assertEqual(page.written(new, lines), new)
 
     def test_numbers_as_they_are_read(self):
@@ -88,6 +92,20 @@ class Records(unittest.TestCase):
                             results.add("one", group=group, ours=len(groups))
                     lines = [json.loads(line) for line in (record.KEPT / "page.jsonl").read_text().splitlines()]
                     self.assertEqual("".join(line["group"] for line in lines), wanted)
+            finally:
+                record.KEPT = kept
+
+    def test_lines_of_another_processor_stay(self):
+        with tempfile.TemporaryDirectory() as place:
+            kept, record.KEPT = record.KEPT, pathlib.Path(place)
+            try:
+                for processor, on_any, wanted in (("p", False, "p"), ("q", False, "pq"), ("p", False, "qp"), ("p", True, "p")):
+                    words = argparse.Namespace(quick=False, keep=True, program=pathlib.Path("none"), results=pathlib.Path(place) / "r.jsonl")
+                    with record.Results("page", words, on_any=on_any) as results:
+                        results.about["processor"] = processor
+                        results.add("one", ours=1)
+                    lines = [json.loads(line) for line in (record.KEPT / "page.jsonl").read_text().splitlines()]
+                    self.assertEqual("".join(line["processor"] for line in lines), wanted)
             finally:
                 record.KEPT = kept
 
