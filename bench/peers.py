@@ -40,6 +40,7 @@ PROGRAMS = {
     "POV-Ray": ("run_povray.py", "", "povray"),
 }
 ONE_PROBLEM = set().union(*ASKED.values())
+MERIT_OVER_MITSUBA = {"tube": 1.5, "bench": 4, "mesh": 1.5}
 
 
 def missing(what, way):
@@ -107,12 +108,19 @@ def compare(results, words, problem, core):
                 (folder / what).mkdir(exist_ok=True)
                 ways[name] = Theirs(words, folder / what, core, name, problem)
         taken = in_turns(ways, 1 if words.quick else words.repeats) if len(ways) > 1 else {}
-    for name in programs:
-        about = {"problem": problem, "program": name}
-        if why := absent.get(name) or ways[name].failed:
-            results.add(f"{problem}: {name}", **about, skipped=why)
-        else:
-            results.add(f"{problem}: {name}", **about, **line_of(taken["straytrace"], taken[name]))
+    lines = {name: {"skipped": why} if (why := absent.get(name) or ways[name].failed) else line_of(taken["straytrace"], taken[name])
+             for name in programs}
+    set_goal(problem, lines)
+    for name, fields in lines.items():
+        results.add(f"{problem}: {name}", problem=problem, program=name, **fields)
+
+
+def set_goal(problem, lines):
+    """The goal belongs to the best variant of Mitsuba."""
+    ratios = {name: fields["ratio"] for name, fields in lines.items() if name.startswith("Mitsuba") and "ratio" in fields}
+    if problem in MERIT_OVER_MITSUBA and ratios:
+        lines[min(ratios, key=ratios.get)]["goal"] = {"of": "ratio", "at_least": MERIT_OVER_MITSUBA[problem],
+                                                      "name": f"figure of merit over the best variant of Mitsuba, {problem}"}
 
 
 def chosen(words):
