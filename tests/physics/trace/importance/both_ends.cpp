@@ -318,20 +318,14 @@ TEST(BothEnds, LightThatConnectionsFindKeepsItsError) {
   EXPECT_EQ(near_ceiling.receivers()[0].sub_paths, 1);
 }
 
-// A tube of 4 km with two receivers: targets find the light of both, so that sub-paths gain one of them less than they
-// cost both (eq. 1.26). At most a quarter of them is left.
+// A tube of 4 km with two receivers: targets find the light of both, and what dealt numbers leave of the variance is
+// larger with sub-paths in part of the histories (eq. 1.25, 1.26). Without that factor a quarter of them is left.
 TEST(BothEnds, SubPathsAreChosenForAllReceivers) {
   World chosen = baffled_tube();
   find_covered_receivers(chosen);
-  std::vector<double> before;
-  for (Receiver const& r : chosen.receivers()) EXPECT_GT(before.emplace_back(r.sub_paths), 0);
+  for (Receiver const& r : chosen.receivers()) EXPECT_GT(r.sub_paths, 0);
   steer(chosen);
-  double left = 0;
-  for (std::size_t r = 0; r < before.size(); ++r) {
-    EXPECT_LE(chosen.receivers()[r].sub_paths, 0.25 * before[r]);
-    left += chosen.receivers()[r].sub_paths / before[r];
-  }
-  EXPECT_LE(left, 0.25);
+  for (Receiver const& r : chosen.receivers()) EXPECT_EQ(r.sub_paths, 0);
 }
 
 // A lamp lights a ceiling; its light reaches a mode on a small card below a window of glass (eq. 1.21): no connection
