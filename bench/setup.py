@@ -1,8 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Processor time before the first history, and of each history, of one core.
-
-Two runs of different length are compared: the difference is due to the histories, the rest is set-up with reading and writing.
+"""Processor time of one core: of a run of one block, which is reading, set-up and writing, and of each history of long runs.
 
 Examples:
   scripts/bench setup --keep      arms, a long pipe, the bench of the peers
@@ -33,15 +31,14 @@ def scenes(folder):
 
 
 def turn(words, scene, blocks, folder):
-    """(seconds of set-up, seconds per history, peak memory)."""
+    """(seconds of one block, seconds per history, peak memory)."""
     def trace(histories):
         run = folder / "run.h5"
         run.unlink(missing_ok=True)
         return child([words.program, "trace", *scene, "-o", run, "--histories", histories, "--threads", 1, "--quiet"],
                      core=max(os.sched_getaffinity(0)))
-    short, long = trace(BLOCK), trace(BLOCK * (1 + blocks))
-    each = (long.cpu - short.cpu) / (BLOCK * blocks)
-    return short.cpu - BLOCK * each, each, long.peak_memory
+    least, short, long = trace(1), trace(BLOCK), trace(BLOCK * (1 + blocks))
+    return least.cpu, (long.cpu - short.cpu) / (BLOCK * blocks), long.peak_memory
 
 
 def main():

@@ -123,8 +123,9 @@ struct Mixture {
     return diffuse ? even.sample(wi, x, y).wo : lobe.sample(wi, x, y).wo;
   }
   double weight(Vec3 wi, Vec3 wo) const {
-    double const pdf = 0.5 * (even.pdf(wi, wo) + lobe.pdf(wi, wo));
-    return pdf > 0 ? (even.eval(wi, wo) + lobe.eval(wi, wo)) * wo.z / pdf : 0;
+    ValueAndPdf const a = both_of(even, wi, wo), b = both_of(lobe, wi, wo);
+    double const pdf = 0.5 * (a.pdf + b.pdf);
+    return pdf > 0 ? (a.value + b.value) * wo.z / pdf : 0;
   }
 };
 
@@ -147,6 +148,7 @@ struct FullWalk {
   std::uint64_t number = 0;
   std::uint32_t event = 0;
   Place at;
+  Frame frame;
   Vec3 wi{0, 0, 1};
   double weight = 1;
   bool over = true;
@@ -158,7 +160,11 @@ RayQuery departing(FullWalk& w, Mixture const& law, std::uint64_t seed) {
   Vec3 wo = law.sample(w.wi, rng);
   w.weight *= law.weight(w.wi, wo);
   if (!(w.weight > 0)) wo = {0, 0, 1};  // no direction was found: the walk ends with this hop
-  return {{w.at.point, unit(Frame::around(w.at.normal).to_world(wo))}, w.at.from};
+  return {{w.at.point, unit(w.frame.to_world(wo))}, w.at.from};
+}
+void set_out(FullWalk& w, std::uint64_t number, Place const& at) {
+  w = {number, 0, at, Frame::around(at.normal)};
+  w.over = false;
 }
 void arrive(FullWalk& w, WorldView const& view, Ray const& ray, Hit const& hit) {
   w.over = !hit.surface.valid() || w.event == hops || !(w.weight > 0);
@@ -167,7 +173,8 @@ void arrive(FullWalk& w, WorldView const& view, Ray const& ray, Hit const& hit) 
   w.at.point = view.project(hit.surface, ray.origin + hit.distance * ray.dir, hit.piece);
   Vec3 const n = view.normal(hit.surface, w.at.point, hit.piece);
   w.at.normal = dot(n, ray.dir) > 0 ? -n : n;
-  w.wi = Frame::around(w.at.normal).to_local(-ray.dir);
+  w.frame = Frame::around(w.at.normal);
+  w.wi = w.frame.to_local(-ray.dir);
 }
 
 }  // namespace
@@ -184,7 +191,7 @@ double full_bounces(BenchScene const& scene, std::size_t count, std::uint64_t se
   for (std::size_t done = 0; done < count; done += together) {
     for (std::uint32_t i = 0; i < together; ++i) {
       FullWalk& w = walks[i];
-      if (w.over) w = {number, 0, start_of(scene, view, seed, number), {0, 0, 1}, 1, false};
+      if (w.over) set_out(w, number, start_of(scene, view, seed, number));
       number = std::max(number, w.number + 1);
       rays[i] = departing(w, law, seed);
     }

@@ -12,6 +12,20 @@
 
 namespace straytrace::optics {
 
+// Mean of eval cos along a ring, per area; `cut`: by the horizon. `turns`: points on half of the arc.
+template <class Rings, class Law>
+double mean_on_ring(Law const& law, Vec3 wi, double r, bool cut, Arc const& arc, GaussPoints const& turns) {
+  if constexpr (requires { law.even_on_rings(); })
+    if (!cut && law.even_on_rings()) return law.value_at({}, {}, r * r) * Rings::mean_cosine(arc);
+  double mean = 0;
+  for (std::size_t j = 0; j < turns.at.size(); ++j) {
+    double const y = turns.at[j], turn = cut ? y * y * (3 - 2 * y) : y, rate = cut ? 6 * y * (1 - y) : 1;
+    Vec3 const wo = Rings::direction(wi, r, sincos_turn(0.5 + 0.5 * turn * arc.half / pi));
+    if (wo.z > 0) mean += turns.weight[j] * rate * law.eval(wi, wo) * wo.z / Rings::per_steradian(wo);
+  }
+  return mean;
+}
+
 // Integral of eval cos over the part of the ring [low, high] above the horizon. The horizon may cut the ring anywhere
 // only when low >= Rings::cut; there the ends are approached smoothly, for the square roots at the horizon.
 template <class Rings, class Law>
@@ -23,15 +37,9 @@ double ring_power(Law const& law, double cos_i, double sin_i, double low, double
   for (std::size_t i = 0; i < gauss.at.size(); ++i) {
     double const x = gauss.at[i], smooth = cut ? x * x * (3 - 2 * x) : x, slope = cut ? 6 * x * (1 - x) : 1;
     double const r = low + smooth * (high - low);
-    double const half = Rings::arc(wi, r * r).half;
-    if (!(half > 0)) continue;
-    double ring = 0;
-    for (std::size_t j = 0; j < turns.at.size(); ++j) {
-      double const y = turns.at[j], turn = cut ? y * y * (3 - 2 * y) : y, rate = cut ? 6 * y * (1 - y) : 1;
-      Vec3 const wo = Rings::direction(wi, r, sincos_turn(0.5 + 0.5 * turn * half / pi));
-      if (wo.z > 0) ring += turns.weight[j] * rate * law.eval(wi, wo) * wo.z / Rings::per_steradian(wo);
-    }
-    sum += gauss.weight[i] * slope * (high - low) * r * 2 * half * ring;
+    Arc const arc = Rings::arc(wi, r * r);
+    if (!(arc.half > 0)) continue;
+    sum += gauss.weight[i] * slope * (high - low) * r * 2 * arc.half * mean_on_ring<Rings>(law, wi, r, cut, arc, turns);
   }
   return sum;
 }

@@ -53,6 +53,7 @@ struct OffsetRings {
     return {x, y, z2 > 0 ? std::sqrt(z2) : 0};
   }
   STRAY_HD static double per_steradian(Vec3 wo) { return wo.z; }  // area per solid angle
+  static double mean_cosine(Arc const&) { return 1; }             // per area, along a ring above the horizon
   // Azimuth from the top of the arc, rad, and its density.
   STRAY_HD static double azimuth(Arc const& arc, double v) { return (2 * v - 1) * arc.half; }
   STRAY_HD static ArcDensity azimuth_density(Arc const& arc, double) { return {1, 2 * arc.half}; }
@@ -77,6 +78,7 @@ struct ChordRings {
             wi.z * polar - across * azimuth.cos * sin_i};
   }
   STRAY_HD static double per_steradian(Vec3) { return 1; }
+  static double mean_cosine(Arc const& arc) { return arc.up; }
   // The azimuth is drawn evenly, or in proportion to cos_s where that varies.
   STRAY_HD static bool even(Arc const& arc) { return arc.up > 0 && 16 * arc.across2 <= arc.up * arc.up; }
   STRAY_HD static double azimuth(Arc const& arc, double v) {

@@ -14,7 +14,8 @@ struct Abg : SampledByLobe<Abg, OffsetRings> {
   static constexpr char const* key = "abg";
   static ModelKeys<Abg> keys();
 
-  void prepare();  // host
+  bool even_on_rings() const { return true; }  // host: value_at depends on r2 alone
+  void prepare();                              // host
 
   STRAY_HD double value_at(Vec3, Vec3, double r2) const { return a / (b + (r2 > 0 ? half_power(r2, g) : 0)); }
 };
@@ -27,7 +28,8 @@ struct Gaussian : SampledByLobe<Gaussian, OffsetRings> {
   static constexpr char const* key = "gaussian";
   static ModelKeys<Gaussian> keys();
 
-  void prepare();  // host
+  bool even_on_rings() const { return true; }  // host: value_at depends on r2 alone
+  void prepare();                              // host
 
   STRAY_HD double value_at(Vec3, Vec3, double r2) const { return peak * exp_number(-r2 / (2 * width * width)); }
 };
@@ -43,8 +45,9 @@ struct Harvey : SampledByLobe<Harvey, OffsetRings> {
   static ModelKeys<Harvey> keys();
   ModelComplaint impossible() const;
 
-  void prepare();      // host
-  double tis() const;  // host: eq. 3.15, at normal incidence, one width
+  bool even_on_rings() const { return !(across > 0); }  // host: value_at depends on r2 alone
+  void prepare();                                       // host
+  double tis() const;                                   // host: eq. 3.15, at normal incidence, one width
 
   STRAY_HD double value_at(Vec3 wi, Vec3 wo, double r2) const {
     double square = r2 / (width * width);
@@ -72,7 +75,8 @@ struct PowerLaw : SampledByLobe<PowerLaw, ChordRings> {
   static ModelKeys<PowerLaw> keys();
   ModelComplaint impossible() const;
 
-  void prepare();  // host
+  bool even_on_rings() const { return true; }  // host: value_at depends on r2 alone
+  void prepare();                              // host
 
   STRAY_HD double value_at(Vec3, Vec3, double t2) const {
     double const theta2 = angle2_of_chord2(t2);
