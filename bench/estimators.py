@@ -43,17 +43,21 @@ def fields_of(default, turns):
             "apart": apart(default, turns)}
 
 
+def merit_of_all(turns):
+    value, error = together(turns)
+    return (value / error) ** 2 / sum(t.seconds for t in turns)
+
+
 def over_the_best(found, scene):
     """(way, geometric mean over the quantities of the ratio of the default to it) of the best way that resolves all of them; None: no
-    way does."""
+    way does. All turns of a way count as one run."""
     of_way = {}
     quantities = [ways for (of, _), ways in found.items() if of == scene]
     for ways in quantities:
         default = ways["default"]
         for way, turns in ways.items():
-            fields = fields_of(default, turns)
-            if way != "default" and "ratio" in fields:
-                of_way.setdefault(way, []).append(fields["ratio"])
+            if way != "default" and not why_void(default, turns):
+                of_way.setdefault(way, []).append(merit_of_all(default) / merit_of_all(turns))
     means = {way: statistics.geometric_mean(ratios) for way, ratios in of_way.items() if len(ratios) == len(quantities)}
     return min(means.items(), key=lambda way: way[1], default=None)
 
