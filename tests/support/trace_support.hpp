@@ -109,6 +109,7 @@ bool launch(WorldView const& view, std::uint64_t seed, std::uint64_t history, Su
             PathState& path, Sink& sink) {
   Vertex vertex = make_vertex(view, from, point, travel);
   path.history = history;
+  path.strata = {seed, history, view.block_size};
   path.ray.dir = travel;
   evaluate_scattering(view, path, travel, vertex);
   path.power = 1;
