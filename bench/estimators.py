@@ -64,7 +64,7 @@ def over_the_best(found, scene):
 
 def write(results, found):
     for (scene, quantity), ways in found.items():
-        default = next(turns for way, turns in ways.items() if way.startswith("default"))
+        default = ways["default"]
         for way, turns in ways.items():
             fields = fields_of(default, turns)
             if (quantity, way) == HARD and "ratio" in fields:
@@ -78,7 +78,7 @@ def write(results, found):
 
 def main():
     parser = arguments(__doc__)
-    parser.add_argument("--seconds", type=float, default=1, help="processor time of each turn (%(default)s)")
+    parser.add_argument("--seconds", type=float, default=2, help="processor time of each turn (%(default)s)")
     words = parser.parse_args()
     seconds, turns = (0.05, 1) if words.quick else (words.seconds, words.repeats)
     with Results("estimators", words) as results:

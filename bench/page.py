@@ -113,9 +113,10 @@ def goals(results):
 
     def cells_of(line):
         return [cell(line, line["goal"]["of"]), cell(line, "spread"), cell(line, "met")] if line else [""] * 3
-    return rows(["goal", "bench", "wanted", *(heading for p in processors for heading in (p, "spread", "met"))],
-                [[*goal, cell(list(of.values())[-1], "goal"), *(c for p in processors for c in cells_of(of.get(p)))]
-                 for goal, of in reached.items()])
+    table_of_goals = rows(["goal", "bench", "wanted", *(heading for p in processors for heading in (p, "spread", "met"))],
+                          [[*goal, cell(list(of.values())[-1], "goal"), *(c for p in processors for c in cells_of(of.get(p)))]
+                           for goal, of in reached.items()])
+    return "\n\n".join([table_of_goals, *(measured_on([line for line in lines if line["processor"] == p]) for p in processors)])
 
 
 def results_of(folder):

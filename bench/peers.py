@@ -134,10 +134,12 @@ def chosen(words):
 
 
 def main():
-    parser = arguments(__doc__, repeats=2)
-    parser.add_argument("--seconds", type=float, default=3, help="processor time of sampling, each turn (%(default)s)")
+    parser = arguments(__doc__, repeats=3)
+    parser.add_argument("--seconds", type=float, default=4, help="processor time of sampling, each turn (%(default)s)")
     parser.add_argument("--only", default="", help="problems and programs, by part of their names, with commas")
     words = parser.parse_args()
+    if words.keep and words.only:
+        sys.exit("--keep: the lines of all problems and programs are replaced together; leave --only out")
     asked, words.programs = chosen(words)
     if words.quick:
         words.seconds = 0.2

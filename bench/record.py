@@ -101,9 +101,15 @@ class Results:
 
 
 def newest(lines):
-    """Those of the processor that was measured last."""
-    processor = max(lines, key=lambda line: line["date"], default={}).get("processor")
-    return [line for line in lines if line["processor"] == processor]
+    """Of each group or scene that can be measured alone, those of the processor that was measured last."""
+    last = {}
+    for line in sorted(lines, key=lambda line: line["date"]):
+        last[part_of(line)] = line["processor"]
+    return [line for line in lines if line["processor"] == last[part_of(line)]]
+
+
+def part_of(line):
+    return line.get({"engine": "scene", "growth": "group"}.get(line["bench"]))
 
 
 @dataclasses.dataclass

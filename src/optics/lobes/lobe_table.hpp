@@ -106,6 +106,7 @@ struct ChordRings {
 
 // The same for models whose value times cos_s, not the value itself, is even along a ring.
 struct EvenChordRings : ChordRings {
+  static double mean_cosine(Arc const&) = delete;  // their values are not even
   STRAY_HD static double azimuth(Arc const& arc, double v) { return (2 * v - 1) * arc.half; }
   STRAY_HD static ArcDensity azimuth_density(Arc const& arc, double) { return {1, 2 * arc.half}; }
 };

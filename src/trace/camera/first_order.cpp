@@ -60,6 +60,7 @@ bool start_at_receiver(WorldView const& world, Receiver const& receiver, Rng& rn
 bool start_backward(WorldView const& world, std::uint64_t seed, std::uint64_t number, Ending ending, PathState& path) {
   path = {};
   path.history = first_backward_history + number;
+  path.strata = {seed, path.history, world.block_size};
   Rng rng(seed, path.history, 0, Stream::backward);
   return ending.port ? start_at_port(world, seed, world.lit[ending.index], rng, path)
                      : start_at_receiver(world, world.receivers[ending.index], rng, path);

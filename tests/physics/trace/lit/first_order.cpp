@@ -2,6 +2,8 @@
 // First-order lists: what a detector sees by mirrors (closed forms of etendue and visibility), and single scatter.
 #include "trace/camera/first_order.hpp"
 
+#include <set>
+
 #include "support/trace_support.hpp"
 
 namespace straytrace::testing::trace_first_order {
@@ -154,6 +156,29 @@ TEST(FirstOrder, SingleScatterInASphere) {
   expect_rejected("rho 3 % off", sample_mean(row.product, n), 1.03 * 1.03 * single);
   settings.threads = 1;
   EXPECT_EQ(first_order(world, settings).front().rows.front().product.mean, row.product.mean);
+}
+
+// Walks from a mode start in directions that a block deals evenly (docs/theory/sampling.md, Strata): by the cosine law
+// (eq. 3.3), 256 consecutive ones have each of 256 cells of sin^2 once. Control: those of different blocks do not.
+TEST(FirstOrder, WalksFromAModeShareTheirDirections) {
+  World world;
+  SurfaceId const mirror = world.add_surface(Disk{{}, {0, 0, 1}, 0, 1}, lambertian_optic(world, 0.5),
+                                             black_optic(world), world.add_body("all", {}), world.add_group("mirror"));
+  world.add_footprint(spot(mirror, {}, {0, 0, -1}, Profile::even, 0.1, world.add_port("mode")));
+  world.finish();
+  WorldView const view = world.view();
+  auto const cells = [&](std::uint64_t step) {
+    std::set<int> met;
+    for (std::uint64_t n = 0; n < 256; ++n) {
+      PathState path;
+      EXPECT_TRUE(start_backward(view, 1, step * n, {true, 0}, path));
+      double const z = path.ray.dir.z;
+      met.insert(int(256 * (1 - z * z)));
+    }
+    return met.size();
+  };
+  EXPECT_EQ(cells(1), 256u);
+  EXPECT_LT(cells(view.block_size), 200u) << "control";
 }
 
 }  // namespace
