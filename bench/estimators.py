@@ -49,17 +49,21 @@ def merit_of_all(turns):
 
 
 def over_the_best(found, scene):
-    """(way, geometric mean over the quantities of the ratio of the default to it) of the best way that resolves all of them; None: no
-    way does. All turns of a way count as one run."""
-    of_way = {}
+    """(way, geometric mean over the quantities of the ratio of the default to it, its spread between turns) of the best way that
+    resolves all of them; None: no way does. All turns of a way count as one run."""
+    of_way, of_turn = {}, {}
     quantities = [ways for (of, _), ways in found.items() if of == scene]
     for ways in quantities:
         default = ways["default"]
         for way, turns in ways.items():
             if way != "default" and not why_void(default, turns):
                 of_way.setdefault(way, []).append(merit_of_all(default) / merit_of_all(turns))
+                of_turn.setdefault(way, []).append([a.merit / b.merit for a, b in zip(default, turns)])
     means = {way: statistics.geometric_mean(ratios) for way, ratios in of_way.items() if len(ratios) == len(quantities)}
-    return min(means.items(), key=lambda way: way[1], default=None)
+    if not means:
+        return None
+    best = min(means, key=means.get)
+    return best, means[best], spread([statistics.geometric_mean(ratios) for ratios in zip(*of_turn[best])])
 
 
 def write(results, found):
@@ -72,7 +76,7 @@ def write(results, found):
             results.add(f"{scene}, {quantity}: {way}", scene=scene, quantity=quantity, way=way, **fields)
     for scene in dict.fromkeys(scene for scene, _ in found):
         if best := over_the_best(found, scene):
-            results.add(f"{scene}, all: {best[0]}", scene=scene, quantity="all", way=best[0], ratio=best[1],
+            results.add(f"{scene}, all: {best[0]}", scene=scene, quantity="all", way=best[0], ratio=best[1], spread=best[2],
                         goal={**BEST, "name": f"figure of merit over the best way, {scene}"})
 
 
