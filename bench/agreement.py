@@ -30,6 +30,12 @@ def together(turns):
     return statistics.fmean(t.value for t in turns), math.sqrt(math.fsum(t.error ** 2 for t in turns)) / len(turns)
 
 
+def merit_of_all(turns):
+    """Of turns of equal effort as one run. Their median would be too good for rare large scores, which most turns miss."""
+    value, error = together(turns)
+    return (value / error) ** 2 / math.fsum(t.seconds for t in turns) if error > 0 else 0.0
+
+
 def apart(ours, theirs):
     """Distance of two lists of turns in standard errors of the difference."""
     (a, da), (b, db) = together(ours), together(theirs)
@@ -50,5 +56,5 @@ def why_void(ours, theirs):
 
 def seconds_to_percent(turns):
     """Set-up and sampling until the error is 1 %."""
-    merit = statistics.median(t.merit for t in turns)
+    merit = merit_of_all(turns)
     return statistics.median(t.setup for t in turns) + 1e4 / merit if merit > 0 else math.inf

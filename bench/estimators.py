@@ -3,7 +3,7 @@
 """The ways to sample, on the same scenes: waiting for hits, connections, sub-paths from the receiver, targets, windows.
 
 Every way gives the same value or the comparison is void. The figure of merit is 1/(relative error^2 x processor seconds); the ratio
-is that of the default over the way. Errors are those of each turn, from the spread of its blocks.
+is that of the default over the way, of all turns together. Errors are those of each turn, from the spread of its blocks.
 
 Examples:
   scripts/bench estimators --keep      three scenes, five seeds each; for the page
@@ -11,7 +11,7 @@ Examples:
 """
 import statistics
 
-from agreement import Turn, apart, together, why_void
+from agreement import Turn, apart, merit_of_all, together, why_void
 from record import Results, arguments, lines_of, spread
 
 GOAL = {"of": "ratio", "at_least": 100, "name": "figure of merit of a hard class, over law + connections"}
@@ -31,21 +31,14 @@ def read(lines):
 def fields_of(default, turns):
     """Of one way: its value, its merit, and how much better the default is."""
     value, error = together(turns)
-    merits = [t.merit for t in turns]
-    fields = {"value": value, "error": error, "theirs": statistics.median(merits), "unit": "1/s", "repeats": len(turns),
+    fields = {"value": value, "error": error, "theirs": merit_of_all(turns), "unit": "1/s", "repeats": len(turns),
               "setup": turns[0].setup, "setup_unit": "s", "peak_memory": turns[0].peak_memory}
     if turns[0].rays:
         fields |= {"rays": statistics.median(t.rays / t.seconds for t in turns), "rays_unit": "1/s"}
     if why := why_void(default, turns):
         return {**fields, "skipped": why}
-    ratios = [a.merit / b.merit for a, b in zip(default, turns)]
-    return {**fields, "ours": statistics.median(t.merit for t in default), "ratio": statistics.median(ratios), "spread": spread(ratios),
-            "apart": apart(default, turns)}
-
-
-def merit_of_all(turns):
-    value, error = together(turns)
-    return (value / error) ** 2 / sum(t.seconds for t in turns)
+    merit, between = merit_of_all(default), spread([a.merit / b.merit for a, b in zip(default, turns)])
+    return {**fields, "ours": merit, "ratio": merit / fields["theirs"], "spread": between, "apart": apart(default, turns)}
 
 
 def over_the_best(found, scene):

@@ -3,7 +3,7 @@
 """Whole problems against other programs: what share of the light of a lamp reaches a receiver after scatter.
 
 Each program gets the same scene (bench/peers/problems.py), one core and about the same processor time, in turns. The figure of merit is
-1/(relative error^2 x processor seconds of sampling); set-up (reading, trees, tables, compiling) is listed separately. Where two values
+1/(relative error^2 x processor seconds of sampling) of all turns together; set-up (reading, trees, tables, compiling) is listed separately. Where two values
 differ by more than four standard errors the comparison is void and says so. Programs: scripts/setup --peers.
 
 Examples:
@@ -19,7 +19,7 @@ import statistics
 import sys
 import tempfile
 
-from agreement import Turn, apart, seconds_to_percent, together, why_void
+from agreement import Turn, apart, merit_of_all, seconds_to_percent, together, why_void
 from ours import Ours
 from record import QUIET, SOURCE, Results, arguments, child, in_turns, spread
 
@@ -89,9 +89,9 @@ def line_of(ours, theirs):
     fields = {**side("", ours), **side("theirs_", theirs), "unit": "1/s", "repeats": len(ours)}
     if why := why_void(ours, theirs):
         return {"skipped": why, **fields}
-    ratios = [a.merit / b.merit for a, b in zip(ours, theirs)]
-    return {"ours": statistics.median(t.merit for t in ours), "theirs": statistics.median(t.merit for t in theirs),
-            "ratio": statistics.median(ratios), "spread": spread(ratios), "apart": apart(ours, theirs), **fields}
+    merits = {"ours": merit_of_all(ours), "theirs": merit_of_all(theirs)}
+    between = spread([a.merit / b.merit for a, b in zip(ours, theirs)])
+    return {**merits, "ratio": merits["ours"] / merits["theirs"], "spread": between, "apart": apart(ours, theirs), **fields}
 
 
 def compare(results, words, problem, core):

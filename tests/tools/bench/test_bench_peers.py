@@ -60,6 +60,14 @@ class Agreement(unittest.TestCase):
         law = estimators.read(lines(1.0 + 5 * 0.01))[("s", "photodiode behind a ring")]["law + connections"]
         self.assertIn("void", estimators.fields_of(default, law)["skipped"])
 
+    def test_rare_scores_count(self):
+        """Two of three turns miss the rare score; by the median (1/(0.01^2 2 s)) theirs would win, together it loses."""
+        ours = [Turn(1.0, 0.02, 2.0, 0.5, 1000)] * 3
+        theirs = [Turn(1.0, error, 2.0, 0.5, 1000) for error in (0.01, 0.01, 0.05)]
+        self.assertAlmostEqual(peers.line_of(ours, theirs)["ratio"], (2 * 0.01 ** 2 + 0.05 ** 2) / (3 * 0.02 ** 2))
+        self.assertGreater(statistics.median(t.merit for t in theirs), agreement.merit_of_all(ours))   # the control
+        self.assertLess(agreement.merit_of_all(theirs), agreement.merit_of_all(ours))
+
     def test_error_of_batches(self):
         values = [1.0, 2.0, 3.0, 6.0]
         self.assertEqual(batches.mean_and_error(values), (3.0, statistics.stdev(values) / 2))
