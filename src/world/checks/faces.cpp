@@ -73,6 +73,53 @@ void check_faces(Scene const& scene, World const& world) {
 
 namespace {
 
+// Where a surface is: its box, and a ring about its axis.
+struct Placed {
+  std::uint32_t id;
+  SearchItem at;
+};
+double along(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+// Whether two intervals are further apart than `gap`, m; negative: reach into each other by no more than this.
+bool apart(double low_a, double high_a, double low_b, double high_b, double gap) {
+  return low_a > high_b + gap || low_b > high_a + gap;
+}
+// The same of heights and radii, where both surfaces have one axis.
+bool rings_apart(SearchItem const& a, SearchItem const& b, double gap) {
+  constexpr double parallel = 1e-14, same = 1e-11;  // rad, m
+  Vec3 const offset = b.reference - a.reference;
+  double const height = dot(offset, a.axis), turned = dot(a.axis, b.axis) > 0 ? 1 : -1;
+  if (length(cross(a.axis, b.axis)) > parallel || length(offset - height * a.axis) > same) return false;
+  double const low = turned > 0 ? b.extent.low : -b.extent.high, high = turned > 0 ? b.extent.high : -b.extent.low;
+  return apart(a.extent.low, a.extent.high, height + low, height + high, gap) ||
+         apart(a.extent.r_min, a.extent.r_max, b.extent.r_min, b.extent.r_max, gap);
+}
+bool apart(SearchItem const& a, SearchItem const& b, double gap) {
+  for (int k = 0; k < 3; ++k)
+    if (apart(along(a.box.lower, k), along(a.box.upper, k), along(b.box.lower, k), along(b.box.upper, k), gap))
+      return true;
+  return rings_apart(a, b, gap);
+}
+int longest_axis(std::vector<Placed> const& all) {
+  Box whole;
+  for (Placed const& b : all) whole.add(b.at.box);
+  Vec3 const size = whole.upper - whole.lower;
+  return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+// Which surfaces may be within `gap` of another one, by their bounds; found by a sweep along the longest axis.
+std::vector<bool> may_meet(WorldView const& view, double gap) {
+  std::vector<Placed> all;
+  for (std::uint32_t id = 0; id < view.surfaces.size; ++id)
+    all.push_back({id, view.shapes.visit(view.surfaces[id].shape, [](auto const& s) { return search_item(s); })});
+  int const axis = longest_axis(all);
+  auto const start = [&](Placed const& b) { return along(b.at.box.lower, axis); };
+  std::ranges::sort(all, [&](Placed const& a, Placed const& b) { return start(a) < start(b); });
+  std::vector<bool> may(all.size(), false);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t j = i + 1; j < all.size() && start(all[j]) <= along(all[i].at.box.upper, axis) + gap; ++j)
+      if (!apart(all[i].at, all[j].at, gap)) may[all[i].id] = may[all[j].id] = true;
+  return may;
+}
+
 constexpr double parallel = 1e-3;          // rad between the normals of surfaces that lie on each other
 constexpr double neighbour_step = 1e-6;    // m: a second point at which they must touch
 constexpr double closed_tolerance = 0.03;  // of integrals over a body; one with a side left open is off by more
@@ -228,9 +275,10 @@ std::vector<FacePair> coincident_faces(World const& world) {
   WorldView const view = world.view();
   std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3> pairs;
   ClosedBodies bodies(world);
+  std::vector<bool> const near = may_meet(view, 2 * contact_distance);
   int const count = samples_per_face(view.surfaces.size);
   for (std::uint32_t id = 0; id < view.surfaces.size; ++id) {
-    if (view.surfaces[id].clear) continue;
+    if (view.surfaces[id].clear || !near[id]) continue;
     for (FaceSample const& p : face_samples(view, id, count)) {
       Ray const probe{p.point - contact_distance * p.normal, p.normal, 2 * contact_distance};
       for (auto const& found : surfaces_along(view, probe, {p.surface, p.piece})) {
@@ -332,8 +380,9 @@ std::vector<FacePair> crossing_faces(World const& world, double least_depth) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, FacePair> pairs;
   int const count =
       std::min(samples_per_face(view.surfaces.size), std::max(16, int(most_samples / view.surfaces.size)));
+  std::vector<bool> const overlap = may_meet(view, -2 * contact_distance);  // those that only touch end there
   for (std::uint32_t id = 0; id < view.surfaces.size; ++id) {
-    if (view.surfaces[id].clear) continue;
+    if (view.surfaces[id].clear || !overlap[id]) continue;
     double const step =
         view.shapes.visit(view.surfaces[id].shape, [&](auto const& s) { return std::sqrt(s.area() / count); });
     for (FaceSample const& p : face_samples(view, id, count)) {
