@@ -47,25 +47,51 @@ Line line_between(Point const& x, Point const& y) {
   return {&x, &y, kernel, from > 0 ? 0u : 1u, to > 0 ? 0u : 1u};
 }
 
+constexpr unsigned lines_for_slivers = 256;
+
+// A point of a goal where lines from patches end.
+struct GoalPoint {
+  Vec3 p, normal;
+  std::uint32_t piece = 0;
+  bool met = false;  // otherwise the line of the mode misses its surface
+};
+
+// A beam that starts on a lit surface: vertices where its light leaves (without a surface: none), the sides of patches
+// that hold the surface, and the shares of its power that arrive.
+struct Beam {
+  Footprint const* lit;
+  std::vector<std::size_t> sides;
+  std::vector<Vertex> starts;
+  std::vector<LineSum> arriving;  // by sides of patches
+};
+
 class Quadrature {
  public:
   Quadrature(World const& world, SteeringTables const& tables, unsigned samples)
       : tables_(tables), samples_(samples), view_(world.view()), steering_(tables.view()) {
     for (std::uint32_t patch = 0; patch < tables.patches.size(); ++patch)
       for (unsigned i = 0; i < points_each(); ++i) {
+        starts_.push_back(start_on(patch, i));
         Pair const at = pair_of_points(patch, 0, i);
-        starts_.push_back(point_on(patch, at.u1, at.v1));
         ends_.push_back(point_on(patch, at.u2, at.v2));
       }
   }
 
   std::vector<Exchange> run(std::vector<std::uint32_t> const& goals, unsigned threads) {
-    std::size_t const sides = tables_.sides.size();
+    std::size_t const sides = tables_.sides.size(), patches = sides / 2;
     std::vector<Exchange> all(sides);
-    in_parallel(sides, threads, [&](std::size_t side) { fill_side(side, goals, all[side]); });
-    bool const every_line = sides / 2 <= patches_with_every_line;
-    in_parallel(sides / 2, threads, [&](std::size_t from) {
-      for (std::size_t to = from; to < sides / 2; ++to) exchange_between(from, to, every_line, all);
+    for (std::size_t side = 0; side < sides; ++side) {
+      all[side].direct.assign(goals.size(), 0);
+      all[side].albedo = mean_albedo(side);
+      if (all[side].albedo > 0) all[side].diffuse = Arriving(sides);
+    }
+    draw_goals(goals);
+    draw_beams();
+    in_parallel(patches, threads, [&](std::size_t patch) { fill_patch(patch, goals, all); });
+    emit(all);
+    bool const every_line = patches <= patches_with_every_line;
+    in_parallel(patches, threads, [&](std::size_t from) {
+      for (std::size_t to = from; to < patches; ++to) exchange_between(from, to, every_line, all);
     });
     return all;
   }
@@ -77,8 +103,7 @@ class Quadrature {
 
  private:
   static constexpr unsigned spare_points = 16;  // per patch: where the points of a pair begin
-  static constexpr unsigned lines_for_slivers = 256;
-  static constexpr double in_plane = 1e-9;  // cosine: rounding of a line that lies in a surface
+  static constexpr double in_plane = 1e-9;      // cosine: rounding of a line that lies in a surface
   unsigned points_each() const { return samples_ + spare_points; }
   Point point_on(std::size_t patch, double u, double v) const {
     Steering::Place const place = steering_.place(std::uint32_t(patch), u);
@@ -89,8 +114,31 @@ class Quadrature {
                    std::is_same_v<std::remove_cvref_t<decltype(shape)>, Sphere>};
     });
   }
+  Point start_on(std::size_t patch, unsigned i) const {
+    Pair const at = pair_of_points(patch, 0, i);
+    return point_on(patch, at.u1, at.v1);
+  }
+  // The same points of one patch, as many as are asked for.
+  class PointsOf {
+   public:
+    PointsOf(Quadrature const& all, std::size_t patch) : all_(all), patch_(patch) {}
+    Point const& operator[](unsigned i) {
+      unsigned const known = all_.points_each();
+      if (i < known) return all_.starts_[known * patch_ + i];
+      while (more_.size() <= i - known) more_.push_back(all_.start_on(patch_, known + unsigned(more_.size())));
+      return more_[i - known];
+    }
 
-  bool scatters(std::size_t side) const { return mean_albedo(side) > 0; }
+   private:
+    Quadrature const& all_;
+    std::size_t const patch_;
+    std::vector<Point> more_;
+  };
+  // Where the points of a goal or beam begin for one side of a patch, so that sides do not share their lines.
+  static unsigned first_of(std::size_t side, std::size_t number) {
+    return unsigned(mixed(side * 0x9e3779b97f4a7c15ull + number + 1) % lines_for_slivers);
+  }
+
   double mean_albedo(std::size_t side) const {
     Patch const& patch = tables_.patches[side / 2];
     double sum = 0;
@@ -103,14 +151,13 @@ class Quadrature {
     }
     return sum / patch.area;
   }
-  void fill_side(std::size_t side, std::vector<std::uint32_t> const& goals, Exchange& exchange) const {
-    exchange.direct.assign(goals.size(), 0);
-    exchange.albedo = mean_albedo(side);
-    if (!(exchange.albedo > 0)) return;
-    exchange.diffuse = Arriving(tables_.sides.size());
-    for (std::size_t g = 0; g < goals.size(); ++g)
-      exchange.direct[g] = exchange.albedo * direct_score(side, goals[g], g);
-    emit_from(side, exchange);
+  void fill_patch(std::size_t patch, std::vector<std::uint32_t> const& goals, std::vector<Exchange>& all) {
+    PointsOf points(*this, patch);
+    std::array<bool, 2> const scatters{all[2 * patch].albedo > 0, all[2 * patch + 1].albedo > 0};
+    for (std::size_t k = 0; k < 2; ++k)
+      for (std::size_t g = 0; g < goals.size() && scatters[k]; ++g)
+        all[2 * patch + k].direct[g] = all[2 * patch + k].albedo * direct_score(2 * patch + k, goals[g], g, points);
+    for (Beam& beam : beams_) emit_towards(beam, patch, scatters, points);
   }
 
   bool hidden(Line const& line) const {
@@ -168,97 +215,132 @@ class Quadrature {
   }
   // Score per unit of diffuse power leaving `side` by connections to one goal. Where no first line arrives, more of
   // them look for the sliver that may be seen.
-  double direct_score(std::size_t side, std::uint32_t goal, std::size_t number) const {
+  double direct_score(std::size_t side, std::uint32_t goal, std::size_t number, PointsOf& points) const {
     bool dark = false;
+    unsigned const first = first_of(side, number);
+    std::vector<GoalPoint> const& ends = goal_points_[number];
     auto const mean_of = [&](unsigned begin, unsigned end) {  // those before `begin` score nothing
       double sum = 0;
       for (unsigned i = begin; i < end; ++i)
-        sum += score_of_line(side, goal, pair_of_points(side, ~std::uint64_t(number), i), dark);
+        sum += score_of_line(side, goal, points[i], ends[(first + i) % lines_for_slivers], dark);
       return sum / end;
     };
-    double const first = mean_of(0, samples_);
-    return first > 0 || !(dark || curved(side / 2)) ? first : mean_of(samples_, lines_for_slivers);
+    double const mean = mean_of(0, samples_);
+    return mean > 0 || !(dark || curved(side / 2)) ? mean : mean_of(samples_, lines_for_slivers);
   }
   // `dark` is set where the line is hidden.
-  double score_of_line(std::size_t side, std::uint32_t goal, Pair const& at, bool& dark) const {
-    Point const x = point_on(side / 2, at.u1, at.v1);
-    Arrival const y = arrival(goal, x.p, at.u2 > 0 ? at.u2 : 0.5, at.v2);
-    Vec3 const span = y.point - x.p;
-    double const d = length(span), cos_x = (side % 2 == 0 ? 1 : -1) * dot(span, x.normal) / d;
-    if (!(y.worth > 0 && cos_x > in_plane && y.cosine > in_plane)) return 0;
-    bool const clear = view_.surfaces[y.surface.value].clear;
-    if (view_.occluded({x.p, (1 / d) * span, d - view_.slack(y.surface, d, y.cosine)}, {x.surface, x.piece},
-                       x.surface == y.surface && !clear)) {
+  double score_of_line(std::size_t side, std::uint32_t goal, Point const& x, GoalPoint const& y, bool& dark) const {
+    Vec3 const span = y.p - x.p;
+    double const from = (side % 2 == 0 ? 1 : -1) * dot(span, x.normal), to = -dot(span, y.normal);
+    if (!(from > 0) || !y.met || !accepts(goal, y, to > 0)) return 0;
+    double const d = length(span), cos_x = from / d, cos_y = std::fabs(to) / d;
+    if (!(cos_x > in_plane && cos_y > in_plane)) return 0;
+    SurfaceId const surface = surface_of(view_, goal);
+    Vec3 const out = (1 / d) * span;
+    if (view_.occluded({x.p, out, d - view_.slack(surface, d, cos_y)}, {x.surface, x.piece},
+                       x.surface == surface && !view_.surfaces[surface.value].clear)) {
       dark = true;
       return 0;
     }
-    return cos_x * y.worth / (pi * d * d);
+    return cos_x * worth_of(goal, y, out) / (pi * d * d);
   }
-  // A point drawn on a goal, and the score there of light from p, per unit of intensity over d^2.
-  struct Arrival {
-    Vec3 point;
-    SurfaceId surface;
-    double cosine = 0, worth = 0;
-  };
-  Arrival arrival(std::uint32_t goal, Vec3 p, double u, double v) const {
-    if (goal >= view_.lit.size) {
-      Receiver const& r = view_.receivers[goal - view_.lit.size];
-      SurfacePoint const at = view_.shapes.visit(view_.surfaces[r.surface.value].shape,
-                                                 [&](auto const& shape) { return sample_of(shape, u, v); });
-      Vertex const y = make_vertex(view_, r.surface, at.point, unit(at.point - p), at.piece);
-      return {y.point, r.surface, y.cosine(),
-              r.counts(y.front) && y.wi.z > 0 ? y.cosine() / receiver_density(view_, r) : 0};
-    }
-    Footprint const& lit = view_.lit[goal];
-    Ray const line = lit.sample(u, v);
-    Crossing const met = view_.cross(lit.surface.value, line, {});
-    if (!(met.distance < infinity)) return {};
-    Vec3 const point = line.origin + met.distance * line.dir;
-    Vertex const y = make_vertex(view_, lit.surface, point, unit(point - p), met.piece);
-    if (!(y.wi.z > 0) || dot(y.normal(), lit.travel) >= 0) return {};
-    double const mode = rejoin_bsdf(view_, y, lit) * accepted(view_, lit);
-    return {y.point, lit.surface, y.cosine(), y.cosine() * mode};
+  // Whether the goal takes light on this side of it.
+  bool accepts(std::uint32_t goal, GoalPoint const& y, bool front) const {
+    if (is_receiver(view_, goal)) return receiver_of(view_, goal).counts(front);
+    return (front ? 1 : -1) * dot(y.normal, view_.lit[goal].travel) < 0;
+  }
+  // Score of light that arrives at y along `out`, per unit of intensity over d^2.
+  double worth_of(std::uint32_t goal, GoalPoint const& y, Vec3 out) const {
+    Vertex const at = make_vertex(view_, surface_of(view_, goal), y.p, out, y.piece);
+    if (!(at.wi.z > 0)) return 0;
+    if (is_receiver(view_, goal)) return at.cosine() / receiver_density(view_, receiver_of(view_, goal));
+    return at.cosine() * rejoin_bsdf(view_, at, view_.lit[goal]) * accepted(view_, view_.lit[goal]);
   }
 
+  void draw_goals(std::vector<std::uint32_t> const& goals) {
+    for (std::size_t number = 0; number < goals.size(); ++number) {
+      std::vector<GoalPoint>& points = goal_points_.emplace_back();
+      for (unsigned i = 0; i < lines_for_slivers; ++i) {
+        Pair const at = pair_of_points(~std::uint64_t(number), 0, i);
+        points.push_back(point_of_goal(goals[number], at.u2 > 0 ? at.u2 : 0.5, at.v2));
+      }
+    }
+  }
+  GoalPoint point_of_goal(std::uint32_t goal, double u, double v) const {
+    SurfaceId const surface = surface_of(view_, goal);
+    SurfacePoint at;
+    if (is_receiver(view_, goal)) {
+      at = view_.shapes.visit(view_.surfaces[surface.value].shape,
+                              [&](auto const& shape) { return sample_of(shape, u, v); });
+    } else {
+      Ray const line = view_.lit[goal].sample(u, v);
+      Crossing const met = view_.cross(surface.value, line, {});
+      if (!(met.distance < infinity)) return {};
+      at = {line.origin + met.distance * line.dir, met.piece};
+    }
+    return {at.point, view_.normal(surface, at.point, at.piece), at.piece, true};
+  }
+
+  void draw_beams() {
+    for (std::size_t e = 0; e < view_.emitters.size; ++e) {
+      Footprint const& lit = view_.lit[view_.emitters[e]];
+      if (lit.free) continue;
+      bool const front = dot(view_.normal(lit.surface, lit.centre), lit.travel) < 0;
+      Beam beam{&lit, {}, {}, std::vector<LineSum>(tables_.sides.size())};
+      for (std::size_t patch = 0; patch < tables_.patches.size(); ++patch)
+        if (holds(patch, lit.surface)) beam.sides.push_back(2 * patch + (front ? 0 : 1));
+      for (unsigned i = 0; i < lines_for_slivers; ++i) beam.starts.push_back(start_of(lit, e, i));
+      beams_.push_back(std::move(beam));
+    }
+  }
+  Vertex start_of(Footprint const& lit, std::size_t number, unsigned i) const {
+    Pair const at = pair_of_points(~std::uint64_t(number), 1, i);
+    Ray const ray = lit.sample(at.u2 > 0 ? at.u2 : 0.5, at.v2);
+    Crossing const met = view_.cross(lit.surface.value, ray, {});
+    if (!(met.distance < infinity)) return {};
+    Vec3 const p = ray.origin + met.distance * ray.dir;
+    return make_vertex(view_, lit.surface, p, lit.direction(p), met.piece);
+  }
   bool holds(std::size_t patch, SurfaceId surface) const {
     Patch const& p = tables_.patches[patch];
     for (std::uint32_t m = p.first; m < p.first + p.count; ++m)
       if (tables_.strips[tables_.members[m].strip].surface == surface) return true;
     return false;
   }
-  // True law of the beams that start on this side.
-  void emit_from(std::size_t side, Exchange& exchange) const {
-    std::vector<LineSum> sums(tables_.sides.size());
-    for (std::size_t e = 0; e < view_.emitters.size; ++e) {
-      Footprint const& lit = view_.lit[view_.emitters[e]];
-      if (lit.free || !holds(side / 2, lit.surface)) continue;
-      bool const front = dot(view_.normal(lit.surface, lit.centre), lit.travel) < 0;
-      if (front != (side % 2 == 0)) continue;
-      exchange.emitted += lit.share * exchange.albedo;
-      for (std::size_t to = 0; to < tables_.patches.size(); ++to) emit_towards(sums, side, lit, to);
+  // True law of the beams that start on each side.
+  void emit(std::vector<Exchange>& all) const {
+    for (std::size_t side = 0; side < all.size(); ++side) {
+      if (!(all[side].albedo > 0)) continue;
+      std::vector<LineSum> sums;
+      for (Beam const& beam : beams_) {
+        if (std::ranges::find(beam.sides, side) == beam.sides.end()) continue;
+        sums.resize(all.size());
+        all[side].emitted += beam.lit->share * all[side].albedo;
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+          sums[i].first += beam.arriving[i].first;
+          sums[i].second += beam.arriving[i].second;
+        }
+      }
+      if (!(all[side].emitted > 0)) continue;
+      all[side].by_law = Arriving(sums.size());
+      for (std::size_t i = 0; i < sums.size(); ++i) all[side].by_law.set(i, sums[i], false);
     }
-    if (!(exchange.emitted > 0)) return;
-    exchange.by_law = Arriving(sums.size());
-    for (std::size_t i = 0; i < sums.size(); ++i) exchange.by_law.set(i, sums[i], false);
   }
   // More lines look for the sliver that may be seen of each side of `to` which the first lines do not reach.
-  void emit_towards(std::vector<LineSum>& sums, std::size_t side, Footprint const& lit, std::size_t to) const {
-    std::array<LineSum, 2> facing;  // by side of `to`
+  void emit_towards(Beam& beam, std::size_t to, std::array<bool, 2> scatters, PointsOf& points) const {
+    LineSum* const facing = &beam.arriving[2 * to];  // by side of `to`
     std::array<bool, 2> dark{curved(to), curved(to)};
+    unsigned const first = first_of(2 * to, std::size_t(&beam - beams_.data()));
     auto const add_lines = [&](unsigned begin, unsigned end, std::array<bool, 2> wanted) {
       for (unsigned i = begin; i < end && (wanted[0] || wanted[1]); ++i) {
-        auto const line = emit_line(side, lit, to, i, wanted);
+        auto const line = emit_line(beam.starts[(first + i) % lines_for_slivers], *beam.lit, to, points[i], wanted);
         if (line && line->hidden) dark[line->on] = true;
         if (line && !line->hidden) facing[line->on].add(std::min(line->share, 1.0) / end, end);
       }
     };
     add_lines(0, samples_, {true, true});
-    auto const unseen = [&](unsigned k) { return dark[k] && !(facing[k].first > 0) && scatters(2 * to + k); };
+    auto const unseen = [&](unsigned k) { return dark[k] && !(facing[k].first > 0) && scatters[k]; };
     add_lines(samples_, lines_for_slivers, {unseen(0), unseen(1)});
-    for (unsigned k = 0; k < 2; ++k) {
-      sums[2 * to + k].first += facing[k].first;
-      sums[2 * to + k].second += facing[k].second;
-    }
   }
   // A line from a beam to a side of a patch, and the share of the power that would arrive if all lines were like it.
   struct Emitted {
@@ -266,24 +348,19 @@ class Quadrature {
     bool hidden = false;
     double share = 0;
   };
-  // Line i; nothing where no light leaves along it, or where it meets a side that is not wanted.
-  std::optional<Emitted> emit_line(std::size_t side, Footprint const& lit, std::size_t to, unsigned i,
+  // Nothing where no light leaves along the line, or where it meets a side that is not wanted.
+  std::optional<Emitted> emit_line(Vertex const& from, Footprint const& lit, std::size_t to, Point const& y,
                                    std::array<bool, 2> wanted) const {
-    Pair const at = pair_of_points(side + 1000003, to, i);
-    Ray const ray = lit.sample(at.u1 > 0 ? at.u1 : 0.5, at.v1);
-    Crossing const met = view_.cross(lit.surface.value, ray, {});
-    if (!(met.distance < infinity)) return {};
-    Vec3 const p = ray.origin + met.distance * ray.dir;
-    Vertex const from = make_vertex(view_, lit.surface, p, lit.direction(p), met.piece);
-    Point const x{from.point, from.normal(), lit.surface, met.piece, false}, y = point_on(to, at.u2, at.v2);
+    if (!from.surface.valid()) return {};
+    Point const x{from.point, from.normal(), from.surface, from.piece, false};
     Line const line = line_between(x, y);
     Vec3 const span = y.p - x.p;
-    double const across = in_plane * length(span);
-    if (!wanted[line.side_y] || !(std::fabs(dot(span, x.normal)) > across && std::fabs(dot(span, y.normal)) > across))
-      return {};
+    double const across = in_plane * length(span), up = dot(span, x.normal);
+    if (!wanted[line.side_y] || !(std::fabs(up) > across && std::fabs(dot(span, y.normal)) > across)) return {};
+    if (up < 0 && !scatters_through(*from.optic)) return {};
+    if (hidden(line)) return Emitted{line.side_y, true, 0};
     double const bsdf = scatter_eval(view_.laws, *from.optic, from.wi, from.frame.to_local(unit(span)));
     if (!(bsdf > 0)) return {};
-    if (hidden(line)) return Emitted{line.side_y, true, 0};
     return Emitted{line.side_y, false, lit.share * bsdf * pi * line.kernel * tables_.patches[to].area};
   }
 
@@ -291,7 +368,9 @@ class Quadrature {
   unsigned const samples_;
   WorldView const view_;
   Steering const steering_;
-  std::vector<Point> starts_, ends_;  // of lines
+  std::vector<Point> starts_, ends_;                 // of lines
+  std::vector<std::vector<GoalPoint>> goal_points_;  // by place in the list of goals
+  std::vector<Beam> beams_;
 };
 
 }  // namespace
