@@ -22,7 +22,9 @@ struct GaussPoints {
           p = next;
         }
         slope = size * (x * p - before) / (x * x - 1);
+        double const known = x;
         x -= p / slope;
+        if (x == known) break;
       }
       at.push_back(0.5 * (1 - x));
       weight.push_back(1 / ((1 - x * x) * slope * slope));
