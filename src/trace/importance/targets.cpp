@@ -20,12 +20,13 @@ void add_goal(std::vector<double>& effort, std::vector<double> const& worth, Par
     of_part[parts.of_patch[i]] += worth[i];
     total += worth[i];
   }
-  std::map<std::uint32_t, double> groups;  // per body
+  std::vector<double> groups(parts.bodies, 0);  // per body
+  double bodies = 0;
   for (std::size_t k = 0; k < of_part.size(); ++k)
-    if (of_part[k] > 0) ++groups[parts.body[k]];
+    if (of_part[k] > 0 && groups[parts.body[k]]++ == 0) ++bodies;
   std::vector<double> share(of_part.size(), 0);  // per unit of worth
   for (std::size_t k = 0; k < of_part.size(); ++k)
-    if (of_part[k] > 0) share[k] = 0.5 / total + 0.5 / (double(groups.size()) * groups[parts.body[k]] * of_part[k]);
+    if (of_part[k] > 0) share[k] = 0.5 / total + 0.5 / (bodies * groups[parts.body[k]] * of_part[k]);
   for (std::size_t i = 0; i < worth.size(); ++i) effort[i] += share[parts.of_patch[i]] * worth[i];
 }
 
@@ -34,6 +35,7 @@ void add_goal(std::vector<double>& effort, std::vector<double> const& worth, Par
 Parts parts_of(World const& world, SteeringTables const& tables) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> numbers;
   Parts parts;
+  parts.bodies = world.bodies().size();
   for (Patch const& p : tables.patches) {  // represented by its first strip
     SurfaceId const id = tables.strips[tables.members[p.first].strip].surface;
     Surface const& surface = world.surfaces()[id.value];
