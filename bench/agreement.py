@@ -30,10 +30,18 @@ def together(turns):
     return statistics.fmean(t.value for t in turns), math.sqrt(math.fsum(t.error ** 2 for t in turns)) / len(turns)
 
 
-def merit_of_all(turns):
-    """Of turns of equal effort as one run. Their median would be too good for rare large scores, which most turns miss."""
-    value, error = together(turns)
-    return (value / error) ** 2 / math.fsum(t.seconds for t in turns) if error > 0 else 0.0
+def variance(turns):
+    """Relative variance of one path, from all turns."""
+    value, _ = together(turns)
+    return math.fsum((t.error * t.paths / value) ** 2 for t in turns) / math.fsum(t.paths for t in turns)
+
+
+def merit_of_all(turns, of_method=()):
+    """Figure of merit of all turns as one run, 1/s: their median would be too good for rare large scores, which most turns miss. The
+    variance of a path is the same in other variants of the method, whose turns (`of_method`, these among them) find it too."""
+    _, error = together(turns)
+    rate = sum(t.paths for t in turns) / math.fsum(t.seconds for t in turns)
+    return rate / variance(of_method or turns) if error > 0 else 0.0
 
 
 def apart(ours, theirs):

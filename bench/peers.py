@@ -85,13 +85,19 @@ def side(prefix, turns):
     return {prefix + key: v for key, v in found.items() if v != float("inf")}
 
 
-def line_of(ours, theirs):
+def line_of(ours, theirs, of_method=()):
     fields = {**side("", ours), **side("theirs_", theirs), "unit": "1/s", "repeats": len(ours)}
     if why := why_void(ours, theirs):
         return {"skipped": why, **fields}
-    merits = {"ours": merit_of_all(ours), "theirs": merit_of_all(theirs)}
+    merits = {"ours": merit_of_all(ours), "theirs": merit_of_all(theirs, of_method)}
     between = spread([a.merit / b.merit for a, b in zip(ours, theirs)])
     return {**merits, "ratio": merits["ours"] / merits["theirs"], "spread": between, "apart": apart(ours, theirs), **fields}
+
+
+def turns_of_method(name, taken):
+    """All turns of the variants of a program that draw the same paths: 'Mitsuba path, LLVM' and 'Mitsuba path, scalar'."""
+    method = name.split(",")[0]
+    return [turn for other, turns in taken.items() if other.split(",")[0] == method for turn in turns]
 
 
 def compare(results, words, problem, core):
@@ -108,8 +114,10 @@ def compare(results, words, problem, core):
                 (folder / what).mkdir(exist_ok=True)
                 ways[name] = Theirs(words, folder / what, core, name, problem)
         taken = in_turns(ways, 1 if words.quick else words.repeats) if len(ways) > 1 else {}
-    lines = {name: {"skipped": why} if (why := absent.get(name) or ways[name].failed) else line_of(taken["straytrace"], taken[name])
-             for name in programs}
+    lines = {}
+    for name in programs:
+        why = absent.get(name) or ways[name].failed
+        lines[name] = {"skipped": why} if why else line_of(taken["straytrace"], taken[name], turns_of_method(name, taken))
     set_goal(problem, lines)
     for name, fields in lines.items():
         results.add(f"{problem}: {name}", problem=problem, program=name, **fields)

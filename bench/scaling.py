@@ -4,7 +4,8 @@
 
 Times are wall-clock times, the difference of a long and a short trace, so that they exclude setup: with other programs running
 they say nothing about straytrace. The efficiency of n is T(1)/(n T(n)). That of n programs, each of which traces all histories in
-one thread, is T(1)/T(n): what the machine gives to work that has nothing in common.
+one thread, is T(1)/T(n): what the machine gives to work that has nothing in common. Ranks trace four times the histories: the end of
+a job is the work of rank 0 alone.
 
 Examples:
   scripts/bench scaling --keep      as many threads and ranks as there are cores; for the page
@@ -28,21 +29,23 @@ class Traces:
     def __init__(self, words, folder):
         self.words, self.run_file = words, pathlib.Path(folder) / "run.h5"
         self.scene = SMALL if words.quick else SCENE
-        self.short, self.long = (2, 8) if words.quick else (16, 528)    # blocks
-        self.histories = (self.long - self.short) * BLOCK
+        self.short, self.long, self.longest = (2, 8, 8) if words.quick else (16, 528, 2064)    # blocks
 
     def trace(self, blocks, *more, before=(), cores=None, env=None):
         self.run_file.unlink(missing_ok=True)
         return child([*before, self.words.program, "trace", self.scene, "-o", self.run_file, "--quiet", "--histories", blocks * BLOCK, *more],
                      core=cores, env=env)
 
-    def beyond_setup(self, *more, **where):
+    def beyond_setup(self, *more, blocks=None, **where):
         """(seconds by the clock, what the longer trace took)."""
-        short, long = self.trace(self.short, *more, **where), self.trace(self.long, *more, **where)
+        short, long = self.trace(self.short, *more, **where), self.trace(blocks or self.long, *more, **where)
         return long.seconds - short.seconds, long
 
-    def threads(self, count):
-        return self.beyond_setup("--threads", count, cores=first_cores(count))
+    def histories(self, blocks):
+        return (blocks - self.short) * BLOCK
+
+    def threads(self, count, blocks=None):
+        return self.beyond_setup("--threads", count, cores=first_cores(count), blocks=blocks)
 
     def programs(self, count):
         """Each does all the work: the time of one share."""
@@ -57,7 +60,7 @@ class Traces:
 
     def ranks(self, count):
         return self.beyond_setup("--backend", "mpi", "--threads", 1, before=[*MPIRUN, "-n", count], cores=first_cores(count),
-                                 env=IN_A_BOX)
+                                 env=IN_A_BOX, blocks=self.longest)
 
 
 def first_cores(count):
@@ -86,7 +89,7 @@ def scaled(results, kind, way, repeats, histories):
 
 
 def one_rank(results, traces, repeats):
-    taken = in_turns({"mpi": lambda: traces.ranks(1), "plain": lambda: traces.threads(1)}, repeats)
+    taken = in_turns({"mpi": lambda: traces.ranks(1), "plain": lambda: traces.threads(1, traces.longest)}, repeats)
     results.add("1 rank, compared with no MPI", kind="overhead", unit="s",
                 **compared(*([seconds for seconds, _ in taken[way]] for way in ("mpi", "plain"))),
                 peak_memory=max(done.peak_memory for _, done in taken["mpi"]),
@@ -125,9 +128,9 @@ def main():
     repeats = 1 if words.quick else words.repeats
     with tempfile.TemporaryDirectory() as folder, Results("scaling", words) as results:
         traces = Traces(words, folder)
-        scaled(results, "threads", traces.threads, repeats, traces.histories)
-        scaled(results, "programs", traces.programs, repeats, traces.histories)
-        scaled(results, "ranks", traces.ranks, repeats, traces.histories)
+        scaled(results, "threads", traces.threads, repeats, traces.histories(traces.long))
+        scaled(results, "programs", traces.programs, repeats, traces.histories(traces.long))
+        scaled(results, "ranks", traces.ranks, repeats, traces.histories(traces.longest))
         one_rank(results, traces, repeats)
         checkpoints(results, traces, repeats)
         gpu(results, traces, repeats)

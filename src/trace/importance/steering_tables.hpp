@@ -98,8 +98,8 @@ double best_law_share(Arriving const& arriving, double emitted, std::vector<Targ
 
 // Parts of the scene: groups of bodies, numbered.
 struct Parts {
-  std::vector<std::uint32_t> of_patch, body;  // part of each patch, body of each part
-  std::size_t bodies = 0;                     // of the whole world
+  std::vector<std::uint32_t> of_patch, body;  // part of each patch, body of each part; both numbered by appearance
+  std::size_t bodies = 0;
 };
 Parts parts_of(World const&, SteeringTables const&);
 

@@ -35,15 +35,16 @@ void add_goal(std::vector<double>& effort, std::vector<double> const& worth, Par
 Parts parts_of(World const& world, SteeringTables const& tables) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> numbers;
   Parts parts;
-  parts.bodies = world.bodies().size();
+  std::map<std::uint32_t, std::uint32_t> bodies;
   for (Patch const& p : tables.patches) {  // represented by its first strip
     SurfaceId const id = tables.strips[tables.members[p.first].strip].surface;
     Surface const& surface = world.surfaces()[id.value];
     auto const [at, added] =
         numbers.emplace(std::pair{surface.body.value, surface.group.value}, std::uint32_t(numbers.size()));
-    if (added) parts.body.push_back(surface.body.value);
+    if (added) parts.body.push_back(bodies.emplace(surface.body.value, std::uint32_t(bodies.size())).first->second);
     parts.of_patch.push_back(at->second);
   }
+  parts.bodies = bodies.size();
   return parts;
 }
 

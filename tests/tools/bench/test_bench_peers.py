@@ -68,6 +68,17 @@ class Agreement(unittest.TestCase):
         self.assertGreater(statistics.median(t.merit for t in theirs), agreement.merit_of_all(ours))   # the control
         self.assertLess(agreement.merit_of_all(theirs), agreement.merit_of_all(ours))
 
+    def test_variants_of_a_method_share_the_variance_of_a_path(self):
+        """The scalar variant found a rare score, the other none: both have it, in proportion to their paths."""
+        fast, slow = [Turn(1.0, 0.01, 2.0, 0.5, 3000)] * 2, [Turn(1.0, 0.05, 2.0, 0.5, 1000)] * 2
+        taken = {"straytrace": turns(1.0, 0.01), "Mitsuba path, LLVM": fast, "Mitsuba path, scalar": slow, "Raysect": turns(1.0, 0.1)}
+        both = peers.turns_of_method("Mitsuba path, LLVM", taken)
+        self.assertEqual(both, fast + slow)
+        of_a_path = (3000 * 3000 * 0.01 ** 2 + 1000 * 1000 * 0.05 ** 2) / (3000 + 1000)
+        self.assertAlmostEqual(agreement.merit_of_all(fast, both), 1500 / of_a_path)
+        self.assertAlmostEqual(agreement.merit_of_all(slow, both), 500 / of_a_path)
+        self.assertAlmostEqual(agreement.merit_of_all(fast), 1500 / (3000 * 0.01 ** 2))   # the control: alone it looks better
+
     def test_error_of_batches(self):
         values = [1.0, 2.0, 3.0, 6.0]
         self.assertEqual(batches.mean_and_error(values), (3.0, statistics.stdev(values) / 2))
