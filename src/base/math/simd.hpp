@@ -42,7 +42,7 @@ typedef double Doubles __attribute__((vector_size(64)));
 typedef std::int32_t Ints __attribute__((vector_size(32)));
 
 STRAY_INLINE Floats const& loaded(float const* from) { return *reinterpret_cast<Floats const*>(from); }
-STRAY_INLINE void fill(Floats& out, float x) { out = Floats{x, x, x, x, x, x, x, x}; }
+STRAY_INLINE void fill(Floats& out, float x) { out = x - Floats{}; }  // of braces g++ 12 makes a chain of inserts
 STRAY_INLINE void store_bits(std::uint32_t* to, Floats const& x) {
   *reinterpret_cast<Ints __attribute__((may_alias))*>(to) = (Ints)x;
 }
