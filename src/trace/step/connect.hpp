@@ -34,18 +34,14 @@ STRAY_HD void score_hit(WorldView const& world, PathState const& path, Vertex co
       arrive_at(world, path, vertex, i, sink);
 }
 
-// One connection from the vertex to one lit surface, made with this probability.
+// One connection from the vertex to a point of one lit surface, made with this probability.
 template <class Sink>
 STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex const& vertex, std::uint32_t index,
-                         double u, double v, double probability, Sink& sink) {
+                         SurfaceSpot const& spot, double probability, Sink& sink) {
   Footprint const& lit = world.lit[index];
-  Ray const line = lit.sample(u, v);
-  Crossing const met = world.cross(lit.surface.value, line, {});
-  if (!(met.distance < infinity)) return;
-  Vec3 const point = line.origin + met.distance * line.dir;
-  Way const way = way_to(world, vertex, point);
+  Way const way = way_to(world, vertex, spot.at.point);
   if (!(way.bsdf > 0)) return;
-  Vertex y = make_vertex(world, lit.surface, point, way.out, met.piece);
+  Vertex y = vertex_on(world, spot, way.out);
   if (!(y.wi.z > 0)) return;
   if (dot(y.normal(), lit.travel) >= 0) {  // lit from the other side
     if (!scatters_through(*y.optic)) return;
@@ -70,18 +66,15 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
 
 template <class Sink>
 STRAY_HD void connect(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
-                      Sink& sink) {
+                      GoalPoints& points, Sink& sink) {
   if (!(vertex.albedo > 0) || !hears(sink, path)) return;
-  Rng rng(seed, path.history, path.event, Stream::connection);
-  bool const first = path.event == 0;
   for (std::uint32_t i = 0; i < world.lit.size; ++i) {
-    double u = rng.uniform(), v = rng.uniform();
-    if (first) path.strata.deal(Dealt::end, u, v);
     bool const counted = path.from_halo && first_of_mirror(path, path.order, i);  // by the classes `halo`
     if (!world.lit[i].receives || counted) continue;
     double const probability = connection_probability(world, vertex.side(), i);
     if (probability < 1 && !(Rng(seed, path.history, path.event, Stream::choice).uniform() < probability)) continue;
-    connect_to(world, path, vertex, i, u, v, probability, sink);
+    if (SurfaceSpot const* const spot = points.of(world, seed, path, i))
+      connect_to(world, path, vertex, i, *spot, probability, sink);
   }
 }
 

@@ -40,6 +40,47 @@ STRAY_HD double sub_paths_of(WorldView const& world, std::uint32_t goal) {
   return receiver_of(world, goal).clear ? 0 : receiver_of(world, goal).sub_paths;
 }
 
+// The points of the goals to which the vertices of a history are connected: on lit surfaces drawn by |u|^2 |cos|, on
+// receivers evenly. All vertices of a history share them, because that saves the work of drawing, and because dealt
+// numbers then serve every vertex (docs/theory/sampling.md, Strata).
+class GoalPoints {
+ public:
+  STRAY_HD void begin() { drawn_ = 0; }
+  // Nothing where the line drawn of a mode misses its surface.
+  STRAY_HD SurfaceSpot const* of(WorldView const& world, std::uint64_t seed, PathState const& path,
+                                 std::uint32_t goal) {
+    std::uint32_t const slot = goal < kept ? goal : kept;
+    if (slot == kept || !(drawn_ >> slot & 1u)) {
+      spot_[slot] = draw(world, seed, path, goal);
+      drawn_ |= 1u << slot;
+    }
+    return spot_[slot].surface.valid() ? &spot_[slot] : nullptr;
+  }
+
+ private:
+  static constexpr std::uint32_t kept = 7;  // goals; points on others are computed at every vertex
+  STRAY_HD static SurfaceSpot draw(WorldView const& world, std::uint64_t seed, PathState const& path,
+                                   std::uint32_t goal) {
+    bool const receiver = is_receiver(world, goal);
+    Rng rng(seed, path.history, place_of(world, goal), receiver ? Stream::receiver : Stream::connection);
+    double u = rng.uniform(), v = rng.uniform();
+    path.strata.deal(Dealt::end, u, v);
+    SurfaceId const id = surface_of(world, goal);
+    if (receiver) {
+      SurfacePoint const drawn =
+          world.shapes.visit(world.surfaces[id.value].shape, [&](auto const& s) { return sample_of(s, u, v); });
+      return spot_on(world, id, drawn.point, drawn.piece);
+    }
+    Ray const line = world.lit[goal].sample(u, v);
+    Crossing const met = world.cross(id.value, line, {});
+    if (!(met.distance < infinity)) return {};
+    return spot_on(world, id, line.origin + met.distance * line.dir, met.piece);
+  }
+
+  SurfaceSpot spot_[kept + 1];
+  std::uint32_t drawn_ = 0;  // bits
+};
+
 // Density per area of the lit surface with which a connection draws the point y: |u|^2 |cos| (eq. 1.1 over q), 1/m^2.
 STRAY_HD double connection_density(Footprint const& lit, Vec3 y, Vec3 normal) {
   return lit.intensity(y) * std::fabs(dot(normal, lit.travel));

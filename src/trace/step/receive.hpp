@@ -57,13 +57,11 @@ STRAY_HD double walk_past(WorldView const& world, PathState const& path, Vertex 
 // Connection to a point drawn evenly on the receiver.
 template <class Sink>
 STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path, Vertex const& vertex,
-                                  std::uint32_t receiver, double u, double v, Sink& sink) {
+                                  std::uint32_t receiver, SurfaceSpot const& spot, Sink& sink) {
   Receiver const& r = world.receivers[receiver];
-  SurfacePoint const drawn =
-      world.shapes.visit(world.surfaces[r.surface.value].shape, [&](auto const& s) { return sample_of(s, u, v); });
-  Way const way = way_to(world, vertex, drawn.point);
+  Way const way = way_to(world, vertex, spot.at.point);
   if (!(way.bsdf > 0)) return;
-  Vertex const y = make_vertex(world, r.surface, drawn.point, way.out, drawn.piece);
+  Vertex const y = vertex_on(world, spot, way.out);
   if (!(y.wi.z > 0) || !r.counts(y.front)) return;
   if (!r.clear && blocked(world, vertex, way, y)) return;
   double const walk =
@@ -80,15 +78,10 @@ STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path,
 
 template <class Sink>
 STRAY_HD void connect_receivers(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
-                                Sink& sink) {
+                                GoalPoints& points, Sink& sink) {
   if (world.receivers.size == 0 || !(vertex.albedo > 0) || !hears(sink, path)) return;
-  Rng rng(seed, path.history, path.event, Stream::receiver);
-  bool const first = path.event == 0;
-  for (std::uint32_t i = 0; i < world.receivers.size; ++i) {
-    double u = rng.uniform(), v = rng.uniform();
-    if (first) path.strata.deal(Dealt::end, u, v);
-    connect_to_receiver(world, path, vertex, i, u, v, sink);
-  }
+  for (std::uint32_t i = 0; i < world.receivers.size; ++i)
+    connect_to_receiver(world, path, vertex, i, *points.of(world, seed, path, goal_of_receiver(world, i)), sink);
 }
 
 }  // namespace straytrace::trace

@@ -48,9 +48,11 @@ struct History {
   Vertex parent_vertex;
   std::uint32_t children = 0;  // still to come
   SubPaths sub_paths;
+  GoalPoints goal_points;
   STRAY_HD void begin(std::uint64_t number) {
     path = {};
     path.history = number;
+    goal_points.begin();
     events = waiting = children = sub_paths.count = 0;
   }
   STRAY_HD std::uint32_t new_event() { return ++events; }
@@ -230,11 +232,11 @@ STRAY_HD bool arrive(WorldView const& world, History& history, Vertex& vertex, S
 }
 // 2. Next-event estimates: to every lit surface (eq. 1.8), to receivers, and to sub-paths from them.
 template <class Sink>
-STRAY_HD void connect_all(WorldView const& world, std::uint64_t seed, History const& history, Vertex const& vertex,
+STRAY_HD void connect_all(WorldView const& world, std::uint64_t seed, History& history, Vertex const& vertex,
                           Sink& sink) {
   PathState const& path = history.path;
-  connect(world, seed, path, vertex, sink);
-  connect_receivers(world, seed, path, vertex, sink);
+  connect(world, seed, path, vertex, history.goal_points, sink);
+  connect_receivers(world, seed, path, vertex, history.goal_points, sink);
   connect_sub_paths(world, path, vertex, history.sub_paths, sink);
   if (path.order > 0) score_halo_hits(world, path, vertex, sink);
   connect_halo(world, seed, path, vertex, sink);

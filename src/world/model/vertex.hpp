@@ -75,29 +75,42 @@ STRAY_HD Vec3 shading_normal(Vec3 smooth, Vec3 facet, Vec3 travel) {
   return unit(unit(out + (grazing_facet - up) * facet) - travel);
 }
 
-STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Vec3 travel, std::uint32_t piece = 0) {
+// A point of a surface before light arrives there.
+struct SurfaceSpot {
+  SurfaceId surface;
+  std::uint32_t piece = 0, patch = WorldView::none;
+  Landing at;
+};
+STRAY_HD SurfaceSpot spot_on(WorldView const& world, SurfaceId id, Vec3 point, std::uint32_t piece) {
+  Landing const at = world.landing(id, point, piece);
+  return {id, piece, patch_of(world, id, at.point, piece), at};
+}
+// Light that travels along `travel` has reached it.
+STRAY_HD Vertex vertex_on(WorldView const& world, SurfaceSpot const& spot, Vec3 travel) {
   Vertex v;
-  v.surface = id;
-  v.piece = piece;
-  Landing const landing = world.landing(id, point, piece);
-  Vec3 const normal = landing.normal;
-  v.point = landing.point;
+  v.surface = spot.surface;
+  v.piece = spot.piece;
+  v.patch = spot.patch;
+  v.point = spot.at.point;
+  Vec3 const normal = spot.at.normal;
   v.front = dot(travel, normal) < 0;
-  Surface const& surface = world.surfaces[id.value];
+  Surface const& surface = world.surfaces[v.surface.value];
   v.optic = &world.optics[v.front ? surface.front : surface.back];
   Vec3 lit = v.front ? normal : -normal;
-  if (world.smooth(id)) {
+  if (world.smooth(v.surface)) {
     v.smooth = true;
     v.facet = lit;
     v.facet_cosine = -dot(travel, lit);
-    Vec3 const smooth = world.smooth_normal(id, v.point, piece);
+    Vec3 const smooth = world.smooth_normal(v.surface, v.point, v.piece);
     lit = shading_normal(v.front ? smooth : -smooth, lit, travel);
   }
   v.frame = Frame::around(lit);
   if (v.optic->lay != Lay::free) lay_frame(world, surface, v.point, *v.optic, v.frame);
   v.wi = v.frame.to_local(-travel);
-  v.patch = patch_of(world, id, v.point, piece);
   return v;
+}
+STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Vec3 travel, std::uint32_t piece = 0) {
+  return vertex_on(world, spot_on(world, id, point, piece), travel);
 }
 
 STRAY_HD double index_of(WorldView const& world, std::uint32_t volume) {
