@@ -32,8 +32,9 @@ def together(turns):
 
 def variance(turns):
     """Relative variance of one path, from all turns."""
-    value, _ = together(turns)
-    return math.fsum((t.error * t.paths / value) ** 2 for t in turns) / math.fsum(t.paths for t in turns)
+    paths = math.fsum(t.paths for t in turns)
+    value = math.fsum(t.value * t.paths for t in turns) / paths
+    return math.fsum((t.error * t.paths / value) ** 2 for t in turns) / paths
 
 
 def merit_of_all(turns, of_method=()):
@@ -62,7 +63,7 @@ def why_void(ours, theirs):
     return f"void: values are {far:.1f} standard errors apart" if far > MOST_APART else ""
 
 
-def seconds_to_percent(turns):
+def seconds_to_percent(turns, of_method=()):
     """Set-up and sampling until the error is 1 %."""
-    merit = merit_of_all(turns)
+    merit = merit_of_all(turns, of_method)
     return statistics.median(t.setup for t in turns) + 1e4 / merit if merit > 0 else math.inf

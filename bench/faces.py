@@ -16,7 +16,7 @@ import shutil
 import statistics
 import tempfile
 
-from agreement import apart, together, why_void
+from agreement import apart, merit_of_all, together, why_void
 from ours import Ours
 from record import BUILD, SOURCE, Results, arguments, child, in_turns, spread
 
@@ -61,9 +61,8 @@ def line_of(exact, other):
     about["apart"] = apart(exact, other)
     if why := why_void(exact, other):
         return {**about, "skipped": why}
-    ratios = [a.merit / b.merit for a, b in zip(exact, other)]
-    return {**about, "ours": statistics.median(t.merit for t in exact), "theirs": statistics.median(t.merit for t in other),
-            "ratio": statistics.median(ratios), "spread": spread(ratios)}
+    ours, theirs, between = merit_of_all(exact), merit_of_all(other), spread([a.merit / b.merit for a, b in zip(exact, other)])
+    return {**about, "ours": ours, "theirs": theirs, "ratio": ours / theirs, "spread": between}
 
 
 def main():

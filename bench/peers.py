@@ -3,8 +3,9 @@
 """Whole problems against other programs: what share of the light of a lamp reaches a receiver after scatter.
 
 Each program gets the same scene (bench/peers/problems.py), one core and about the same processor time, in turns. The figure of merit is
-1/(relative error^2 x processor seconds of sampling) of all turns together; set-up (reading, trees, tables, compiling) is listed separately. Where two values
-differ by more than four standard errors the comparison is void and says so. Programs: scripts/setup --peers.
+1/(relative error^2 x processor seconds of sampling) of all turns together; set-up (reading, trees, tables, compiling) is listed
+separately. Where two values differ by more than four standard errors the comparison is void and says so. Programs:
+scripts/setup --peers.
 
 Examples:
   scripts/bench peers --keep                      all problems and programs, for the page
@@ -72,13 +73,13 @@ class Theirs:
         return Turn(**said, peak_memory=done.peak_memory)
 
 
-def side(prefix, turns):
+def side(prefix, turns, of_method=()):
     """Fields of one side of a line."""
     value, error = together(turns)
     found = {"value": value, "error": error, "seconds": statistics.median(t.seconds for t in turns),
              "setup": statistics.median(t.setup for t in turns),
              "paths": statistics.median(t.paths / t.seconds for t in turns), "paths_unit": "1/s",
-             "peak_memory": max(t.peak_memory for t in turns), "to_percent": seconds_to_percent(turns)}
+             "peak_memory": max(t.peak_memory for t in turns), "to_percent": seconds_to_percent(turns, of_method)}
     if turns[0].rays:
         found |= {"rays": statistics.median(t.rays / t.seconds for t in turns), "rays_unit": "1/s"}
     found |= {f"{key}_unit": "s" for key in ("seconds", "setup", "to_percent")}
@@ -86,7 +87,7 @@ def side(prefix, turns):
 
 
 def line_of(ours, theirs, of_method=()):
-    fields = {**side("", ours), **side("theirs_", theirs), "unit": "1/s", "repeats": len(ours)}
+    fields = {**side("", ours), **side("theirs_", theirs, of_method), "unit": "1/s", "repeats": len(ours)}
     if why := why_void(ours, theirs):
         return {"skipped": why, **fields}
     merits = {"ours": merit_of_all(ours), "theirs": merit_of_all(theirs, of_method)}
@@ -97,7 +98,7 @@ def line_of(ours, theirs, of_method=()):
 def turns_of_method(name, taken):
     """All turns of the variants of a program that draw the same paths: 'Mitsuba path, LLVM' and 'Mitsuba path, scalar'."""
     method = name.split(",")[0]
-    return [turn for other, turns in taken.items() if other.split(",")[0] == method for turn in turns]
+    return [turn for other, turns in taken.items() if other.split(",")[0] == method for turn in turns if turn]
 
 
 def compare(results, words, problem, core):

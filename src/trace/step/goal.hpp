@@ -49,7 +49,7 @@ class GoalPoints {
   // Nothing where the line drawn of a mode misses its surface.
   STRAY_HD SurfaceSpot const* of(WorldView const& world, std::uint64_t seed, PathState const& path,
                                  std::uint32_t goal) {
-    std::uint32_t const slot = goal < kept ? goal : kept;
+    std::uint32_t const place = place_of(world, goal), slot = place < kept ? place : kept;
     if (slot == kept || !(drawn_ >> slot & 1u)) {
       spot_[slot] = draw(world, seed, path, goal);
       drawn_ |= 1u << slot;
@@ -58,7 +58,7 @@ class GoalPoints {
   }
 
  private:
-  static constexpr std::uint32_t kept = 7;  // goals; points on others are computed at every vertex
+  static constexpr std::uint32_t kept = 15;  // receivers first; points on other goals are computed at every vertex
   STRAY_HD static SurfaceSpot draw(WorldView const& world, std::uint64_t seed, PathState const& path,
                                    std::uint32_t goal) {
     bool const receiver = is_receiver(world, goal);

@@ -75,7 +75,7 @@ struct PathState {
   std::uint64_t route = 0;   // rolling hash of (group, event) of all vertices left so far
   std::uint32_t source = 0;  // footprint it started from
   double level = 0;          // power x adjoint that the weight window keeps; 0 before the first vertex with an adjoint
-  Strata strata;             // of its numbers at the source
+  Strata strata;             // of the dealt numbers of its history
   double stratum = -1;       // decides lobe and target of the first hop; negative: a random number does
 };
 

@@ -71,13 +71,17 @@ class Agreement(unittest.TestCase):
     def test_variants_of_a_method_share_the_variance_of_a_path(self):
         """The scalar variant found a rare score, the other none: both have it, in proportion to their paths."""
         fast, slow = [Turn(1.0, 0.01, 2.0, 0.5, 3000)] * 2, [Turn(1.0, 0.05, 2.0, 0.5, 1000)] * 2
-        taken = {"straytrace": turns(1.0, 0.01), "Mitsuba path, LLVM": fast, "Mitsuba path, scalar": slow, "Raysect": turns(1.0, 0.1)}
+        taken = {"straytrace": turns(1.0, 0.01), "Mitsuba path, LLVM": fast, "Mitsuba path, scalar": slow, "Raysect": turns(1.0, 0.1),
+                 "Mitsuba path, broken": [None]}
         both = peers.turns_of_method("Mitsuba path, LLVM", taken)
         self.assertEqual(both, fast + slow)
         of_a_path = (3000 * 3000 * 0.01 ** 2 + 1000 * 1000 * 0.05 ** 2) / (3000 + 1000)
         self.assertAlmostEqual(agreement.merit_of_all(fast, both), 1500 / of_a_path)
         self.assertAlmostEqual(agreement.merit_of_all(slow, both), 500 / of_a_path)
         self.assertAlmostEqual(agreement.merit_of_all(fast), 1500 / (3000 * 0.01 ** 2))   # the control: alone it looks better
+        self.assertAlmostEqual(peers.line_of(turns(1.0, 0.01), fast, both)["theirs_to_percent"], 0.5 + 1e4 * of_a_path / 1500)
+        nothing = [Turn(0.0, 0.0, 2.0, 0.5, 1000)] * 2                                     # its paths count
+        self.assertAlmostEqual(agreement.variance(fast + nothing), 3000 * 3000 * 0.01 ** 2 / 4000 / 0.75 ** 2)
 
     def test_error_of_batches(self):
         values = [1.0, 2.0, 3.0, 6.0]

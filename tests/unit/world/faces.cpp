@@ -145,5 +145,35 @@ TYPED_TEST(DoubledFaces, AreFound) {
   }
 }
 
+// A disc across the middle of a shape is found from either of the two, wherever bounds may end: every shape at every
+// place, and none where the disc is moved past the bounds.
+template <class Shape>
+std::size_t crossings(Shape const& shape, Disk const& disk) {
+  World world;
+  Optic grey;
+  grey.reflect = 0.5;
+  std::uint32_t const optic = world.add_optic(grey);
+  BodyId const body = world.add_body("b", {});
+  world.add_surface(shape, optic, optic, body, world.add_group("shape"));
+  world.add_surface(disk, optic, optic, body, world.add_group("disk"));
+  world.finish();
+  return crossing_faces(world, 1e-5).size();
+}
+
+TYPED_TEST(DoubledFaces, AreFoundWhereADiscCrossesThem) {
+  for (TypeParam const& shape : straytrace::testing::instances<TypeParam>()) {
+    SurfacePoint const middle = sample_of(shape, 0.41, 0.37);
+    Vec3 const normal = normal_of(shape, middle.point, middle.piece);
+    Box const box = shape.bounds();
+    double const size = length(box.upper - box.lower);
+    Disk disk;
+    disk.outer_radius = 0.2 * size;
+    disk.place(facing_along(middle.point, any_normal(normal)));
+    EXPECT_EQ(crossings(shape, disk), 1u) << middle.point.x << ' ' << middle.point.y << ' ' << middle.point.z;
+    disk.place(facing_along(middle.point + (1.5 * size) * unit(box.upper - box.lower), any_normal(normal)));
+    EXPECT_EQ(crossings(shape, disk), 0u);
+  }
+}
+
 }  // namespace
 }  // namespace straytrace::world_faces

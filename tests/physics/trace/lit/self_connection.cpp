@@ -40,9 +40,8 @@ TEST(SelfConnection, AFactorOfTwoWouldBeFound) {
   EXPECT_GT(std::abs(self_exchange(2999.8).mean - control), 0.4 * control);
 }
 
-// A deep bowl under even light, in which the walk meets the lit surface too. A connection is made with this
-// probability; 0: that of the tables.
-SampleMean in_a_bowl(double probability) {
+// A deep bowl under even light, in which the walk meets the lit surface too.
+World bowl_world() {
   World world;
   BodyId const body = world.add_body("bowl", {});
   Cap bowl;
@@ -55,6 +54,11 @@ SampleMean in_a_bowl(double probability) {
   lit.standing = true;
   world.add_footprint(lit);
   world.finish();
+  return world;
+}
+// A connection is made with this probability; 0: that of the tables.
+SampleMean in_a_bowl(double probability) {
+  World world = bowl_world();
   SteeringTables tables = make_importance(world);
   for (float& each : tables.connections)
     if (probability > 0) each = float(probability);
@@ -66,6 +70,31 @@ TEST(SelfConnection, RareConnectionsKeepTheMeanEq1_27) {
   expect_mean("probability 1/8", in_a_bowl(0.125), 1, 3e-2);
   expect_mean("as the tables say", in_a_bowl(0), 1, 3e-2);
   expect_rejected("hits of the walk left out", in_a_bowl(0.125), 0.8);
+}
+
+// All vertices of a history are connected to one point of a goal, each history to its own (docs/theory/sampling.md,
+// Strata); the walk's own hits lie anywhere.
+struct PointsOfGoal : NullSink {
+  std::vector<Vec3> connected, hit;
+  void score(PathState const&, Vertex const&, std::uint32_t, std::uint32_t number, Vertex const& y, double) {
+    (is_hit(number) ? hit : connected).push_back(y.point);
+  }
+};
+TEST(SelfConnection, VerticesOfAHistoryShareTheirPoint) {
+  World const world = bowl_world();
+  std::size_t several = 0, apart = 0;
+  std::vector<Vec3> firsts;
+  for (std::uint64_t history = 0; history < 200; ++history) {
+    PointsOfGoal sink;
+    trace_history(world.view(), 1, history, sink);
+    for (Vec3 const& y : sink.connected) EXPECT_EQ(length(y - sink.connected[0]), 0) << history;
+    for (Vec3 const& y : sink.hit) apart += length(y - sink.hit[0]) > 1e-3;
+    several += sink.connected.size() > 1;
+    if (!sink.connected.empty()) firsts.push_back(sink.connected[0]);
+  }
+  EXPECT_GT(several, 50u);
+  EXPECT_GT(apart, 50u);
+  for (std::size_t i = 1; i < firsts.size(); ++i) EXPECT_GT(length(firsts[i] - firsts[i - 1]), 1e-6);
 }
 
 // The light of one mirror on a baffle before it is worth nothing against that of the other mirror.
