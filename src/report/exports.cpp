@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <tuple>
 
 #include "base/errors.hpp"
 #include "io/markup.hpp"
@@ -32,19 +33,27 @@ T** owned(std::vector<std::unique_ptr<T>>& list, unsigned& count) {
 
 aiVector3D vector(Vec3 v) { return {ai_real(v.x), ai_real(v.y), ai_real(v.z)}; }
 
+// The writer of glTF takes a translation of less than 1e-2 m for none and leaves it out: such places belong into the
+// points.
+Vec3 origin_for(Vec3 place) {
+  return std::max({std::fabs(place.x), std::fabs(place.y), std::fabs(place.z)}) < 2e-2 ? Vec3{} : place;
+}
+
 class Builder {
  public:
   void add_part(DrawnPart const& part, DrawnMesh const& mesh) {
-    unsigned const number = mesh_of(mesh, material_of(part.front.empty() ? part.back : part.front), part.name);
+    unsigned const material = material_of(part.front.empty() ? part.back : part.front);
     for (std::size_t i = 0; i < part.places.size(); ++i) {
+      Vec3 const origin = origin_for(part.places[i]);
+      unsigned const number = mesh_of(mesh, part.places[i] - origin, material, part.name);
       auto node = std::make_unique<aiNode>(part.places.size() > 1 ? fmt::format("{} {}", part.name, i + 1) : part.name);
-      aiMatrix4x4::Translation(vector(part.places[i]), node->mTransformation);
+      aiMatrix4x4::Translation(vector(origin), node->mTransformation);
       add_node(std::move(node), number);
     }
   }
   // One set of lines about the first point.
   void add_lines(std::string const& name, std::vector<DrawnPath const*> const& paths) {
-    Vec3 const origin = paths.front()->points.front().point;
+    Vec3 const origin = origin_for(paths.front()->points.front().point);
     auto mesh = std::make_unique<aiMesh>();
     std::vector<aiVector3D> points;
     std::vector<std::pair<unsigned, unsigned>> pieces;
@@ -87,13 +96,14 @@ class Builder {
     mesh.mVertices = new aiVector3D[points.size()];
     std::copy(points.begin(), points.end(), mesh.mVertices);
   }
-  unsigned mesh_of(DrawnMesh const& drawn, unsigned material, std::string const& name) {
-    auto const [at, added] = known_.emplace(std::pair(&drawn, material), unsigned(meshes_.size()));
+  unsigned mesh_of(DrawnMesh const& drawn, Vec3 shift, unsigned material, std::string const& name) {
+    std::tuple const key(&drawn, material, shift.x, shift.y, shift.z);
+    auto const [at, added] = known_.emplace(key, unsigned(meshes_.size()));
     if (!added) return at->second;
     auto mesh = std::make_unique<aiMesh>();
     std::vector<aiVector3D> points;
     for (std::size_t i = 0; i < drawn.points.size(); i += 3)
-      points.emplace_back(drawn.points[i], drawn.points[i + 1], drawn.points[i + 2]);
+      points.push_back(vector(Vec3{drawn.points[i], drawn.points[i + 1], drawn.points[i + 2]} + shift));
     fill(*mesh, points, aiPrimitiveType_TRIANGLE, name, material);
     mesh->mNumFaces = unsigned(drawn.triangles());
     mesh->mFaces = new aiFace[drawn.triangles()];
@@ -126,7 +136,7 @@ class Builder {
   std::vector<std::unique_ptr<aiMesh>> meshes_;
   std::vector<std::unique_ptr<aiMaterial>> materials_;
   std::vector<std::unique_ptr<aiNode>> nodes_;
-  std::map<std::pair<DrawnMesh const*, unsigned>, unsigned> known_;
+  std::map<std::tuple<DrawnMesh const*, unsigned, double, double, double>, unsigned> known_;
   std::map<std::string, unsigned> material_;
 };
 

@@ -118,7 +118,7 @@ class Quadrature {
     Pair const at = pair_of_points(patch, 0, i);
     return point_on(patch, at.u1, at.v1);
   }
-  // The same points of one patch, as many as are asked for.
+  // The same points of one patch, as many as are needed.
   class PointsOf {
    public:
     PointsOf(Quadrature const& all, std::size_t patch) : all_(all), patch_(patch) {}

@@ -173,7 +173,7 @@ TEST(CoupleRecords, APredictionKeepsItsBoundsAndTheLimitOfItsNoise) {
   EXPECT_GT(r["routes"][0]["linear_to"].get<double>(), 0.1);
   std::string const text = straytrace(words).out;
   EXPECT_THAT(text, HasSubstr("small motion (contains upper bounds; 2 routes unresolved)"));
-  EXPECT_THAT(text, HasSubstr(" about 1.2e-17"));
+  EXPECT_THAT(text, HasSubstr(" about 1.3e-17"));
   EXPECT_THAT(text, HasSubstr("at most 2"));  // per cent
   EXPECT_THAT(text, HasSubstr("fringe wrapped"));
 }

@@ -68,6 +68,26 @@ def check_glb(folder):
     check(any("·S > " in n for n in nodes), "no paths")
 
 
+NEAR = """straytrace: 1
+materials: {grey: {scatter: {model: lambertian, tis: 1 %}}}
+bodies: {b: {motion: still}}
+beams: {probe: {from: [0 m, 0 m, -1 m], facing: [0, 0, 1], profile: point, power: 1 W}}
+receivers: {far: {shape: {disk: {outer_radius: 1 m}}, at: [0 m, 0 m, 9 m], facing: [0, 0, -1]}}
+scene:
+  - {name: near, shape: {disk: {outer_radius: 10 mm}}, at: [3 mm, 0 m, 5 mm], body: b, material: grey}
+"""
+
+
+def check_places_near_the_origin(folder):
+    """The writer of glTF leaves out translations of a few millimetres."""
+    (folder / "near.yaml").write_text(NEAR, encoding="utf-8")
+    straytrace("view", "near.yaml", "--glb", "near.glb", "--quiet", folder=folder)
+    scene = trimesh.load(folder / "near.glb")
+    place, name = scene.graph["near"]
+    low, high = scene.geometry[name].bounds + place[:3, 3]
+    check(np.allclose([low[0], high[0], low[2]], [-7e-3, 13e-3, 5e-3], atol=1e-4), f"a disc at [3, 0, 5] mm lies within {low} to {high}")
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -76,6 +96,7 @@ def main():
         check(not (folder / "view.html").exists(), "a page was written without --html")
         check_vtk(folder)
         check_glb(folder)
+        check_places_near_the_origin(folder)
     print("exports are in order")
 
 
