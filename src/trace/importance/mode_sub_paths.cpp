@@ -129,7 +129,7 @@ double sure_gain(PilotRounds const& found, double cost, double more) {
   double const gain = sum / mode_rounds, error = std::sqrt((sum2 / mode_rounds - gain * gain) / (mode_rounds - 1));
   return error > 0 ? gain / error : 0;
 }
-constexpr double sure = 2;                      // standard errors
+constexpr double sure = 3;                      // standard errors: a scene asks this of every beam and mode
 constexpr double sub_paths_for_one_beam = 0.1;  // per history, of a mode that has them for the light of some beam alone
 
 // Modes and their mean numbers of sub-paths per history. Those of a profile `point` have no density.
