@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Random numbers as a pure function of an address: (seed, history, event, purpose). What serves all events of a history,
-// such as the points on goals, has a number of its own in place of the event. There is no shared state, so
+// Random numbers as a pure function of an address: (seed, history, event, purpose). What serves all events of a
+// history, such as the points on goals, has a number of its own in place of the event. There is no shared state, so
 // neither thread count nor block order can change a result. The counter layout is part of the run-file format.
 #pragma once
 
