@@ -78,7 +78,6 @@ struct Placed {
   std::uint32_t id;
   SearchItem at;
 };
-double along(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 // Whether two intervals are further apart than `gap`, m; negative: reach into each other by no more than this.
 bool apart(double low_a, double high_a, double low_b, double high_b, double gap) {
   return low_a > high_b + gap || low_b > high_a + gap;
@@ -95,7 +94,8 @@ bool rings_apart(SearchItem const& a, SearchItem const& b, double gap) {
 }
 bool apart(SearchItem const& a, SearchItem const& b, double gap) {
   for (int k = 0; k < 3; ++k)
-    if (apart(along(a.box.lower, k), along(a.box.upper, k), along(b.box.lower, k), along(b.box.upper, k), gap))
+    if (apart(component(a.box.lower, k), component(a.box.upper, k), component(b.box.lower, k),
+              component(b.box.upper, k), gap))
       return true;
   return rings_apart(a, b, gap);
 }
@@ -111,11 +111,11 @@ std::vector<bool> may_meet(WorldView const& view, double gap) {
   for (std::uint32_t id = 0; id < view.surfaces.size; ++id)
     all.push_back({id, view.shapes.visit(view.surfaces[id].shape, [](auto const& s) { return search_item(s); })});
   int const axis = longest_axis(all);
-  auto const start = [&](Placed const& b) { return along(b.at.box.lower, axis); };
+  auto const start = [&](Placed const& b) { return component(b.at.box.lower, axis); };
   std::ranges::sort(all, [&](Placed const& a, Placed const& b) { return start(a) < start(b); });
   std::vector<bool> may(all.size(), false);
   for (std::size_t i = 0; i < all.size(); ++i)
-    for (std::size_t j = i + 1; j < all.size() && start(all[j]) <= along(all[i].at.box.upper, axis) + gap; ++j)
+    for (std::size_t j = i + 1; j < all.size() && start(all[j]) <= component(all[i].at.box.upper, axis) + gap; ++j)
       if (!apart(all[i].at, all[j].at, gap)) may[all[i].id] = may[all[j].id] = true;
   return may;
 }

@@ -123,8 +123,7 @@ template <class Shape>
 class DoubledFaces : public ::testing::Test {};
 TYPED_TEST_SUITE(DoubledFaces, straytrace::testing::AllShapes);
 
-template <class Shape>
-std::size_t coincidences(Shape const& one, Shape const& two) {
+World grey_world(auto const& one, auto const& two) {
   World world;
   Optic grey;
   grey.reflect = 0.5;
@@ -133,8 +132,10 @@ std::size_t coincidences(Shape const& one, Shape const& two) {
   world.add_surface(one, optic, optic, body, world.add_group("one"));
   world.add_surface(two, optic, optic, body, world.add_group("two"));
   world.finish();
-  return coincident_faces(world).size();
+  return world;
 }
+std::size_t coincidences(auto const& one, auto const& two) { return coincident_faces(grey_world(one, two)).size(); }
+std::size_t crossings(auto const& one, auto const& two) { return crossing_faces(grey_world(one, two), 1e-5).size(); }
 
 TYPED_TEST(DoubledFaces, AreFound) {
   std::vector<TypeParam> const shapes = straytrace::testing::instances<TypeParam>();
@@ -147,19 +148,6 @@ TYPED_TEST(DoubledFaces, AreFound) {
 
 // A disc across a shape is found, and none where the disc is moved past the bounds: every shape at every place, but for
 // walls and rings so slender that the points on them lie further apart than the disc is wide.
-template <class Shape>
-std::size_t crossings(Shape const& shape, Disk const& disk) {
-  World world;
-  Optic grey;
-  grey.reflect = 0.5;
-  std::uint32_t const optic = world.add_optic(grey);
-  BodyId const body = world.add_body("b", {});
-  world.add_surface(shape, optic, optic, body, world.add_group("shape"));
-  world.add_surface(disk, optic, optic, body, world.add_group("disk"));
-  world.finish();
-  return crossing_faces(world, 1e-5).size();
-}
-
 TYPED_TEST(DoubledFaces, AreFoundWhereADiscCrossesThem) {
   int tried = 0;
   for (TypeParam const& shape : straytrace::testing::instances<TypeParam>()) {
