@@ -13,7 +13,7 @@ no `include:`, is not checked alone.
 A block marked ```console night takes minutes: it is run with --night alone (scripts/nightly).
 The table under "## Options" of the page of commands names for each command the options that its --help prints, and the table
 under "## Commands" of README.md the commands that --help prints.
---write puts the nearest printed line in place of each line that differs.
+--write puts the nearest printed line in place of each line that differs; run the page again without it afterwards.
 """
 import difflib
 import pathlib
@@ -47,22 +47,22 @@ def normal(line):
 
 
 def commands(block):
-    """Command, exit code wanted, lines wanted."""
+    """Command, exit code wanted, lines wanted as (their number in the block from 0, text)."""
     found = []
-    for line in block.splitlines():
+    for number, line in enumerate(block.splitlines()):
         if line.startswith("$ "):
             code = EXIT.search(line)
             found.append((EXIT.sub("", line[2:]), int(code.group(1)) if code else 0, []))
         elif line.strip() and found:
-            found[-1][2].append(line)
+            found[-1][2].append((number, line))
     return found
 
 
 def differences(wanted, printed):
-    """(expected line, printed line or None); an empty line wanted: something more was printed."""
+    """(number of the expected line, its text, printed line or None); without a number: something more was printed."""
     lines = [line for line in map(normal, printed) if line and not PROGRESS.match(line)]
     at, gap = 0, False
-    for line in wanted:
+    for number, line in wanted:
         if line.strip() == "...":
             gap = True
             continue
@@ -71,11 +71,11 @@ def differences(wanted, printed):
             at += rest.index(normal(line)) + 1
         else:
             near = difflib.get_close_matches(normal(line), rest, 1, 0.5) if gap else rest
-            yield line, near[0] if near else None
+            yield number, line, near[0] if near else None
             at += rest.index(near[0]) + 1 if near else 0
         gap = False
     if wanted and not gap and at < len(lines):
-        yield "", lines[at]
+        yield None, "", lines[at]
 
 
 def run(command, folder):
@@ -84,7 +84,8 @@ def run(command, folder):
     return done.returncode, done.stdout
 
 
-def problems_of_console(block, folder, corrected):
+def problems_of_console(block, first, folder, corrected):
+    """'corrected' maps the line of the page, counted from 0, to what is printed; the block begins at line 'first'."""
     for command, code, wanted in commands(block):
         if command.split()[0] in NOT_RUN:
             continue
@@ -92,9 +93,9 @@ def problems_of_console(block, folder, corrected):
         if got != code:
             yield f"'{command}' exits with {got}, not {code}:\n{output}"
             continue
-        for line, instead in differences(wanted, output.splitlines()):
+        for number, line, instead in differences(wanted, output.splitlines()):
             if line and instead:
-                corrected[line] = instead
+                corrected[first + number] = instead
             yield f"'{command}' does not print '{line}'; there stands '{instead}'" if line else \
                 f"'{command}' prints more: '{instead}'"
 
@@ -139,10 +140,11 @@ def problems_of(page, root, folder, corrected, night):
         kind, at_night, content = block.groups()
         if at_night and not night:
             continue
+        first = text.count("\n", 0, block.start(3))
         found = problems_of_scene(content, folder) if kind == "yaml" else \
-            problems_of_console(content, folder, corrected) if consoles else ()
+            problems_of_console(content, first, folder, corrected) if consoles else ()
         for problem in found:
-            yield f"{page.relative_to(root)}:{text.count(chr(10), 0, block.start()) + 1}: {problem}"
+            yield f"{page.relative_to(root)}:{first}: {problem}"
 
 
 def main(program, root, named, write, night):
@@ -170,7 +172,7 @@ def main(program, root, named, write, night):
                 found += [f"{COMMANDS_PAGE}: {problem}" for problem in problems_of_options(page, folder)]
             if write and corrected:
                 lines = page.read_text(encoding="utf-8").split("\n")
-                page.write_text("\n".join(corrected.get(line, line) for line in lines), encoding="utf-8")
+                page.write_text("\n".join(corrected.get(number, line) for number, line in enumerate(lines)), encoding="utf-8")
     print("\n".join(found) or f"{len(pages)} pages do what they say")
     return 1 if found else 0
 

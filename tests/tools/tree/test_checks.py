@@ -368,6 +368,10 @@ esac
     def test_new_lines_are_written(self):
         self.expect("$ build/straytrace run  # exit 3\n...\nh = 1.24e-24", 1, "\nh = 1.25e-24\n```", write=True)
 
+    def test_an_equal_line_elsewhere_is_kept(self):
+        right, wrong = "$ printf 'one\\ntwo\\n'\none\ntwo", "$ printf 'one\\nnew\\n'\none\ntwo"
+        self.expect(f"{right}\n{wrong}", 1, f"{right}\n{wrong[:-3]}new\n```", write=True)
+
 
 class MakeCommands(unittest.TestCase):
     PROGRAM = """#!/bin/sh
