@@ -48,6 +48,7 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
     y.n_in = way.wo.z < 0 ? vertex.n_out : vertex.n_in;
     y.n_out = lit.index;
   }
+  if (blocked(world, vertex, way, y)) return;
   double coupling = path.power / probability * way.bsdf * way.kept * way.geometry(y.cosine()) *
                     rejoin_bsdf(world, y, lit) * accepted(world, lit);  // |u|^2 cos over the density of y is 1
   if (world.polarised)
@@ -59,7 +60,6 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
   if (lit.profile != Profile::point && !world.surfaces[lit.surface.value].clear)  // which a walk can hit
     shares = shares_of_connection(world, path, vertex, way, y,
                                   walk_density(world, path, vertex, way, y.patch, y.cosine()), index);
-  if (blocked(world, vertex, way, y)) return;
   tell_shares(sink, shares);
   sink.score(path, vertex, index, connection_number(index), y, coupling * shares.weight);
 }

@@ -336,7 +336,7 @@ STRAY_HD void connect_to_sub_path(WorldView const& world, PathState const& path,
   Vertex const z = seen_along(world, met.at, way.out, media);
   Vec3 const wo = z.frame.to_local(met.towards);
   optics::ValueAndPdf const law = passed_on(world, met, z, wo);
-  if (!(law.value > 0)) return;
+  if (!(law.value > 0) || blocked(world, x, way, z)) return;
   double const n_z = index_towards(z, wo), f = law.value / (n_z * n_z);
   double const walk = walk_density(world, path, x, way, z.patch, z.cosine());
   Ends ends = sub.ends_behind(world, i);
@@ -348,7 +348,7 @@ STRAY_HD void connect_to_sub_path(WorldView const& world, PathState const& path,
   Shares const shares = ends.shares(i + 2);
   double const power =
       path.power * way.bsdf * way.kept * way.geometry(z.cosine()) * f * met.power * shares.weight / ends.sub_paths;
-  if (!(power > 0) || blocked(world, x, way, z)) return;
+  if (!(power > 0)) return;
   tell_shares(sink, shares);
   if constexpr (requires(Chain const& c) { sink.score_through(path, x, z, c, 0u, z, power); })
     sink.score_through(path, x, z, sub.chain_to(i), sub.goal, sub.end, power);
