@@ -84,6 +84,7 @@ STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, Pa
   Rng rng(seed, path.history, path.event, Stream::direction);
   double u = rng.uniform(), v = rng.uniform();
   if (path.event == 0) path.strata.deal(Dealt::direction, u, v);
+  if (path.event == 1) path.strata.deal(Dealt::second_direction, u, v);
   Hop& hop = path.hop;
   hop.side = vertex.side();
   double const alpha = law_share(world, hop.side);
@@ -165,7 +166,9 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
   path.hop = {};
   path.hop.kept = kept;
   bool const dealt = source && path.stratum >= 0;
-  double const choice = (dealt ? path.stratum : Rng(seed, path.history, path.event, Stream::lobe).uniform()) * kept;
+  double choice = dealt ? path.stratum : Rng(seed, path.history, path.event, Stream::lobe).uniform();
+  if (path.event == 1) choice = path.strata.deal(Dealt::second_choice, choice);
+  choice *= kept;
   if (choice < reflect + transmit) {
     bool const through = choice >= reflect;
     path.hop.value = through ? transmit : reflect;

@@ -12,9 +12,10 @@
 namespace straytrace::testing::strata {
 namespace {
 
-constexpr std::array all{Dealt::direction, Dealt::source, Dealt::end, Dealt::end_direction};
+constexpr std::array pairs{Dealt::direction, Dealt::source, Dealt::end, Dealt::end_direction, Dealt::second_direction};
 
-using Point = std::array<double, 8>;  // all axes
+constexpr std::size_t axes = 2 * pairs.size() + 1;
+using Point = std::array<double, axes>;
 
 // Of a history, before and after dealing.
 Point random_point(std::uint64_t seed, std::uint64_t history) {
@@ -26,7 +27,8 @@ Point random_point(std::uint64_t seed, std::uint64_t history) {
 Point dealt_point(std::uint64_t seed, std::uint64_t history, std::uint64_t block_size) {
   Point p = random_point(seed, history);
   Strata const strata(seed, history, block_size);
-  for (std::size_t i = 0; i < all.size(); ++i) strata.deal(all[i], p[2 * i], p[2 * i + 1]);
+  for (std::size_t i = 0; i < pairs.size(); ++i) strata.deal(pairs[i], p[2 * i], p[2 * i + 1]);
+  p.back() = strata.deal(Dealt::second_choice, p.back());
   return p;
 }
 
@@ -47,7 +49,7 @@ TEST(strata, one_history_in_each_cell) {
         dealt.push_back(dealt_point(3, n, size));
         random.push_back(random_point(3, n));
       }
-      for (std::size_t axis = 0; axis < 8; ++axis) {
+      for (std::size_t axis = 0; axis < axes; ++axis) {
         EXPECT_EQ(most_in_a_box(dealt, axis, axis == 0, size, 1), 1u) << size << " " << axis;
         if (size > 8) {
           EXPECT_GT(most_in_a_box(random, axis, axis == 0, size, 1), 1u) << "control";
@@ -67,7 +69,8 @@ TEST(strata, consecutive_histories_fill_the_square) {
   for (std::size_t columns = 1; columns <= 256; columns *= 2)
     EXPECT_EQ(most_in_a_box(dealt, 0, 1, columns, 256 / columns), 1u) << columns;
   EXPECT_GE(most_in_a_box(random, 0, 1, 16, 16), 4u) << "control";
-  for (std::size_t kind = 0; kind < 4; ++kind) EXPECT_LE(most_in_a_box(dealt, 2 * kind, 2 * kind + 1, 16, 16), 4u);
+  for (std::size_t kind = 0; kind < pairs.size(); ++kind)
+    EXPECT_LE(most_in_a_box(dealt, 2 * kind, 2 * kind + 1, 16, 16), 4u);
 }
 
 // Over blocks, the numbers of one history are uniform and independent: 8 x 8 boxes of each two axes. Control: the
@@ -78,7 +81,7 @@ TEST(strata, numbers_of_one_history_are_independent) {
     std::vector<Point> points;
     for (std::uint64_t block = 0; block < blocks; ++block)
       points.push_back(dealt_point(11, block * 4096 + place, 4096));
-    for (std::size_t a = 0; a < 8; ++a)
+    for (std::size_t a = 0; a < axes; ++a)
       for (std::size_t b = 0; b < a; ++b) {
         std::vector<std::uint64_t> count(64);
         for (Point const& p : points) ++count[std::size_t(p[a] * 8) * 8 + std::size_t(p[b] * 8)];

@@ -2,6 +2,7 @@
 // Case A27: the walk alone (eq. 1.7), connections alone (eq. 1.8) and both with the power heuristic (eq. 1.9) have
 // the same mean. Walk and connections are written here once more without any weights, on the histories of the program.
 #include <random>
+#include <set>
 
 #include "scene/scene.hpp"
 #include "support/trace_support.hpp"
@@ -202,6 +203,53 @@ TEST(Estimators, SpecularHopKeepsItsWeight) {
   SampleMean const s = route_coupling(r, "a·S > m·R > a·S");
   expect_mean("image", s, expected, 3e-2 * expected);
   expect_rejected("half the weight", scaled(s, 0.5), expected);
+}
+
+// Directions in which light leaves the first vertex behind the source, as cells of sin^2 of the angle.
+class SecondDirections : public Silent {
+ public:
+  void visit(PathState const& path, Vertex const&) {
+    if (path.order != 2) return;
+    double const z = path.ray.dir.z;
+    if (path.hop.left_by == Event::scatter)
+      cells.insert(int(256 * (1 - z * z)));
+    else
+      ++reflected;
+  }
+  std::set<int> cells;
+  std::uint64_t reflected = 0;
+};
+
+// What happens at the first vertex behind the source, and the direction in which light is scattered there, are dealt
+// (docs/theory/sampling.md, Strata). A plate that scatters (eq. 3.3): 256 consecutive histories have each of 256 cells
+// once. One that reflects a quarter and scatters three: 64 of each 256 are reflected. Control: histories of different blocks.
+TEST(Estimators, SecondVerticesAreDealt) {
+  auto const leaving = [](double reflect, std::uint64_t step, std::uint64_t first = 0) {
+    World world;
+    BodyId const body = world.add_body("all", {});
+    std::uint32_t const black = black_optic(world);
+    Optic optic;
+    optic.reflect = reflect;
+    optic.laws = 1;
+    optic.law[0] = world.add_law(Lambertian{1 - reflect});
+    world.add_surface(Disk{{}, {0, 0, 1}, 0, 1}, world.add_optic(optic), black, body, world.add_group("plate"));
+    world.add_surface(sphere(5), black, black, body, world.add_group("around"));
+    world.add_footprint(free_beam(world.add_group("laser"), {0, 0, 1}, {0, 0, -1}, Profile::point, 0));
+    world.limits.max_order = 3;
+    world.finish();
+    SecondDirections found;
+    for (std::uint64_t n = 0; n < 256; ++n) trace_history(world.view(), 1, step * (first + n), found);
+    return found;
+  };
+  std::uint64_t const block = World().view().block_size;
+  EXPECT_EQ(leaving(0, 1).cells.size(), 256u);
+  EXPECT_LT(leaving(0, block).cells.size(), 200u) << "control";
+  int control = 0;
+  for (std::uint64_t first = 0; first < 8 * 256; first += 256) {
+    EXPECT_EQ(leaving(0.25, 1, first).reflected, 64u);
+    control += leaving(0.25, block, first).reflected == 64;
+  }
+  EXPECT_LT(control, 4);
 }
 
 }  // namespace
