@@ -222,7 +222,8 @@ class SecondDirections : public Silent {
 
 // What happens at the first vertex behind the source, and the direction in which light is scattered there, are dealt
 // (docs/theory/sampling.md, Strata). A plate that scatters (eq. 3.3): 256 consecutive histories have each of 256 cells
-// once. One that reflects a quarter and scatters three: 64 of each 256 are reflected. Control: histories of different blocks.
+// once. One that reflects a quarter and scatters three: 64 of each 256 are reflected. Control: histories of different
+// blocks.
 TEST(Estimators, SecondVerticesAreDealt) {
   auto const leaving = [](double reflect, std::uint64_t step, std::uint64_t first = 0) {
     World world;
