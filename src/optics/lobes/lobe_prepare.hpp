@@ -46,8 +46,7 @@ double ring_power(Law const& law, double cos_i, double sin_i, double low, double
 
 template <class Rings>
 template <class Law>
-void LobeTable<Rings>::ring_powers(Law const& law, double cos_i, int azimuths, double* power) const {
-  GaussPoints const turns(azimuths);
+void LobeTable<Rings>::ring_powers(Law const& law, double cos_i, GaussPoints const& turns, double* power) const {
   double const sin_i = std::sqrt((1 - cos_i) * (1 + cos_i)), cut = Rings::cut(cos_i, sin_i),
                last = std::sqrt(std::min(Rings::last2(sin_i), edge2[rings]));
   for (int i = 0; i < rings; ++i) {
@@ -74,13 +73,13 @@ void LobeTable<Rings>::cut_into_rings(double first2, int inner) {
 
 template <class Rings>
 template <class Law>
-void LobeTable<Rings>::prepare_rings(Law const& law, double smallest, double hole, int azimuths) {
+void LobeTable<Rings>::prepare_rings(Law const& law, double smallest, double hole, GaussPoints const& turns) {
   double const first = hole > 0 ? hole : std::clamp(0.02 * smallest, 1e-12, 0.02);
   cut_into_rings(first * first, hole > 0 ? 0 : 1);
   edge2[0] = hole * hole;
   double power[most_rings];
   for (int row = 0; row < rows; ++row) {
-    ring_powers(law, std::max(row_cosine(row), 1e-4), azimuths, power);
+    ring_powers(law, std::max(row_cosine(row), 1e-4), turns, power);
     double total = 0;
     for (int i = 0; i < rings; ++i) total += power[i];
     cumulative[row][0] = 0;
@@ -96,11 +95,12 @@ void LobeTable<Rings>::prepare_rings(Law const& law, double smallest, double hol
 template <class Rings>
 template <class Law>
 void LobeTable<Rings>::prepare(Law const& law, double smallest, double hole, int azimuths) {
-  prepare_rings(law, smallest, hole, azimuths);
+  GaussPoints const turns(azimuths);
+  prepare_rings(law, smallest, hole, turns);
   double power[most_rings];
   constexpr double lowest = 1e-9;  // replaces the limit at grazing
   for (int k = 0; k < AlbedoTable::size; ++k) {
-    ring_powers(law, std::max(AlbedoTable::cosine(k), lowest), azimuths, power);
+    ring_powers(law, std::max(AlbedoTable::cosine(k), lowest), turns, power);
     albedo.value[k] = 0;
     for (int i = 0; i < rings; ++i) albedo.value[k] += power[i];
   }

@@ -10,6 +10,9 @@
 
 #include "optics/lobes/bsdf.hpp"
 
+namespace straytrace {
+struct GaussPoints;
+}
 namespace straytrace::optics {
 
 // The part of a ring that lies above the horizon: the cosine of the direction scattered there is
@@ -126,7 +129,7 @@ struct LobeTable {
   void prepare(Law const& law, double smallest, double hole = 0, int azimuths = 6);
   // The same without the albedo.
   template <class Law>
-  void prepare_rings(Law const& law, double smallest, double hole, int azimuths);
+  void prepare_rings(Law const& law, double smallest, double hole, GaussPoints const& turns);
 
   // Rows: evenly spaced in the sine up to 45 deg, in the cosine beyond; the row at or beyond the incidence is used.
   STRAY_HD static double row_position(double cos_i) {
@@ -195,7 +198,7 @@ struct LobeTable {
   void cut_into_rings(double first2, int inner);  // `inner`: rings inside the one that holds first2
   // Power that the model scatters into each ring, for light incident at cos_i.
   template <class Law>
-  void ring_powers(Law const& law, double cos_i, int azimuths, double* power) const;
+  void ring_powers(Law const& law, double cos_i, GaussPoints const& turns, double* power) const;
 
   static constexpr double sqrt_two = 1.4142135623730951;
 };

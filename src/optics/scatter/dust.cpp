@@ -256,7 +256,7 @@ void Dust::prepare() {
     }
     lobe.albedo.value[i] = grazed(cos_i) * (2 * reflectance * forward + (1 + reflectance * reflectance) * back);
   }
-  lobe.prepare_rings(*this, smallest, 0, 16);  // resolves the glory, which is not centred on a ring
+  lobe.prepare_rings(*this, smallest, 0, GaussPoints(16));  // resolves the glory, which is not centred on a ring
 }
 
 }  // namespace straytrace::optics
