@@ -205,52 +205,107 @@ TEST(Estimators, SpecularHopKeepsItsWeight) {
   expect_rejected("half the weight", scaled(s, 0.5), expected);
 }
 
-// Directions in which light leaves the first vertex behind the source, as cells of sin^2 of the angle.
-class SecondDirections : public Silent {
+// Squares of the sines under which light leaves the source and the first vertex behind it, of each history.
+struct Hops {
+  double first = 0, second = 0;
+  bool reflected = false;  // at that vertex
+};
+class HopSink : public Silent {
  public:
   void visit(PathState const& path, Vertex const&) {
-    if (path.order != 2) return;
-    double const z = path.ray.dir.z;
-    if (path.hop.left_by == Event::scatter)
-      cells.insert(int(256 * (1 - z * z)));
-    else
-      ++reflected;
+    double const sin2 = 1 - path.hop.cosine * path.hop.cosine;
+    if (path.order == 1) hops_.first = sin2;
+    if (path.order == 2) all.push_back({hops_.first, sin2, path.hop.left_by == Event::reflect});
   }
-  std::set<int> cells;
-  std::uint64_t reflected = 0;
+  std::vector<Hops> all;
+
+ private:
+  Hops hops_;
 };
+// Of histories `first`, `first + step`, ...
+std::vector<Hops> hops_of(World const& world, std::uint64_t histories, std::uint64_t step, std::uint64_t first) {
+  HopSink sink;
+  for (std::uint64_t n = 0; n < histories; ++n) trace_history(world.view(), 1, first + step * n, sink);
+  return sink.all;
+}
+// A plate in a sphere, lit by a free beam.
+World plate_in_a_beam(double reflect) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const black = black_optic(world);
+  Optic optic;
+  optic.reflect = reflect;
+  optic.laws = 1;
+  optic.law[0] = world.add_law(Lambertian{1 - reflect});
+  world.add_surface(Disk{{}, {0, 0, 1}, 0, 1}, world.add_optic(optic), black, body, world.add_group("plate"));
+  world.add_surface(sphere(5), black, black, body, world.add_group("around"));
+  world.add_footprint(free_beam(world.add_group("laser"), {0, 0, 1}, {0, 0, -1}, Profile::point, 0));
+  world.limits.max_order = 3;
+  world.finish();
+  return world;
+}
 
 // What happens at the first vertex behind the source, and the direction in which light is scattered there, are dealt
 // (docs/theory/sampling.md, Strata). A plate that scatters (eq. 3.3): 256 consecutive histories have each of 256 cells
-// once. One that reflects a quarter and scatters three: 64 of each 256 are reflected. Control: histories of different
-// blocks.
+// of sin^2 once. One that reflects a quarter: 64 of each 256. Control: histories of different blocks.
 TEST(Estimators, SecondVerticesAreDealt) {
-  auto const leaving = [](double reflect, std::uint64_t step, std::uint64_t first = 0) {
-    World world;
-    BodyId const body = world.add_body("all", {});
-    std::uint32_t const black = black_optic(world);
-    Optic optic;
-    optic.reflect = reflect;
-    optic.laws = 1;
-    optic.law[0] = world.add_law(Lambertian{1 - reflect});
-    world.add_surface(Disk{{}, {0, 0, 1}, 0, 1}, world.add_optic(optic), black, body, world.add_group("plate"));
-    world.add_surface(sphere(5), black, black, body, world.add_group("around"));
-    world.add_footprint(free_beam(world.add_group("laser"), {0, 0, 1}, {0, 0, -1}, Profile::point, 0));
-    world.limits.max_order = 3;
-    world.finish();
-    SecondDirections found;
-    for (std::uint64_t n = 0; n < 256; ++n) trace_history(world.view(), 1, step * (first + n), found);
-    return found;
+  World const white = plate_in_a_beam(0), half = plate_in_a_beam(0.25);
+  std::uint64_t const block = white.view().block_size;
+  auto const cells = [&](std::uint64_t step) {
+    std::set<int> met;
+    for (Hops const& h : hops_of(white, 256, step, 0)) met.insert(int(256 * h.second));
+    return met.size();
   };
-  std::uint64_t const block = World().view().block_size;
-  EXPECT_EQ(leaving(0, 1).cells.size(), 256u);
-  EXPECT_LT(leaving(0, block).cells.size(), 200u) << "control";
+  EXPECT_EQ(cells(1), 256u);
+  EXPECT_LT(cells(block), 200u) << "control";
   int control = 0;
   for (std::uint64_t first = 0; first < 8 * 256; first += 256) {
-    EXPECT_EQ(leaving(0.25, 1, first).reflected, 64u);
-    control += leaving(0.25, block, first).reflected == 64;
+    auto const reflected = [&](std::uint64_t step) {
+      return std::ranges::count_if(hops_of(half, 256, step, step * first), &Hops::reflected);
+    };
+    EXPECT_EQ(reflected(1), 64);
+    control += reflected(block) == 64;
   }
   EXPECT_LT(control, 4);
+}
+
+// chi^2 of the counts of pairs in 8 x 8 boxes of the unit square.
+template <class Pair>
+double chi2_of(std::vector<Hops> const& all, Pair const& pair) {
+  std::vector<double> count(64);
+  for (Hops const& h : all) {
+    auto const [a, b] = pair(h);
+    ++count[std::size_t(8 * a) * 8 + std::size_t(8 * b)];
+  }
+  double const expected = double(all.size()) / 64;
+  double chi2 = 0;
+  for (double const n : count) chi2 += (n - expected) * (n - expected) / expected;
+  return chi2;
+}
+
+// For one history, the directions of the first and the second hop, and the choice and the direction at the vertex
+// between them, are independent: a mirror that scatters (eq. 3.3) into a white sphere; a plate that reflects half.
+// One place in each of many blocks. Control: the first direction twice.
+TEST(Estimators, DealtVerticesAreIndependent) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const black = black_optic(world), white = lambertian_optic(world, 1);
+  SurfaceId const mirror = world.add_surface(Disk{{}, {0, 0, 1}, 0, 1}, white, black, body, world.add_group("mirror"));
+  world.add_surface(sphere(5), white, white, body, world.add_group("around"));
+  world.add_footprint(spot(mirror, {}, {0, 0, -1}, Profile::even, 0.1));
+  world.limits.max_order = 3;
+  world.finish();
+  constexpr double most = 63 + 5 * 11.2;  // 5 standard deviations of chi^2 with 63 degrees of freedom
+  std::uint64_t const block = world.view().block_size;
+  std::vector<Hops> const all = hops_of(world, 6400, block, 77);
+  ASSERT_EQ(all.size(), 6400u);
+  EXPECT_LT(chi2_of(all, [](Hops const& h) { return std::pair(h.first, h.second); }), most);
+  EXPECT_GT(chi2_of(all, [](Hops const& h) { return std::pair(h.first, h.first); }), most) << "control";
+
+  std::vector<Hops> scattered = hops_of(plate_in_a_beam(0.5), 6400, block, 77);
+  std::erase_if(scattered, &Hops::reflected);
+  auto const lower = std::ranges::count_if(scattered, [](Hops const& h) { return h.second < 0.5; });
+  EXPECT_NEAR(double(lower) / double(scattered.size()), 0.5, 5 * 0.5 / std::sqrt(double(scattered.size())));
 }
 
 }  // namespace
