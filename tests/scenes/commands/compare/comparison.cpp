@@ -147,8 +147,8 @@ TEST(Comparison, PairedErrorsAreTheSpreadOverSeeds) {
   std::vector<double> ratios;
   double stated = 0, independent = 0;
   for (int seed = 1; seed <= seeds; ++seed) {
-    run(folder, arm, "near", {"--seed", std::to_string(seed)});
-    run(folder, arm, "far", {"--seed", std::to_string(seed), "-p", "place=104m"});
+    run(folder, arm, "near", {"--seed", std::to_string(seed), "--histories", "65536"});
+    run(folder, arm, "far", {"--seed", std::to_string(seed), "--histories", "65536", "-p", "place=102m"});
     auto const d = run_differences(read_run(folder / "near.h5"), read_run(folder / "far.h5"));
     EXPECT_TRUE(d.whole.error.paired);
     ratios.push_back(std::log(d.whole.ratio().value));
