@@ -2,7 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <new>
@@ -61,6 +64,16 @@ void add_unsaved(std::string const& pair) {
   set_unsaved(pair.substr(0, equal), read_file(pair.substr(equal + 1)));
 }
 
+// The results do not depend on it; who names one wants to see just that.
+void check_instruction_set() {
+  constexpr std::array<std::string_view, 3> known{"portable", "avx2", "avx512"};
+  char const* const wanted = std::getenv("STRAYTRACE_ISA");
+  if (wanted && std::ranges::find(known, std::string_view(wanted)) == known.end())
+    throw InputError(
+        fmt::format("the environment variable STRAYTRACE_ISA names the unknown instruction set '{}'", wanted),
+        "set it to portable, avx2 or avx512, or unset it");
+}
+
 void warn_of_unread_texts(bool json) {
   PrintOptions options;
   options.format = json ? "json" : "text";
@@ -101,6 +114,7 @@ int answer(int argc, char** argv) {
   add_commands(app, exit_code);
   lay_out_help(app);
   try {
+    check_instruction_set();
     app.parse(argc, argv);
   } catch (CLI::ParseError const& e) {
     return e.get_exit_code() == 0 ? app.exit(e) : refuse(app, e, json);

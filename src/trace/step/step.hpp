@@ -63,9 +63,6 @@ struct History {
   }
 };
 
-// The first vertex of a history is a point of a lit surface, drawn with the weight |u|^2 of the mode (eq. 1.6), where
-// light is scattered out of the mode. Specular reflection of the mode is the mode itself, not stray light.
-//
 // A beam that starts in empty space starts on its plane along the local normal of its wavefront.
 template <class Sink>
 STRAY_HD void emit_free(Footprint const& beam, Ray const& line, PathState& path, Sink& sink) {
@@ -92,7 +89,9 @@ STRAY_HD double stratum(std::uint64_t seed, std::uint64_t history, std::uint64_t
 // Where a path is: it has ended, is at a vertex that it has to leave, or on its way to the next one.
 enum class Where : std::uint8_t { nowhere, at_vertex, in_flight };
 
-// Draws a source, and the first vertex or, from the plane of a free beam, the first ray.
+// Draws a source, and the first vertex or, from the plane of a free beam, the first ray. The first vertex is a point of
+// a lit surface, drawn with the weight |u|^2 of the mode (eq. 1.6), where light is scattered out of the mode. Specular
+// reflection of the mode is the mode itself, not stray light.
 template <class Sink>
 STRAY_HD Where launch(WorldView const& world, std::uint64_t seed, PathState& path, Vertex& vertex, Sink& sink) {
   auto const n = static_cast<std::uint32_t>(world.emitters.size);

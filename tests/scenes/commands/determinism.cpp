@@ -78,6 +78,16 @@ TEST(Determinism, InstructionSetsDoNotMatter) {
   }
 }
 
+TEST(Determinism, UnknownInstructionSetIsAnError) {
+  ::setenv("STRAYTRACE_ISA", "sse", 1);
+  Finished const f = straytrace({"check", virgo_arm});
+  ::unsetenv("STRAYTRACE_ISA");
+  EXPECT_EQ(f.code, 2);
+  EXPECT_NE(f.err.find("'sse'"), std::string::npos) << f.err;
+  EXPECT_NE(f.err.find("portable, avx2 or avx512"), std::string::npos) << f.err;
+  EXPECT_EQ(straytrace({"check", virgo_arm}).code, 0) << "control";
+}
+
 // Rows of a CSV file without its comments, which hold the time.
 std::string rows(std::string const& text) {
   std::size_t at = 0;
