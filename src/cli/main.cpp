@@ -64,7 +64,7 @@ void add_unsaved(std::string const& pair) {
   set_unsaved(pair.substr(0, equal), read_file(pair.substr(equal + 1)));
 }
 
-// The results do not depend on it; who names one wants to see just that.
+// An unknown name would select another instruction set than the user believes.
 void check_instruction_set() {
   constexpr std::array<std::string_view, 3> known{"portable", "avx2", "avx512"};
   char const* const wanted = std::getenv("STRAYTRACE_ISA");

@@ -249,7 +249,7 @@ World plate_in_a_beam(double reflect) {
 // (docs/theory/sampling.md, Strata). A plate that scatters (eq. 3.3): 256 consecutive histories have each of 256 cells
 // of sin^2 once. One that reflects a quarter: 64 of each 256. Control: histories of different blocks.
 TEST(Estimators, SecondVerticesAreDealt) {
-  World const white = plate_in_a_beam(0), half = plate_in_a_beam(0.25);
+  World const white = plate_in_a_beam(0), quarter = plate_in_a_beam(0.25);
   std::uint64_t const block = white.view().block_size;
   auto const cells = [&](std::uint64_t step) {
     std::set<int> met;
@@ -261,7 +261,7 @@ TEST(Estimators, SecondVerticesAreDealt) {
   int control = 0;
   for (std::uint64_t first = 0; first < 8 * 256; first += 256) {
     auto const reflected = [&](std::uint64_t step) {
-      return std::ranges::count_if(hops_of(half, 256, step, step * first), &Hops::reflected);
+      return std::ranges::count_if(hops_of(quarter, 256, step, step * first), &Hops::reflected);
     };
     EXPECT_EQ(reflected(1), 64);
     control += reflected(block) == 64;
