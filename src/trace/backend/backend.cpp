@@ -25,7 +25,8 @@ class Cpu final : public Backend {
   BlockSums run_block(SteeredWorld const& world, std::uint64_t seed, std::uint64_t block) const override {
     WorldView const view = world.view();
     BlockSink sink(view, world->groups().size(), int(block % replica_count));
-    Flight<HistoryTally> flight(view, seed);
+    thread_local std::vector<History> room = Flight<HistoryTally>::room();
+    Flight<HistoryTally> flight(view, seed, room);
     flight.run(block * view.block_size, (block + 1) * view.block_size,
                [&](HistoryTally const& tally) { sink.add(tally); });
     return sink.finish();

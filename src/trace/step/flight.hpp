@@ -17,10 +17,13 @@ class Flight {
   static constexpr std::uint64_t kept_apart =
       32;  // tallies, few for the cache: a history far ahead of the oldest waits
 
-  // The view must live as long as this.
-  Flight(WorldView const& world, std::uint64_t seed)
-      : world_(world), seed_(seed), histories_(in_flight), tallies_(kept_apart, {Tally(world, seed)}) {
-    for (std::uint32_t i = 0; i < in_flight; ++i) flying_[i] = &histories_[i];
+  // Room for the paths, half a megabyte: a thread keeps it from block to block.
+  static std::vector<History> room() { return std::vector<History>(in_flight); }
+
+  // The view and the room must live as long as this.
+  Flight(WorldView const& world, std::uint64_t seed, std::vector<History>& room)
+      : world_(world), seed_(seed), tallies_(kept_apart, {Tally(world, seed)}) {
+    for (std::uint32_t i = 0; i < in_flight; ++i) flying_[i] = &room[i];
   }
 
   // Histories [first, last), each handed to land(tally) in order.
@@ -66,7 +69,6 @@ class Flight {
 
   WorldView const& world_;
   std::uint64_t seed_, next_ = 0, oldest_ = 0;
-  std::vector<History> histories_;
   std::vector<Slot> tallies_;
   History* flying_[in_flight];
   Hit hits_[in_flight];

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "base/errors.hpp"
 #include "base/input/document.hpp"
@@ -48,11 +50,31 @@ bool read_model_keys(Node const& law, Model& model) {
   return whole;
 }
 
+// Whether both models have the same value at every key.
+template <class Model>
+bool same_values(Model const& a, Model const& b) {
+  ModelKeys<Model> const keys = Model::keys();
+  double Model::*const either = keys.either.member;
+  return std::ranges::all_of(keys.numbers, [&](ModelKey<Model> const& k) { return a.*k.member == b.*k.member; }) &&
+         (!either || a.*either == b.*either);
+}
+
+// Tables depend on the keys alone: a model takes those of another one with the same values, as on two mirrors of one
+// polish.
+template <class Model>
+void prepare(Model& model, std::vector<Model> const& others) {
+  auto const like = std::ranges::find_if(others, [&](Model const& other) { return same_values(model, other); });
+  if (like != others.end())
+    model = *like;
+  else
+    model.prepare();
+}
+
 template <class Model>
 void read_model(Node const& law, LawReading& out) {
   Model model;
   if (!read_model_keys(law, model)) return;
-  if constexpr (requires { model.prepare(); }) model.prepare();
+  if constexpr (requires { model.prepare(); }) prepare(model, out.world.laws<Model>());
   out.add(model);
 }
 

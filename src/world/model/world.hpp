@@ -127,6 +127,10 @@ class World {
     list.push_back(law);
     return {kind_of<Law, LawTypes>(), std::uint32_t(list.size() - 1)};
   }
+  template <class Law>
+  std::vector<Law> const& laws() const {
+    return std::get<std::vector<Law>>(laws_);
+  }
   template <class Shape>
   SurfaceId add_surface(Shape const& shape, std::uint32_t front, std::uint32_t back, BodyId body, GroupId group,
                         std::uint32_t volume = Surface::none) {

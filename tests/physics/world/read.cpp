@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "base/every_module.hpp"
 #include "scene/scene.hpp"
@@ -82,6 +84,29 @@ TEST(ReadWorld, TotalsAndBrdfs) {  // tolerance 1e-9 for closed forms, 2e-2 wher
   EXPECT_GT(std::fabs(s.brdf / (2 * pi * kappa / 1e-6) - 1), 0.5);  // control: 2 pi forgotten
   // A list adds.
   EXPECT_NEAR(sent_by("[{model: lambertian, tis: 1 %}, {model: lambertian, tis: 2 %}]").total, 0.03, 1e-9);
+}
+
+// A model takes the tables of an earlier one with the same value at every key; one that differs in any key has its own.
+TEST(ReadWorld, TablesOfModelsWithTheSameValues) {
+  auto const check = [](std::string const& one, std::vector<std::string> const& others) {
+    Sent const first = sent_by(one, 0.1), twice = sent_by("[" + one + ", " + one + "]", 0.1);
+    EXPECT_EQ(twice.total, 2 * first.total) << one;
+    EXPECT_EQ(twice.brdf, 2 * first.brdf) << one;
+    for (std::string const& other : others) {
+      Sent const alone = sent_by(other, 0.1), behind = sent_by("[" + one + ", " + other + "]", 0.1);
+      EXPECT_EQ(behind.total, first.total + alone.total) << other;
+      EXPECT_EQ(behind.brdf, first.brdf + alone.brdf) << other;
+      EXPECT_NE(alone.total, first.total) << other << " has the same total: the test would not see its table";
+    }
+  };
+  check("{model: power-law, tis: 5 ppm, above: 55 urad}",
+        {"{model: power-law, tis: 5 ppm, above: 60 urad}", "{model: power-law, tis: 6 ppm, above: 55 urad}",
+         "{model: power-law, exponent: 1.5, kappa: 1e-6 /sr, above: 55 urad}"});
+  check("{model: harvey, b0: 0.1 /sr, l: 0.01, s: -1.5}",
+        {"{model: harvey, b0: 0.1 /sr, l: 0.01, s: -1.5, l_across: 0.02}",
+         "{model: harvey, b0: 0.1 /sr, l: 0.01, s: -1.6}", "{model: harvey, b0: 0.2 /sr, l: 0.01, s: -1.5}"});
+  check("{model: abg, a: 1e-3 /sr, b: 1e-3, g: 2}", {"{model: abg, a: 1e-3 /sr, b: 2e-3, g: 2}"});
+  check("{model: gaussian, width: 0.1, tis: 0.1}", {"{model: gaussian, width: 0.2, tis: 0.1}"});
 }
 
 // Shadow rule, eq. 8.16: z_i = z_0 ratio^i; the far set mirrors it from the other end.
