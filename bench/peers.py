@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whole problems against other programs: what share of the light of a lamp reaches a receiver after scatter.
 
-Each program gets the same scene (bench/peers/problems.py), one core and about the same processor time, in turns. The figure of merit is
+Each program gets the same scene (bench/peers/problems.py), one core and about the same processor time per turn, in turns. The figure of merit is
 1/(relative error^2 x processor seconds of sampling) of all turns together; set-up (reading, trees, tables, compiling) is listed
 separately. Where two values differ by more than four standard errors the comparison is void and says so. Programs:
 scripts/setup --peers.
@@ -42,8 +42,8 @@ PROGRAMS = {
 }
 ONE_PROBLEM = set().union(*ASKED.values())
 MERIT_OVER_MITSUBA = {"tube": 1.5, "bench": 4, "mesh": 1.5}
-# How many times the turns of others: the estimate has so heavy a tail that a few turns say nothing about its error.
-MORE_TURNS = {("bench", "Mitsuba path, LLVM"): 4, ("bench", "Mitsuba path, scalar"): 4}
+# How many times the turns of others: estimates with so heavy a tail that a few turns say nothing about their error.
+MORE_TURNS = {("bench", "Mitsuba path"): 4}
 
 
 def missing(what, way):
@@ -97,15 +97,19 @@ def line_of(ours, theirs, of_method=()):
     return {**merits, "ratio": merits["ours"] / merits["theirs"], "spread": between, "apart": apart(ours, theirs), **fields}
 
 
+def method_of(name):
+    """Of variants of a program that draw the same paths: 'Mitsuba path' of 'Mitsuba path, LLVM' and 'Mitsuba path, scalar'."""
+    return name.split(",")[0]
+
+
 def turns_of_method(name, taken):
-    """All turns of the variants of a program that draw the same paths: 'Mitsuba path, LLVM' and 'Mitsuba path, scalar'."""
-    method = name.split(",")[0]
-    return [turn for other, turns in taken.items() if other.split(",")[0] == method for turn in turns if turn]
+    return [turn for other, turns in taken.items() if method_of(other) == method_of(name) for turn in turns if turn]
 
 
 def turns_by_program(problem, ways, words):
     """{program: turns of all the ways that took as many, "straytrace" among them}."""
-    repeats = {name: 1 if words.quick else words.repeats * MORE_TURNS.get((problem, name), 1) for name in ways if name != "straytrace"}
+    repeats = {name: 1 if words.quick else words.repeats * MORE_TURNS.get((problem, method_of(name)), 1)
+               for name in ways if name != "straytrace"}
     taken = {}
     for count in sorted(set(repeats.values())):
         group = {name: way for name, way in ways.items() if repeats.get(name, count) == count}

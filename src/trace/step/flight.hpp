@@ -17,7 +17,7 @@ class Flight {
   static constexpr std::uint64_t kept_apart =
       32;  // tallies, few for the cache: a history far ahead of the oldest waits
 
-  // Room for the paths, half a megabyte: a thread keeps it from block to block.
+  // Room for the paths, 0.4 MB: a thread keeps it from block to block.
   static std::vector<History> room() { return std::vector<History>(in_flight); }
 
   // The view and the room must live as long as this.

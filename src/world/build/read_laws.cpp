@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "base/errors.hpp"
@@ -50,13 +52,15 @@ bool read_model_keys(Node const& law, Model& model) {
   return whole;
 }
 
-// Whether both models have the same value at every key.
+// Whether both models have the same value, to the bit, at every key.
 template <class Model>
 bool same_values(Model const& a, Model const& b) {
   ModelKeys<Model> const keys = Model::keys();
-  double Model::*const either = keys.either.member;
-  return std::ranges::all_of(keys.numbers, [&](ModelKey<Model> const& k) { return a.*k.member == b.*k.member; }) &&
-         (!either || a.*either == b.*either);
+  auto const same = [&](double Model::*member) {
+    return std::bit_cast<std::uint64_t>(a.*member) == std::bit_cast<std::uint64_t>(b.*member);
+  };
+  return std::ranges::all_of(keys.numbers, same, &ModelKey<Model>::member) &&
+         (!keys.either.member || same(keys.either.member));
 }
 
 // Tables depend on the keys alone: a model takes those of another one with the same values, as on two mirrors of one

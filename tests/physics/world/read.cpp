@@ -107,6 +107,8 @@ TEST(ReadWorld, TablesOfModelsWithTheSameValues) {
          "{model: harvey, b0: 0.1 /sr, l: 0.01, s: -1.6}", "{model: harvey, b0: 0.2 /sr, l: 0.01, s: -1.5}"});
   check("{model: abg, a: 1e-3 /sr, b: 1e-3, g: 2}", {"{model: abg, a: 1e-3 /sr, b: 2e-3, g: 2}"});
   check("{model: gaussian, width: 0.1, tis: 0.1}", {"{model: gaussian, width: 0.2, tis: 0.1}"});
+  check("{model: microfacet, roughness: 0.2, reflectance: 0.3, grazing: 1}",
+        {"{model: microfacet, roughness: 0.2, reflectance: 0.3}"});
 }
 
 // Shadow rule, eq. 8.16: z_i = z_0 ratio^i; the far set mirrors it from the other end.
