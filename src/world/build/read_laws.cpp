@@ -168,7 +168,7 @@ void read_grooves(Node const& law, LawReading& out) {
       sound = false;
     }
   if (!sound) return;
-  p.prepare();
+  prepare(p, out.world.laws<Grooves>());
   out.add(p);
 }
 

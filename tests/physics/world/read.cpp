@@ -109,6 +109,8 @@ TEST(ReadWorld, TablesOfModelsWithTheSameValues) {
   check("{model: gaussian, width: 0.1, tis: 0.1}", {"{model: gaussian, width: 0.2, tis: 0.1}"});
   check("{model: microfacet, roughness: 0.2, reflectance: 0.3, grazing: 1}",
         {"{model: microfacet, roughness: 0.2, reflectance: 0.3}"});
+  check("{model: grooves, across: 0.3, along: 0.02, reflectance: 0.2, lay: around}",
+        {"{model: grooves, across: 0.3, along: 0.02, reflectance: 0.2, grazing: 0.5, lay: around}"});
 }
 
 // Shadow rule, eq. 8.16: z_i = z_0 ratio^i; the far set mirrors it from the other end.
