@@ -243,7 +243,7 @@ H5::DSetCreatPropList layout(void const* data, Sizes const& shape, std::size_t e
   chunk[0] = std::clamp<hsize_t>(chunk_bytes / (count / shape[0] * element), 1, shape[0]);
   list.setChunk(int(chunk.size()), chunk.data());
   list.setShuffle();
-  list.setDeflate(4);
+  list.setDeflate(Z_BEST_SPEED);
   return list;
 }
 
@@ -270,14 +270,13 @@ Writer::Writer() {
   file_ = H5::H5File("straytrace-in-memory", H5F_ACC_TRUNC, without_times(), in_memory());
 }
 
-std::string Writer::bytes() {
+std::string_view Writer::image() {
   file_.flush(H5F_SCOPE_GLOBAL);
+  void* memory = nullptr;  // points to the address of the file in memory
   ssize_t const size = H5Fget_file_image(file_.getId(), nullptr, 0);
-  std::string image(std::size_t(std::max<ssize_t>(size, 0)), '\0');
-  if (size <= 0 || H5Fget_file_image(file_.getId(), image.data(), image.size()) != size)
-    throw H5::FileIException("Writer::bytes", "cannot take the bytes of the file");
-  file_.close();
-  return image;
+  if (size <= 0 || H5Fget_vfd_handle(file_.getId(), H5P_DEFAULT, &memory) < 0)
+    throw H5::FileIException("Writer::image", "cannot take the bytes of the file");
+  return {*static_cast<char const* const*>(memory), std::size_t(size)};
 }
 
 void Writer::group(std::string const& path, std::string const& meaning) {

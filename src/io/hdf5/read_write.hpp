@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -77,7 +78,9 @@ H5::PredType const& memory_type() {
 class Writer {
  public:
   Writer();
-  std::string bytes();  // closes the file
+  // The bytes of the file, valid until the next call on this writer.
+  std::string_view image();
+  std::string bytes() { return std::string(image()); }
 
   void group(std::string const& path, std::string const& meaning);
   // `shape`: sizes of the dimensions, row-major; their product is values.size().

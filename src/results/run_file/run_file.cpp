@@ -8,6 +8,7 @@
 #include <chrono>
 
 #include "base/errors.hpp"
+#include "base/files/read_write.hpp"
 #include "io/hdf5/read_write.hpp"
 #include "results/results.hpp"
 #include "results/route_table/route_sums.hpp"
@@ -24,10 +25,10 @@ constexpr std::string_view hdf5_mark = "\x89HDF\r\n\x1a\n";
 
 }  // namespace
 
-std::string with_checksum_header(std::string const& hdf5_image) {
+std::string checksum_header(std::string_view hdf5_image) {
   std::string bytes = fmt::format("{}{} bytes {}\n", mark, sha256(hdf5_image), hdf5_image.size());
   bytes.resize(user_block, '\0');
-  return bytes + hdf5_image;
+  return bytes;
 }
 
 std::string unsealed(std::string bytes, std::string const& name) {
@@ -478,7 +479,6 @@ void write_energy_balance(hdf5::Writer& out, TraceResult const& trace) {
 
 void write_run(std::string const& file, RunContent const& run) {
   if (!run.trace) throw NumericalError("nothing to write: no trace result");
-  std::string bytes;
   try {
     hdf5::Writer out;
     write_about(out, run);
@@ -496,11 +496,14 @@ void write_run(std::string const& file, RunContent const& run) {
     if (run.noise) write_noise(out, *run.noise);
     write_warnings(out, run);
     write_timing(out, run);
-    bytes = out.bytes();
+    std::string_view const image = out.image();
+    AtomicFile sealed(file);
+    sealed.write(checksum_header(image));
+    sealed.write(image);
+    sealed.publish();
   } catch (H5::Exception const& e) {
     throw NumericalError(fmt::format("cannot make the run file '{}': HDF5 says '{}'", file, e.getDetailMsg()));
   }
-  write_file(file, with_checksum_header(bytes));
 }
 
 }  // namespace straytrace::results

@@ -76,7 +76,7 @@ inline constexpr char const* make_again = "copy it again from where it was made,
 // The first 512 bytes of a run file: a readable line with the sha256 of all that follows (an HDF5 user block). Damaged
 // files are rejected before the HDF5 library, which can crash on them, sees a byte.
 
-std::string with_checksum_header(std::string const& hdf5_image);
+std::string checksum_header(std::string_view hdf5_image);
 // The HDF5 image of a run file; throws InputError when `bytes` are not one, or damaged. `name` for the message.
 std::string unsealed(std::string bytes, std::string const& name);
 

@@ -40,7 +40,7 @@ TEST(ReportImportance, IsAbsentInOlderFiles) {
     H5::H5File file(folder / "bare.h5", H5F_ACC_RDWR);
     file.unlink("importance");
   }
-  write_file(folder / "old.h5", with_checksum_header(read_file(folder / "bare.h5")));
+  write_file(folder / "old.h5", sealed(read_file(folder / "bare.h5")));
   RunFile const old = read_run(folder / "old.h5");
   EXPECT_TRUE(old.about.importance.strips.empty());
   EXPECT_TRUE(same(trace.coupling, old.trace.coupling));

@@ -295,7 +295,7 @@ TEST_F(ReportRunFile, ReadsFilesOfSchema1_1) {
           "/classes/tail_slope", "/classes/halves", "/classes/kind", "/classes/statement"})
       old.unlink(path);
   }
-  std::ofstream(folder / "sealed.h5", std::ios::binary) << with_checksum_header(read_file(file));
+  std::ofstream(folder / "sealed.h5", std::ios::binary) << sealed(read_file(file));
   RunFile const back = read_run(folder / "sealed.h5");
   EXPECT_FALSE(same(trace.total, back.trace.total));
   Moments const& m = back.trace.total.classes.at(1000).moments;
@@ -385,7 +385,7 @@ std::string made(std::string const& kind, std::uint64_t major) {
   out.attribute("/", "schema", std::vector<std::uint64_t>{major, 0});
   out.attribute("/", "program", "straytrace");
   out.attribute("/", "version", "9.1");
-  return with_checksum_header(out.bytes());
+  return sealed(out.bytes());
 }
 
 TEST_F(ReportRunFile, OtherKindsAndNewerSchemasAreErrors) {
@@ -400,7 +400,7 @@ TEST_F(ReportRunFile, OtherKindsAndNewerSchemasAreErrors) {
 
 // Every group and dataset can be read; what cannot be opened as HDF5 at all is a sentence, not a crash.
 TEST_F(ReportRunFile, ReadsVerifiedBytesInThisProcess) {
-  write_file(folder / "no_hdf5.h5", with_checksum_header("no HDF5 at all"));
+  write_file(folder / "no_hdf5.h5", sealed("no HDF5 at all"));
   EXPECT_THAT(message_of([&] { read_run(folder / "no_hdf5.h5"); }), HasSubstr("it cannot be opened"));
   std::string damaged = read_file(written());
   damaged.back() = char(damaged.back() + 1);

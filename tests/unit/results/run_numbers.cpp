@@ -29,7 +29,7 @@ TEST(ReportRunNumbers, ImpossibleSumsAreDamage) {
   for (double const value : {0.5, std::nan(""), HUGE_VAL}) {
     write_file(folder / "bare.h5", unsealed(read_file(folder / "run.h5"), "run.h5"));
     set_last(folder / "bare.h5", "/nodes/emitted", value);
-    write_file(folder / "sealed.h5", with_checksum_header(read_file(folder / "bare.h5")));
+    write_file(folder / "sealed.h5", sealed(read_file(folder / "bare.h5")));
     EXPECT_THAT(
         message_of([&] { (void)read_run(folder / "sealed.h5"); }),
         ::testing::HasSubstr(std::isfinite(value) ? "no error" : "'/nodes/emitted' holds a sum that is not a number"));

@@ -9,6 +9,7 @@
 
 #include "base/every_module.hpp"
 #include "results/results.hpp"
+#include "results/run_file/run_file.hpp"
 #include "wave/arm/wave_record.hpp"
 #include "wave/ring/ring_record.hpp"
 
@@ -33,6 +34,9 @@ class Folder {
  private:
   std::filesystem::path path_;
 };
+
+// A run file of these bytes of HDF5.
+inline std::string sealed(std::string const& hdf5_image) { return results::checksum_header(hdf5_image) + hdf5_image; }
 
 constexpr std::size_t route_count = 7, bin_count = 120;
 
