@@ -9,13 +9,14 @@
 extern "C" {
 #endif
 
-enum { straytrace_transport_version = 3 };
+enum { straytrace_transport_version = 4 };
 
 /* All of them are called by one thread. Errors end the job, with a message of the MPI library. */
 struct straytrace_transport {
   int rank, size;
+  /* Does not wait: the bytes are copied, and move while the ranks look for messages. */
   void (*send)(int to, void const* bytes, size_t count);
-  /* Size of the next message that has come and its sender; -1: none. */
+  /* Size of the next message that has come, whole, and its sender; -1: none. */
   long (*next)(int* from);
   void (*receive)(int from, void* bytes, size_t count);
   /* Leaves the job. `lost`: a rank does not answer; then all of the job ends here, with `exit_code`. Also where this is

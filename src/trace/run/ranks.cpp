@@ -24,7 +24,7 @@ constexpr std::size_t most_orders = 2;
 constexpr double seconds_of_work = 10, share_of_rest = 0.5;
 constexpr double seconds_of_patience = 20;     // for the blocks in progress of a rank that must stop
 constexpr double signs_of_life = 10;           // messages within the patience of rank 0
-constexpr std::size_t longest_failure = 2000;  // bytes; short messages do not wait for their receiver
+constexpr std::size_t longest_failure = 2000;  // bytes
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 

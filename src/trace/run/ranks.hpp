@@ -25,7 +25,7 @@ class Transport {
   virtual ~Transport() = default;
   virtual int rank() const = 0;
   virtual int size() const = 0;
-  virtual void send(int to, std::string const& bytes) = 0;  // to rank 0 it may block until received
+  virtual void send(int to, std::string const& bytes) = 0;
   virtual std::optional<Message> receive() = 0;             // the next message, if any; does not block
   // A rank with work has been silent too long: rank 0 gives its blocks to others, and the job ends without it.
   virtual void lost(int rank) = 0;
