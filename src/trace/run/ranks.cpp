@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A message is a line of words, followed by sums. To rank 0: "ask" (for data), "hello" (ready for work), "here" (still
-// running), "sums FIRST END" (the answer to each "do"), "failed". From rank 0: "data", "do FIRST END" (one after the
-// other), "halt" (end the blocks in progress, start no more), "home" (the job is over).
+// A message is a line of words, followed by bytes. To rank 0: "ask" (for data), "hello" (ready for work), "here" (still
+// running), "sums FIRST END" (the answer to each "do"), "scores ROUND" (the answers to "replay", one after the other),
+// "failed". From rank 0: "data", "do FIRST END" (one after the other), "replay ROUND", "halt" (end the blocks in
+// progress, start no more), "home" (the job is over).
 #include "trace/run/ranks.hpp"
 
 #include <fmt/format.h>
@@ -9,8 +10,11 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <sstream>
+#include <string_view>
 #include <thread>
+#include <type_traits>
 
 #include "base/errors.hpp"
 
@@ -25,6 +29,7 @@ constexpr double seconds_of_work = 10, share_of_rest = 0.5;
 constexpr double seconds_of_patience = 20;     // for the blocks in progress of a rank that must stop
 constexpr double signs_of_life = 10;           // messages within the patience of rank 0
 constexpr std::size_t longest_failure = 2000;  // bytes
+constexpr std::size_t scores_of_message = 16384, scores_worth_sharing = 4096;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -38,6 +43,61 @@ Words words_of(std::string const& bytes) {
   words.rest = end < bytes.size() ? bytes.substr(end + 1) : "";
   std::istringstream(bytes.substr(0, end)) >> words.word >> words.blocks.first >> words.blocks.end;
   return words;
+}
+
+// All ranks run the same program: values are sent as they are in memory.
+template <class T>
+void put(std::string& bytes, T const& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  bytes.append(reinterpret_cast<char const*>(&value), sizeof value);
+}
+template <class T>
+T taken(std::string_view& bytes) {
+  if (bytes.size() < sizeof(T)) throw NumericalError("a message of another rank is cut short");
+  T value;
+  std::memcpy(&value, bytes.data(), sizeof value);
+  bytes.remove_prefix(sizeof value);
+  return value;
+}
+
+std::string bytes_of(std::span<ScoreAddress const> scores) {
+  std::string bytes;
+  for (ScoreAddress const& score : scores) put(bytes, score);
+  return bytes;
+}
+std::vector<ScoreAddress> addresses_in(std::string_view bytes) {
+  std::vector<ScoreAddress> scores;
+  while (!bytes.empty()) scores.push_back(taken<ScoreAddress>(bytes));
+  return scores;
+}
+
+std::string bytes_of(std::span<ReplayedScore const> scores) {
+  std::string bytes;
+  for (ReplayedScore const& score : scores) {
+    put(bytes, score.source);
+    put(bytes, score.goal);
+    put(bytes, score.path_length);
+    put(bytes, score.phase_sensitivities.size());
+    for (PhaseSensitivity const& p : score.phase_sensitivities) put(bytes, p);
+  }
+  return bytes;
+}
+void add_scores(std::vector<ReplayedScore>& scores, std::string_view bytes) {
+  while (!bytes.empty()) {
+    ReplayedScore& score = scores.emplace_back();
+    score.source = taken<std::uint32_t>(bytes);
+    score.goal = taken<std::uint32_t>(bytes);
+    score.path_length = taken<double>(bytes);
+    score.phase_sensitivities.resize(taken<std::size_t>(bytes));
+    for (PhaseSensitivity& p : score.phase_sensitivities) p = taken<PhaseSensitivity>(bytes);
+  }
+}
+
+// Every `parts`th, from `first` on: each part has scores of all routes, and takes as long as any other.
+std::vector<ScoreAddress> part_of(std::span<ScoreAddress const> scores, std::size_t first, std::size_t parts) {
+  std::vector<ScoreAddress> part;
+  for (std::size_t i = first; i < scores.size(); i += parts) part.push_back(scores[i]);
+  return part;
 }
 
 }  // namespace
@@ -56,6 +116,10 @@ void RankScheduler::take(Transport::Message const& message, BlockQueue& block_qu
   auto const [word, rest, blocks] = words_of(message.bytes);
   member.heard = now();
   if (word == "here") return;
+  if (word == "scores") {
+    if (blocks.first == round_) add_scores(member.replayed, rest);
+    return;
+  }
   if (word == "failed") throw NumericalError(fmt::format("rank {} has failed: {}", message.from, rest));
   if (word == "ask" || word == "hello") {
     if (rest != ranks_.identity)
@@ -125,6 +189,49 @@ void RankScheduler::serve(BlockQueue& block_queue, bool stop, std::function<void
   }
 }
 
+std::vector<int> RankScheduler::helpers() const {
+  std::vector<int> ranks;
+  for (int rank = 1; rank < int(members_.size()); ++rank)
+    if (Member const& m = members_[std::size_t(rank)]; m.ready && m.orders.empty()) ranks.push_back(rank);
+  return ranks;
+}
+
+bool RankScheduler::await_scores(int rank, std::size_t count) {
+  Member& m = members_[std::size_t(rank)];
+  BlockQueue none(std::vector<BlockRange>{});
+  for (m.heard = now(); m.replayed.size() < count && now() - m.heard <= ranks_.patience;) {
+    if (auto const message = ranks_.transport.receive())
+      take(*message, none, [](SumTree const&) {});
+    else
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  if (m.replayed.size() == count) return true;
+  give_up(rank, none);
+  return false;
+}
+
+std::vector<ReplayedScore> RankScheduler::replay(std::span<ScoreAddress const> scores, ReplayScores const& here) {
+  std::vector<int> const ranks = scores.size() < scores_worth_sharing ? std::vector<int>() : helpers();
+  std::size_t const parts = ranks.size() + 1;
+  ++round_;
+  for (std::size_t i = 1; i < parts; ++i) {
+    Member& m = members_[std::size_t(ranks[i - 1])];
+    m.replayed.clear();
+    ranks_.transport.send(ranks[i - 1], fmt::format("replay {}\n", round_) + bytes_of(part_of(scores, i, parts)));
+  }
+  std::vector<ReplayedScore> all(scores.size());
+  auto const place = [&](std::vector<ReplayedScore> part, std::size_t first) {
+    for (std::size_t i = 0; i < part.size(); ++i) all[first + i * parts] = std::move(part[i]);
+  };
+  place(here(part_of(scores, 0, parts)), 0);
+  for (std::size_t i = 1; i < parts; ++i) {
+    std::vector<ScoreAddress> const part = part_of(scores, i, parts);
+    bool const answered = await_scores(ranks[i - 1], part.size());
+    place(answered ? std::move(members_[std::size_t(ranks[i - 1])].replayed) : here(part), i);
+  }
+  return all;
+}
+
 namespace {
 
 // What a rank receives from rank 0, also while its blocks are run.
@@ -137,6 +244,7 @@ class Listener final : public RemoteWorkers {
     while (auto const message = transport_.receive()) {
       auto const [word, rest, blocks] = words_of(message->bytes);
       if (word == "do") orders.push_back(blocks);
+      if (word == "replay") replays.emplace_back(blocks.first, addresses_in(rest));
       if (word == "halt" || word == "home") halt = true;
       if (word == "home") job_over = true;
     }
@@ -150,6 +258,7 @@ class Listener final : public RemoteWorkers {
   bool idle() const override { return true; }
 
   std::deque<BlockRange> orders;
+  std::deque<std::pair<std::uint64_t, std::vector<ScoreAddress>>> replays;  // by round
   std::atomic<bool> halt = false;
   bool job_over = false;
 
@@ -175,6 +284,22 @@ std::optional<std::string> data_of_rank_0(Ranks const& ranks) {
   }
 }
 
+namespace {
+
+void replay_for_rank_0(SteeredWorld const& world, TraceSettings const& settings, Listener& listener,
+                       Transport& transport) {
+  for (; !listener.replays.empty(); listener.replays.pop_front()) {
+    auto const& [round, scores] = listener.replays.front();
+    for (std::size_t at = 0; at < scores.size(); at += scores_of_message) {
+      auto const some = std::span(scores).subspan(at, std::min(scores_of_message, scores.size() - at));
+      std::vector<ReplayedScore> const replayed = replay_scores(world, settings.seed, some, settings.threads);
+      transport.send(0, fmt::format("scores {}\n", round) + bytes_of(replayed));
+    }
+  }
+}
+
+}  // namespace
+
 void work_for_rank_0(SteeredWorld const& world, TraceSettings const& settings, Backend const& backend,
                      Ranks const& ranks) {
   ranks.transport.send(0, "hello\n" + ranks.identity);
@@ -184,6 +309,7 @@ void work_for_rank_0(SteeredWorld const& world, TraceSettings const& settings, B
   mine.threads = settings.threads;
   mine.stop = &listener.halt;
   for (listener.listen(); !listener.job_over; listener.listen()) {
+    replay_for_rank_0(world, mine, listener, ranks.transport);
     if (listener.orders.empty()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       continue;

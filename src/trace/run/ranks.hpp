@@ -12,6 +12,7 @@
 #include "base/math/constants.hpp"
 #include "trace/run/runner.hpp"
 #include "trace/run/trace.hpp"
+#include "trace/tally/coupling_table.hpp"
 
 namespace straytrace::trace {
 
@@ -26,7 +27,7 @@ class Transport {
   virtual int rank() const = 0;
   virtual int size() const = 0;
   virtual void send(int to, std::string const& bytes) = 0;
-  virtual std::optional<Message> receive() = 0;             // the next message, if any; does not block
+  virtual std::optional<Message> receive() = 0;  // the next message, if any; does not block
   // A rank with work has been silent too long: rank 0 gives its blocks to others, and the job ends without it.
   virtual void lost(int rank) = 0;
 };
@@ -55,6 +56,9 @@ class RankScheduler final : public RemoteWorkers {
   // another model or program, NumericalError if one has failed.
   void serve(BlockQueue&, bool stop, std::function<void(SumTree)> const& add) override;
   bool idle() const override;
+  // Scores replayed by all ranks that have come and by this one, which replays its share by `here`, and that of a rank
+  // that falls silent. While no rank has blocks to run.
+  std::vector<ReplayedScore> replay(std::span<ScoreAddress const> scores, ReplayScores const& here);
 
  private:
   struct Member {
@@ -62,14 +66,18 @@ class RankScheduler final : public RemoteWorkers {
     std::deque<BlockRange> orders;       // the first one in progress
     double started = 0, heard = 0;       // s, of a steady clock: the first of its orders, its last message
     double blocks_per_s = 0;
+    std::vector<ReplayedScore> replayed;
   };
   void add_sums(Member&, BlockQueue&, SumTree, std::function<void(SumTree)> const& add);
   void take(Transport::Message const&, BlockQueue&, std::function<void(SumTree)> const& add);
   void give_up(int rank, BlockQueue&);
+  std::vector<int> helpers() const;  // ranks that have come and have nothing to do
+  bool await_scores(int rank, std::size_t count);
   void stop();
 
   Ranks const& ranks_;
   double stopped_at_ = not_a_number;  // s
+  std::uint64_t round_ = 0;           // of replays
   std::vector<Member> members_;
 };
 

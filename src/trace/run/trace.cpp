@@ -45,8 +45,14 @@ void check_energy_balance(BlockSums const& total) {
                          " of the emitted power");
 }
 
-CouplingTable coupling_table(SteeredWorld const& world, TraceSettings const& settings, BlockSums const& total) {
-  CouplingTable table = make_coupling_table(world, total, settings.seed, settings.threads);
+// `ranks`: those that replay scores too; none has blocks to run.
+CouplingTable coupling_table(SteeredWorld const& world, TraceSettings const& settings, BlockSums const& total,
+                             RankScheduler* ranks) {
+  ReplayScores const here = [&](std::span<ScoreAddress const> scores) {
+    return replay_scores(world, settings.seed, scores, settings.threads);
+  };
+  ReplayScores const shared = [&](std::span<ScoreAddress const> scores) { return ranks->replay(scores, here); };
+  CouplingTable table = make_coupling_table(world, total, settings.seed, settings.threads, ranks ? shared : here);
   add_deterministic(table, settings.deterministic);
   return table;
 }
@@ -55,6 +61,26 @@ CouplingTable coupling_table(SteeredWorld const& world, TraceSettings const& set
 std::uint64_t end_of(SumTree const& tree) {
   auto const done = tree.done();
   return done.empty() ? 0 : done.back().end;
+}
+
+TraceResult result_with(RankScheduler* ranks, SteeredWorld const& world, TraceSettings const& settings, SumTree tree) {
+  TraceResult result;
+  result.total = tree.total();
+  if (result.total.blocks == 0) {  // a slice may be empty: zeros for every group and receiver
+    result.total = BlockSink(world.view(), world->groups().size(), 0).finish();
+    result.total.blocks = 0;
+  }
+  result.tree = std::move(tree);
+  check_energy_balance(result.total);
+  result.coupling = coupling_table(world, settings, result.total, ranks);
+  result.warnings = result.coupling.warnings;
+  if (result.total.histories > 0 && !(result.total.emitted.sum > 0))
+    result.warnings.emplace_back(
+        "no light was emitted: the surfaces in the beams do not scatter, or the beams miss them; all results are zero");
+  result.slice = settings.slice;
+  result.stop_rule = settings.stop_rule;
+  result.good_checks = settings.good_checks;
+  return result;
 }
 
 }  // namespace
@@ -67,29 +93,14 @@ std::uint64_t next_check(std::uint64_t blocks) {
 }
 
 TraceResult result_of(SteeredWorld const& world, TraceSettings const& settings, SumTree tree) {
-  TraceResult result;
-  result.total = tree.total();
-  if (result.total.blocks == 0) {  // a slice may be empty: zeros for every group and receiver
-    result.total = BlockSink(world.view(), world->groups().size(), 0).finish();
-    result.total.blocks = 0;
-  }
-  result.tree = std::move(tree);
-  check_energy_balance(result.total);
-  result.coupling = coupling_table(world, settings, result.total);
-  result.warnings = result.coupling.warnings;
-  if (result.total.histories > 0 && !(result.total.emitted.sum > 0))
-    result.warnings.emplace_back(
-        "no light was emitted: the surfaces in the beams do not scatter, or the beams miss them; all results are zero");
-  result.slice = settings.slice;
-  result.stop_rule = settings.stop_rule;
-  result.good_checks = settings.good_checks;
-  return result;
+  return result_with(nullptr, world, settings, std::move(tree));
 }
 
 TraceResult run_trace(SteeredWorld const& world, TraceSettings const& settings, Backend const& backend) {
   Runner runner(world, settings, backend, settings.resume);
   std::optional<RankScheduler> scheduler;
   if (settings.ranks) scheduler.emplace(*settings.ranks);
+  RankScheduler* const ranks = scheduler ? &*scheduler : nullptr;
   // A whole run resumed from more blocks than requested completes all that are missing.
   std::uint64_t const asked = blocks_of(settings.histories, world.block_size),
                       all = settings.slice.whole() ? std::max(asked, end_of(settings.resume)) : asked;
@@ -97,8 +108,8 @@ TraceResult run_trace(SteeredWorld const& world, TraceSettings const& settings, 
   runner.wanted_blocks = wanted.size();
   std::uint32_t good_checks = settings.good_checks;
   Stopped stopped = Stopped::by_histories;
-  auto const result = [&](SumTree tree) {
-    TraceResult r = result_of(world, settings, std::move(tree));
+  auto const result = [&](SumTree tree, RankScheduler* ranks) {
+    TraceResult r = result_with(ranks, world, settings, std::move(tree));
     r.all_blocks = all;
     r.good_checks = good_checks;
     r.stopped = stopped;
@@ -107,7 +118,7 @@ TraceResult run_trace(SteeredWorld const& world, TraceSettings const& settings, 
   };
   if (settings.checkpoint)
     runner.at_checkpoint = [&](SumTree tree) {
-      TraceResult so_far = result(std::move(tree));
+      TraceResult so_far = result(std::move(tree), nullptr);
       so_far.stopped = Stopped::by_checkpoint;
       settings.checkpoint(so_far);
     };
@@ -115,19 +126,19 @@ TraceResult run_trace(SteeredWorld const& world, TraceSettings const& settings, 
        gaps = runner.tree().missing(wanted)) {
     std::uint64_t const check = std::max(next_check(gaps.front().first), end_of(runner.tree()));
     BlockRange const next{wanted.first, settings.error ? std::min(check, wanted.end) : wanted.end};
-    bool const all_done = runner.run(next, scheduler ? &*scheduler : nullptr);
+    bool const all_done = runner.run(next, ranks);
     if (!all_done && (runner.interrupted() || runner.out_of_time())) {
       stopped = runner.interrupted() ? Stopped::by_signal : Stopped::by_time;
       break;
     }
     if (!all_done || !settings.error) continue;  // a worker has left some of its blocks
-    runner.set_error(settings.error(coupling_table(world, settings, runner.tree().total())), next.end);
+    runner.set_error(settings.error(coupling_table(world, settings, runner.tree().total(), ranks)), next.end);
     good_checks = runner.error() < settings.wanted_error ? good_checks + 1 : 0;
     double const at_the_end = runner.error() * std::sqrt(double(next.end) / double(wanted.end));
     if (settings.give_up && !(at_the_end < settings.wanted_error)) break;
   }
   if (good_checks >= 2) stopped = Stopped::by_error;
-  return result(runner.tree());
+  return result(runner.tree(), ranks);
 }
 
 namespace {

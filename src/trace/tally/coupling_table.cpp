@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <unordered_map>
 
@@ -47,13 +46,14 @@ void describe(MadeClass& made, World const& world, ReplayedPath const& path) {
   made.reversible = two_ways && !source.free && backwards(c.steps) != c.steps;
 }
 // One group may hold footprints of several ports: then the reverse is more than one class.
-bool turns_round(World const& world, MadeClass const& made, ReplayedPath const& path) {
+bool turns_round(World const& world, MadeClass const& made, ReplayedScore const& path) {
   Footprint const &source = world.footprints()[path.source], &goal = world.footprints()[path.goal];
   return source.receives && source.port.valid() && source.port == made.back && goal.emits && !goal.free;
 }
 
+// `paths`: of the kept scores; their phase sensitivities go to the records.
 MadeClass make_class(SteeredWorld const& steered, std::uint64_t hash, ClassSums const& sums, BlockSums const& total,
-                     std::uint64_t seed) {
+                     std::uint64_t seed, std::span<ReplayedScore> paths) {
   World const& world = steered;
   MadeClass made;
   made.moments = sums.moments;
@@ -65,19 +65,19 @@ MadeClass make_class(SteeredWorld const& steered, std::uint64_t hash, ClassSums 
   c.replica_sum = sums.replica_sum;
   double weights = 0;
   for (ScoreAddress const& kept : sums.kept) weights += std::max(kept.coupling, sums.threshold);
-  Replay replay(steered, seed);
+  if (!sums.kept.empty()) {
+    ScoreAddress const& first = sums.kept.front();
+    describe(made, world, replay(steered, seed, first.history, first.event, first.connection).value());
+  }
   c.records.reserve(sums.kept.size());
-  for (ScoreAddress const& kept : sums.kept) {
-    auto const path = replay(kept.history, kept.event, kept.connection);
-    if (!path || path->coupling != kept.coupling)
-      throw NumericalError(
-          fmt::format("history {} event {} does not replay to the same score", kept.history, kept.event));
-    if (c.records.empty()) describe(made, world, *path);
-    made.reversible = made.reversible && turns_round(world, made, *path);
+  for (std::size_t i = 0; i < sums.kept.size(); ++i) {
+    ScoreAddress const& kept = sums.kept[i];
+    ReplayedScore& path = paths[i];
+    made.reversible = made.reversible && turns_round(world, made, path);
     c.records.push_back({kept.history, kept.event, kept.connection, kept.coupling,
-                         std::max(kept.coupling, sums.threshold) / weights * c.coupling.mean, path->path_length,
-                         path->phase_sensitivities});
-    std::uint32_t const beam = world.footprints()[path->source].beam;
+                         std::max(kept.coupling, sums.threshold) / weights * c.coupling.mean, path.path_length,
+                         std::move(path.phase_sensitivities)});
+    std::uint32_t const beam = world.footprints()[path.source].beam;
     c.records.back().beam = beam < world.beams.size() ? world.beams[beam].entry : beam;
   }
   c.phase_sensitivities =
@@ -85,16 +85,25 @@ MadeClass make_class(SteeredWorld const& steered, std::uint64_t hash, ClassSums 
   return made;
 }
 
-// The rows of all routes, those with most records first: replaying them takes most of the time.
 std::vector<MadeClass> make_classes(SteeredWorld const& steered, BlockSums const& total, std::uint64_t seed,
-                                    unsigned threads) {
-  std::vector<std::map<std::uint64_t, ClassSums>::const_iterator> routes;
-  for (auto route = total.classes.begin(); route != total.classes.end(); ++route) routes.push_back(route);
-  std::ranges::stable_sort(routes, std::greater{}, [](auto const& route) { return route->second.kept.size(); });
+                                    unsigned threads, ReplayScores const& replay) {
+  struct Route {
+    std::uint64_t hash;
+    ClassSums const* sums;
+    std::size_t first;  // of its scores
+  };
+  std::vector<Route> routes;
+  std::vector<ScoreAddress> scores;
+  for (auto const& [hash, sums] : total.classes) {
+    routes.push_back({hash, &sums, scores.size()});
+    scores.insert(scores.end(), sums.kept.begin(), sums.kept.end());
+  }
+  std::vector<ReplayedScore> paths = replay(scores);
   std::vector<MadeClass> made(routes.size());
-  in_parallel(routes.size(), threads,
-              [&](std::size_t i) { made[i] = make_class(steered, routes[i]->first, routes[i]->second, total, seed); });
-  std::ranges::sort(made, {}, [](MadeClass const& m) { return m.row.hash; });
+  in_parallel(routes.size(), threads, [&](std::size_t i) {
+    auto const& [hash, sums, first] = routes[i];
+    made[i] = make_class(steered, hash, *sums, total, seed, std::span(paths).subspan(first, sums->kept.size()));
+  });
   return made;
 }
 
@@ -233,7 +242,7 @@ void warn_of_unpaired(double unpaired, CouplingTable& table) {
 }  // namespace
 
 CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& total, std::uint64_t seed,
-                                  unsigned threads) {
+                                  unsigned threads, ReplayScores const& replay) {
   World const& world = steered;
   CouplingTable table;
   table.groups = world.groups();
@@ -254,7 +263,7 @@ CouplingTable make_coupling_table(SteeredWorld const& steered, BlockSums const& 
   auto const list_of = [&](CouplingClass const& c) -> std::vector<CouplingClass>& {
     return c.port.value < first_receiver_end ? table.classes : table.received;
   };
-  std::vector<MadeClass> made = make_classes(steered, total, seed, threads);
+  std::vector<MadeClass> made = make_classes(steered, total, seed, threads, replay);
   mirror_poorly_sampled(made);
   std::ranges::sort(made, [](auto const& a, auto const& b) { return a.row.hash < b.row.hash; });
   double unpaired = 0;

@@ -2,17 +2,22 @@
 // Sums of a trace -> coupling table, with named routes and replayed records; routes taken from their reverse.
 #pragma once
 
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "trace/coupling.hpp"
 #include "trace/result.hpp"
 #include "trace/steered_world.hpp"
+#include "trace/tally/replay.hpp"
 
 namespace straytrace::trace {
 
-// The same for any number of threads (0: all cores).
-CouplingTable make_coupling_table(SteeredWorld const&, BlockSums const& total, std::uint64_t seed,
-                                  unsigned threads = 1);
+using ReplayScores = std::function<std::vector<ReplayedScore>(std::span<ScoreAddress const>)>;
+
+// The same for any number of threads (0: all cores). `replay`: replay_scores(), by whomever.
+CouplingTable make_coupling_table(SteeredWorld const&, BlockSums const& total, std::uint64_t seed, unsigned threads,
+                                  ReplayScores const& replay);
 
 // A route and its reverse have the same coupling, phase sensitivities and optical length (reciprocity,
 // docs/theory/path_integral.md, eq. 1.2; case A25). Sampling is not symmetric: a connection ends a path on a lit

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trace/tally/replay.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 
+#include "base/errors.hpp"
+#include "base/process/threads.hpp"
 #include "trace/tally/history_tally.hpp"
 #include "world/model/world.hpp"
 
@@ -293,6 +297,24 @@ std::optional<ReplayedPath> Replay::operator()(std::uint64_t history, std::uint3
 std::optional<ReplayedPath> replay(SteeredWorld const& world, std::uint64_t seed, std::uint64_t history,
                                    std::uint32_t event, std::uint32_t connection) {
   return Replay(world, seed)(history, event, connection);
+}
+
+std::vector<ReplayedScore> replay_scores(SteeredWorld const& world, std::uint64_t seed,
+                                         std::span<ScoreAddress const> scores, unsigned threads) {
+  constexpr std::size_t at_once = 1024;
+  std::vector<ReplayedScore> all(scores.size());
+  in_parallel((scores.size() + at_once - 1) / at_once, threads, [&](std::size_t part) {
+    Replay replay(world, seed);
+    for (std::size_t i = part * at_once; i < std::min((part + 1) * at_once, scores.size()); ++i) {
+      ScoreAddress const& score = scores[i];
+      auto path = replay(score.history, score.event, score.connection);
+      if (!path || path->coupling != score.coupling)
+        throw NumericalError(
+            fmt::format("history {} event {} does not replay to the same score", score.history, score.event));
+      all[i] = {path->source, path->goal, path->path_length, std::move(path->phase_sensitivities)};
+    }
+  });
+  return all;
 }
 
 }  // namespace straytrace::trace

@@ -5,8 +5,10 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "trace/result.hpp"
 #include "trace/steered_world.hpp"
 #include "trace/step/step.hpp"
 #include "world/model/world.hpp"
@@ -48,6 +50,17 @@ class Replay {
 // One score.
 std::optional<ReplayedPath> replay(SteeredWorld const& world, std::uint64_t seed, std::uint64_t history,
                                    std::uint32_t event, std::uint32_t connection);
+
+// What a record keeps of the path of a score.
+struct ReplayedScore {
+  std::uint32_t source = 0, goal = 0;  // as of ReplayedPath
+  double path_length = 0;              // optical, m
+  std::vector<PhaseSensitivity> phase_sensitivities;
+};
+// In the order of the scores, the same for any number of threads (0: all cores). Throws NumericalError where a score is
+// not the same to the bit.
+std::vector<ReplayedScore> replay_scores(SteeredWorld const&, std::uint64_t seed, std::span<ScoreAddress const>,
+                                         unsigned threads);
 
 // Phase Jacobians of a path relative to the main mode (eq. 2.3, 2.5), with their moments over the delays (eq. N.29,
 // N.30). k in rad/m.

@@ -43,7 +43,8 @@ CouplingClass other_of(One&& one, Two&& two, std::uint64_t id = 7) {
   }
   World world;
   world.add_port("port");
-  CouplingTable const table = make_coupling_table(SteeredWorld::as_given(world), tree.total(), 1);
+  CouplingTable const table = make_coupling_table(SteeredWorld::as_given(world), tree.total(), 1, 1,
+                                                  [](auto) { return std::vector<ReplayedScore>(); });
   EXPECT_EQ(table.classes.size(), 1u);
   EXPECT_EQ(table.classes[0].folded_routes, 2u);
   return table.classes[0];
