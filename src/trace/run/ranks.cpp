@@ -30,6 +30,7 @@ constexpr double seconds_of_patience = 20;     // for the blocks in progress of 
 constexpr double signs_of_life = 10;           // messages within the patience of rank 0
 constexpr std::size_t longest_failure = 2000;  // bytes
 constexpr std::size_t scores_of_message = 16384, scores_worth_sharing = 4096;
+constexpr std::size_t scores_at_once = 4096;  // by rank 0: messages move while it looks for them
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -196,16 +197,18 @@ std::vector<int> RankScheduler::helpers() const {
   return ranks;
 }
 
+void RankScheduler::listen() {
+  BlockQueue none(std::vector<BlockRange>{});
+  while (auto const message = ranks_.transport.receive()) take(*message, none, [](SumTree const&) {});
+}
+
 bool RankScheduler::await_scores(int rank, std::size_t count) {
   Member& m = members_[std::size_t(rank)];
-  BlockQueue none(std::vector<BlockRange>{});
-  for (m.heard = now(); m.replayed.size() < count && now() - m.heard <= ranks_.patience;) {
-    if (auto const message = ranks_.transport.receive())
-      take(*message, none, [](SumTree const&) {});
-    else
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  m.heard = now();
+  for (listen(); m.replayed.size() < count && now() - m.heard <= ranks_.patience; listen())
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   if (m.replayed.size() == count) return true;
+  BlockQueue none(std::vector<BlockRange>{});
   give_up(rank, none);
   return false;
 }
@@ -215,15 +218,18 @@ std::vector<ReplayedScore> RankScheduler::replay(std::span<ScoreAddress const> s
   std::size_t const parts = ranks.size() + 1;
   ++round_;
   for (std::size_t i = 1; i < parts; ++i) {
-    Member& m = members_[std::size_t(ranks[i - 1])];
-    m.replayed.clear();
+    members_[std::size_t(ranks[i - 1])].replayed.clear();
     ranks_.transport.send(ranks[i - 1], fmt::format("replay {}\n", round_) + bytes_of(part_of(scores, i, parts)));
   }
   std::vector<ReplayedScore> all(scores.size());
   auto const place = [&](std::vector<ReplayedScore> part, std::size_t first) {
     for (std::size_t i = 0; i < part.size(); ++i) all[first + i * parts] = std::move(part[i]);
   };
-  place(here(part_of(scores, 0, parts)), 0);
+  std::vector<ScoreAddress> const mine = part_of(scores, 0, parts);
+  for (std::size_t at = 0; at < mine.size(); at += scores_at_once) {
+    listen();
+    place(here(std::span(mine).subspan(at, std::min(scores_at_once, mine.size() - at))), at * parts);
+  }
   for (std::size_t i = 1; i < parts; ++i) {
     std::vector<ScoreAddress> const part = part_of(scores, i, parts);
     bool const answered = await_scores(ranks[i - 1], part.size());

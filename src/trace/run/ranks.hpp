@@ -72,6 +72,7 @@ class RankScheduler final : public RemoteWorkers {
   void take(Transport::Message const&, BlockQueue&, std::function<void(SumTree)> const& add);
   void give_up(int rank, BlockQueue&);
   std::vector<int> helpers() const;  // ranks that have come and have nothing to do
+  void listen();                     // while there are no blocks to run
   bool await_scores(int rank, std::size_t count);
   void stop();
 
