@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <future>
 #include <sstream>
 #include <string_view>
 #include <thread>
@@ -29,8 +30,8 @@ constexpr double seconds_of_work = 10, share_of_rest = 0.5;
 constexpr double seconds_of_patience = 20;     // for the blocks in progress of a rank that must stop
 constexpr double signs_of_life = 10;           // messages within the patience of rank 0
 constexpr std::size_t longest_failure = 2000;  // bytes
-constexpr std::size_t scores_of_message = 16384, scores_worth_sharing = 4096;
-constexpr std::size_t scores_at_once = 4096;  // by rank 0: messages move while it looks for them
+constexpr std::size_t scores_of_message = 4096;
+constexpr std::chrono::microseconds between_looks{200};  // for messages: they move while both ranks look for them
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -92,6 +93,13 @@ void add_scores(std::vector<ReplayedScore>& scores, std::string_view bytes) {
     score.phase_sensitivities.resize(taken<std::size_t>(bytes));
     for (PhaseSensitivity& p : score.phase_sensitivities) p = taken<PhaseSensitivity>(bytes);
   }
+}
+
+std::vector<ReplayedScore> replayed_while(ReplayScores const& replay, std::span<ScoreAddress const> scores,
+                                          std::function<void()> const& listen) {
+  auto done = std::async(std::launch::async, replay, scores);
+  while (done.wait_for(between_looks) != std::future_status::ready) listen();
+  return done.get();
 }
 
 // Every `parts`th, from `first` on: each part has scores of all routes, and takes as long as any other.
@@ -206,7 +214,7 @@ bool RankScheduler::await_scores(int rank, std::size_t count) {
   Member& m = members_[std::size_t(rank)];
   m.heard = now();
   for (listen(); m.replayed.size() < count && now() - m.heard <= ranks_.patience; listen())
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(between_looks);
   if (m.replayed.size() == count) return true;
   BlockQueue none(std::vector<BlockRange>{});
   give_up(rank, none);
@@ -214,7 +222,7 @@ bool RankScheduler::await_scores(int rank, std::size_t count) {
 }
 
 std::vector<ReplayedScore> RankScheduler::replay(std::span<ScoreAddress const> scores, ReplayScores const& here) {
-  std::vector<int> const ranks = scores.size() < scores_worth_sharing ? std::vector<int>() : helpers();
+  std::vector<int> const ranks = scores.size() < scores_of_message ? std::vector<int>() : helpers();
   std::size_t const parts = ranks.size() + 1;
   ++round_;
   for (std::size_t i = 1; i < parts; ++i) {
@@ -225,11 +233,7 @@ std::vector<ReplayedScore> RankScheduler::replay(std::span<ScoreAddress const> s
   auto const place = [&](std::vector<ReplayedScore> part, std::size_t first) {
     for (std::size_t i = 0; i < part.size(); ++i) all[first + i * parts] = std::move(part[i]);
   };
-  std::vector<ScoreAddress> const mine = part_of(scores, 0, parts);
-  for (std::size_t at = 0; at < mine.size(); at += scores_at_once) {
-    listen();
-    place(here(std::span(mine).subspan(at, std::min(scores_at_once, mine.size() - at))), at * parts);
-  }
+  place(replayed_while(here, part_of(scores, 0, parts), [&] { listen(); }), 0);
   for (std::size_t i = 1; i < parts; ++i) {
     std::vector<ScoreAddress> const part = part_of(scores, i, parts);
     bool const answered = await_scores(ranks[i - 1], part.size());
@@ -294,12 +298,15 @@ namespace {
 
 void replay_for_rank_0(SteeredWorld const& world, TraceSettings const& settings, Listener& listener,
                        Transport& transport) {
+  ReplayScores const replay = [&](std::span<ScoreAddress const> scores) {
+    return replay_scores(world, settings.seed, scores, settings.threads);
+  };
   for (; !listener.replays.empty(); listener.replays.pop_front()) {
     auto const& [round, scores] = listener.replays.front();
-    for (std::size_t at = 0; at < scores.size(); at += scores_of_message) {
+    for (std::size_t at = 0; at < scores.size() && !listener.job_over; at += scores_of_message) {
       auto const some = std::span(scores).subspan(at, std::min(scores_of_message, scores.size() - at));
-      std::vector<ReplayedScore> const replayed = replay_scores(world, settings.seed, some, settings.threads);
-      transport.send(0, fmt::format("scores {}\n", round) + bytes_of(replayed));
+      transport.send(
+          0, fmt::format("scores {}\n", round) + bytes_of(replayed_while(replay, some, [&] { listener.listen(); })));
     }
   }
 }
