@@ -19,6 +19,9 @@ constexpr std::uint64_t blocks = 40;
 struct Mail {
   std::mutex mutex;
   std::vector<std::deque<Transport::Message>> boxes;
+  int answers = 0;  // to requests to replay scores
+  bool answers_are_lost = false;
+  std::string before_answers;  // another message in front of each
 };
 
 class ByMail final : public Transport {
@@ -28,6 +31,10 @@ class ByMail final : public Transport {
   int size() const override { return int(mail_.boxes.size()); }
   void send(int to, std::string const& bytes) override {
     std::scoped_lock const lock(mail_.mutex);
+    bool const answer = bytes.starts_with("scores");
+    mail_.answers += answer;
+    if (answer && !mail_.before_answers.empty()) mail_.boxes[std::size_t(to)].push_back({rank_, mail_.before_answers});
+    if (answer && mail_.answers_are_lost) return;
     mail_.boxes[std::size_t(to)].push_back({rank_, bytes});
   }
   std::optional<Message> receive() override {
@@ -97,7 +104,7 @@ struct Job {
         TraceSettings mine = settings_for(settings.threads);
         mine.seed = settings.seed;
         mine.stop = &backends[std::size_t(rank)].stop;
-        Ranks const ranks{transport, rank == stranger ? "another" : "same", packed, unpacked};
+        Ranks const ranks{transport, rank == stranger ? "another" : "same", packed, unpacked, patience};
         try {
           if (!asked.empty() && !(asked[std::size_t(rank)] = data_of_rank_0(ranks))) return;
           work_for_rank_0(SteeredWorld::as_given(world), mine, backends[std::size_t(rank)], ranks);
@@ -106,19 +113,37 @@ struct Job {
         }
       });
     ByMail transport(mail, 0);
-    Ranks ranks{transport, "same", packed, unpacked};
+    Ranks ranks{transport, "same", packed, unpacked, patience};
     ranks.data = data;
     settings.ranks = &ranks;
     settings.stop = &backends[0].stop;
-    return run_trace(SteeredWorld::as_given(world), settings, backends[0]);
+    TraceResult result = run_trace(SteeredWorld::as_given(world), settings, backends[0]);
+    losses = transport.losses;
+    return result;
   }
   Mail mail;
   std::vector<Counting> backends;
-  World const world = two_plates();
+  World world = two_plates();
+  double patience = 60;  // s
+  int losses = 0;
   int stranger = 0;
   std::string data;
   std::vector<std::optional<std::string>> asked;  // by rank; empty: none asks
 };
+
+// Of all records.
+std::vector<double> facts_of(CouplingTable const& table) {
+  std::vector<double> facts;
+  for (CouplingClass const& c : table.classes)
+    for (PathRecord const& r : c.records) {
+      facts.insert(facts.end(), {double(r.history), double(r.beam), r.coupling, r.weight, r.path_length});
+      for (PhaseSensitivity const& p : r.phase_sensitivities) {
+        facts.insert(facts.end(), std::begin(p.d), std::end(p.d));
+        facts.insert(facts.end(), std::begin(p.moment), std::end(p.moment));
+      }
+    }
+  return facts;
+}
 
 TEST(Ranks, AnyNumberOfThemIsOneRun) {
   TraceResult const one = run_trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
@@ -139,6 +164,34 @@ TEST(Ranks, AnyNumberOfThemIsOneRun) {
   TraceSettings other = settings_for(1);
   other.seed = 2;
   EXPECT_FALSE(same(control.run(other).total, one.total));
+}
+
+// The records of a table hold what scores give when they are replayed. Controls: another score, a coupling that
+// differs in its last bit.
+TEST(Ranks, AllReplayScores) {
+  TraceSettings settings = settings_for(1);
+  settings.histories = 16 * largest_block;
+  World const world = small_tube();
+  TraceResult const one = run_trace(SteeredWorld::as_given(world), settings, *make_backend("cpu"));
+  for (int const ranks : {2, 3})
+    for (bool const lost : {false, true}) {
+      Job job(ranks);
+      job.world = small_tube();
+      job.mail.answers_are_lost = lost;
+      job.mail.before_answers = "scores 99\nof another round";
+      if (lost) job.patience = 1;
+      EXPECT_EQ(facts_of(job.run(settings).coupling), facts_of(one.coupling)) << ranks << " ranks, lost: " << lost;
+      EXPECT_GE(job.mail.answers, ranks - 1);
+      EXPECT_EQ(job.losses > 0, lost);
+    }
+  std::vector<ScoreAddress> scores;
+  for (auto const& [hash, sums] : one.total.classes) scores.insert(scores.end(), sums.kept.begin(), sums.kept.end());
+  ASSERT_GT(scores.size(), 8192u);  // enough to be shared by two
+  auto const replayed = [&] { return replay_scores(SteeredWorld::as_given(world), 1, scores, 2); };
+  auto const first = replayed();
+  EXPECT_GT(std::abs(first[0].path_length - first.back().path_length), 0);
+  scores.back().coupling = std::nextafter(scores.back().coupling, 0);
+  EXPECT_THROW(replayed(), NumericalError);
 }
 
 TEST(Ranks, StopRulesAreEvaluatedAtTheSameBlockCounts) {
