@@ -179,7 +179,7 @@ TEST(Ranks, AllReplayScores) {
       job.world = small_tube();
       job.mail.answers_are_lost = lost;
       job.mail.before_answers = "scores 99\nof another round";
-      if (lost) job.patience = 1;
+      if (lost) job.patience = 0.5;
       EXPECT_EQ(facts_of(job.run(settings).coupling), facts_of(one.coupling)) << ranks << " ranks, lost: " << lost;
       EXPECT_GE(job.mail.answers, ranks - 1);
       EXPECT_EQ(job.losses > 0, lost);
