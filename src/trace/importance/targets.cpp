@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -16,9 +17,14 @@ namespace {
 void add_goal(std::vector<double>& effort, std::vector<double> const& worth, Parts const& parts) {
   std::vector<double> of_part(parts.body.size(), 0);
   double total = 0;
-  for (std::size_t i = 0; i < worth.size(); ++i) {
-    of_part[parts.of_patch[i]] += worth[i];
-    total += worth[i];
+  for (std::size_t i = 0; i < worth.size();) {  // neighbours often belong to one part
+    std::uint32_t const part = parts.of_patch[i];
+    double sum = of_part[part];
+    for (; i < worth.size() && parts.of_patch[i] == part; ++i) {
+      sum += worth[i];
+      total += worth[i];
+    }
+    of_part[part] = sum;
   }
   std::vector<double> groups(parts.bodies, 0);  // per body
   double bodies = 0;
@@ -67,14 +73,30 @@ std::vector<double> efforts_of(Parts const& parts, Arriving const& arriving, std
   return effort;
 }
 
+namespace {
+
+// The k-th largest of numbers from 0 to 1, k >= 1. Floating-point numbers have the order of their bits: counts by the
+// upper ones, 16 in each octave, leave few numbers to compare.
+double kth_largest(std::vector<double> const& numbers, std::size_t k) {
+  constexpr int lower_bits = 48;
+  auto const upper = [](double x) { return std::bit_cast<std::uint64_t>(x) >> lower_bits; };
+  std::array<std::uint32_t, 1024> counts{};  // from 1 downwards; the last one is that of all smaller numbers
+  auto const place = [&](double x) { return std::min<std::uint64_t>(upper(1.0) - upper(x), counts.size() - 1); };
+  for (double const x : numbers) ++counts[place(x)];
+  std::size_t at = 0, larger = 0;
+  while (larger + counts[at] < k) larger += counts[at++];
+  std::vector<double> rest;
+  for (double const x : numbers)
+    if (place(x) == at) rest.push_back(x);
+  auto const found = rest.begin() + std::ptrdiff_t(k - larger) - 1;
+  std::nth_element(rest.begin(), found, rest.end(), std::greater<>());
+  return *found;
+}
+
+}  // namespace
+
 std::vector<Target> targets_of(std::vector<double> const& efforts, std::size_t most) {
-  double least = 0;  // effort of the last one that still counts
-  if (efforts.size() > most) {
-    std::vector<double> sorted = efforts;
-    auto const last = sorted.begin() + std::ptrdiff_t(most) - 1;
-    std::nth_element(sorted.begin(), last, sorted.end(), std::greater<>());
-    least = *last;
-  }
+  double const least = efforts.size() > most ? kth_largest(efforts, most) : 0;  // of the last one that still counts
   std::vector<Target> list;
   double total = 0, so_far = 0;
   for (std::uint32_t i = 0; i < efforts.size() && list.size() < most; ++i) {
