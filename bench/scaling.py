@@ -4,8 +4,8 @@
 
 Times are wall-clock times, the difference of a long and a short trace, so that they exclude setup: with other programs running
 they say nothing about straytrace. The efficiency of n is T(1)/(n T(n)). That of n programs, each of which traces all histories in
-one thread, is T(1)/T(n): what the machine gives to work that has nothing in common. Ranks trace four times the histories: the end of
-a job is the work of rank 0 alone.
+one thread, is T(1)/T(n): what the machine gives to work that has nothing in common. Ranks trace four times the histories:
+at the end of a job, rank 0 alone writes the run file.
 
 Examples:
   scripts/bench scaling --keep      as many threads and ranks as there are cores; for the page
