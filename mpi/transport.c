@@ -20,7 +20,8 @@ struct message {
   char bytes[];
 };
 
-static struct message *sent, *coming; /* in the order of their beginning */
+static struct message *sent, *coming;                /* in the order of their beginning */
+static size_t const most_coming = (size_t)256 << 20; /* bytes; further messages wait at the other end */
 
 static struct message* append(struct message** list, int other, size_t count) {
   struct message* const m = malloc(sizeof *m + count);
@@ -66,7 +67,9 @@ static void forget_sent(void) {
 }
 
 static void receive_coming(void) {
-  for (;;) {
+  size_t bytes = 0;
+  for (struct message const* m = coming; m; m = m->next) bytes += m->count;
+  while (bytes < most_coming) {
     int there = 0, count = 0;
     MPI_Message matched;
     MPI_Status status;
@@ -75,6 +78,7 @@ static void receive_coming(void) {
     MPI_Get_count(&status, MPI_BYTE, &count);
     struct message* const m = append(&coming, status.MPI_SOURCE, (size_t)count);
     MPI_Imrecv(m->bytes, count, MPI_BYTE, &matched, &m->request);
+    bytes += (size_t)count;
   }
 }
 
@@ -108,7 +112,7 @@ static void receive_bytes(int from, void* bytes, size_t count) {
 }
 
 /* Whether all ranks come to the end: MPI_Finalize would wait for ever for one that hangs. Rank 0 waits a minute, others
-   for rank 0. Messages that nobody needs any more are received and dropped, so that no rank is left with one. */
+   for rank 0. A rank comes once its messages have left it; those that nobody needs any more are dropped. */
 static int all_are_here(void) {
   MPI_Request meeting = MPI_REQUEST_NULL;
   int rank = 0, there = 0, met = 0;
@@ -121,8 +125,8 @@ static int all_are_here(void) {
       MPI_Ibarrier(MPI_COMM_WORLD, &meeting);
       met = 1;
     }
-    if (met) MPI_Test(&meeting, &there, MPI_STATUS_IGNORE);
-    if (there || (rank == 0 && MPI_Wtime() > until)) return there;
+    if (met && !there) MPI_Test(&meeting, &there, MPI_STATUS_IGNORE);
+    if ((there && !coming) || (rank == 0 && MPI_Wtime() > until)) return there;
     nanosleep(&pause, NULL);
   }
 }

@@ -31,7 +31,7 @@ class Mpi final : public Transport {
   }
   void lost(int rank) override {
     lost_ = true;
-    fmt::print(stderr, "warning: rank {} does not answer; its blocks go to others\n", rank);
+    fmt::print(stderr, "warning: rank {} does not answer, or has failed; others do its work\n", rank);
   }
   void close(int exit_code) { mpi_.close(lost_, exit_code); }
 

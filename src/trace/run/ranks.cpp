@@ -27,7 +27,8 @@ namespace {
 // all ranks end together.
 constexpr std::size_t most_orders = 2;
 constexpr double seconds_of_work = 10, share_of_rest = 0.5;
-constexpr double seconds_of_patience = 20;     // for the blocks in progress of a rank that must stop
+constexpr double seconds_of_patience = 20;     // for a rank that must stop, or replays scores
+constexpr double seconds_of_absence = 5;       // of rank 0, which writes a checkpoint or was stopped
 constexpr double signs_of_life = 10;           // messages within the patience of rank 0
 constexpr std::size_t longest_failure = 2000;  // bytes
 constexpr std::size_t scores_of_message = 4096;
@@ -124,25 +125,38 @@ void RankScheduler::take(Transport::Message const& message, BlockQueue& block_qu
   Member& member = members_[std::size_t(message.from)];
   auto const [word, rest, blocks] = words_of(message.bytes);
   member.heard = now();
+  member.silent = false;
   if (word == "here") return;
   if (word == "scores") {
     if (blocks.first == round_) add_scores(member.replayed, rest);
     return;
   }
-  if (word == "failed") throw NumericalError(fmt::format("rank {} has failed: {}", message.from, rest));
-  if (word == "ask" || word == "hello") {
-    if (rest != ranks_.identity)
-      throw InputError(fmt::format("rank {} and rank 0 differ in model or version of straytrace", message.from),
-                       "start all ranks with the same program and files, on a shared file system");
-    if (word == "ask") return ranks_.transport.send(message.from, "data\n" + ranks_.data);
-    member.ready = true;
-    return;
-  }
+  if (word == "failed") return failed(message.from, rest);
+  if (word == "ask" || word == "hello") return welcome(message.from, word, rest);
   if (member.orders.empty() || member.orders.front() != blocks) {  // lost: others have them
     member.ready = true;
     return;
   }
   add_sums(member, block_queue, ranks_.unpack(rest), add);
+}
+
+void RankScheduler::welcome(int rank, std::string const& word, std::string const& identity) {
+  if (identity != ranks_.identity) {
+    if (replaying_) return;  // too late to do harm
+    throw InputError(fmt::format("rank {} and rank 0 differ in model or version of straytrace", rank),
+                     "start all ranks with the same program and files, on a shared file system");
+  }
+  if (word == "ask") return ranks_.transport.send(rank, "data\n" + ranks_.data);
+  Member& member = members_[std::size_t(rank)];
+  member.come = member.ready = true;
+}
+
+// The sums are complete where only replays are left: others do them.
+void RankScheduler::failed(int rank, std::string const& what) {
+  if (!replaying_) throw NumericalError(fmt::format("rank {} has failed: {}", rank, what));
+  Member& member = members_[std::size_t(rank)];
+  member.come = member.ready = false;
+  ranks_.transport.lost(rank);
 }
 
 void RankScheduler::add_sums(Member& member, BlockQueue& block_queue, SumTree done,
@@ -176,11 +190,17 @@ void RankScheduler::stop() {
     Member& m = members_[std::size_t(rank)];
     if (!m.orders.empty() && !m.halted) ranks_.transport.send(rank, "halt");
     m.halted = true;
-    if (too_late) m.orders.clear();
+    if (!too_late || m.orders.empty()) continue;
+    m.orders.clear();
+    m.ready = false;
+    m.silent = true;
   }
 }
 
 void RankScheduler::serve(BlockQueue& block_queue, bool stop, std::function<void(SumTree)> const& add) {
+  if (now() - served_at_ > seconds_of_absence)  // nobody could be heard
+    for (Member& m : members_) m.heard = now();
+  served_at_ = now();
   while (auto const message = ranks_.transport.receive()) take(*message, block_queue, add);
   if (stop) return this->stop();
   for (int rank = 1; rank < int(members_.size()); ++rank) {
@@ -201,7 +221,7 @@ void RankScheduler::serve(BlockQueue& block_queue, bool stop, std::function<void
 std::vector<int> RankScheduler::helpers() const {
   std::vector<int> ranks;
   for (int rank = 1; rank < int(members_.size()); ++rank)
-    if (Member const& m = members_[std::size_t(rank)]; m.ready && m.orders.empty()) ranks.push_back(rank);
+    if (Member const& m = members_[std::size_t(rank)]; m.come && !m.silent && m.orders.empty()) ranks.push_back(rank);
   return ranks;
 }
 
@@ -210,35 +230,36 @@ void RankScheduler::listen() {
   while (auto const message = ranks_.transport.receive()) take(*message, none, [](SumTree const&) {});
 }
 
+// Ranks that are silent together are waited for once.
 bool RankScheduler::await_scores(int rank, std::size_t count) {
   Member& m = members_[std::size_t(rank)];
-  m.heard = now();
-  for (listen(); m.replayed.size() < count && now() - m.heard <= ranks_.patience; listen())
+  double const patience = std::min(ranks_.patience, seconds_of_patience);
+  for (listen(); m.come && m.replayed.size() < count && now() - m.heard <= patience; listen())
     std::this_thread::sleep_for(between_looks);
-  if (m.replayed.size() == count) return true;
-  BlockQueue none(std::vector<BlockRange>{});
-  give_up(rank, none);
-  return false;
+  m.silent = m.replayed.size() < count;
+  return !m.silent;
 }
 
 std::vector<ReplayedScore> RankScheduler::replay(std::span<ScoreAddress const> scores, ReplayScores const& here) {
   std::vector<int> const ranks = scores.size() < scores_of_message ? std::vector<int>() : helpers();
   std::size_t const parts = ranks.size() + 1;
   ++round_;
+  replaying_ = true;
   for (std::size_t i = 1; i < parts; ++i) {
-    members_[std::size_t(ranks[i - 1])].replayed.clear();
+    Member& m = members_[std::size_t(ranks[i - 1])];
+    m.replayed.clear();
+    m.heard = now();
     ranks_.transport.send(ranks[i - 1], fmt::format("replay {}\n", round_) + bytes_of(part_of(scores, i, parts)));
   }
   std::vector<ReplayedScore> all(scores.size());
-  auto const place = [&](std::vector<ReplayedScore> part, std::size_t first) {
-    for (std::size_t i = 0; i < part.size(); ++i) all[first + i * parts] = std::move(part[i]);
-  };
-  place(replayed_while(here, part_of(scores, 0, parts), [&] { listen(); }), 0);
-  for (std::size_t i = 1; i < parts; ++i) {
+  for (std::size_t i = 0; i < parts; ++i) {
     std::vector<ScoreAddress> const part = part_of(scores, i, parts);
-    bool const answered = await_scores(ranks[i - 1], part.size());
-    place(answered ? std::move(members_[std::size_t(ranks[i - 1])].replayed) : here(part), i);
+    bool const answered = i > 0 && await_scores(ranks[i - 1], part.size());
+    std::vector<ReplayedScore> replayed = answered ? std::move(members_[std::size_t(ranks[i - 1])].replayed)
+                                                   : replayed_while(here, part, [&] { listen(); });
+    for (std::size_t k = 0; k < replayed.size(); ++k) all[i + k * parts] = std::move(replayed[k]);
   }
+  replaying_ = false;
   return all;
 }
 

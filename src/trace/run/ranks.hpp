@@ -57,28 +57,33 @@ class RankScheduler final : public RemoteWorkers {
   void serve(BlockQueue&, bool stop, std::function<void(SumTree)> const& add) override;
   bool idle() const override;
   // Scores replayed by all ranks that have come and by this one, which replays its share by `here`, and that of a rank
-  // that falls silent. While no rank has blocks to run.
+  // that falls silent or fails. While no rank has blocks to run.
   std::vector<ReplayedScore> replay(std::span<ScoreAddress const> scores, ReplayScores const& here);
 
  private:
   struct Member {
-    bool ready = false, halted = false;  // halted: must stop
-    std::deque<BlockRange> orders;       // the first one in progress
-    double started = 0, heard = 0;       // s, of a steady clock: the first of its orders, its last message
+    bool come = false, ready = false;     // ready: for blocks
+    bool halted = false, silent = false;  // halted: must stop; silent: did not answer in time, and has not since
+    std::deque<BlockRange> orders;        // the first one in progress
+    double started = 0, heard = 0;        // s, of a steady clock: the first of its orders, its last message
     double blocks_per_s = 0;
     std::vector<ReplayedScore> replayed;
   };
   void add_sums(Member&, BlockQueue&, SumTree, std::function<void(SumTree)> const& add);
   void take(Transport::Message const&, BlockQueue&, std::function<void(SumTree)> const& add);
+  void welcome(int rank, std::string const& word, std::string const& identity);
+  void failed(int rank, std::string const& what);
   void give_up(int rank, BlockQueue&);
-  std::vector<int> helpers() const;  // ranks that have come and have nothing to do
-  void listen();                     // while there are no blocks to run
+  std::vector<int> helpers() const;  // ranks that can replay scores
+  void listen();                     // while they do
   bool await_scores(int rank, std::size_t count);
   void stop();
 
   Ranks const& ranks_;
   double stopped_at_ = not_a_number;  // s
+  double served_at_ = 0;              // s
   std::uint64_t round_ = 0;           // of replays
+  bool replaying_ = false;
   std::vector<Member> members_;
 };
 

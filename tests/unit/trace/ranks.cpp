@@ -173,16 +173,16 @@ TEST(Ranks, AllReplayScores) {
   settings.histories = 16 * largest_block;
   World const world = small_tube();
   TraceResult const one = run_trace(SteeredWorld::as_given(world), settings, *make_backend("cpu"));
-  for (int const ranks : {2, 3})
+  for (std::string const before : {"scores 99\nof another round", "failed\nthe test wants it"})
     for (bool const lost : {false, true}) {
-      Job job(ranks);
+      Job job(3);
       job.world = small_tube();
       job.mail.answers_are_lost = lost;
-      job.mail.before_answers = "scores 99\nof another round";
+      job.mail.before_answers = before;
       if (lost) job.patience = 0.5;
-      EXPECT_EQ(facts_of(job.run(settings).coupling), facts_of(one.coupling)) << ranks << " ranks, lost: " << lost;
-      EXPECT_GE(job.mail.answers, ranks - 1);
-      EXPECT_EQ(job.losses > 0, lost);
+      EXPECT_EQ(facts_of(job.run(settings).coupling), facts_of(one.coupling)) << before << ", lost: " << lost;
+      EXPECT_GE(job.mail.answers, 1);
+      EXPECT_EQ(job.losses > 0, before.starts_with("failed"));
     }
   std::vector<ScoreAddress> scores;
   for (auto const& [hash, sums] : one.total.classes) scores.insert(scores.end(), sums.kept.begin(), sums.kept.end());
