@@ -3,7 +3,10 @@
 // the table of which all lines are traced.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <span>
 
 #include "support/shapes.hpp"
 #include "support/trace_received.hpp"
@@ -145,6 +148,26 @@ TEST(Exchange, IsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(one.targets[i].cumulative, three.targets[i].cumulative);
   }
   for (std::size_t i = 0; i < one.sides.size(); ++i) EXPECT_EQ(one.sides[i].adjoint, three.sides[i].adjoint);
+}
+
+// Efforts over ninety octaves, some of them equal and some zero. With ties the first patches are taken.
+TEST(Exchange, TargetsAreThePatchesOfMostEffort) {
+  std::vector<double> efforts;
+  for (int i = 0; i < 1000; ++i) {
+    double const golden = 0.61803398875 * i;
+    efforts.push_back(i % 5 == 0 ? 0 : i % 7 == 0 ? 0x1p-20 : std::ldexp(golden - std::floor(golden), -(i % 90)));
+  }
+  std::vector<double> sorted = efforts;
+  std::ranges::sort(sorted, std::greater<>());
+  for (std::size_t const most : {1, 127, 128, 300, 799, 900}) {
+    std::vector<Target> const list = targets_of(efforts, most);
+    ASSERT_EQ(list.size(), std::min<std::size_t>(most, 800));
+    std::vector<double> chosen;
+    for (Target const& t : list) chosen.push_back(efforts[t.patch]);
+    std::ranges::sort(chosen, std::greater<>());
+    EXPECT_TRUE(std::ranges::equal(chosen, std::span(sorted).first(list.size()))) << most;
+    EXPECT_NEAR(list.back().cumulative, 1, 1e-12);
+  }
 }
 
 }  // namespace
