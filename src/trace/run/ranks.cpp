@@ -10,14 +10,13 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <future>
 #include <sstream>
 #include <string_view>
 #include <thread>
-#include <type_traits>
 
 #include "base/errors.hpp"
+#include "base/process/child_process.hpp"
 
 namespace straytrace::trace {
 namespace {
@@ -48,51 +47,32 @@ Words words_of(std::string const& bytes) {
   return words;
 }
 
-// All ranks run the same program: values are sent as they are in memory.
-template <class T>
-void put(std::string& bytes, T const& value) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  bytes.append(reinterpret_cast<char const*>(&value), sizeof value);
+std::string bytes_of(std::vector<ScoreAddress> const& scores) {
+  Packer out;
+  out.add(scores);
+  return out.take();
 }
-template <class T>
-T taken(std::string_view& bytes) {
-  if (bytes.size() < sizeof(T)) throw NumericalError("a message of another rank is cut short");
-  T value;
-  std::memcpy(&value, bytes.data(), sizeof value);
-  bytes.remove_prefix(sizeof value);
-  return value;
-}
+std::vector<ScoreAddress> addresses_in(std::string_view bytes) { return Unpacker(bytes).values<ScoreAddress>(); }
 
-std::string bytes_of(std::span<ScoreAddress const> scores) {
-  std::string bytes;
-  for (ScoreAddress const& score : scores) put(bytes, score);
-  return bytes;
-}
-std::vector<ScoreAddress> addresses_in(std::string_view bytes) {
-  std::vector<ScoreAddress> scores;
-  while (!bytes.empty()) scores.push_back(taken<ScoreAddress>(bytes));
-  return scores;
-}
-
-std::string bytes_of(std::span<ReplayedScore const> scores) {
-  std::string bytes;
+std::string bytes_of(std::vector<ReplayedScore> const& scores) {
+  Packer out;
+  out.count(scores.size());
   for (ReplayedScore const& score : scores) {
-    put(bytes, score.source);
-    put(bytes, score.goal);
-    put(bytes, score.path_length);
-    put(bytes, score.phase_sensitivities.size());
-    for (PhaseSensitivity const& p : score.phase_sensitivities) put(bytes, p);
+    out.value(score.source);
+    out.value(score.goal);
+    out.value(score.path_length);
+    out.add(score.phase_sensitivities);
   }
-  return bytes;
+  return out.take();
 }
 void add_scores(std::vector<ReplayedScore>& scores, std::string_view bytes) {
-  while (!bytes.empty()) {
+  Unpacker in(bytes);
+  for (auto left = in.count(); left > 0; --left) {
     ReplayedScore& score = scores.emplace_back();
-    score.source = taken<std::uint32_t>(bytes);
-    score.goal = taken<std::uint32_t>(bytes);
-    score.path_length = taken<double>(bytes);
-    score.phase_sensitivities.resize(taken<std::size_t>(bytes));
-    for (PhaseSensitivity& p : score.phase_sensitivities) p = taken<PhaseSensitivity>(bytes);
+    score.source = in.value<std::uint32_t>();
+    score.goal = in.value<std::uint32_t>();
+    score.path_length = in.value<double>();
+    score.phase_sensitivities = in.values<PhaseSensitivity>();
   }
 }
 
@@ -179,6 +159,7 @@ void RankScheduler::give_up(int rank, BlockQueue& block_queue) {
   for (BlockRange const& order : member.orders) block_queue.give_back(order);
   member.orders.clear();
   member.ready = false;
+  member.silent = true;
   ranks_.transport.lost(rank);
 }
 

@@ -108,8 +108,8 @@ TraceResult run_trace(SteeredWorld const& world, TraceSettings const& settings, 
   runner.wanted_blocks = wanted.size();
   std::uint32_t good_checks = settings.good_checks;
   Stopped stopped = Stopped::by_histories;
-  auto const result = [&](SumTree tree, RankScheduler* ranks) {
-    TraceResult r = result_with(ranks, world, settings, std::move(tree));
+  auto const result = [&](SumTree tree, RankScheduler* helpers) {
+    TraceResult r = result_with(helpers, world, settings, std::move(tree));
     r.all_blocks = all;
     r.good_checks = good_checks;
     r.stopped = stopped;

@@ -244,6 +244,27 @@ TEST(Ranks, OneMayFallSilent) {
   }
 }
 
+// A lost rank is not waited for again when scores are replayed (control: AllReplayScores).
+TEST(Ranks, OneThatIsLostReplaysNothing) {
+  Mail mail;
+  mail.boxes.resize(2);
+  ByMail here(mail, 0), there(mail, 1);
+  Ranks const ranks{here, "same", packed, unpacked, 0.2};
+  there.send(0, "hello\nsame");
+  TraceSettings settings = settings_for(1);
+  settings.histories = 16 * largest_block;
+  settings.ranks = &ranks;
+  (void)run_trace(SteeredWorld::as_given(small_tube()), settings, *make_backend("cpu"));
+  EXPECT_EQ(here.losses, 1);
+  int orders = 0, replays = 0;
+  for (auto const& message : mail.boxes[1]) {
+    orders += message.bytes.starts_with("do");
+    replays += message.bytes.starts_with("replay");
+  }
+  EXPECT_GE(orders, 1);
+  EXPECT_EQ(replays, 0);
+}
+
 TEST(Ranks, InterruptedAndResumed) {
   TraceResult const one = run_trace(SteeredWorld::as_given(two_plates()), settings_for(1), *make_backend("cpu"));
   Job job(3);
