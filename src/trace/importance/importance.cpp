@@ -226,6 +226,7 @@ SteeredWorld steer(World& world, unsigned threads) {
   }
   if (world.steering().level > 0 && world.halo().emitted > 0) world.set_halo_level(halo_level(world));
   choose_sub_paths_of_modes(world);
+  choose_aim_shares(world);
   choose_sub_paths_of_receivers(world);
   find_map_cells(world);
   return SteeredWorld(world);

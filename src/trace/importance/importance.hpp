@@ -35,6 +35,8 @@ SteeredWorld steer(World&, unsigned threads = 0);
 void find_covered_receivers(World&);
 // Gives sub-paths to the modes for which they pay, by a short separate run.
 void choose_sub_paths_of_modes(World&);
+// Chooses how often those of receivers aim at each mirror or glass, by a short separate run.
+void choose_aim_shares(World&);
 // Lessens those of receivers where that lessens error and cost, by a short separate run. Histories of these runs never
 // enter results.
 void choose_sub_paths_of_receivers(World&);

@@ -84,8 +84,7 @@ class Trials {
     double const even = pi * r.sides() / receiver_density(world_, r);
     for (std::uint32_t id = 0; id < world_.surfaces.size && id < 4096; ++id) {
       if (!specular(world_, {id}) || r.surface == SurfaceId{id}) continue;
-      r.aims = 1;
-      r.aim[0] = {id};
+      r.aim_at({{id}});
       Found const seen = found(r, 256, {id});
       if (seen.enough() && 4 * seen.square < even * seen.etendue) all.push_back({seen.etendue, {id}});
     }
@@ -131,7 +130,7 @@ void find_covered_receivers(World& world) {
     Trials const trials(view, i, lit);
     std::vector<SurfaceId> const aims = trials.aims();
     Receiver even = view.receivers[i];
-    even.aims = 0;
+    even.aim_at({});
     world.cover_receiver(i, even.behind_glass || !aims.empty() || trials.found(even, 4096).enough(), aims);
   }
   if (!view.polarised) share_sub_paths(world);

@@ -145,21 +145,20 @@ STRAY_HD double density_on(WorldView const& world, std::uint32_t goal, Vertex co
   return connection_density(world.lit[goal], y.point, y.normal());
 }
 
-// Density with which sub-paths (sub_path.hpp) start along `out`, per area and projected solid angle,
-// 1/(m^2 sr): by the cosine law on the sides that count, or towards a point drawn uniformly on one of the aims,
-// hidden or not. `cosine`: at the receiver.
+// Densities with which sub-paths (sub_path.hpp) start along `out`, per projected solid angle, 1/sr (eq. 1.28).
+// By the cosine law on the sides that count:
+STRAY_HD double cosine_density(Receiver const& r) { return 1 / (pi * r.sides()); }
+// Towards a point drawn uniformly on an aim, hidden or not; `cosine`: at the receiver.
+STRAY_HD double aim_density(WorldView const& world, SurfaceId aim, Ray const& out, double cosine) {
+  Crossing const met = world.cross(aim.value, out, {});
+  if (!(met.distance < infinity)) return 0;
+  Vec3 const normal = world.normal(aim, out.origin + met.distance * out.dir, met.piece);
+  return per_solid_angle(area_density(world, aim), met.distance, std::fabs(dot(normal, out.dir))) / cosine;
+}
+// All together, per area as well, 1/(m^2 sr).
 STRAY_HD double start_density(WorldView const& world, Receiver const& r, Ray const& out, double cosine) {
-  double density = 1 / (pi * r.sides());
-  if (r.aims > 0) {
-    double towards = 0;
-    for (std::uint32_t i = 0; i < r.aims; ++i) {
-      Crossing const met = world.cross(r.aim[i].value, out, {});
-      if (!(met.distance < infinity)) continue;
-      Vec3 const normal = world.normal(r.aim[i], out.origin + met.distance * out.dir, met.piece);
-      towards += per_solid_angle(area_density(world, r.aim[i]), met.distance, std::fabs(dot(normal, out.dir)));
-    }
-    density = (1 - Receiver::aimed_share) * density + Receiver::aimed_share * towards / (r.aims * cosine);
-  }
+  double density = r.cosine_share * cosine_density(r);
+  for (std::uint32_t i = 0; i < r.aims; ++i) density += r.aim_share[i] * aim_density(world, r.aim[i], out, cosine);
   return receiver_density(world, r) * density;
 }
 

@@ -89,9 +89,10 @@ class BackwardNumbers {
 STRAY_HD Vec3 start_direction(WorldView const& world, Receiver const& r, Vec3 start, Vec3 normal,
                               BackwardNumbers& numbers) {
   auto const [a, b] = numbers.dealt(Dealt::end_direction);
-  double const choice = r.aims > 0 ? numbers.uniform() / Receiver::aimed_share : 1;
-  if (choice < 1) {
-    SurfaceId const aim = r.aim[static_cast<std::uint32_t>(choice * r.aims)];
+  double choice = r.aims > 0 ? numbers.uniform() : 1;
+  for (std::uint32_t i = 0; i < r.aims; choice -= r.aim_share[i++]) {
+    if (!(choice < r.aim_share[i])) continue;
+    SurfaceId const aim = r.aim[i];
     Vec3 const span = world.shapes.visit(world.surfaces[aim.value].shape, [&](auto const& s) {
       return sample_of(s, a, b).point;
     }) - start;

@@ -3,9 +3,12 @@
 // be one.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -102,12 +105,14 @@ struct Receiver {
   bool clear = false;               // a measuring plane: light passes, and it hides nothing
   bool behind_glass = false;        // sees through lenses and mirrors, or is stated to do so
   double sub_paths = 0;             // mean number per history that start here (trace/step/sub_path.hpp)
-  // Mirrors and glass that sub-paths aim at, and the share of sub-paths that does; the others start by the cosine law.
+  // Mirrors and glass that sub-paths aim at, each with the share of sub-paths that does; the others start by the cosine
+  // law.
   static constexpr std::uint32_t most_aims = 8;
-  static constexpr double aimed_share = 0.75;
+  static constexpr double most_aimed = 0.75;  // of all
   std::uint32_t aims = 0;
   SurfaceId aim[most_aims];
-  Pose frame;  // e3: its normal; origin and e1, e2: centre and axes of the maps
+  double aim_share[most_aims] = {}, cosine_share = 1;  // these add up to 1
+  Pose frame;                                          // e3: its normal; origin and e1, e2: centre and axes of the maps
   // Map over the surface: columns x rows pixels over 2 half_width x 2 half_height, m, along e1 and e2. 0: none.
   std::uint32_t columns = 0, rows = 0;
   double half_width = 0, half_height = 0;
@@ -128,6 +133,18 @@ struct Receiver {
   static constexpr std::uint32_t quadrant_cells = 5;  // lower left, lower right, upper left, upper right, gap
   static constexpr std::uint32_t outside = 0xffffffffu;
 
+  // Aims at all of these equally, at most `most_aims`.
+  void aim_at(std::vector<SurfaceId> const& surfaces) {
+    aims = std::uint32_t(surfaces.size());
+    std::ranges::copy(surfaces, aim);
+    std::array<double, most_aims> shares{};
+    std::fill_n(shares.begin(), aims, most_aimed / std::max(aims, 1u));
+    set_aim_shares(shares);
+  }
+  void set_aim_shares(std::array<double, most_aims> const& shares) {
+    std::ranges::copy(shares, aim_share);
+    cosine_share = 1 - std::accumulate(shares.begin(), shares.end(), 0.0);
+  }
   STRAY_HD bool counts(bool lit_front) const { return lit_front ? front : back; }
   STRAY_HD int sides() const { return (front ? 1 : 0) + (back ? 1 : 0); }
   STRAY_HD std::uint32_t pixel(Vec3 p) const {

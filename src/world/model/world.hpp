@@ -160,13 +160,15 @@ class World {
   PortId add_port(std::string name);
   void add_footprint(Footprint, Feed = {});  // its surface must exist; limits backoff to the value given
   void add_receiver(std::string name, Receiver);
-  // Whether it sees through glass, and the surfaces that sub-paths aim at (at most `most_aims`).
+  // Whether it sees through glass, and the surfaces that sub-paths aim at (at most `most_aims`), all equally.
   void cover_receiver(std::uint32_t receiver, bool behind_glass, std::vector<SurfaceId> const& aims = {}) {
     Receiver& r = receivers_[receiver];
     r.behind_glass = behind_glass;
     r.sub_paths = behind_glass ? 1 : 0;
-    r.aims = 0;
-    for (SurfaceId const id : aims) r.aim[r.aims++] = id;
+    r.aim_at(aims);
+  }
+  void set_aim_shares(std::uint32_t receiver, std::array<double, Receiver::most_aims> const& shares) {
+    receivers_[receiver].set_aim_shares(shares);
   }
   void set_sub_paths(std::uint32_t receiver, double mean) { receivers_[receiver].sub_paths = mean; }
   void set_sub_paths_of_mode(std::uint32_t footprint, double mean) { lit_[footprint].sub_paths = mean; }
