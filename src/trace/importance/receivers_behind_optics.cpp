@@ -44,7 +44,7 @@ class Trials {
 
   // Sub-paths that reached a scattering surface, or one lit by a beam. Sums of 1/density and of its square.
   struct Found {
-    int hits = 0;
+    int hits = 0, lit = 0;  // lit: those that met a surface lit by a beam
     double etendue = 0, square = 0;
     bool enough() const { return hits >= 4; }
   };
@@ -71,6 +71,7 @@ class Trials {
       if ((first.valid() && passed != first) || !(lit || reached)) continue;
       double const start = 1 / sub_->density;
       ++sum.hits;
+      sum.lit += lit;
       sum.etendue += start;
       sum.square += start * start;
     }
@@ -78,21 +79,21 @@ class Trials {
   }
   // The mirrors and glass by way of which it sees most, each tried alone: those so small or far that aiming at them
   // starts useful sub-paths four times as often as the cosine law, which has the density 1/`even`.
-  std::vector<SurfaceId> aims() const {
-    std::vector<std::pair<double, SurfaceId>> all;
+  std::vector<Receiver::Aim> aims() const {
+    std::vector<std::pair<double, Receiver::Aim>> all;
     Receiver r = world_.receivers[receiver_];
     double const even = pi * r.sides() / receiver_density(world_, r);
     for (std::uint32_t id = 0; id < world_.surfaces.size && id < 4096; ++id) {
       if (!specular(world_, {id}) || r.surface == SurfaceId{id}) continue;
-      r.aim_at({{id}});
+      r.aim_at({{{id}}});
       Found const seen = found(r, 256, {id});
-      if (seen.enough() && 4 * seen.square < even * seen.etendue) all.push_back({seen.etendue, {id}});
+      if (seen.enough() && 4 * seen.square < even * seen.etendue) all.push_back({seen.etendue, {{id}, seen.lit > 0}});
     }
     std::ranges::stable_sort(all, [](auto const& a, auto const& b) { return a.first > b.first; });
     if (all.size() > Receiver::most_aims) all.resize(Receiver::most_aims);
-    std::vector<SurfaceId> ids;
-    for (auto const& [seen, id] : all) ids.push_back(id);
-    return ids;
+    std::vector<Receiver::Aim> aims;
+    for (auto const& [seen, aim] : all) aims.push_back(aim);
+    return aims;
   }
 
  private:
@@ -128,7 +129,7 @@ void find_covered_receivers(World& world) {
     }
     if (view.receivers[i].clear) continue;
     Trials const trials(view, i, lit);
-    std::vector<SurfaceId> const aims = trials.aims();
+    std::vector<Receiver::Aim> const aims = trials.aims();
     Receiver even = view.receivers[i];
     even.aim_at({});
     world.cover_receiver(i, even.behind_glass || !aims.empty() || trials.found(even, 4096).enough(), aims);

@@ -158,7 +158,8 @@ STRAY_HD double aim_density(WorldView const& world, SurfaceId aim, Ray const& ou
 // All together, per area as well, 1/(m^2 sr).
 STRAY_HD double start_density(WorldView const& world, Receiver const& r, Ray const& out, double cosine) {
   double density = r.cosine_share * cosine_density(r);
-  for (std::uint32_t i = 0; i < r.aims; ++i) density += r.aim_share[i] * aim_density(world, r.aim[i], out, cosine);
+  for (std::uint32_t i = 0; i < r.aims; ++i)
+    density += r.aim[i].share * aim_density(world, r.aim[i].surface, out, cosine);
   return receiver_density(world, r) * density;
 }
 

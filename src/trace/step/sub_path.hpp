@@ -90,9 +90,9 @@ STRAY_HD Vec3 start_direction(WorldView const& world, Receiver const& r, Vec3 st
                               BackwardNumbers& numbers) {
   auto const [a, b] = numbers.dealt(Dealt::end_direction);
   double choice = r.aims > 0 ? numbers.uniform() : 1;
-  for (std::uint32_t i = 0; i < r.aims; choice -= r.aim_share[i++]) {
-    if (!(choice < r.aim_share[i])) continue;
-    SurfaceId const aim = r.aim[i];
+  for (std::uint32_t i = 0; i < r.aims; choice -= r.aim[i++].share) {
+    if (!(choice < r.aim[i].share)) continue;
+    SurfaceId const aim = r.aim[i].surface;
     Vec3 const span = world.shapes.visit(world.surfaces[aim.value].shape, [&](auto const& s) {
       return sample_of(s, a, b).point;
     }) - start;

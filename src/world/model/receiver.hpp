@@ -4,11 +4,9 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -107,12 +105,17 @@ struct Receiver {
   double sub_paths = 0;             // mean number per history that start here (trace/step/sub_path.hpp)
   // Mirrors and glass that sub-paths aim at, each with the share of sub-paths that does; the others start by the cosine
   // law.
+  struct Aim {
+    SurfaceId surface;
+    bool shows_beam = false;  // surfaces that light of beams meets first
+    double share = 0;
+  };
   static constexpr std::uint32_t most_aims = 8;
   static constexpr double most_aimed = 0.75;  // of all
   std::uint32_t aims = 0;
-  SurfaceId aim[most_aims];
-  double aim_share[most_aims] = {}, cosine_share = 1;  // these add up to 1
-  Pose frame;                                          // e3: its normal; origin and e1, e2: centre and axes of the maps
+  Aim aim[most_aims];
+  double cosine_share = 1;
+  Pose frame;  // e3: its normal; origin and e1, e2: centre and axes of the maps
   // Map over the surface: columns x rows pixels over 2 half_width x 2 half_height, m, along e1 and e2. 0: none.
   std::uint32_t columns = 0, rows = 0;
   double half_width = 0, half_height = 0;
@@ -134,16 +137,15 @@ struct Receiver {
   static constexpr std::uint32_t outside = 0xffffffffu;
 
   // Aims at all of these equally, at most `most_aims`.
-  void aim_at(std::vector<SurfaceId> const& surfaces) {
-    aims = std::uint32_t(surfaces.size());
-    std::ranges::copy(surfaces, aim);
-    std::array<double, most_aims> shares{};
-    std::fill_n(shares.begin(), aims, most_aimed / std::max(aims, 1u));
-    set_aim_shares(shares);
+  void aim_at(std::vector<Aim> const& at) {
+    aims = std::uint32_t(at.size());
+    std::ranges::copy(at, aim);
+    std::vector<double> const equal(at.size(), most_aimed / double(std::max<std::size_t>(at.size(), 1)));
+    set_aim_shares(equal);
   }
-  void set_aim_shares(std::array<double, most_aims> const& shares) {
-    std::ranges::copy(shares, aim_share);
-    cosine_share = 1 - std::accumulate(shares.begin(), shares.end(), 0.0);
+  void set_aim_shares(std::span<double const> shares) {
+    cosine_share = 1;
+    for (std::uint32_t i = 0; i < aims; ++i) cosine_share -= aim[i].share = shares[i];
   }
   STRAY_HD bool counts(bool lit_front) const { return lit_front ? front : back; }
   STRAY_HD int sides() const { return (front ? 1 : 0) + (back ? 1 : 0); }

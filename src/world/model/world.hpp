@@ -161,13 +161,13 @@ class World {
   void add_footprint(Footprint, Feed = {});  // its surface must exist; limits backoff to the value given
   void add_receiver(std::string name, Receiver);
   // Whether it sees through glass, and the surfaces that sub-paths aim at (at most `most_aims`), all equally.
-  void cover_receiver(std::uint32_t receiver, bool behind_glass, std::vector<SurfaceId> const& aims = {}) {
+  void cover_receiver(std::uint32_t receiver, bool behind_glass, std::vector<Receiver::Aim> const& aims = {}) {
     Receiver& r = receivers_[receiver];
     r.behind_glass = behind_glass;
     r.sub_paths = behind_glass ? 1 : 0;
     r.aim_at(aims);
   }
-  void set_aim_shares(std::uint32_t receiver, std::array<double, Receiver::most_aims> const& shares) {
+  void set_aim_shares(std::uint32_t receiver, std::span<double const> shares) {
     receivers_[receiver].set_aim_shares(shares);
   }
   void set_sub_paths(std::uint32_t receiver, double mean) { receivers_[receiver].sub_paths = mean; }
