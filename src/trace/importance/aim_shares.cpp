@@ -24,6 +24,12 @@ constexpr double hardly = 0.05;
 // keeps its equal share.
 constexpr double least_by_cosine = 1 - Receiver::most_aimed, least_aimed = 0.25;
 
+// Whether the least shares leave anything to choose.
+bool has_choice(Receiver const& r) {
+  return r.sub_paths > 0 &&
+         std::any_of(r.aim, r.aim + r.aims, [](Receiver::Aim const& aim) { return !aim.shows_beam; });
+}
+
 // Sums over one history what sub-paths score, by goal.
 class SubPathScores : public NullSink {
  public:
@@ -73,7 +79,8 @@ std::vector<std::vector<Start>> starts_tried(World const& world, int run) {
       SubPath const& sub = history.sub_paths.sub[s];
       if (!is_receiver(view, sub.goal) || !(sink.sums[sub.goal] > 0)) continue;
       Receiver const& r = receiver_of(view, sub.goal);
-      if (r.aims > 0) starts[place_of(view, sub.goal)].push_back(start_of_sub_path(view, r, sub, sink.sums[sub.goal]));
+      if (has_choice(r))
+        starts[place_of(view, sub.goal)].push_back(start_of_sub_path(view, r, sub, sink.sums[sub.goal]));
     }
     std::ranges::fill(sink.sums, 0);
   }
@@ -107,7 +114,6 @@ Ways best_shares(std::vector<Start> const& starts, Ways const& least, std::size_
   constexpr int steps = 100;
   double const free = 1 - std::accumulate(least.begin(), least.end(), 0.0);
   Ways share = least;
-  if (!(free > 1e-12)) return share;
   for (std::size_t k = 0; k < ways; ++k) share[k] += free / double(ways);
   for (int step = 0; step < steps; ++step) {
     Ways slope{};
@@ -140,7 +146,7 @@ bool improve_shares(World& world, int run) {
 }  // namespace
 
 void choose_aim_shares(World& world) {
-  if (std::ranges::none_of(world.receivers(), [](Receiver const& r) { return r.aims > 0 && r.sub_paths > 0; })) return;
+  if (std::ranges::none_of(world.receivers(), has_choice)) return;
   for (int run = 0; run < most_runs && improve_shares(world, run); ++run) {
   }
 }

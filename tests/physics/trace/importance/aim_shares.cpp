@@ -9,6 +9,16 @@ namespace {
 
 constexpr double rho = 0.8, radius = 0.01;  // of the card; m, of the receiver
 
+// Discs of one body, black behind.
+struct Discs {
+  World& world;
+  BodyId body = world.add_body("all", {});
+  std::uint32_t black = black_optic(world);
+  SurfaceId operator()(char const* name, Vec3 at, Vec3 facing, double size, std::uint32_t front) const {
+    return world.add_surface(disk(0, size, {at, unit(facing)}), front, black, body, world.add_group(name));
+  }
+};
+
 // A laser lights a white card, straight or by way of another one. A mirror shows it to a receiver from which screens
 // hide both, another mirror shows a card that no light reaches.
 struct Layout {
@@ -17,22 +27,18 @@ struct Layout {
 };
 World two_mirrors(Layout const& s) {
   World world;
-  BodyId const body = world.add_body("all", {});
-  std::uint32_t const black = black_optic(world), silver = mirror_optic(world, 0.9),
-                      white = lambertian_optic(world, rho);
-  auto const disc = [&](char const* name, Vec3 at, Vec3 facing, double size, std::uint32_t front) {
-    return world.add_surface(disk(0, size, {at, unit(facing)}), front, black, body, world.add_group(name));
-  };
+  Discs const disc{world};
+  std::uint32_t const silver = mirror_optic(world, 0.9), white = lambertian_optic(world, rho);
   disc("card", {}, {1, 0, 1}, 0.03, white);
   disc("mirror", {0.2, 0, 0}, {-1, 0, 1}, 0.03, silver);
-  disc("screen", {0.1, 0, 0.1}, {1, 0, 1}, 0.05, black);
+  disc("screen", {0.1, 0, 0.1}, {1, 0, 1}, 0.05, disc.black);
   disc("dark card", {0.6, 0, 0}, {-1, 0, 1}, 0.03, white);
   disc("dark mirror", {0.3, 0, 0}, {0.553, 0, 0.894}, 0.03, silver);
-  receive_on(world, "eye", disc("eye", {0.2, 0, 0.2}, {0, 0, -1}, radius, black), true, s.both_sides);
+  receive_on(world, "eye", disc("eye", {0.2, 0, 0.2}, {0, 0, -1}, radius, disc.black), true, s.both_sides);
   GroupId const laser = world.add_group("laser");
   if (s.indirect) {
     disc("first card", {0, 0.2, 0.1}, {0, -1, 0.3}, 0.05, white);
-    disc("other screen", {0.1, 0.1, 0.15}, {-2, 2, -1}, 0.05, black);
+    disc("other screen", {0.1, 0.1, 0.15}, {-2, 2, -1}, 0.05, disc.black);
     world.add_footprint(free_beam(laser, {0, 0.1, 0.3}, unit({0, 1, -2}), Profile::even, 0.02));
   } else {
     world.add_footprint(free_beam(laser, {0, 0, 0.3}, {0, 0, -1}, Profile::even, 0.02));
@@ -49,7 +55,7 @@ std::size_t bright(Receiver const& eye) { return eye.aim[1].surface.value == 1 ?
 TEST(AimShares, DoNotChangeTheLight) {
   double const expected = rho * 0.9 * std::sqrt(0.5) * radius * radius / 0.16;
   for (bool const both : {false, true})
-    for (auto const [to_bright, to_dark] : {std::pair{0.7, 0.02}, {0.3, 0.6}, {0.25, 0.0}, {1.0, 0.0}}) {
+    for (auto const& [to_bright, to_dark] : {std::pair{0.7, 0.02}, {0.3, 0.6}, {0.25, 0.0}, {1.0, 0.0}}) {
       World world = two_mirrors({.both_sides = both});
       std::size_t const first = bright(world.receivers()[0]);
       double shares[2];
@@ -90,15 +96,12 @@ TEST(AimShares, StayEqualWhereAMirrorShowsABeam) {
 // rest.
 SampleMean in_sphere(bool chosen) {
   World world;
-  BodyId const body = world.add_body("all", {});
-  std::uint32_t const black = black_optic(world), white = lambertian_optic(world, 0.5);
-  auto const disc = [&](char const* name, Vec3 at, Vec3 facing, double size, std::uint32_t front) {
-    return world.add_surface(disk(0, size, {at, unit(facing)}), front, black, body, world.add_group(name));
-  };
-  world.add_surface(sphere(1), white, white, body, world.add_group("wall"));
+  Discs const disc{world};
+  std::uint32_t const white = lambertian_optic(world, 0.5);
+  world.add_surface(sphere(1), white, white, disc.body, world.add_group("wall"));
   disc("card", {0.5, 0, 0}, {-1, 0, 0}, 0.1, white);
   disc("mirror", {0.05, 0, -0.95}, {-0.5, 0, 0.3}, 0.01, mirror_optic(world, 0.9));
-  receive_on(world, "eye", disc("eye", {0, 0, -0.9}, {0, 0, -1}, 0.02, black));
+  receive_on(world, "eye", disc("eye", {0, 0, -0.9}, {0, 0, -1}, 0.02, disc.black));
   world.add_footprint(free_beam(world.add_group("laser"), {}, {1, 0, 0}, Profile::even, 3e-3));
   world.limits.max_order = 12;
   world.finish();
